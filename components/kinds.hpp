@@ -1,0 +1,24 @@
+#pragma once
+
+namespace bris {
+
+// Kinds name the tables of a scene. Every boundary is a body; spheres, facets and planes belong to
+// a body. A pair table holds candidates and their history; its short list holds those near now.
+
+struct Bodies  { static constexpr auto name = "bodies"; };
+struct Spheres { static constexpr auto name = "spheres"; };
+struct Facets  { static constexpr auto name = "facets"; };
+struct Planes  { static constexpr auto name = "planes"; };
+/// Packed rows of the spheres that are on some short list, a run for each body.
+struct Listed  { static constexpr auto name = "listed"; };
+
+struct NearSpheres { static constexpr auto name = "near_spheres"; };
+struct NearFacets  { static constexpr auto name = "near_facets"; };
+struct NearPlanes  { static constexpr auto name = "near_planes"; };
+
+// rows_per_flag: near rows a byte of touching flags; facets are reduced in runs that cross bytes
+struct SpherePairs { static constexpr auto name = "sphere_pairs"; using Near = NearSpheres; static constexpr unsigned rows_per_flag = 8; };
+struct FacetPairs  { static constexpr auto name = "facet_pairs";  using Near = NearFacets;  static constexpr unsigned rows_per_flag = 1; };
+struct PlanePairs  { static constexpr auto name = "plane_pairs";  using Near = NearPlanes;  static constexpr unsigned rows_per_flag = 8; };
+
+} // namespace bris

@@ -1,0 +1,65 @@
+#pragma once
+
+#include "engine/component.hpp"
+#include "engine/entity.hpp"
+
+#include <vector>
+
+namespace bris {
+
+/// Names a pair of surfaces for good: the owning body (of two spheres, the one with the lower id),
+/// its partner, and which sphere or facet of each. Pairs of one owner stand in this order.
+struct PairNames {
+    EntityId owner, partner, sphere, feature; ///< sphere: place in the owner's run; feature: place in
+                                              ///< the partner's run, or the id of a facet or plane
+    friend bool operator<(const PairNames& a, const PairNames& b) {
+        if (a.owner != b.owner) return a.owner < b.owner;
+        if (a.partner != b.partner) return a.partner < b.partner;
+        return a.sphere != b.sphere ? a.sphere < b.sphere : a.feature < b.feature;
+    }
+    friend bool operator==(const PairNames&, const PairNames&) = default;
+};
+struct PairKey : State<PairNames, std::uint32_t> { static constexpr auto name = "key", unit = ""; static constexpr bool is_key = true; };
+
+/// Stretch of the tangential spring, world frame, half a step ahead of the positions. Zero if the
+/// pair does not touch, so that being a candidate leaves no trace.
+struct alignas(32) SpringRow { double x, y, z, unused; };
+struct Spring : State<SpringRow> {
+    static constexpr auto name = "spring", unit = "m";
+    static bool keep(const SpringRow& s) { return s.x != 0 || s.y != 0 || s.z != 0; }
+};
+
+/// Rows behind the names: spheres, or sphere and facet or plane; and the row of the partner body.
+struct PairPlaces { Row sphere, other, partner_body, law; };
+struct PairRows : Derived<PairPlaces> { static constexpr auto name = "rows", unit = ""; };
+
+/// An entry of the short list: slots in Listed (or a facet's or plane's row), its pair, and which
+/// coefficients apply.
+struct NearEntry { Row owner, other, pair, law; };
+struct NearPair : Derived<NearEntry> { static constexpr auto name = "near", unit = ""; };
+
+/// What a pair does to its owner now: force (the partner gets the opposite), overlap, the point where
+/// it acts, normal force. All zero if the pair does not touch.
+struct alignas(64) ForceRow { double fx, fy, fz, overlap, px, py, pz, normal_force; };
+struct PairForce : Derived<ForceRow> { static constexpr auto name = "force", unit = "N, m"; };
+
+/// Work that friction takes in this step, only where an energy ledger is kept.
+struct SlipWork : Derived<double> { static constexpr auto name = "slip_work", unit = "J"; };
+
+/// Who is near whom, body by body. Near rows of an owner stand together; `incident` lists the near
+/// rows in which a body is the partner, by ascending id of the owner.
+template <class Pairs> struct NearIndex {
+    static constexpr auto name = Pairs::name;
+    static constexpr unsigned group = Pairs::rows_per_flag; ///< near rows a byte of `touching`
+
+    std::vector<Row> owned_first;    ///< bodies + 1
+    std::vector<Row> incident_first; ///< bodies + 1
+    std::vector<Row> incident;
+    std::vector<std::uint8_t> touching; ///< bit k of byte g: near row group * g + k
+    std::vector<Row> too_deep;          ///< per chunk, a near row beyond the overlap limit, or no_row
+
+    std::size_t size() const { return owned_first.empty() ? 0 : owned_first.back(); }
+    bool touches(Row near) const { return ((touching[near / group] >> (near % group)) & 1) != 0; }
+};
+
+} // namespace bris

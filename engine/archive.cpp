@@ -1,0 +1,53 @@
+#include "engine/archive.hpp"
+
+#include "engine/errors.hpp"
+
+namespace bris {
+
+namespace {
+
+// MurmurHash3's 64-bit finaliser as the mixing step of a running hash
+std::uint64_t mix(std::uint64_t h, std::uint64_t word) {
+    h ^= word;
+    h = (h ^ (h >> 33)) * 0xff51afd7ed558ccdu;
+    h = (h ^ (h >> 33)) * 0xc4ceb9fe1a85ec53u;
+    return h ^ (h >> 33);
+}
+
+std::uint64_t mix(std::uint64_t h, const std::byte* data, std::size_t size) {
+    for (; size >= 8; data += 8, size -= 8) {
+        std::uint64_t word;
+        std::memcpy(&word, data, 8);
+        h = mix(h, word);
+    }
+    std::uint64_t tail = 0;
+    std::memcpy(&tail, data, size);
+    return mix(h, tail + size);
+}
+
+} // namespace
+
+const Archive::Array* Archive::find(const std::string& path) const {
+    for (const Array& array : arrays_)
+        if (array.path == path) return &array;
+    return nullptr;
+}
+
+const Archive::Array& Archive::checked(const std::string& path, std::size_t scalar_size) const {
+    const Array* array = find(path);
+    require(array != nullptr, "checkpoint: expected '" + path + "', found nothing of that name");
+    require(array->scalar_size == scalar_size, "checkpoint: '" + path + "' has values of another size");
+    return *array;
+}
+
+std::uint64_t fingerprint(const Archive& archive, const std::string& prefix) {
+    std::uint64_t h = 0x62726973;
+    for (const auto& array : archive.arrays()) {
+        if (array.path.compare(0, prefix.size(), prefix) != 0) continue;
+        h = mix(h, reinterpret_cast<const std::byte*>(array.path.data()), array.path.size());
+        h = mix(h, array.bytes.data(), array.bytes.size());
+    }
+    return h;
+}
+
+} // namespace bris

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "engine/component.hpp"
+#include "engine/entity.hpp"
+
+#include <cstddef>
+#include <span>
+#include <string>
+#include <typeindex>
+
+namespace bris {
+
+/// One component of every row of a table: plain bytes, 64-byte aligned, zero on growth. Values are
+/// moved with memcpy, so a component's value must be plain data.
+class Column {
+public:
+    struct Type {
+        std::type_index component;
+        std::string name, unit;
+        bool is_state;
+        Scalar scalar;
+        std::size_t scalar_size; ///< bytes
+        std::size_t value_size;  ///< bytes
+        bool is_key = false;
+        bool (*keep)(const std::byte* value) = nullptr; ///< null: every row is kept
+    };
+
+    explicit Column(Type type) : type_(std::move(type)) {}
+    Column(const Column& other);
+    Column& operator=(const Column&) = delete;
+    ~Column();
+
+    const Type& type() const { return type_; }
+    std::size_t size() const { return size_; }
+    std::byte* bytes() { return data_; }
+    const std::byte* bytes() const { return data_; }
+
+    /// Rows beyond the old size are zero. Memory is kept when shrinking.
+    void resize(std::size_t rows);
+    /// Row r becomes what row `new_to_old[r]` was.
+    void permute(std::span<const Row> new_to_old);
+
+    template <Component C> static Type type_of() {
+        Type type{typeid(C),      C::name, C::unit, C::is_state, C::scalar,
+                  C::scalar_size, sizeof(typename C::Value)};
+        if constexpr (requires { C::is_key; }) type.is_key = C::is_key;
+        if constexpr (requires { &C::keep; })
+            type.keep = [](const std::byte* value) {
+                return C::keep(*reinterpret_cast<const typename C::Value*>(value));
+            };
+        return type;
+    }
+
+private:
+    void reserve(std::size_t rows);
+
+    Type type_;
+    std::byte* data_ = nullptr;
+    std::size_t size_ = 0;     // rows
+    std::size_t capacity_ = 0; // rows
+};
+
+} // namespace bris

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <concepts>
+#include <cstddef>
+#include <cstdint>
+#include <type_traits>
+
+namespace bris {
+
+/// What a component's numbers are made of; tells files how to show them.
+enum class Scalar : std::uint8_t { real, integer };
+
+/// Saved in checkpoints and hashed: a run can be continued from its State alone. The value is plain
+/// data made of numbers of one type, `Number`.
+template <class T, class Number = std::conditional_t<std::is_arithmetic_v<T>, T, double>> struct State {
+    using Value = T;
+    static constexpr bool is_state = true;
+    static constexpr Scalar scalar = std::is_integral_v<Number> ? Scalar::integer : Scalar::real;
+    static constexpr std::size_t scalar_size = sizeof(Number);
+};
+
+/// Recomputed from State; never saved.
+template <class T> struct Derived {
+    using Value = T;
+    static constexpr bool is_state = false;
+    static constexpr Scalar scalar = Scalar::real;
+    static constexpr std::size_t scalar_size = 1;
+};
+
+/// A column's type: a struct derived from State<T> or Derived<T> with `name` and `unit`. The State
+/// column marked `is_key` names the rows (unsigned numbers, compared in order); a State column with
+/// `static bool keep(const Value&)` lets rows that hold nothing be left out of files.
+template <class C>
+concept Component = requires {
+    typename C::Value;
+    { C::is_state } -> std::convertible_to<bool>;
+    C::name;
+    C::unit;
+};
+
+} // namespace bris

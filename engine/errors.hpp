@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+
+namespace bris {
+
+/// What a process returns to its shell.
+enum class ExitCode : int { done = 0, bad_input = 2, stopped_by_guard = 3, io_failure = 4, interrupted = 130 };
+
+/// Bad option, asset or recording. The message is one line: "file:line: what: expected ..., found ...".
+struct InputError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// The numbers went wrong: the message names step, time, ids and what to try.
+struct SimulationError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// A file could not be read or written.
+struct OutputError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// The user asked to stop (Ctrl-C); the state has been saved.
+struct Interrupted : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
+/// Throws InputError unless `condition` holds.
+inline void require(bool condition, const std::string& message) {
+    if (!condition) throw InputError(message);
+}
+
+} // namespace bris
+
+// a programmer's mistake, never a user's; on in checked builds
+#ifdef BRIS_CHECKED
+#include <cstdio>
+#include <cstdlib>
+#define BRIS_ASSERT(condition)                                                                     \
+    do {                                                                                           \
+        if (!(condition)) {                                                                        \
+            std::fprintf(stderr, "%s:%d: assertion failed: %s\n", __FILE__, __LINE__, #condition); \
+            std::abort();                                                                          \
+        }                                                                                          \
+    } while (false)
+#else
+#define BRIS_ASSERT(condition) static_cast<void>(0)
+#endif

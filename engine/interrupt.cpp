@@ -1,0 +1,32 @@
+#include "engine/interrupt.hpp"
+
+#include <atomic>
+#include <csignal>
+#include <unistd.h>
+
+namespace bris {
+
+namespace {
+
+// a signal handler can only reach what is static; lock-free, so both handler and threads may use it
+std::atomic<int> requests{0};
+static_assert(std::atomic<int>::is_always_lock_free);
+
+extern "C" void ask_to_stop(int signal) {
+    if (requests.fetch_add(1) > 0 && signal == SIGINT) _exit(130);
+}
+
+} // namespace
+
+void catch_interrupts() {
+    struct sigaction action {};
+    action.sa_handler = ask_to_stop;
+    sigemptyset(&action.sa_mask);
+    action.sa_flags = SA_RESTART; // a write in progress is finished, not failed
+    sigaction(SIGINT, &action, nullptr);
+    sigaction(SIGTERM, &action, nullptr);
+}
+
+bool interrupted() { return requests.load(std::memory_order_relaxed) > 0; }
+
+} // namespace bris

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// A table of numbers read from text: comma-separated, one header line with the column names
+/// (units in the name, as `radius_mm`), lines starting with '#' are comments.
+struct CsvTable {
+    std::filesystem::path path;
+    std::vector<std::string> names;
+    std::vector<std::vector<double>> rows;
+    std::vector<int> lines; ///< line number in the file of each row, counted from 1
+
+    /// Values of the named column. Throws InputError naming the file and the columns it has.
+    std::vector<double> column(const std::string& name) const;
+    bool has(const std::string& name) const;
+};
+
+/// Reads a CSV file. An empty cell or "-" becomes NaN. Throws InputError with file:line, what was
+/// expected and what was found; OutputError if the file cannot be read.
+CsvTable read_csv(const std::filesystem::path& path);
+
+/// Writes a CSV file with `digits` significant digits (default: exact round trip), as a new file
+/// that replaces the old one only when complete. Comments stand before the header, each with "# ".
+/// Throws OutputError.
+void write_csv(const std::filesystem::path& path, const std::vector<std::string>& names,
+               const std::vector<std::vector<double>>& rows,
+               const std::vector<std::string>& comments = {}, int digits = 17);
+
+} // namespace bris

@@ -1,0 +1,379 @@
+#include "engine/io/hdf5.hpp"
+
+#include "engine/errors.hpp"
+
+#include <fmt/format.h>
+#include <hdf5.h>
+
+#include <algorithm>
+#include <numeric>
+#include <stdexcept>
+#include <utility>
+
+namespace bris {
+
+namespace {
+
+constexpr std::size_t most_bytes = std::size_t{1} << 38; // 256 GiB in one dataset
+
+/// The library prints its errors unless told otherwise, thread by thread.
+void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+/// Before the first file: the library must not tidy up when the process ends, because after a
+/// write that failed (disk full) it crashes there. Every file is closed by its owner.
+void begin() {
+    H5dont_atexit();
+    silence();
+}
+
+/// Description of the innermost error of the failed call.
+std::string reason() {
+    std::string text;
+    const auto note = [](unsigned, const H5E_error2_t* error, void* target) -> herr_t {
+        auto& out = *static_cast<std::string*>(target);
+        if (out.empty() && error->desc) out = error->desc;
+        return 0;
+    };
+    H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, note, &text);
+    H5Eclear2(H5E_DEFAULT);
+    // "unable to open file: name = '...', errno = 2, error message = '...', flags = ..." is long
+    if (const auto at = text.find("error message = '"); at != std::string::npos)
+        text = text.substr(at + 17, text.find('\'', at + 17) - at - 17);
+    return text.empty() ? "unknown reason" : text;
+}
+
+/// A handle that is closed when it goes.
+template <herr_t (*close)(hid_t)>
+class Handle {
+public:
+    explicit Handle(hid_t id) : id_(id) {}
+    Handle(const Handle&) = delete;
+    Handle& operator=(const Handle&) = delete;
+    ~Handle() {
+        if (id_ >= 0) close(id_);
+    }
+    operator hid_t() const { return id_; }
+    /// Closes now; false if that failed. A dataset's last values are written when it is closed.
+    bool closed_well() { return close(std::exchange(id_, -1)) >= 0; }
+
+private:
+    hid_t id_;
+};
+using Object = Handle<H5Oclose>;
+using Group = Handle<H5Gclose>;
+using Dataset = Handle<H5Dclose>;
+using Space = Handle<H5Sclose>;
+using Type = Handle<H5Tclose>;
+using Properties = Handle<H5Pclose>;
+using Attribute = Handle<H5Aclose>;
+
+std::vector<hsize_t> extents(hid_t space) {
+    const int rank = H5Sget_simple_extent_ndims(space);
+    std::vector<hsize_t> extent(rank > 0 ? static_cast<std::size_t>(rank) : 0);
+    if (rank > 0) H5Sget_simple_extent_dims(space, extent.data(), nullptr);
+    return extent;
+}
+
+/// Number of values in rows of this shape.
+hsize_t product(const std::vector<hsize_t>& extent, std::size_t from = 0) {
+    return std::accumulate(extent.begin() + static_cast<std::ptrdiff_t>(from), extent.end(),
+                           hsize_t{1}, std::multiplies<>{});
+}
+
+std::vector<hsize_t> dimensions(const Hdf5File::Shape& shape) {
+    return {shape.begin(), shape.end()};
+}
+
+/// Creates intermediate groups on the way to an object.
+hid_t with_parents() {
+    const hid_t list = H5Pcreate(H5P_LINK_CREATE);
+    H5Pset_create_intermediate_group(list, 1);
+    return list;
+}
+
+} // namespace
+
+Hdf5File::Hdf5File(std::filesystem::path path, std::int64_t file)
+    : path_(std::move(path)), file_(file) {}
+
+Hdf5File::Hdf5File(Hdf5File&& other) noexcept
+    : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {}
+
+Hdf5File& Hdf5File::operator=(Hdf5File&& other) noexcept {
+    std::swap(path_, other.path_);
+    std::swap(file_, other.file_);
+    return *this;
+}
+
+Hdf5File::~Hdf5File() {
+    silence();
+    if (file_ >= 0) H5Fclose(file_);
+}
+
+void Hdf5File::fail(const std::string& doing, const std::string& object) const {
+    const std::string why = reason();
+    throw OutputError(object.empty() ? fmt::format("cannot {} '{}': {}", doing, path_.string(), why)
+                                     : fmt::format("cannot {} {} in '{}': {}", doing, object,
+                                                   path_.string(), why));
+}
+
+Hdf5File Hdf5File::create(const std::filesystem::path& path) {
+    begin();
+    std::error_code error;
+    if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
+    Hdf5File file(path, H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+    if (file.file_ < 0) file.fail("create", "");
+    return file;
+}
+
+Hdf5File Hdf5File::open(const std::filesystem::path& path) {
+    begin();
+    Hdf5File file(path, H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+    if (file.file_ < 0) file.fail("open", "");
+    return file;
+}
+
+Hdf5File Hdf5File::open_to_write(const std::filesystem::path& path) {
+    begin();
+    Hdf5File file(path, H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT));
+    if (file.file_ < 0) file.fail("open", "");
+    return file;
+}
+
+void Hdf5File::close() {
+    silence();
+    if (file_ < 0) return;
+    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fail("write", "");
+    if (H5Fclose(std::exchange(file_, -1)) < 0) fail("close", "");
+}
+
+void Hdf5File::flush() {
+    silence();
+    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fail("write", "");
+}
+
+bool Hdf5File::has(const std::string& object) const {
+    silence();
+    // every link on the way must exist, or the library calls it an error
+    for (std::size_t end = object.find('/', 1);; end = object.find('/', end + 1)) {
+        const std::string prefix = object.substr(0, end);
+        if (prefix != "/" && H5Lexists(file_, prefix.c_str(), H5P_DEFAULT) <= 0) return false;
+        if (end == std::string::npos) return true;
+    }
+}
+
+std::vector<std::string> Hdf5File::names(const std::string& group) const {
+    silence();
+    const Group opened(H5Gopen2(file_, group.c_str(), H5P_DEFAULT));
+    if (opened < 0) fail("open", group);
+    std::vector<std::string> list;
+    const auto note = [](hid_t, const char* name, const H5L_info_t*, void* target) -> herr_t {
+        static_cast<std::vector<std::string>*>(target)->emplace_back(name);
+        return 0;
+    };
+    if (H5Literate(opened, H5_INDEX_NAME, H5_ITER_INC, nullptr, note, &list) < 0)
+        fail("list", group);
+    return list;
+}
+
+void Hdf5File::make_group(const std::string& group) {
+    silence();
+    if (group == "/" || has(group)) return;
+    const Properties parents(with_parents());
+    const Group made(H5Gcreate2(file_, group.c_str(), parents, H5P_DEFAULT, H5P_DEFAULT));
+    if (made < 0) fail("create", group);
+}
+
+void Hdf5File::remove(const std::string& object) {
+    silence();
+    if (H5Ldelete(file_, object.c_str(), H5P_DEFAULT) < 0) fail("remove", object);
+}
+
+std::int64_t Hdf5File::type_of(Kind kind) {
+    switch (kind) {
+    case Kind::float64:
+        return H5T_NATIVE_DOUBLE;
+    case Kind::float32:
+        return H5T_NATIVE_FLOAT;
+    case Kind::int64:
+        return H5T_NATIVE_INT64;
+    case Kind::uint64:
+        return H5T_NATIVE_UINT64;
+    case Kind::uint32:
+        return H5T_NATIVE_UINT32;
+    default:
+        return H5T_NATIVE_UINT8;
+    }
+}
+
+void Hdf5File::write(const std::string& dataset, Kind kind, const void* values, std::size_t count,
+                     const Shape& shape) {
+    silence();
+    const auto extent = dimensions(shape);
+    if (product(extent) != count)
+        throw std::logic_error(
+            fmt::format("{}: {} values for a shape of {}", dataset, count, product(extent)));
+    const Space space(H5Screate_simple(static_cast<int>(extent.size()), extent.data(), nullptr));
+    const Properties parents(with_parents());
+    Dataset made(H5Dcreate2(file_, dataset.c_str(), type_of(kind), space, parents, H5P_DEFAULT,
+                            H5P_DEFAULT));
+    if (made < 0 || H5Dwrite(made, type_of(kind), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0 ||
+        !made.closed_well())
+        fail("write", dataset);
+}
+
+void Hdf5File::make_growing(const std::string& dataset, Kind kind, const Shape& row,
+                            std::uint64_t rows_per_chunk) {
+    silence();
+    std::vector<hsize_t> extent{0}, most{H5S_UNLIMITED};
+    std::vector<hsize_t> chunk{std::max<hsize_t>(rows_per_chunk, 1)};
+    for (const std::uint64_t n : row) {
+        extent.push_back(n);
+        most.push_back(n);
+        chunk.push_back(n);
+    }
+    const int rank = static_cast<int>(extent.size());
+    const Space space(H5Screate_simple(rank, extent.data(), most.data()));
+    const Properties parents(with_parents()), creation(H5Pcreate(H5P_DATASET_CREATE));
+    H5Pset_chunk(creation, rank, chunk.data());
+    const Dataset made(
+        H5Dcreate2(file_, dataset.c_str(), type_of(kind), space, parents, creation, H5P_DEFAULT));
+    if (made < 0) fail("create", dataset);
+}
+
+void Hdf5File::append(const std::string& dataset, Kind kind, const void* values,
+                      std::size_t number) {
+    silence();
+    Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
+    if (opened < 0) fail("open", dataset);
+    auto extent = extents(Space(H5Dget_space(opened)));
+    const hsize_t per_row = extent.empty() ? 0 : product(extent, 1);
+    if (per_row == 0 || number % per_row != 0)
+        throw std::logic_error(
+            fmt::format("{}: {} values in rows of {}", dataset, number, per_row));
+    if (number == 0) return;
+    std::vector<hsize_t> start(extent.size(), 0), block = extent;
+    start[0] = extent[0];
+    block[0] = number / per_row;
+    extent[0] += block[0];
+    if (H5Dset_extent(opened, extent.data()) < 0) fail("extend", dataset);
+    const Space target(H5Dget_space(opened));
+    H5Sselect_hyperslab(target, H5S_SELECT_SET, start.data(), nullptr, block.data(), nullptr);
+    const Space source(H5Screate_simple(static_cast<int>(block.size()), block.data(), nullptr));
+    if (H5Dwrite(opened, type_of(kind), source, target, H5P_DEFAULT, values) < 0 ||
+        !opened.closed_well())
+        fail("write", dataset);
+}
+
+std::size_t Hdf5File::count(const std::string& dataset, std::size_t bytes_each) const {
+    silence();
+    const Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
+    if (opened < 0) fail("open", dataset);
+    const hssize_t number = H5Sget_simple_extent_npoints(Space(H5Dget_space(opened)));
+    if (number < 0) fail("read", dataset);
+    // a damaged file may claim any size: better said here than met by an allocation
+    if (static_cast<std::size_t>(number) > most_bytes / bytes_each)
+        throw OutputError(fmt::format("cannot read {} in '{}': {} values are more than any run has",
+                                      dataset, path_.string(), number));
+    return static_cast<std::size_t>(number);
+}
+
+void Hdf5File::read(const std::string& dataset, Kind kind, void* values) const {
+    silence();
+    const Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
+    if (opened < 0) fail("open", dataset);
+    if (H5Sget_simple_extent_npoints(Space(H5Dget_space(opened))) == 0) return;
+    if (H5Dread(opened, type_of(kind), H5S_ALL, H5S_ALL, H5P_DEFAULT, values) < 0)
+        fail("read", dataset);
+}
+
+Hdf5File::Shape Hdf5File::shape(const std::string& dataset) const {
+    silence();
+    const Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
+    if (opened < 0) fail("open", dataset);
+    const auto extent = extents(Space(H5Dget_space(opened)));
+    return {extent.begin(), extent.end()};
+}
+
+namespace {
+
+/// Writes an attribute in place of an earlier one of that name; false on failure.
+bool put_attribute(hid_t object, const char* name, hid_t type, hid_t space, const void* data) {
+    if (H5Aexists(object, name) > 0 && H5Adelete(object, name) < 0) return false;
+    const Attribute made(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
+    return made >= 0 && H5Awrite(made, type, data) >= 0;
+}
+
+std::string attribute_path(const std::string& object, const std::string& name) {
+    return fmt::format("attribute {}@{}", object, name);
+}
+
+} // namespace
+
+void Hdf5File::set_attribute(const std::string& object, const std::string& name, Kind kind,
+                             const void* values, const Shape& shape) {
+    silence();
+    const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
+    const auto extent = dimensions(shape);
+    const Space space(extent.empty() ? H5Screate(H5S_SCALAR)
+                                     : H5Screate_simple(1, extent.data(), nullptr));
+    if (opened < 0 || !put_attribute(opened, name.c_str(), type_of(kind), space, values))
+        fail("write", attribute_path(object, name));
+}
+
+void Hdf5File::set_attribute(const std::string& object, const std::string& name,
+                             const std::string& value) {
+    silence();
+    const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
+    const Space space(H5Screate(H5S_SCALAR));
+    const Type type(H5Tcopy(H5T_C_S1)); // fixed length: the only kind that every VTK reader takes
+    H5Tset_size(type, std::max<std::size_t>(value.size(), 1));
+    H5Tset_strpad(type, H5T_STR_NULLPAD);
+    const bool ascii = std::all_of(value.begin(), value.end(),
+                                   [](char c) { return static_cast<unsigned char>(c) < 128; });
+    H5Tset_cset(type, ascii ? H5T_CSET_ASCII : H5T_CSET_UTF8);
+    if (opened < 0 || !put_attribute(opened, name.c_str(), type, space, value.c_str()))
+        fail("write", attribute_path(object, name));
+}
+
+bool Hdf5File::has_attribute(const std::string& object, const std::string& name) const {
+    silence();
+    if (object != "/" && !has(object)) return false;
+    return H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
+}
+
+std::size_t Hdf5File::attribute_count(const std::string& object, const std::string& name) const {
+    silence();
+    const Attribute opened(
+        H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
+    if (opened < 0) fail("read", attribute_path(object, name));
+    const hssize_t number = H5Sget_simple_extent_npoints(Space(H5Aget_space(opened)));
+    if (number < 0) fail("read", attribute_path(object, name));
+    return static_cast<std::size_t>(number);
+}
+
+void Hdf5File::attribute(const std::string& object, const std::string& name, Kind kind,
+                         void* values) const {
+    silence();
+    const Attribute opened(
+        H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
+    if (opened < 0 || H5Aread(opened, type_of(kind), values) < 0)
+        fail("read", attribute_path(object, name));
+}
+
+std::string Hdf5File::text_attribute(const std::string& object, const std::string& name) const {
+    silence();
+    const Attribute opened(
+        H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
+    if (opened < 0) fail("read", attribute_path(object, name));
+    const Type stored(H5Aget_type(opened));
+    if (H5Tget_class(stored) != H5T_STRING || H5Tis_variable_str(stored) > 0 ||
+        H5Sget_simple_extent_npoints(Space(H5Aget_space(opened))) != 1)
+        throw OutputError(fmt::format("cannot read {} in '{}': not a text of fixed length",
+                                      attribute_path(object, name), path_.string()));
+    std::string value(H5Tget_size(stored), '\0');
+    if (H5Aread(opened, stored, value.data()) < 0) fail("read", attribute_path(object, name));
+    return value.substr(0, value.find('\0'));
+}
+
+} // namespace bris

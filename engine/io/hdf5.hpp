@@ -1,0 +1,132 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+template <class T>
+concept Hdf5Number = std::same_as<T, double> || std::same_as<T, float> ||
+    std::same_as<T, std::int64_t> || std::same_as<T, std::uint64_t> ||
+    std::same_as<T, std::uint32_t> || std::same_as<T, std::uint8_t>;
+
+/// An HDF5 file. Objects are named by their path, as "/VTKHDF/Steps/Values"; the groups on the way
+/// are made when something is written. Every member throws OutputError with the file, the object
+/// and what failed, also for files that are truncated, damaged or not HDF5. One thread at a time.
+class Hdf5File {
+public:
+    using Shape = std::vector<std::uint64_t>;
+
+    /// A new file in place of an old one. Its directory is made where missing.
+    static Hdf5File create(const std::filesystem::path& path);
+    static Hdf5File open(const std::filesystem::path& path);          ///< to read
+    static Hdf5File open_to_write(const std::filesystem::path& path); ///< to read and write
+
+    Hdf5File(Hdf5File&& other) noexcept;
+    Hdf5File& operator=(Hdf5File&& other) noexcept;
+    ~Hdf5File(); ///< closes; an error then is lost, so a writer calls close()
+    void close();
+    bool is_open() const { return file_ >= 0; }
+    void flush(); ///< hands everything to the operating system
+
+    const std::filesystem::path& path() const { return path_; }
+    bool has(const std::string& object) const;
+    /// Names in a group, sorted.
+    std::vector<std::string> names(const std::string& group) const;
+    void make_group(const std::string& group);
+    void remove(const std::string& object);
+
+    /// A new dataset of fixed shape (1 to 3 dimensions, whose product is the number of values).
+    template <Hdf5Number T>
+    void write(const std::string& dataset, std::span<const T> values, const Shape& shape) {
+        write(dataset, kind_of<T>(), values.data(), values.size(), shape);
+    }
+    template <Hdf5Number T>
+    void write(const std::string& dataset, std::span<const T> values) {
+        write(dataset, values, Shape{values.size()});
+    }
+    /// A new, empty dataset that grows by rows; `row` is the shape of one (empty: a number),
+    /// `rows_per_chunk` how many are usually appended at once.
+    template <Hdf5Number T>
+    void make_growing(const std::string& dataset, const Shape& row, std::uint64_t rows_per_chunk) {
+        make_growing(dataset, kind_of<T>(), row, rows_per_chunk);
+    }
+    /// Appends whole rows to a growing dataset.
+    template <Hdf5Number T>
+    void append(const std::string& dataset, std::span<const T> values) {
+        append(dataset, kind_of<T>(), values.data(), values.size());
+    }
+
+    /// All values, converted to T where the file has another kind of number.
+    template <Hdf5Number T>
+    std::vector<T> read(const std::string& dataset) const {
+        std::vector<T> values(count(dataset, sizeof(T)));
+        read(dataset, kind_of<T>(), values.data());
+        return values;
+    }
+    Shape shape(const std::string& dataset) const;
+
+    /// Attributes of a group or dataset; a second write replaces the first.
+    template <Hdf5Number T>
+    void set_attribute(const std::string& object, const std::string& name, T value) {
+        set_attribute(object, name, kind_of<T>(), &value, {});
+    }
+    template <Hdf5Number T>
+    void set_attribute(const std::string& object, const std::string& name,
+                       std::span<const T> values) {
+        set_attribute(object, name, kind_of<T>(), values.data(), {values.size()});
+    }
+    void set_attribute(const std::string& object, const std::string& name,
+                       const std::string& value);
+    bool has_attribute(const std::string& object, const std::string& name) const;
+    template <Hdf5Number T>
+    std::vector<T> attribute(const std::string& object, const std::string& name) const {
+        std::vector<T> values(attribute_count(object, name));
+        attribute(object, name, kind_of<T>(), values.data());
+        return values;
+    }
+    std::string text_attribute(const std::string& object, const std::string& name) const;
+
+private:
+    enum class Kind { float64, float32, int64, uint64, uint32, uint8 };
+    template <Hdf5Number T>
+    static constexpr Kind kind_of() {
+        if constexpr (std::same_as<T, double>)
+            return Kind::float64;
+        else if constexpr (std::same_as<T, float>)
+            return Kind::float32;
+        else if constexpr (std::same_as<T, std::int64_t>)
+            return Kind::int64;
+        else if constexpr (std::same_as<T, std::uint64_t>)
+            return Kind::uint64;
+        else if constexpr (std::same_as<T, std::uint32_t>)
+            return Kind::uint32;
+        else
+            return Kind::uint8;
+    }
+    static std::int64_t type_of(Kind kind); ///< the library's handle
+
+    Hdf5File(std::filesystem::path path, std::int64_t file);
+    [[noreturn]] void fail(const std::string& doing, const std::string& object) const;
+    void write(const std::string& dataset, Kind kind, const void* values, std::size_t count,
+               const Shape& shape);
+    void make_growing(const std::string& dataset, Kind kind, const Shape& row,
+                      std::uint64_t rows_per_chunk);
+    void append(const std::string& dataset, Kind kind, const void* values, std::size_t count);
+    std::size_t count(const std::string& dataset, std::size_t bytes_each) const;
+    void read(const std::string& dataset, Kind kind, void* values) const;
+    void set_attribute(const std::string& object, const std::string& name, Kind kind,
+                       const void* values, const Shape& shape);
+    std::size_t attribute_count(const std::string& object, const std::string& name) const;
+    void attribute(const std::string& object, const std::string& name, Kind kind,
+                   void* values) const;
+
+    std::filesystem::path path_;
+    std::int64_t file_ = -1; ///< the library's handle; negative when closed
+};
+
+} // namespace bris

@@ -1,0 +1,62 @@
+#include "engine/io/whole_file.hpp"
+
+#include "engine/errors.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <system_error>
+#include <unistd.h>
+
+namespace bris {
+
+namespace {
+
+struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Close>;
+
+[[noreturn]] void fail(const char* verb, const std::filesystem::path& path, int error) {
+    throw OutputError(fmt::format("cannot {} '{}': {}", verb, path.string(), std::strerror(error)));
+}
+
+} // namespace
+
+std::string read_whole(const std::filesystem::path& path) {
+    const File file(std::fopen(path.c_str(), "rb"));
+    if (!file) fail("read", path, errno);
+    std::string content;
+    char block[1 << 14];
+    while (const std::size_t n = std::fread(block, 1, sizeof block, file.get()))
+        content.append(block, n);
+    if (std::ferror(file.get())) fail("read", path, errno); // a directory opens but does not read
+    return content;
+}
+
+void write_whole(const std::filesystem::path& path, std::string_view content) {
+    std::error_code error;
+    if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
+    if (error) fail("write", path, error.value());
+    // the process id: two runs into one directory must not share the unfinished file
+    std::filesystem::path unfinished = path;
+    unfinished += fmt::format(".{}.tmp", getpid());
+    File file(std::fopen(unfinished.c_str(), "wb"));
+    if (!file) fail("write", path, errno);
+    errno = 0;
+    const bool written =
+        std::fwrite(content.data(), 1, content.size(), file.get()) == content.size() &&
+        std::fflush(file.get()) == 0 && fsync(fileno(file.get())) == 0;
+    int problem = written ? 0 : errno;
+    if (std::fclose(file.release()) != 0 && problem == 0) problem = errno;
+    if (problem == 0 && std::rename(unfinished.c_str(), path.c_str()) != 0) problem = errno;
+    if (problem != 0 || !written) {
+        std::filesystem::remove(unfinished, error);
+        fail("write", path, problem);
+    }
+}
+
+} // namespace bris

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+
+#ifdef __SSE2__
+#include <immintrin.h>
+#endif
+
+namespace bris {
+
+// Vectors by the compiler's own extension: one source for SSE2, AVX2, AVX-512 and Arm. Only IEEE
+// operations, none fused, so every instruction set gives the same bits in every lane.
+
+#ifdef __AVX512F__
+inline constexpr int lane_count = 8;
+#else
+inline constexpr int lane_count = 4;
+#endif
+
+/// One number for each of `lane_count` contacts.
+using Lane [[gnu::vector_size(sizeof(double) * lane_count)]] = double;
+/// All bits of a lane set, or none; what comparing two Lanes gives.
+using LaneMask [[gnu::vector_size(sizeof(double) * lane_count)]] = std::int64_t;
+/// Half a cache line: x y z and one more.
+using Quad [[gnu::vector_size(4 * sizeof(double)), gnu::may_alias]] = double;
+
+inline Lane lanes(double value) { return value - Lane{}; }
+
+inline Lane sqrt(Lane a) {
+#ifdef __AVX512F__
+    return _mm512_maskz_sqrt_pd(0xff, a); // the unmasked form trips g++ 12's uninitialised warning
+#else
+    for (int k = 0; k < lane_count; ++k) a[k] = std::sqrt(a[k]);
+    return a;
+#endif
+}
+inline Lane min(Lane a, Lane b) { return a < b ? a : b; }
+inline Lane max(Lane a, Lane b) { return a > b ? a : b; }
+
+/// Bit k is set where lane k is.
+inline unsigned bits(LaneMask mask) {
+#if defined __AVX512DQ__
+    return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
+#elif defined __AVX__ && !defined __AVX512F__
+    return static_cast<unsigned>(_mm256_movemask_pd(reinterpret_cast<__m256d>(mask)));
+#else
+    unsigned all = 0;
+    for (int k = 0; k < lane_count; ++k) all |= (mask[k] != 0 ? 1u : 0u) << k;
+    return all;
+#endif
+}
+
+inline Quad load(const double* row) { return *reinterpret_cast<const Quad*>(row); }
+inline void store(double* row, Quad value) { *reinterpret_cast<Quad*>(row) = value; }
+
+/// Cross product of the first three; the fourth is a[3]*b[3] - a[3]*b[3] = 0 for finite numbers.
+inline Quad cross(Quad a, Quad b) {
+    const Quad a_turned = __builtin_shufflevector(a, a, 1, 2, 0, 3);
+    const Quad b_turned = __builtin_shufflevector(b, b, 1, 2, 0, 3);
+    const Quad c = a * b_turned - a_turned * b;
+    return __builtin_shufflevector(c, c, 1, 2, 0, 3);
+}
+
+/// Rows of four numbers, one a lane, as four Lanes; and back (the same shuffles).
+using FourLanes = std::array<Lane, 4>;
+
+namespace detail {
+
+#ifdef __AVX512F__
+inline Lane join(Quad a, Quad b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7); }
+inline Lane even(Lane a, Lane b) { return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14); }
+inline Lane odd(Lane a, Lane b) { return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15); }
+inline Lane low(Lane a, Lane b) { return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13); }
+inline Lane high(Lane a, Lane b) { return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15); }
+#else
+inline Lane even(Lane a, Lane b) { return __builtin_shufflevector(a, b, 0, 4, 2, 6); }
+inline Lane odd(Lane a, Lane b) { return __builtin_shufflevector(a, b, 1, 5, 3, 7); }
+inline Lane low(Lane a, Lane b) { return __builtin_shufflevector(a, b, 0, 1, 4, 5); }
+inline Lane high(Lane a, Lane b) { return __builtin_shufflevector(a, b, 2, 3, 6, 7); }
+#endif
+
+} // namespace detail
+
+/// Rows q and q + 4 side by side in entry q (only row q where a Lane is one Quad).
+template <class RowOf> FourLanes load_rows(RowOf&& row_of) {
+    FourLanes rows;
+    for (int q = 0; q < 4; ++q) {
+#ifdef __AVX512F__
+        rows[static_cast<std::size_t>(q)] = detail::join(load(row_of(q)), load(row_of(q + 4)));
+#else
+        rows[static_cast<std::size_t>(q)] = load(row_of(q));
+#endif
+    }
+    return rows;
+}
+
+/// 4x4 transposes inside the lanes: rows to columns and columns to rows.
+inline FourLanes transpose(const FourLanes& r) {
+    using namespace detail;
+    const Lane a = even(r[0], r[1]), b = odd(r[0], r[1]), c = even(r[2], r[3]), d = odd(r[2], r[3]);
+    return {low(a, c), low(b, d), high(a, c), high(b, d)};
+}
+
+/// Sums of the four numbers of each row.
+inline Lane row_sums(const FourLanes& r) {
+    using namespace detail;
+    const Lane a = even(r[0], r[1]) + odd(r[0], r[1]), b = even(r[2], r[3]) + odd(r[2], r[3]);
+    return low(a, b) + high(a, b);
+}
+
+/// Writes row q of `rows` (as load_rows lays them out) to row_of(q), for the first `count` lanes.
+template <class RowOf> void store_rows(const FourLanes& rows, int count, RowOf&& row_of) {
+    for (int q = 0; q < 4; ++q) {
+        const Lane r = rows[static_cast<std::size_t>(q)];
+#ifdef __AVX512F__
+        if (q < count) store(row_of(q), __builtin_shufflevector(r, r, 0, 1, 2, 3));
+        if (q + 4 < count) store(row_of(q + 4), __builtin_shufflevector(r, r, 4, 5, 6, 7));
+#else
+        if (q < count) store(row_of(q), r);
+#endif
+    }
+}
+
+} // namespace bris

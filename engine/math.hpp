@@ -1,0 +1,37 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <numbers>
+
+namespace bris {
+
+// unaligned: their size and alignment must not depend on the instruction set
+using Vec3 = Eigen::Matrix<double, 3, 1, Eigen::DontAlign>;
+using Mat3 = Eigen::Matrix<double, 3, 3, Eigen::DontAlign>;
+using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
+
+inline constexpr double pi = std::numbers::pi;
+
+/// Unit quaternion of the rotation vector `v` (rad). Uses only IEEE operations (a Taylor series on
+/// a halved angle, then squaring), so every machine gives the same bits; error below 1e-15.
+inline Quat exponential_map(const Vec3& v) {
+    // after k halvings the half-angle is at most 1/4, where eight terms reach 1e-16
+    Vec3 half = 0.5 * v;
+    int squarings = 0;
+    while (half.squaredNorm() > 1.0 / 16.0) {
+        half *= 0.5;
+        ++squarings;
+    }
+    const double x = half.squaredNorm();
+    const double sinc =
+        1 - x / 6 * (1 - x / 20 * (1 - x / 42 * (1 - x / 72 * (1 - x / 110 * (1 - x / 156)))));
+    const double cosine =
+        1 - x / 2 * (1 - x / 12 * (1 - x / 30 * (1 - x / 56 * (1 - x / 90 * (1 - x / 132)))));
+    Quat q(cosine, sinc * half.x(), sinc * half.y(), sinc * half.z());
+    for (; squarings > 0; --squarings) q = q * q;
+    return q;
+}
+
+} // namespace bris

@@ -1,0 +1,100 @@
+#pragma once
+
+#include "engine/named_value.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace bris {
+
+/// The numbers an option accepts. NaN and infinity are never accepted.
+struct Range {
+    double low = -std::numeric_limits<double>::infinity();
+    double high = std::numeric_limits<double>::infinity();
+    bool low_accepted = true;
+    bool high_accepted = true;
+};
+
+inline Range above(double low) { return {.low = low, .low_accepted = false}; }
+inline Range at_least(double low) { return {.low = low}; }
+inline Range below(double high) { return {.high = high, .high_accepted = false}; }
+inline Range at_most(double high) { return {.high = high}; }
+/// Both ends accepted.
+inline Range within(double low, double high) { return {.low = low, .high = high}; }
+
+/// Members of a settings struct under the names by which a user knows them: flags
+/// (`--confining-pressure 110e3`), keys of a config file (`confining_pressure = 110e3`), lines of
+/// --help, and keys of the written provenance. A struct describes itself:
+///
+///     void describe(auto& option) {
+///         option("confining_pressure", confining_pressure, "Pa", "on the membrane", above(0));
+///         option("law", law, "", "of contact", {"linear", "hertz"});
+///     }
+///
+/// The values that the members have when described are the defaults.
+class Options {
+public:
+    /// Names are snake_case; the unit is "" where there is none. A list of numbers is given as
+    /// `0.01,0.02`; its range holds for each of them. A path or a string may be empty.
+    void operator()(std::string name, double& value, std::string unit, std::string help,
+                    Range range = {});
+    void operator()(std::string name, unsigned& value, std::string unit, std::string help,
+                    Range range = {});
+    void operator()(std::string name, std::uint64_t& value, std::string unit, std::string help,
+                    Range range = {});
+    void operator()(std::string name, std::vector<double>& value, std::string unit,
+                    std::string help, Range range = {});
+    void operator()(std::string name, bool& value, std::string unit, std::string help);
+    void operator()(std::string name, std::string& value, std::string unit, std::string help,
+                    std::vector<std::string> choices = {});
+    void operator()(std::string name, std::filesystem::path& value, std::string unit,
+                    std::string help);
+
+    /// Starts a new group in --help.
+    void group(std::string title);
+
+    /// Reads the flags into the described members; `--config FILE` is read first, so that flags
+    /// overrule it. Returns false if --help was among them (then nothing is changed). Throws
+    /// InputError: one line with the option (or file:line: key), what was expected, what was found.
+    bool parse(const std::vector<std::string>& arguments);
+
+    /// The text of --help.
+    std::string help(const std::string& program, const std::string& description) const;
+
+    /// All members as they are now, in the order described; keys carry the unit.
+    std::vector<NamedValue> values() const;
+
+private:
+    using Target = std::variant<double*, unsigned*, std::uint64_t*, std::vector<double>*, bool*,
+                                std::string*, std::filesystem::path*>;
+    struct Option {
+        std::string name, unit, help;
+        Target target;
+        Range range;
+        std::vector<std::string> choices;
+        std::string initially;
+    };
+    struct Group {
+        std::string title;
+        std::size_t first;
+    };
+    void add(Option option);
+    const Option* find(const std::string& name) const;
+    std::string nearest(const std::string& name) const;
+    void read_config(const std::filesystem::path& file);
+    void assign_flag(const Option& option, const std::vector<std::string>& texts) const;
+    [[noreturn]] void reject_unknown(const std::string& found) const;
+
+    std::vector<Option> options_;
+    std::vector<Group> groups_;
+};
+
+/// Key with the unit as a suffix: ("pressure", "Pa") -> pressure_Pa, ("rate", "1/s") ->
+/// rate_per_s, ("density", "kg/m3") -> density_kg_per_m3.
+std::string key_with_unit(const std::string& name, const std::string& unit);
+
+} // namespace bris

@@ -1,0 +1,50 @@
+#include "engine/ordering.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace bris {
+
+namespace {
+
+std::uint64_t spread(std::uint64_t v) {
+    v &= 0x1fffff;
+    v = (v | v << 32) & 0x1f00000000ffffu;
+    v = (v | v << 16) & 0x1f0000ff0000ffu;
+    v = (v | v << 8) & 0x100f00f00f00f00fu;
+    v = (v | v << 4) & 0x10c30c30c30c30c3u;
+    return (v | v << 2) & 0x1249249249249249u;
+}
+
+} // namespace
+
+std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    return spread(x) | spread(y) << 1 | spread(z) << 2;
+}
+
+std::vector<Row> morton_order(std::span<const Vec3> positions, std::span<const EntityId> ids, double cell) {
+    Vec3 low = Vec3::Constant(0);
+    if (!positions.empty()) low = positions[0];
+    for (const Vec3& x : positions) low = low.cwiseMin(x);
+    struct Key {
+        std::uint64_t code;
+        EntityId id;
+        Row row;
+    };
+    std::vector<Key> keys(positions.size());
+    for (std::size_t r = 0; r < keys.size(); ++r) {
+        const Vec3 c = (positions[r] - low) / cell;
+        std::array<std::uint32_t, 3> k;
+        for (int a = 0; a < 3; ++a)
+            k[static_cast<std::size_t>(a)] = static_cast<std::uint32_t>(std::min(c[a], 2097151.0));
+        keys[r] = {morton_code(k[0], k[1], k[2]), ids[r], static_cast<Row>(r)};
+    }
+    std::sort(keys.begin(), keys.end(), [](const Key& a, const Key& b) {
+        return a.code != b.code ? a.code < b.code : a.id < b.id;
+    });
+    std::vector<Row> order(keys.size());
+    for (std::size_t r = 0; r < keys.size(); ++r) order[r] = keys[r].row;
+    return order;
+}
+
+} // namespace bris

@@ -1,0 +1,63 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+
+namespace bris {
+
+/// The threads of one world. All parallel loops of the house run through here; with
+/// BRIS_STD_THREADS (thread sanitizer) on std::thread, otherwise on a oneTBB arena.
+class Threads {
+public:
+    /// `count` threads, 0 for all cores.
+    explicit Threads(unsigned count);
+    ~Threads();
+    Threads(const Threads&) = delete;
+    unsigned count() const { return count_; }
+    /// Runs `work` with this team; loops inside it use these threads and no others.
+    void run(const std::function<void()>& work);
+
+private:
+    struct Arena;
+    unsigned count_;
+    std::unique_ptr<Arena> arena_;
+};
+
+namespace detail {
+using ChunkBody = void (*)(void* context, std::size_t chunk);
+void run_chunks(std::size_t chunks, ChunkBody body, void* context);
+} // namespace detail
+
+/// Calls body(chunk, first, last) for chunks of `grain` rows, in any order and on any thread. The
+/// cut depends on n and grain only. A body writes only what belongs to its rows or its chunk.
+template <class Body> void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
+    const std::size_t chunks = (n + grain - 1) / grain;
+    struct Context {
+        std::size_t n, grain;
+        Body& body;
+    } context{n, grain, body};
+    detail::run_chunks(
+        chunks,
+        [](void* p, std::size_t chunk) {
+            auto& c = *static_cast<Context*>(p);
+            const std::size_t first = chunk * c.grain;
+            c.body(chunk, first, first + c.grain < c.n ? first + c.grain : c.n);
+        },
+        &context);
+}
+
+/// Sum of term(i) over i < n, bitwise the same for any number of threads: partial sums over fixed
+/// blocks of 1024, added in order.
+template <class Sum, class Term> Sum sum_in_order(std::size_t n, Sum zero, Term&& term) {
+    Sum total = zero;
+    for (std::size_t first = 0; first < n; first += 1024) {
+        Sum block = zero;
+        const std::size_t last = first + 1024 < n ? first + 1024 : n;
+        for (std::size_t i = first; i < last; ++i) block += term(i);
+        total += block;
+    }
+    return total;
+}
+
+} // namespace bris

@@ -1,0 +1,97 @@
+#include "engine/scenario.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <exception>
+#include <new>
+#include <thread>
+
+namespace bris::detail {
+
+namespace {
+
+int report(const std::string& name, std::string message, int code) {
+    std::replace(message.begin(), message.end(), '\n', ' ');
+    fmt::print(stderr, "{}: {}\n", name, message);
+    return code;
+}
+
+int report(const std::string& name, const std::string& message, ExitCode code) {
+    return report(name, message, static_cast<int>(code));
+}
+
+/// The flags in a scene's own words, and how the process is to run it.
+struct CommonFlags {
+    std::filesystem::path config;
+    double memory = 0;
+
+    void describe(Options& option, Common& common) {
+        option.group("of every scenario");
+        option("out", common.out, "", "directory of the results");
+        option("seed", common.seed, "", "of every random draw");
+        option("threads", common.threads, "", "to run on; 0: all cores", at_most(4096));
+        option("memory", memory, "GiB", "stop when more is needed; 0: no limit",
+               within(0, 1 << 20));
+        option("config", config, "", "file of lines `name = value`; flags overrule it");
+        option("resume", common.resume, "", "checkpoint file to go on from");
+        option("explain", common.explain, "", "print the schedule and end");
+        option("serial", common.serial, "", "run the systems one after the other: same results");
+        option("quiet", common.quiet, "", "no progress");
+    }
+};
+
+} // namespace
+
+bool parse_flags(Options& options, Common& common, int argc, char** argv, const std::string& name,
+                 const std::string& description) {
+    common.scenario = name;
+    common.out = std::filesystem::path("results") / name;
+    common.arguments.assign(argv + std::min(argc, 1), argv + argc);
+    CommonFlags flags;
+    flags.describe(options, common);
+    if (!options.parse(common.arguments)) {
+        fmt::print("{}", options.help(name, description));
+        return false;
+    }
+    if (common.threads == 0) common.threads = std::max(1u, std::thread::hardware_concurrency());
+    common.memory_limit = static_cast<std::uint64_t>(std::floor(flags.memory * 0x1p30));
+    common.settings = options.values();
+    std::error_code error;
+    std::filesystem::create_directories(common.out, error);
+    if (error)
+        throw OutputError(
+            fmt::format("cannot make directory '{}': {}", common.out.string(), error.message()));
+    return true;
+}
+
+int exit_code_of(const std::string& name, const std::function<void()>& body) {
+    try {
+        catch_interrupts();
+        body();
+        return static_cast<int>(ExitCode::done);
+    } catch (const InputError& error) {
+        return report(name, error.what(), ExitCode::bad_input);
+    } catch (const SimulationError& error) {
+        return report(name, error.what(), ExitCode::stopped_by_guard);
+    } catch (const OutputError& error) {
+        return report(name, error.what(), ExitCode::io_failure);
+    } catch (const Interrupted& stop) {
+        return report(name, stop.what(), ExitCode::interrupted);
+    } catch (const std::filesystem::filesystem_error& error) {
+        return report(name, error.what(), ExitCode::io_failure);
+    } catch (const std::bad_alloc&) {
+        return report(name, "out of memory", ExitCode::stopped_by_guard);
+    } catch (const std::exception& error) {
+        return report(name, fmt::format("internal error: {}", error.what()), 1);
+    } catch (...) {
+        return report(name, "internal error of unknown kind", 1);
+    }
+}
+
+} // namespace bris::detail

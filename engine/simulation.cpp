@@ -1,0 +1,39 @@
+#include "engine/simulation.hpp"
+
+#include "engine/clock.hpp"
+#include "engine/errors.hpp"
+#include "engine/health.hpp"
+#include "engine/state.hpp"
+
+#include <fmt/format.h>
+
+namespace bris {
+
+Simulation::Simulation(World world, StepList steps, unsigned threads, ScheduleSettings settings)
+    : world_(std::make_unique<World>(std::move(world))), threads_(std::make_unique<Threads>(threads)),
+      schedule_(std::move(steps), settings) {
+    prepare();
+}
+
+void Simulation::advance(std::uint64_t steps) {
+    Clock& clock = world_->resource<Clock>();
+    const Health& health = world_->resource<Health>();
+    threads_->run([&] {
+        for (std::uint64_t k = 0; k < steps && !health.bad; ++k) {
+            schedule_.run(*world_);
+            ++clock.step;
+        }
+    });
+    if (health.bad)
+        throw SimulationError(fmt::format("step {}, time {:.6g} s: {}", clock.step, clock.time(), health.what));
+}
+
+Archive Simulation::snapshot() const { return save_state(*world_); }
+
+void Simulation::restore(const Archive& state) {
+    load_state(*world_, state);
+    if (on_restore_ != nullptr) on_restore_(*world_);
+    prepare();
+}
+
+} // namespace bris

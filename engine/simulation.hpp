@@ -1,0 +1,39 @@
+#pragma once
+
+#include "engine/parallel.hpp"
+#include "engine/schedule.hpp"
+#include "engine/world.hpp"
+
+#include <filesystem>
+
+namespace bris {
+
+/// A world, its schedule and its threads. The world must hold a Clock and a Health.
+class Simulation {
+public:
+    Simulation(World world, StepList steps, unsigned threads = 1, ScheduleSettings settings = {});
+
+    World& world() { return *world_; }
+    const World& world() const { return *world_; }
+    Schedule& schedule() { return schedule_; }
+
+    /// Runs steps. Stops with SimulationError (step, time, what) when the guard has seen something.
+    void advance(std::uint64_t steps = 1);
+    /// Binds the schedule anew, after tables, columns or resources have been added.
+    void prepare() { schedule_.prepare(*world_); }
+
+    /// All State, in memory; `restore` puts it back, to the same bits.
+    Archive snapshot() const;
+    void restore(const Archive& state);
+
+    /// Called after State was put into the world by `restore`, for what must be made anew.
+    void on_restore(void (*function)(World&)) { on_restore_ = function; }
+
+private:
+    std::unique_ptr<World> world_; // at a fixed address: bound systems point into it
+    std::unique_ptr<Threads> threads_;
+    Schedule schedule_;
+    void (*on_restore_)(World&) = nullptr;
+};
+
+} // namespace bris

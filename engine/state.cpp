@@ -1,0 +1,92 @@
+#include "engine/state.hpp"
+
+#include "engine/errors.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace bris {
+
+namespace {
+
+const Column* key_of(const Table& table) {
+    for (const auto& column : table.columns())
+        if (column->type().is_key) return column.get();
+    return nullptr;
+}
+
+bool key_less(const Column& key, Row a, Row b) {
+    const std::size_t width = key.type().value_size, numbers = width / sizeof(std::uint32_t);
+    const auto* base = reinterpret_cast<const std::uint32_t*>(key.bytes());
+    return std::lexicographical_compare(base + a * numbers, base + (a + 1) * numbers,
+                                        base + b * numbers, base + (b + 1) * numbers);
+}
+
+std::vector<Row> rows_to_save(const Table& table, const Column& key) {
+    std::vector<Row> rows(table.size());
+    std::iota(rows.begin(), rows.end(), Row{0});
+    for (const auto& column : table.columns())
+        if (const auto keep = column->type().keep)
+            std::erase_if(rows, [&](Row r) {
+                return !keep(column->bytes() + r * column->type().value_size);
+            });
+    const auto less = [&](Row a, Row b) { return key_less(key, a, b); };
+    if (!std::is_sorted(rows.begin(), rows.end(), less)) std::sort(rows.begin(), rows.end(), less);
+    return rows;
+}
+
+std::string path_of(const Table& table, const Column& column) {
+    return table.name() + "/" + column.type().name;
+}
+
+} // namespace
+
+Archive save_state(const World& world) {
+    Archive archive;
+    for (const auto& named : world.tables()) {
+        const Table& table = *named.table;
+        const Column* key = key_of(table);
+        if (key == nullptr) continue;
+        const auto rows = rows_to_save(table, *key);
+        for (const auto& column : table.columns()) {
+            const auto& type = column->type();
+            if (!type.is_state) continue;
+            Archive::Array array{path_of(table, *column), type.scalar, type.scalar_size,
+                                 type.value_size / type.scalar_size, {}};
+            array.bytes.resize(rows.size() * type.value_size);
+            for (std::size_t i = 0; i < rows.size(); ++i)
+                std::memcpy(array.bytes.data() + i * type.value_size,
+                            column->bytes() + rows[i] * type.value_size, type.value_size);
+            archive.put(std::move(array));
+        }
+    }
+    for (const auto& held : world.resources()) held->save(archive);
+    return archive;
+}
+
+void load_state(World& world, const Archive& archive) {
+    for (const auto& named : world.tables()) {
+        Table& table = *named.table;
+        const Column* key = key_of(table);
+        if (key == nullptr) continue;
+        const Archive::Array* keys = archive.find(path_of(table, *key));
+        require(keys != nullptr, "checkpoint: expected the table '" + table.name() +
+                                     "', found none: made by another scene?");
+        table.resize(0);
+        table.resize(keys->rows());
+        for (const auto& column : table.columns()) {
+            const auto& type = column->type();
+            if (!type.is_state) continue;
+            const Archive::Array* array = archive.find(path_of(table, *column));
+            require(array != nullptr && array->bytes.size() == table.size() * type.value_size,
+                    "checkpoint: '" + path_of(table, *column) + "': expected " +
+                        std::to_string(table.size()) + " rows, found " +
+                        (array == nullptr ? "none" : "another number or type"));
+            if (!array->bytes.empty())
+                std::memcpy(column->bytes(), array->bytes.data(), array->bytes.size());
+        }
+    }
+    for (const auto& held : world.resources()) held->load(archive);
+}
+
+} // namespace bris

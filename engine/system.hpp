@@ -1,0 +1,154 @@
+#pragma once
+
+#include "engine/rows.hpp"
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <tuple>
+#include <vector>
+
+namespace bris {
+
+/// One thing a system touches: a column of a table, or a resource (then `table` is the resource).
+struct Access {
+    std::type_index table, component;
+    std::string name; ///< as "Bodies.position", for people
+    bool writes = false;
+    bool is_state = false;
+    friend bool same_data(const Access& a, const Access& b) {
+        return a.table == b.table && a.component == b.component;
+    }
+};
+
+namespace detail {
+
+// how each kind of parameter is declared, found and handed over
+template <class P> struct Parameter;
+
+template <class R> struct Parameter<R&> {
+    using Resource = std::remove_const_t<R>;
+    static void declare(std::vector<Access>& list) {
+        bool is_state = false;
+        if constexpr (requires { Resource::is_state; }) is_state = Resource::is_state;
+        list.push_back({typeid(Resource), typeid(Resource), Resource::name, !std::is_const_v<R>, is_state});
+    }
+    static bool present(const World& world) { return world.has_resource<Resource>(); }
+    static std::string missing(const World& world) {
+        return present(world) ? "" : std::string("no ") + Resource::name;
+    }
+    explicit Parameter(World& world) : resource(&world.resource<Resource>()) {}
+    R& get(std::optional<RowRange>) const { return *resource; }
+    Resource* resource;
+};
+
+template <> struct Parameter<World&> {
+    static void declare(std::vector<Access>&) {}
+    static std::string missing(const World&) { return ""; }
+    explicit Parameter(World& w) : world(&w) {}
+    World& get(std::optional<RowRange>) const { return *world; }
+    World* world;
+};
+
+template <class K, class... Cs> struct Parameter<Rows<K, Cs...>> {
+    static void declare(std::vector<Access>& list) {
+        (list.push_back({typeid(K), typeid(std::remove_const_t<Cs>),
+                         std::string(K::name) + "." + Cs::name, !std::is_const_v<Cs>, Cs::is_state}),
+         ...);
+    }
+    static std::string missing(const World& world) {
+        const Table* table = world.find_table(typeid(K));
+        if (table == nullptr) return std::string("no ") + K::name;
+        std::string lacking;
+        ((lacking += table->find(typeid(std::remove_const_t<Cs>)) == nullptr
+                         ? (lacking.empty() ? "no " : ", ") + std::string(K::name) + "." + Cs::name
+                         : ""),
+         ...);
+        return lacking;
+    }
+    explicit Parameter(World& world)
+        : table(world.find_table(typeid(K))),
+          columns{table->find(typeid(std::remove_const_t<Cs>))...} {}
+    Rows<K, Cs...> get(std::optional<RowRange> range) const {
+        std::array<std::byte*, sizeof...(Cs)> bytes;
+        for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = columns[i]->bytes();
+        return {bytes, table->size(), range.value_or(RowRange{0, static_cast<Row>(table->size())})};
+    }
+    Table* table;
+    std::array<Column*, sizeof...(Cs)> columns;
+};
+
+} // namespace detail
+
+/// A named function with the data it reads and writes, both taken from its signature: parameters
+/// are Rows<Kind, const Read, Write>, `const Resource&`, `Resource&`, or `World&` (everything).
+struct System {
+    using Call = std::function<void(std::optional<RowRange>)>;
+
+    std::string name;
+    std::vector<Access> accesses;
+    bool whole_world = false;                       ///< takes World&: conflicts with everything
+    std::optional<std::type_index> row_local;       ///< works row by row on this table only
+    std::string row_local_name;
+    std::function<std::string(const World&)> missing; ///< what the scene lacks; empty if nothing
+    std::function<Call(World&)> bind;
+    bool (*due)(const World&) = nullptr;            ///< null: every step
+};
+
+namespace detail {
+
+template <class... Ps> System make_system(std::string name, void (*function)(Ps...)) {
+    System system;
+    system.name = std::move(name);
+    (Parameter<Ps>::declare(system.accesses), ...);
+    system.whole_world = (std::is_same_v<Ps, World&> || ...);
+    system.missing = [](const World& world) {
+        std::string all;
+        const auto note = [&](std::string one) {
+            if (!one.empty()) all += (all.empty() ? "" : "; ") + one;
+        };
+        (note(Parameter<Ps>::missing(world)), ...);
+        return all;
+    };
+    system.bind = [function](World& world) -> System::Call {
+        return [function, parameters = std::tuple<Parameter<Ps>...>(Parameter<Ps>(world)...)](
+                   std::optional<RowRange> range) {
+            // only the first parameter of a row-local system is cut into chunks
+            [&]<std::size_t... I>(std::index_sequence<I...>) {
+                function(std::get<I>(parameters).get(I == 0 ? range : std::nullopt)...);
+            }(std::index_sequence_for<Ps...>{});
+        };
+    };
+    return system;
+}
+
+template <class K, class... Cs, class... Ps>
+std::type_index first_table(void (*)(Rows<K, Cs...>, Ps...), std::string& name) {
+    name = K::name;
+    return typeid(K);
+}
+
+} // namespace detail
+
+/// A system that runs once a step over whole tables.
+template <class... Ps> System system(std::string name, void (*function)(Ps...)) {
+    return detail::make_system(std::move(name), function);
+}
+
+/// A system that works on each row of its first table by itself: writes only what belongs to that
+/// row. Neighbours in the step list over the same table run as one pass over chunks of rows.
+template <class... Ps> System row_local(std::string name, void (*function)(Ps...)) {
+    System s = detail::make_system(std::move(name), function);
+    s.row_local = detail::first_table(function, s.row_local_name);
+    return s;
+}
+
+/// The same system, run only in steps in which `due` says so.
+inline System when(bool (*due)(const World&), System system) {
+    system.due = due;
+    return system;
+}
+
+using StepList = std::vector<System>;
+
+} // namespace bris

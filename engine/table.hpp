@@ -1,0 +1,57 @@
+#pragma once
+
+#include "engine/column.hpp"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// The columns of one kind of thing, all of one length. A column is there for every row or for none.
+class Table {
+public:
+    explicit Table(std::string name) : name_(std::move(name)) {}
+    Table(const Table& other);
+    Table(Table&&) = default;
+
+    const std::string& name() const { return name_; }
+    std::size_t size() const { return size_; }
+
+    /// Adds the column unless it is there; its values are zero.
+    template <Component C> std::span<typename C::Value> add() {
+        if (find(typeid(C)) == nullptr) add(Column::type_of<C>());
+        return column<C>();
+    }
+    template <Component C> bool has() const { return find(typeid(C)) != nullptr; }
+    /// All values of a column, by row. The column must be there.
+    template <Component C> std::span<typename C::Value> column() {
+        Column& c = at(typeid(C));
+        return {reinterpret_cast<typename C::Value*>(c.bytes()), size_};
+    }
+    template <Component C> std::span<const typename C::Value> column() const {
+        const Column& c = at(typeid(C));
+        return {reinterpret_cast<const typename C::Value*>(c.bytes()), size_};
+    }
+
+    Column* find(std::type_index component);
+    const Column* find(std::type_index component) const;
+    const std::vector<std::unique_ptr<Column>>& columns() const { return columns_; }
+
+    /// Changes the number of rows of every column; new rows are zero.
+    void resize(std::size_t rows);
+    /// Re-orders every column: row r becomes what row `new_to_old[r]` was.
+    void permute(std::span<const Row> new_to_old);
+
+private:
+    void add(Column::Type type);
+    Column& at(std::type_index component);
+    const Column& at(std::type_index component) const;
+
+    std::string name_;
+    std::size_t size_ = 0;
+    std::vector<std::unique_ptr<Column>> columns_; // few: searched front to back
+};
+
+} // namespace bris

@@ -1,0 +1,31 @@
+#include "engine/world.hpp"
+
+namespace bris {
+
+World::World(const World& other) {
+    for (const auto& [kind, table] : other.tables_)
+        tables_.push_back({kind, std::make_unique<Table>(*table)});
+    for (const auto& held : other.resources_) resources_.push_back(held->clone());
+}
+
+Table* World::find_table(std::type_index kind) {
+    for (auto& named : tables_)
+        if (named.kind == kind) return named.table.get();
+    return nullptr;
+}
+
+const Table* World::find_table(std::type_index kind) const {
+    return const_cast<World*>(this)->find_table(kind);
+}
+
+World::HeldBase* World::find_resource(std::type_index type) {
+    for (auto& held : resources_)
+        if (held->type == type) return held.get();
+    return nullptr;
+}
+
+const World::HeldBase* World::find_resource(std::type_index type) const {
+    return const_cast<World*>(this)->find_resource(type);
+}
+
+} // namespace bris

@@ -1,0 +1,77 @@
+#include "components/boundary.hpp"
+#include "components/material.hpp"
+#include "systems/broadphase/carry_over.hpp"
+
+#include <algorithm>
+
+namespace bris::detail {
+
+namespace {
+
+// candidates of every free body with every boundary element that `near_body` and `near_sphere` let
+// through, ordered by (host id, sphere, element id)
+template <class Pairs, class NearBody, class NearSphere>
+void find_pairs(World& world, std::span<const EntityId> element, std::span<const Row> host,
+                NearBody&& near_body, NearSphere&& near_sphere) {
+    Table& bodies = world.table<Bodies>();
+    const auto motion = bodies.column<MotionOf>();
+    const auto run = bodies.column<SpheresOf>();
+    const auto id = bodies.column<BodyId>();
+    const auto material = bodies.column<MaterialOf>();
+    const auto ball = world.table<Spheres>().column<LocalBall>();
+    const auto& materials = world.resource<Materials>();
+    const std::vector<Vec3> centre = sphere_centres(world);
+    ChunkLists<Candidate> found;
+    std::vector<Row> first;
+    found.collect(bodies.size(), first, [&](std::vector<Candidate>& list, Row b) {
+        if (run[b].count == 0 || motion[b] != static_cast<std::uint32_t>(Motion::free)) return;
+        const std::size_t begin = list.size();
+        for (Row e = 0; e < element.size(); ++e) {
+            if (!near_body(b, e)) continue;
+            const std::uint32_t law = materials.pair(material[b], material[host[e]]);
+            for (Row k = run[b].first; k < run[b].first + run[b].count; ++k)
+                if (near_sphere(centre[k], ball[k].radius, e))
+                    list.push_back({{id[b], id[host[e]], k - run[b].first, element[e]}, {k, e, host[e], law}});
+        }
+        std::sort(list.begin() + static_cast<std::ptrdiff_t>(begin), list.end(),
+                  [](const Candidate& x, const Candidate& y) { return x.names < y.names; });
+    });
+    replace_pairs<Pairs>(world, found, first);
+}
+
+} // namespace
+
+void find_plane_pairs(World& world, double skin) {
+    Table &planes = world.table<Planes>(), &bodies = world.table<Bodies>();
+    const auto host = planes.column<HostRow>();
+    const auto shape = planes.column<LocalPlane>();
+    const auto position = bodies.column<Position>();
+    const auto radius = bodies.column<BoundingRadius>();
+    const auto height = [&](const Vec3& x, Row e) {
+        return (x - position[host[e]] - shape[e].point).dot(shape[e].normal);
+    };
+    find_pairs<PlanePairs>(
+        world, planes.column<PlaneId>(), host,
+        [&](Row b, Row e) { return height(position[b], e) < radius[b] + skin; },
+        [&](const Vec3& x, double r, Row e) { return height(x, e) < r + skin; });
+}
+
+void find_facet_pairs(World& world, double skin) {
+    Table &facets = world.table<Facets>(), &bodies = world.table<Bodies>();
+    const auto host = facets.column<HostRow>();
+    const auto shape = facets.column<LocalFacet>();
+    const auto position = bodies.column<Position>();
+    const auto radius = bodies.column<BoundingRadius>();
+    std::vector<Eigen::AlignedBox3d> boxes(facets.size());
+    for (std::size_t e = 0; e < boxes.size(); ++e)
+        for (const Vec3& corner : shape[e].corners)
+            boxes[e].extend(Eigen::Vector3d(position[host[e]] + corner));
+    const auto reaches = [&](const Vec3& x, double r, Row e) {
+        return boxes[e].squaredExteriorDistance(Eigen::Vector3d(x)) < (r + skin) * (r + skin);
+    };
+    find_pairs<FacetPairs>(
+        world, facets.column<FacetId>(), host,
+        [&](Row b, Row e) { return reaches(position[b], radius[b], e); }, reaches);
+}
+
+} // namespace bris::detail

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/pair.hpp"
+#include "components/settings.hpp"
+#include "components/sphere.hpp"
+#include "engine/world.hpp"
+
+namespace bris {
+
+/// True in steps that begin with new lists: some body may have gone half the inner skin since the
+/// last prune, or the scene was changed by hand.
+bool lists_are_due(const World& world);
+
+/// Rarely: orders rows along a Morton curve, finds the candidate pairs within the outer skin, carries
+/// every spring over. The one place where rows change.
+void refresh_pairs(World& world);
+
+/// Now and then: the short lists, pairs within the inner skin; which spheres are listed; who is near
+/// whom. Writes only what is Derived (springs of pairs that are far apart are cleared).
+void prune_pairs(World& world);
+
+/// Adds what the lists need to a scene whose bodies, spheres and boundaries are all there.
+/// `history`: the law has tangential springs.
+void add_lists(World& world, bool history, ListSettings settings = {});
+
+/// Tells the lists that bodies were moved, added or changed by hand: they are made anew before the
+/// next step.
+void invalidate_lists(World& world);
+
+namespace detail {
+
+/// Centres of all spheres in the world, by row.
+std::vector<Vec3> sphere_centres(const World& world);
+
+/// Candidate of a pair table before it gets its row.
+struct Candidate {
+    PairNames names;
+    PairPlaces rows;
+};
+
+/// Replaces the candidates of a pair table and carries the springs over by name. `first` gives the
+/// first candidate of each body row.
+template <class Pairs> struct Candidates {
+    static constexpr auto name = "candidates";
+    std::vector<Row> first; ///< bodies + 1
+};
+
+void find_sphere_pairs(World& world, double skin);
+void find_plane_pairs(World& world, double skin);
+void find_facet_pairs(World& world, double skin);
+
+} // namespace detail
+
+} // namespace bris

@@ -1,0 +1,169 @@
+#include "components/boundary.hpp"
+#include "engine/errors.hpp"
+#include "systems/broadphase/chunk_lists.hpp"
+#include "systems/broadphase/lists.hpp"
+
+#include <algorithm>
+
+namespace bris {
+
+namespace {
+
+// pairs of one kind whose gap is below the inner skin, body by body; springs of the others are let go
+template <class Pairs, class Gap>
+void make_short_list(World& world, double skin, Gap&& gap) {
+    Table& pairs = world.table<Pairs>();
+    const auto rows = pairs.column<PairRows>();
+    const auto& candidates = world.resource<detail::Candidates<Pairs>>().first;
+    SpringRow* spring = pairs.has<Spring>() ? pairs.column<Spring>().data() : nullptr;
+    auto& index = world.resource<NearIndex<Pairs>>();
+    detail::ChunkLists<NearEntry> found;
+    found.collect(candidates.size() - 1, index.owned_first, [&](std::vector<NearEntry>& list, Row b) {
+        for (Row p = candidates[b]; p < candidates[b + 1]; ++p) {
+            if (gap(rows[p]) < skin)
+                list.push_back({rows[p].sphere, rows[p].other, p, rows[p].law});
+            else if (spring != nullptr)
+                spring[p] = {};
+        }
+    });
+    Table& near = world.table<typename Pairs::Near>();
+    const std::size_t count = found.size(), padded = (count + 7) / 8 * 8;
+    near.resize(padded);
+    const auto entry = near.template column<NearPair>();
+    found.lay_out([&](std::size_t place, const NearEntry& e) { entry[place] = e; });
+    for (std::size_t k = count; k < padded; ++k) entry[k] = entry[0]; // lanes past the end read valid rows
+    // all are taken to have touched, so that the next step clears what does not
+    index.touching.assign((count + index.group - 1) / index.group, index.group == 1 ? 1 : 0xff);
+    if (index.group > 1 && count % index.group != 0)
+        index.touching.back() = static_cast<std::uint8_t>((1u << (count % index.group)) - 1);
+    index.too_deep.assign((count + 1023) / 1024, no_row);
+}
+
+// who is a partner in which near rows; owners come by row, so each list is put in order of their ids
+template <class Pairs> void make_incidence(World& world) {
+    auto& index = world.resource<NearIndex<Pairs>>();
+    const auto entry = world.column<typename Pairs::Near, NearPair>();
+    const auto rows = world.column<Pairs, PairRows>();
+    const auto names = world.column<Pairs, PairKey>();
+    const std::size_t bodies = world.table<Bodies>().size();
+    index.incident_first.assign(bodies + 1, 0);
+    const std::size_t count = index.size();
+    for (std::size_t k = 0; k < count; ++k) ++index.incident_first[rows[entry[k].pair].partner_body + 1];
+    for (std::size_t b = 0; b < bodies; ++b) index.incident_first[b + 1] += index.incident_first[b];
+    index.incident.resize(count);
+    std::vector<Row> next(index.incident_first.begin(), index.incident_first.end());
+    for (std::size_t k = 0; k < count; ++k)
+        index.incident[next[rows[entry[k].pair].partner_body]++] = static_cast<Row>(k);
+    for_chunks(bodies, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b)
+            // rows of one owner are in order already: ties keep theirs
+            std::stable_sort(index.incident.begin() + index.incident_first[b],
+                             index.incident.begin() + index.incident_first[b + 1], [&](Row x, Row y) {
+                                 return names[entry[x].pair].owner < names[entry[y].pair].owner;
+                             });
+    });
+}
+
+template <class Pairs> void mark_owners(World& world, std::span<Row> slot) {
+    const auto entry = world.column<typename Pairs::Near, NearPair>();
+    const std::size_t count = world.resource<NearIndex<Pairs>>().size();
+    for (std::size_t k = 0; k < count; ++k) slot[entry[k].owner] = 0;
+}
+
+// gives every sphere on a short list a slot in Listed, body by body
+void list_spheres(World& world) {
+    const auto slot = world.column<Spheres, ListedSlot>();
+    std::fill(slot.begin(), slot.end(), no_row);
+    const auto entry = world.column<NearSpheres, NearPair>();
+    const std::size_t count = world.resource<NearIndex<SpherePairs>>().size();
+    for (std::size_t k = 0; k < count; ++k) slot[entry[k].owner] = slot[entry[k].other] = 0;
+    if (world.has<PlanePairs>()) mark_owners<PlanePairs>(world, slot);
+    if (world.has<FacetPairs>()) mark_owners<FacetPairs>(world, slot);
+
+    const auto ball = world.column<Spheres, LocalBall>();
+    Table& listed = world.table<Listed>();
+    listed.resize(static_cast<std::size_t>(std::count(slot.begin(), slot.end(), Row{0})));
+    const auto listed_ball = listed.column<ListedBall>();
+    Row next = 0;
+    for (SphereRun& run : world.column<Bodies, SpheresOf>()) {
+        run.first_listed = next;
+        for (Row k = run.first; k < run.first + run.count; ++k)
+            if (slot[k] == 0) {
+                listed_ball[next] = ball[k];
+                slot[k] = next++;
+            }
+        run.listed = next - run.first_listed;
+    }
+}
+
+template <class Pairs> void use_slots(World& world, bool partners_too) {
+    const auto slot = world.column<Spheres, ListedSlot>();
+    for (NearEntry& e : world.column<typename Pairs::Near, NearPair>()) {
+        e.owner = slot[e.owner];
+        if (partners_too) e.other = slot[e.other];
+    }
+}
+
+void check_facet_runs(const World& world) {
+    const auto entry = world.column<NearFacets, NearPair>();
+    const auto names = world.column<FacetPairs, PairKey>();
+    std::size_t run = 0;
+    for (std::size_t k = 1; k < world.resource<NearIndex<FacetPairs>>().size(); ++k) {
+        const PairNames &a = names[entry[k - 1].pair], &b = names[entry[k].pair];
+        run = a.owner == b.owner && a.partner == b.partner && a.sphere == b.sphere ? run + 1 : 0;
+        if (run >= 64)
+            throw SimulationError("body " + std::to_string(b.owner) + " has a sphere near more than 64 facets of body " +
+                                  std::to_string(b.partner) + ": use a coarser mesh");
+    }
+}
+
+} // namespace
+
+void prune_pairs(World& world) {
+    auto& state = world.resource<ListState>();
+    const double skin = world.resource<ListSettings>().inner_skin;
+    Table& bodies = world.table<Bodies>();
+    const auto centre = detail::sphere_centres(world);
+    const auto ball = world.column<Spheres, LocalBall>();
+    make_short_list<SpherePairs>(world, skin, [&](const PairPlaces& p) {
+        return (centre[p.sphere] - centre[p.other]).norm() - ball[p.sphere].radius - ball[p.other].radius;
+    });
+    make_incidence<SpherePairs>(world);
+    const auto position = bodies.column<Position>();
+    if (world.has<PlanePairs>()) {
+        const auto shape = world.column<Planes, LocalPlane>();
+        make_short_list<PlanePairs>(world, skin, [&](const PairPlaces& p) {
+            const PlaneShape& plane = shape[p.other];
+            return (centre[p.sphere] - position[p.partner_body] - plane.point).dot(plane.normal) -
+                   ball[p.sphere].radius;
+        });
+        make_incidence<PlanePairs>(world);
+    }
+    if (world.has<FacetPairs>()) {
+        const auto shape = world.column<Facets, LocalFacet>();
+        make_short_list<FacetPairs>(world, skin, [&](const PairPlaces& p) {
+            Eigen::AlignedBox3d box;
+            for (const Vec3& corner : shape[p.other].corners)
+                box.extend(Eigen::Vector3d(position[p.partner_body] + corner));
+            return box.exteriorDistance(Eigen::Vector3d(centre[p.sphere])) - ball[p.sphere].radius;
+        });
+        make_incidence<FacetPairs>(world);
+        check_facet_runs(world);
+    }
+    list_spheres(world);
+    use_slots<SpherePairs>(world, true);
+    if (world.has<PlanePairs>()) use_slots<PlanePairs>(world, false);
+    if (world.has<FacetPairs>()) use_slots<FacetPairs>(world, false);
+
+    const auto pruned = bodies.column<PrunedAt>();
+    const auto travel = bodies.column<Travel>();
+    const Quat* q = bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr;
+    for (Row b = 0; b < bodies.size(); ++b) {
+        pruned[b] = {position[b], q != nullptr ? q[b] : Quat(Quat::Identity())};
+        travel[b] = 0;
+    }
+    state.last_prune = world.resource<Clock>().step;
+    ++state.prunes;
+}
+
+} // namespace bris

@@ -1,0 +1,230 @@
+#include "components/boundary.hpp"
+#include "components/material.hpp"
+#include "engine/ordering.hpp"
+#include "systems/broadphase/lists.hpp"
+
+#include <algorithm>
+#include <bit>
+
+namespace bris {
+
+namespace {
+
+// spheres of a body stand together, bodies' runs in the order of the bodies' rows
+void find_runs(World& world) {
+    Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
+    const auto run = bodies.column<SpheresOf>();
+    const auto id = bodies.column<BodyId>();
+    const auto parent = spheres.column<ParentId>();
+    std::vector<Row> row_of(bodies.size());
+    for (Row b = 0; b < bodies.size(); ++b) {
+        run[b] = {};
+        row_of[id[b]] = b;
+    }
+    for (Row s = 0; s < spheres.size(); ++s) {
+        SphereRun& r = run[row_of[parent[s]]];
+        if (r.count++ == 0) r.first = s;
+    }
+    if (world.has<Planes>()) {
+        const auto host = world.column<Planes, HostId>();
+        const auto row = world.column<Planes, HostRow>();
+        for (std::size_t i = 0; i < host.size(); ++i) row[i] = row_of[host[i]];
+    }
+    if (world.has<Facets>()) {
+        const auto host = world.column<Facets, HostId>();
+        const auto row = world.column<Facets, HostRow>();
+        for (std::size_t i = 0; i < host.size(); ++i) row[i] = row_of[host[i]];
+    }
+}
+
+// bodies along a Morton curve, spheres with them; driven bodies too, they are few
+void sort_rows(World& world) {
+    Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
+    const auto radius = bodies.column<BoundingRadius>();
+    double mean = 0;
+    for (const double r : radius) mean += r;
+    if (!(mean > 0)) return;
+    const auto order = morton_order(bodies.column<Position>(), bodies.column<BodyId>(),
+                                    2 * mean / static_cast<double>(bodies.size()));
+    const auto run = bodies.column<SpheresOf>();
+    std::vector<Row> sphere_order;
+    sphere_order.reserve(spheres.size());
+    for (const Row b : order)
+        for (Row k = run[b].first; k < run[b].first + run[b].count; ++k) sphere_order.push_back(k);
+    bodies.permute(order);
+    spheres.permute(sphere_order);
+}
+
+/// Poses of all bodies; single spheres have no orientation.
+class Poses {
+public:
+    explicit Poses(const Table& bodies)
+        : position_(bodies.column<Position>().data()),
+          orientation_(bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr) {}
+    Pose operator[](Row b) const {
+        return {position_[b], orientation_ != nullptr ? orientation_[b] : Quat(Quat::Identity())};
+    }
+
+private:
+    const Vec3* position_;
+    const Quat* orientation_;
+};
+
+double largest_travel(const World& world) {
+    const Table& bodies = world.table<Bodies>();
+    const auto from = bodies.column<RefreshedAt>();
+    const auto radius = bodies.column<BoundingRadius>();
+    const Poses poses(bodies);
+    double largest = 0;
+    for (Row b = 0; b < bodies.size(); ++b) {
+        const Pose now = poses[b];
+        largest = std::max(largest, travel_bound(now.position, now.orientation, from[b], radius[b]));
+    }
+    return largest;
+}
+
+void choose_skins(World& world, ListSettings& settings) {
+    if (settings.outer_skin > 0 && settings.inner_skin > 0) return;
+    const Table& bodies = world.table<Bodies>();
+    const auto radius = bodies.column<BoundingRadius>();
+    const auto run = bodies.column<SpheresOf>();
+    double sum = 0, count = 0;
+    for (Row b = 0; b < bodies.size(); ++b)
+        if (run[b].count > 0) {
+            sum += radius[b];
+            ++count;
+        }
+    const double mean = count > 0 ? sum / count : 1;
+    if (!(settings.inner_skin > 0)) settings.inner_skin = 0.02 * mean;
+    if (!(settings.outer_skin > 0)) settings.outer_skin = 5 * settings.inner_skin;
+}
+
+/// Skins follow the counts of work: the cost of making a list and of carrying entries that do not
+/// touch are kept equal, which is the minimum of a/skin + b*skin. Any skin gives the same bits.
+void tune_skins(const World& world, ListSettings& settings, const ListState& state) {
+    if (!settings.tune || state.prunes == 0) return;
+    const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_prune);
+    const auto& index = world.resource<NearIndex<SpherePairs>>();
+    if (steps == 0 || index.size() == 0) return;
+    std::size_t touching = 0;
+    for (const std::uint8_t flags : index.touching) touching += static_cast<std::size_t>(std::popcount(flags));
+    const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
+    const auto spheres = static_cast<double>(world.table<Listed>().size());
+    // in units of one near pair's test; measured on beds of spheres and of clumps
+    const double making = (8 * pairs + 10 * spheres) / steps;
+    const double carrying = 3 * static_cast<double>(index.size() - std::min(touching, index.size()));
+    settings.inner_skin *= making > carrying ? 1.1 : 1 / 1.1;
+    const auto since_refresh = static_cast<double>(world.resource<Clock>().step - state.last_refresh);
+    if (since_refresh > 0 && state.last_refresh > 0) {
+        const double refreshing = 60 * pairs / since_refresh; // of all candidates, once
+        const double pruning = 8 * (pairs - static_cast<double>(index.size())) / steps;
+        settings.outer_skin *= refreshing > pruning ? 1.02 : 1 / 1.02;
+    }
+    settings.outer_skin = std::max(settings.outer_skin, 2 * settings.inner_skin);
+}
+
+} // namespace
+
+namespace detail {
+
+std::vector<Vec3> sphere_centres(const World& world) {
+    const Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
+    const auto run = bodies.column<SpheresOf>();
+    const auto position = bodies.column<Position>();
+    const auto ball = spheres.column<LocalBall>();
+    const Quat* orientation = bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr;
+    std::vector<Vec3> centres(spheres.size());
+    for (Row b = 0; b < bodies.size(); ++b) {
+        Mat3 axes = Mat3::Identity();
+        if (orientation != nullptr) axes = orientation[b].toRotationMatrix();
+        for (Row k = run[b].first; k < run[b].first + run[b].count; ++k)
+            centres[k] = position[b] + axes * ball[k].centre;
+    }
+    return centres;
+}
+
+} // namespace detail
+
+bool lists_are_due(const World& world) {
+    if (world.resource<ListState>().stale) return true;
+    const auto travel = world.column<Bodies, Travel>();
+    double largest = 0;
+    for (const double t : travel) largest = t > largest ? t : largest;
+    // also true when a position is not a number: the refresh does no harm and the guard stops the run
+    return !(2 * largest <= world.resource<ListSettings>().inner_skin);
+}
+
+void refresh_pairs(World& world) {
+    auto& state = world.resource<ListState>();
+    auto& settings = world.resource<ListSettings>();
+    if (!state.stale) {
+        tune_skins(world, settings, state);
+        const double gone = 2 * largest_travel(world);
+        if (gone + settings.inner_skin <= state.candidate_skin) return; // the candidates still serve
+    }
+    find_runs(world);
+    choose_skins(world, settings);
+    if (settings.sort_every > 0 && state.refreshes % settings.sort_every == 0) {
+        sort_rows(world);
+        find_runs(world);
+        ++state.sorts;
+    }
+    Table& bodies = world.table<Bodies>();
+    const auto refreshed = bodies.column<RefreshedAt>();
+    const Poses poses(bodies);
+    for (Row b = 0; b < bodies.size(); ++b) refreshed[b] = poses[b];
+    if (bodies.has<Axes>()) {
+        const auto axes = bodies.column<Axes>();
+        const auto orientation = bodies.column<Orientation>();
+        for (Row b = 0; b < bodies.size(); ++b) axes[b] = orientation[b].toRotationMatrix();
+    }
+
+    detail::find_sphere_pairs(world, settings.outer_skin);
+    if (world.has<PlanePairs>()) detail::find_plane_pairs(world, settings.outer_skin);
+    if (world.has<FacetPairs>()) detail::find_facet_pairs(world, settings.outer_skin);
+    state.stale = false;
+    state.candidate_skin = settings.outer_skin;
+    state.last_refresh = world.resource<Clock>().step;
+    ++state.refreshes;
+}
+
+void invalidate_lists(World& world) { world.resource<ListState>().stale = true; }
+
+namespace {
+
+template <class Pairs> void add_pair_tables(World& world, bool history) {
+    Table& pairs = world.table<Pairs>();
+    pairs.add<PairKey>();
+    pairs.add<PairRows>();
+    if (history) pairs.add<Spring>();
+    Table& near = world.table<typename Pairs::Near>();
+    near.add<NearPair>();
+    near.add<PairForce>();
+    world.add_resource<NearIndex<Pairs>>();
+    world.add_resource<detail::Candidates<Pairs>>();
+}
+
+} // namespace
+
+void add_lists(World& world, bool history, ListSettings settings) {
+    Table& bodies = world.table<Bodies>();
+    bodies.add<SpheresOf>();
+    bodies.add<Travel>();
+    bodies.add<PrunedAt>();
+    bodies.add<RefreshedAt>();
+    bodies.add<Force>();
+    bodies.add<Torque>();
+    if (bodies.has<Orientation>()) bodies.add<Axes>();
+    world.table<Spheres>().add<ListedSlot>();
+    Table& listed = world.table<Listed>();
+    listed.add<ListedBall>();
+    listed.add<Place>();
+    if (history) listed.add<Turn>();
+    add_pair_tables<SpherePairs>(world, history);
+    if (world.has<Planes>()) add_pair_tables<PlanePairs>(world, history);
+    if (world.has<Facets>()) add_pair_tables<FacetPairs>(world, history);
+    world.add_resource(settings);
+    world.add_resource<ListState>();
+}
+
+} // namespace bris

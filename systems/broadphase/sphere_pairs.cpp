@@ -1,0 +1,144 @@
+#include "components/material.hpp"
+#include "systems/broadphase/carry_over.hpp"
+
+#include <algorithm>
+
+namespace bris::detail {
+
+namespace {
+
+/// Bodies sorted into cubic cells no smaller than the reach of a pair.
+class CellGrid {
+public:
+    CellGrid(std::span<const Vec3> positions, std::span<const Row> rows, double reach) {
+        Vec3 high = Vec3::Zero();
+        if (!rows.empty()) low_ = high = positions[rows[0]];
+        for (const Row r : rows) {
+            low_ = low_.cwiseMin(positions[r]);
+            high = high.cwiseMax(positions[r]);
+        }
+        side_ = reach;
+        // no more cells than a few a body, however far one of them has gone
+        for (;; side_ *= 1.5) {
+            double cells = 1;
+            for (int a = 0; a < 3; ++a) {
+                const double n = std::floor((high[a] - low_[a]) / side_) + 1;
+                cells *= n;
+                n_[static_cast<std::size_t>(a)] = n < 1e6 ? static_cast<int>(n) : 1000000;
+            }
+            if (cells <= 8.0 * static_cast<double>(rows.size()) + 1000) break;
+        }
+        first_.assign(static_cast<std::size_t>(n_[0]) * static_cast<std::size_t>(n_[1]) *
+                              static_cast<std::size_t>(n_[2]) + 1, 0);
+        for (const Row r : rows) ++first_[cell(at(positions[r])) + 1];
+        for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+        items_.resize(rows.size());
+        std::vector<Row> next(first_.begin(), first_.end());
+        for (const Row r : rows) items_[next[cell(at(positions[r]))]++] = r;
+    }
+
+    /// Calls body(row) for everything in the cells around a point.
+    template <class Body> void around(const Vec3& x, Body&& body) const {
+        const auto c = at(x);
+        for (int k = std::max(c[2] - 1, 0); k <= std::min(c[2] + 1, n_[2] - 1); ++k)
+            for (int j = std::max(c[1] - 1, 0); j <= std::min(c[1] + 1, n_[1] - 1); ++j) {
+                const int from = std::max(c[0] - 1, 0), to = std::min(c[0] + 1, n_[0] - 1);
+                for (Row i = first_[cell({from, j, k})]; i < first_[cell({to, j, k}) + 1]; ++i)
+                    body(items_[i]);
+            }
+    }
+
+private:
+    std::array<int, 3> at(const Vec3& x) const {
+        std::array<int, 3> c;
+        for (int a = 0; a < 3; ++a) {
+            const auto i = static_cast<std::size_t>(a);
+            c[i] = std::clamp(static_cast<int>((x[a] - low_[a]) / side_), 0, n_[i] - 1);
+        }
+        return c;
+    }
+    std::size_t cell(const std::array<int, 3>& c) const {
+        const auto u = [](int i) { return static_cast<std::size_t>(i); };
+        return (u(c[2]) * u(n_[1]) + u(c[1])) * u(n_[0]) + u(c[0]);
+    }
+    Vec3 low_ = Vec3::Zero();
+    double side_ = 1;
+    std::array<int, 3> n_{1, 1, 1};
+    std::vector<Row> first_, items_;
+};
+
+/// What the search reads of the scene.
+struct Scene {
+    std::span<const Vec3> position;
+    std::span<const double> radius;
+    std::span<const EntityId> id;
+    std::span<const std::uint32_t> motion, material;
+    std::span<const SphereRun> run;
+    std::span<const Ball> ball;
+    const std::vector<Vec3>& centre;
+    const Materials& materials;
+    double skin;
+};
+
+// spheres of body a that reach into the bounding sphere of body b
+void near_spheres(const Scene& s, Row a, Row b, std::vector<Row>& found) {
+    found.clear();
+    for (Row k = s.run[a].first; k < s.run[a].first + s.run[a].count; ++k) {
+        const double reach = s.ball[k].radius + s.radius[b] + s.skin;
+        if ((s.centre[k] - s.position[b]).squaredNorm() < reach * reach) found.push_back(k);
+    }
+}
+
+struct Scratch {
+    std::vector<Row> partners, own, other;
+};
+
+void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector<Candidate>& list) {
+    near_spheres(s, a, b, scratch.own);
+    near_spheres(s, b, a, scratch.other);
+    const std::uint32_t law = s.materials.pair(s.material[a], s.material[b]);
+    for (const Row i : scratch.own)
+        for (const Row j : scratch.other) {
+            const double reach = s.ball[i].radius + s.ball[j].radius + s.skin;
+            if ((s.centre[i] - s.centre[j]).squaredNorm() < reach * reach)
+                list.push_back({{s.id[a], s.id[b], i - s.run[a].first, j - s.run[b].first}, {i, j, b, law}});
+        }
+}
+
+} // namespace
+
+void find_sphere_pairs(World& world, double skin) {
+    Table& bodies = world.table<Bodies>();
+    const std::vector<Vec3> centres = sphere_centres(world);
+    const Scene s{bodies.column<Position>(), bodies.column<BoundingRadius>(), bodies.column<BodyId>(),
+                  bodies.column<MotionOf>(), bodies.column<MaterialOf>(), bodies.column<SpheresOf>(),
+                  world.table<Spheres>().column<LocalBall>(), centres, world.resource<Materials>(), skin};
+    std::vector<Row> rows;
+    double largest = 0;
+    for (Row b = 0; b < bodies.size(); ++b)
+        if (s.run[b].count > 0) {
+            rows.push_back(b);
+            largest = std::max(largest, s.radius[b]);
+        }
+    const CellGrid grid(s.position, rows, 2 * largest + skin);
+    const auto free_body = [&](Row b) { return s.motion[b] == static_cast<std::uint32_t>(Motion::free); };
+
+    ChunkLists<Candidate> found;
+    std::vector<Row> first;
+    std::vector<Scratch> scratch((bodies.size() + found.rows_per_chunk - 1) / found.rows_per_chunk);
+    found.collect(bodies.size(), first, [&](std::vector<Candidate>& list, Row a) {
+        if (s.run[a].count == 0) return;
+        Scratch& mine = scratch[a / found.rows_per_chunk];
+        mine.partners.clear();
+        grid.around(s.position[a], [&](Row b) {
+            if (s.id[b] <= s.id[a] || (!free_body(a) && !free_body(b))) return;
+            const double reach = s.radius[a] + s.radius[b] + skin;
+            if ((s.position[a] - s.position[b]).squaredNorm() < reach * reach) mine.partners.push_back(b);
+        });
+        std::sort(mine.partners.begin(), mine.partners.end(), [&](Row x, Row y) { return s.id[x] < s.id[y]; });
+        for (const Row b : mine.partners) pairs_of_bodies(s, a, b, mine, list);
+    });
+    replace_pairs<SpherePairs>(world, found, first);
+}
+
+} // namespace bris::detail

@@ -1,0 +1,172 @@
+#include "systems/build/scene.hpp"
+
+#include "components/kinds.hpp"
+#include "components/sphere.hpp"
+#include "engine/errors.hpp"
+
+namespace bris {
+
+namespace {
+
+struct BodyValues {
+    Vec3 position;
+    std::uint32_t material;
+    Motion motion;
+    double mass, bounding_radius;
+};
+
+Row add_body(World& world, const BodyValues& v) {
+    Table& bodies = world.table<Bodies>();
+    const auto row = static_cast<Row>(bodies.size());
+    bodies.resize(bodies.size() + 1);
+    bodies.column<BodyId>()[row] = row; // ids are counted up, and bodies are never removed
+    bodies.column<Position>()[row] = v.position;
+    bodies.column<MaterialOf>()[row] = v.material;
+    bodies.column<MotionOf>()[row] = static_cast<std::uint32_t>(v.motion);
+    bodies.column<Mass>()[row] = bodies.column<InertialMass>()[row] = v.mass;
+    bodies.column<BoundingRadius>()[row] = v.bounding_radius;
+    return row;
+}
+
+void add_ball(World& world, EntityId parent, const Ball& ball) {
+    Table& spheres = world.table<Spheres>();
+    const auto row = static_cast<Row>(spheres.size());
+    spheres.resize(spheres.size() + 1);
+    spheres.column<SphereId>()[row] = row;
+    spheres.column<ParentId>()[row] = parent;
+    spheres.column<LocalBall>()[row] = ball;
+}
+
+double density_of(const World& world, std::uint32_t material, Motion motion) {
+    const Material& m = world.resource<Materials>().list.at(material);
+    require(motion != Motion::free || m.density > 0,
+            "material '" + m.name + "': expected a density above 0 kg/m3, found " + std::to_string(m.density));
+    return m.density;
+}
+
+} // namespace
+
+World make_world(Grains grains) {
+    World world;
+    Table& bodies = world.table<Bodies>();
+    bodies.add<BodyId>();
+    bodies.add<MotionOf>();
+    bodies.add<MaterialOf>();
+    bodies.add<Position>();
+    bodies.add<Velocity>();
+    bodies.add<Acceleration>();
+    bodies.add<Spin>();
+    bodies.add<AngularMomentum>();
+    bodies.add<DriveVelocity>();
+    bodies.add<Mass>();
+    bodies.add<InertialMass>();
+    bodies.add<BoundingRadius>();
+    if (grains == Grains::spheres) {
+        bodies.add<SphereInertia>();
+    } else {
+        bodies.add<ShapeOf>();
+        bodies.add<Orientation>();
+        bodies.add<Inertia>();
+        bodies.add<InertialInertia>();
+    }
+    Table& spheres = world.table<Spheres>();
+    spheres.add<SphereId>();
+    spheres.add<ParentId>();
+    spheres.add<LocalBall>();
+    world.add_resource<Materials>();
+    world.add_resource<Clock>();
+    world.add_resource<Limits>();
+    world.add_resource<Health>();
+    return world;
+}
+
+EntityId add_sphere(World& world, const Vec3& position, double radius, std::uint32_t material, Motion motion) {
+    require(radius > 0, "sphere: expected a radius above 0 m, found " + std::to_string(radius));
+    const double mass = density_of(world, material, motion) * 4 / 3 * pi * radius * radius * radius;
+    const Row row = add_body(world, {position, material, motion, mass, radius});
+    if (world.table<Bodies>().has<SphereInertia>()) {
+        world.column<Bodies, SphereInertia>()[row] = 0.4 * mass * radius * radius;
+    } else {
+        world.column<Bodies, Orientation>()[row] = Quat::Identity();
+        world.column<Bodies, Inertia>()[row] = world.column<Bodies, InertialInertia>()[row] =
+            Vec3::Constant(0.4 * mass * radius * radius);
+    }
+    add_ball(world, row, {Vec3::Zero(), radius});
+    return row;
+}
+
+EntityId add_clump(World& world, const Clump& clump, std::uint32_t shape, const Vec3& position,
+                   const Quat& orientation, std::uint32_t material, Motion motion) {
+    const double density = density_of(world, material, motion);
+    const Row row = add_body(world, {position, material, motion, density * clump.volume, clump.bounding_radius});
+    Table& bodies = world.table<Bodies>();
+    bodies.column<ShapeOf>()[row] = shape;
+    bodies.column<Orientation>()[row] = orientation;
+    bodies.column<Inertia>()[row] = bodies.column<InertialInertia>()[row] = density * clump.inertia;
+    for (const Ball& ball : clump.balls) add_ball(world, row, ball);
+    return row;
+}
+
+EntityId add_boundary(World& world, const Vec3& position, std::uint32_t material, Motion motion, double reach) {
+    const Row row = add_body(world, {position, material, motion, 0, reach});
+    Table& bodies = world.table<Bodies>();
+    bodies.column<InertialMass>()[row] = 1; // never used: the motion is given
+    if (bodies.has<SphereInertia>()) {
+        bodies.column<SphereInertia>()[row] = 1;
+    } else {
+        bodies.column<Orientation>()[row] = Quat::Identity();
+        bodies.column<InertialInertia>()[row] = Vec3::Ones();
+    }
+    return row;
+}
+
+EntityId add_plane(World& world, EntityId host, const Vec3& point, const Vec3& normal) {
+    Table& planes = world.table<Planes>();
+    planes.add<PlaneId>();
+    planes.add<HostId>();
+    planes.add<HostRow>();
+    planes.add<LocalPlane>();
+    planes.add<PlanePlace>();
+    const auto row = static_cast<Row>(planes.size());
+    planes.resize(planes.size() + 1);
+    planes.column<PlaneId>()[row] = row;
+    planes.column<HostId>()[row] = host;
+    planes.column<LocalPlane>()[row] = {point, normal.normalized()};
+    return row;
+}
+
+EntityId add_facet(World& world, EntityId host, const FacetShape& shape, FacetSort sort) {
+    Table& facets = world.table<Facets>();
+    facets.add<FacetId>();
+    facets.add<HostId>();
+    facets.add<HostRow>();
+    facets.add<LocalFacet>();
+    facets.add<FacetSortOf>();
+    facets.add<FacetPlace>();
+    const auto row = static_cast<Row>(facets.size());
+    facets.resize(facets.size() + 1);
+    facets.column<FacetId>()[row] = row;
+    facets.column<HostId>()[row] = host;
+    facets.column<LocalFacet>()[row] = shape;
+    facets.column<FacetSortOf>()[row] = static_cast<std::uint32_t>(sort);
+    return row;
+}
+
+Row row_of_body(const World& world, EntityId body) {
+    const auto ids = world.column<Bodies, BodyId>();
+    for (Row r = 0; r < ids.size(); ++r)
+        if (ids[r] == body) return r;
+    throw InputError("no body has the id " + std::to_string(body));
+}
+
+EntityId add_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material) {
+    const EntityId host = add_boundary(world, Vec3::Zero(), material);
+    for (int a = 0; a < 3; ++a) {
+        const Vec3 axis = Vec3::Unit(a);
+        add_plane(world, host, low[a] * axis, axis);
+        add_plane(world, host, high[a] * axis, -axis);
+    }
+    return host;
+}
+
+} // namespace bris

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "components/boundary.hpp"
+#include "components/body.hpp"
+#include "components/clump.hpp"
+#include "components/material.hpp"
+#include "components/settings.hpp"
+#include "engine/world.hpp"
+
+namespace bris {
+
+/// What the bodies of a scene are: single spheres need neither orientation nor an inertia tensor.
+enum class Grains { spheres, clumps };
+
+/// A world with the columns of its bodies, a clock, limits and an empty table of materials.
+World make_world(Grains grains);
+
+/// Adds a single sphere (m, kg/m3 from the material) and returns its id.
+EntityId add_sphere(World& world, const Vec3& position, double radius, std::uint32_t material,
+                    Motion motion = Motion::free);
+
+/// Adds a rigid clump, already scaled to size; `shape` is its number in the library.
+EntityId add_clump(World& world, const Clump& clump, std::uint32_t shape, const Vec3& position,
+                   const Quat& orientation, std::uint32_t material, Motion motion = Motion::free);
+
+/// Adds a body that carries boundary elements. `reach`: the farthest that they lie from its
+/// position, m.
+EntityId add_boundary(World& world, const Vec3& position, std::uint32_t material,
+                      Motion motion = Motion::fixed, double reach = 0);
+
+/// A plane through `point` (relative to the host's position); grains are where `normal` points.
+EntityId add_plane(World& world, EntityId host, const Vec3& point, const Vec3& normal);
+
+/// A facet; corners relative to the host's position, counter-clockwise seen from the grains.
+EntityId add_facet(World& world, EntityId host, const FacetShape& shape, FacetSort sort = FacetSort::mesh);
+
+/// Row of a body now.
+Row row_of_body(const World& world, EntityId body);
+
+/// A box of six planes on one fixed body, grains inside.
+EntityId add_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material);
+
+} // namespace bris

@@ -1,0 +1,128 @@
+#include "systems/build/specimen.hpp"
+
+#include "components/kinds.hpp"
+#include "engine/random.hpp"
+#include "systems/build/scene.hpp"
+
+namespace bris {
+
+namespace {
+
+constexpr std::uint64_t orientation_stream = 1001;
+
+// width of an element: closed up to a radial strain of 24 % (inventory E3: 10.16 cm for 15.25 cm)
+double element_width(double radius) { return radius * 0.1016 / 0.1525; }
+
+FacetShape element_shape(const Vec3& outward, double width, double low, double high) {
+    const Vec3 along = Vec3(0, 0, 1).cross(outward) * (0.5 * width); // seen from inside: to the left
+    const Vec3 down(0, 0, low), up(0, 0, high);
+    return {{along + down, -along + down, -along + up, along + up}};
+}
+
+void add_membrane(World& world, const SpecimenSettings& s, std::uint32_t material) {
+    Membrane membrane;
+    membrane.active = false;
+    membrane.per_element = s.per_element;
+    membrane.rings = s.rings;
+    membrane.sectors = s.sectors;
+    membrane.ring_height = s.height / s.rings;
+    membrane.first_facet = static_cast<unsigned>(world.table<Facets>().size());
+    for (unsigned k = 0; k < s.sectors; ++k) {
+        const double angle = 2 * pi * (k + 0.5) / s.sectors;
+        membrane.outward.push_back({std::cos(angle), std::sin(angle), 0});
+    }
+    const double width = element_width(s.radius);
+    for (unsigned ring = 0; ring < s.rings; ++ring)
+        for (unsigned k = 0; k < s.sectors; ++k) {
+            const Vec3& out = membrane.outward[k];
+            const EntityId body = add_boundary(world, s.radius * out, material, Motion::servo, s.height);
+            add_facet(world, body,
+                      element_shape(out, width, ring * membrane.ring_height, (ring + 1) * membrane.ring_height),
+                      FacetSort::strip);
+        }
+    const std::size_t elements = std::size_t{s.rings} * s.sectors;
+    membrane.radius.assign(elements, s.radius);
+    membrane.pressure.assign(s.per_element ? elements : s.rings, 0);
+    world.add_resource(std::move(membrane));
+}
+
+void add_platens(World& world, const SpecimenSettings& s, Specimen& specimen) {
+    specimen.bottom = add_boundary(world, Vec3::Zero(), specimen.platen_material, Motion::fixed, s.radius);
+    specimen.top = add_boundary(world, Vec3(0, 0, 3 * s.height), specimen.platen_material, Motion::prescribed, s.radius);
+    add_plane(world, specimen.bottom, Vec3::Zero(), Vec3(0, 0, 1));
+    Platen platen;
+    platen.plane = add_plane(world, specimen.top, Vec3::Zero(), Vec3(0, 0, -1));
+    world.add_resource(platen);
+}
+
+} // namespace
+
+std::vector<SmartRockPose> smart_rock_poses(const SpecimenSettings& s, double bounding_radius) {
+    std::vector<SmartRockPose> poses;
+    Random random(s.seed, orientation_stream);
+    const double beside = s.radius - 1.02 * bounding_radius;
+    const auto put = [&](double height, unsigned around) {
+        poses.push_back({{0, 0, height * s.height}, random.rotation()});
+        for (unsigned k = 0; k < around; ++k) {
+            const double angle = 2 * pi * k / 3;
+            poses.push_back({{beside * std::cos(angle), beside * std::sin(angle), height * s.height}, random.rotation()});
+        }
+    };
+    put(0.25, 1);
+    put(0.5, 3);
+    put(0.75, 3);
+    return poses;
+}
+
+double radius_for(double solid_volume, double porosity, unsigned sectors) {
+    // polygon area n tan(pi/n) R^2, height 4 R
+    const double shape = 4 * sectors * std::tan(pi / sectors);
+    return std::cbrt(solid_volume / (1 - porosity) / shape);
+}
+
+World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clumps, const Clump& smart_rock,
+                          std::span<const RockChoice> rocks, std::span<const SmartRockPose> poses) {
+    World world = make_world(Grains::clumps);
+    auto& materials = world.resource<Materials>();
+    Specimen specimen;
+    specimen.rock_material = materials.add({"rock", s.density, s.clump_stiffness, s.clump_stiffness, s.friction});
+    specimen.platen_material = materials.add({"platen", 0, s.wall_stiffness, s.wall_stiffness, s.friction});
+    specimen.membrane_material = materials.add({"membrane", 0, s.wall_stiffness, s.wall_stiffness, 0});
+    specimen.smart_rock_poses.assign(poses.begin(), poses.end());
+    const auto smart_shape = static_cast<std::uint32_t>(clumps.size());
+    for (const SmartRockPose& pose : poses)
+        specimen.smart_rocks.push_back(add_clump(world, smart_rock, smart_shape, pose.position, pose.orientation,
+                                                 specimen.rock_material, Motion::fixed));
+    Random random(s.seed, orientation_stream + 1);
+    for (const RockChoice& choice : rocks) {
+        const Clump clump = scaled(clumps[choice.clump], choice.sieve / clumps[choice.clump].sieve);
+        // parked on a lattice below the lower platen, where nothing free ever comes
+        const std::size_t i = specimen.rocks.size();
+        const Vec3 place(static_cast<double>(i % 16), static_cast<double>(i / 16 % 16), -1 - static_cast<double>(i / 256));
+        specimen.rocks.push_back(add_clump(world, clump, static_cast<std::uint32_t>(choice.clump), s.height * place,
+                                           random.rotation(), specimen.rock_material, Motion::fixed));
+    }
+    add_membrane(world, s, specimen.membrane_material);
+    add_platens(world, s, specimen);
+    Table& bodies = world.table<Bodies>();
+    bodies.add<FrictionWork>();
+    bodies.add<DampingWork>();
+    bodies.add<BoundaryWork>();
+    world.add_resource(LocalDamping{0.7});
+    world.add_resource(Gravity{});
+    world.add_resource(std::move(specimen));
+    return world;
+}
+
+void fit_membrane(World& world, double height, double radius) {
+    auto& membrane = world.resource<Membrane>();
+    membrane.ring_height = height / membrane.rings;
+    const auto shape = world.column<Facets, LocalFacet>();
+    for (std::size_t e = 0; e < membrane.radius.size(); ++e) {
+        const double low = static_cast<double>(e / membrane.sectors) * membrane.ring_height;
+        shape[membrane.first_facet + e] =
+            element_shape(membrane.outward[e % membrane.sectors], element_width(radius), low, low + membrane.ring_height);
+    }
+}
+
+} // namespace bris

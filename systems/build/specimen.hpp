@@ -1,0 +1,58 @@
+#pragma once
+
+#include "components/clump.hpp"
+#include "components/servo.hpp"
+#include "engine/world.hpp"
+#include "systems/build/grading.hpp"
+
+#include <vector>
+
+namespace bris {
+
+/// Everything a triaxial specimen is made of. The axis is z, the lower platen stands at z = 0.
+struct SpecimenSettings {
+    double radius = 0.1525;            ///< m, of the circle inside the membrane's polygon
+    double height = 0.61;              ///< m, wanted
+    unsigned rings = 8, sectors = 12;
+    bool per_element = false;          ///< servo of the membrane
+    double density = 2750;             ///< kg/m3
+    double friction = 0.7;             ///< rock on rock and rock on platen
+    double clump_stiffness = 0.63e8;   ///< N/m, normal and shear, of one partner
+    double wall_stiffness = 1e8;       ///< N/m
+    double smartrock_size = 0.038;     ///< m, sieve size
+    std::uint64_t seed = 1;
+};
+
+/// A sensor rock's place and attitude before the test.
+struct SmartRockPose {
+    Vec3 position;
+    Quat orientation;
+};
+
+/// Which bodies are what.
+struct Specimen {
+    static constexpr auto name = "specimen";
+    std::vector<EntityId> smart_rocks, rocks; ///< rocks in the order in which they are poured
+    EntityId top = nobody, bottom = nobody;
+    std::uint32_t rock_material = 0, platen_material = 0, membrane_material = 0;
+    std::vector<SmartRockPose> smart_rock_poses;
+};
+
+/// Ten sensor rocks at the interfaces of four lifts (inventory T4): at a quarter of the height one in
+/// the centre and one beside the membrane; at the half and three quarters one in the centre and
+/// three beside the membrane at 120 degrees. Orientations are drawn from the seed.
+std::vector<SmartRockPose> smart_rock_poses(const SpecimenSettings& settings, double bounding_radius);
+
+/// Radius (m) of a specimen twice as high as wide that holds this volume of solids (m3) at the given
+/// porosity, measured in the polygon.
+double radius_for(double solid_volume, double porosity, unsigned sectors);
+
+/// Makes the world of a triaxial test: materials, sensor rocks in place and held, rocks parked below
+/// the lower platen, membrane and platens. Columns of the energy ledger included.
+World make_triaxial_world(const SpecimenSettings& settings, std::span<const Clump> clumps, const Clump& smart_rock,
+                          std::span<const RockChoice> rocks, std::span<const SmartRockPose> poses);
+
+/// Gives the rings the heights of a specimen of height `height` (m); between steps only.
+void fit_membrane(World& world, double height, double radius);
+
+} // namespace bris

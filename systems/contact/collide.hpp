@@ -1,0 +1,21 @@
+#pragma once
+
+#include "engine/system.hpp"
+#include "systems/contact/laws/law.hpp"
+
+namespace bris {
+
+// With `ledger`, the work that friction takes is booked for each near pair (undamped laws).
+
+/// Finds which near pairs of spheres touch and writes their forces; moves their springs on. Each
+/// pair writes only itself. Reads packed rows; velocities and positions are of one time.
+System collide_spheres(LawName law, bool ledger);
+
+/// The same for spheres against facets: contacts are reduced to one for each feature of a body (face
+/// before edge before vertex); strips act along their normal only.
+System collide_facets(LawName law, bool ledger);
+
+/// The same for spheres against planes.
+System collide_planes(LawName law, bool ledger);
+
+} // namespace bris

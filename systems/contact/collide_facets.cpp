@@ -1,0 +1,153 @@
+#include "components/kinds.hpp"
+#include "components/settings.hpp"
+#include "engine/parallel.hpp"
+#include "systems/contact/collide.hpp"
+#include "systems/contact/facet_geometry.hpp"
+#include "systems/contact/laws/linear.hpp"
+#include "systems/contact/scalar_tile.hpp"
+
+#include <span>
+
+namespace bris {
+
+namespace {
+
+using detail::Feature;
+using detail::Nearest;
+using detail::TileTarget;
+
+constexpr std::size_t facets_per_run = 64; // of one body near one sphere; the prune checks it
+
+struct Surfaces {
+    const PlaceRow* place;
+    const TurnRow* turn;
+    const FacetPlaceRow* facets;
+    const std::uint32_t* sort;
+    const PairNames* names;
+    double deepest;
+};
+
+Nearest nearest(const Surfaces& s, const NearEntry& near) {
+    const PlaceRow& p = s.place[near.owner];
+    const Vec3 centre(p.x, p.y, p.z);
+    const FacetPlaceRow& facet = s.facets[near.other];
+    if (s.sort[near.other] == static_cast<std::uint32_t>(FacetSort::strip))
+        return detail::nearest_on_strip(facet, centre, p.radius);
+    Nearest n = detail::nearest_on_mesh_facet(facet, centre);
+    if (n.distance >= p.radius || n.distance == 0) n.feature = Feature::none;
+    return n;
+}
+
+// an edge or vertex counts once for a body, and not at all where a face of the body already carries
+bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Nearest> run,
+                 std::size_t first, std::size_t k) {
+    const Nearest& mine = run[k];
+    const double radius = s.place[to.near[first + k].owner].radius, close = 1e-9 * radius;
+    for (std::size_t j = 0; j < run.size(); ++j) {
+        if (j == k || run[j].feature == Feature::none) continue;
+        if (run[j].feature == Feature::face) {
+            const FacetPlaceRow& face = s.facets[to.near[first + j].other];
+            if (std::abs((mine.point - face.corners[0]).dot(face.normal)) <= close &&
+                (mine.point - run[j].point).norm() <= radius)
+                return true;
+        } else if ((j < k || run[j].feature > mine.feature) && (mine.point - run[j].point).norm() <= close) {
+            return true;
+        }
+    }
+    return false;
+}
+
+// near rows [first, last) are one sphere against the facets of one body
+template <class Law>
+std::uint64_t collide_sphere_with_body(const Surfaces& s, const TileTarget& to, std::size_t first,
+                                       std::size_t last, detail::ScalarTile<Law>& tile, Row& too_deep) {
+    std::array<Nearest, facets_per_run> found;
+    for (std::size_t row = first; row < last; ++row) found[row - first] = nearest(s, to.near[row]);
+    const std::span<const Nearest> run(found.data(), last - first);
+    std::uint64_t touching = 0;
+    for (std::size_t k = 0; k < run.size(); ++k) {
+        const Nearest& n = run[k];
+        if (n.feature == Feature::none) continue;
+        if (n.feature != Feature::face && is_shadowed(s, to, run, first, k)) continue;
+        const auto row = static_cast<Row>(first + k);
+        const double radius = s.place[to.near[row].owner].radius;
+        if (radius - n.distance > s.deepest * radius) too_deep = row;
+        tile.add(row, n.normal, n.distance, s.facets[to.near[row].other].velocity);
+        touching |= std::uint64_t{1} << k;
+    }
+    return touching;
+}
+
+template <class Law>
+void collide_chunk(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index,
+                   std::size_t chunk, std::size_t first, std::size_t last) {
+    detail::ScalarTile<Law> tile(to, s.place, s.turn);
+    const std::size_t end = index.size();
+    const auto same_run = [&](std::size_t a, std::size_t b) {
+        const PairNames &x = s.names[to.near[a].pair], &y = s.names[to.near[b].pair];
+        return x.owner == y.owner && x.partner == y.partner && x.sphere == y.sphere;
+    };
+    // runs belong to the chunk in which they begin
+    std::size_t row = first;
+    while (row < last && row > 0 && same_run(row - 1, row)) ++row;
+    while (row < last) {
+        std::size_t after = row + 1;
+        while (after < end && after - row < facets_per_run && same_run(row, after)) ++after;
+        const std::uint64_t now =
+            collide_sphere_with_body<Law>(s, to, row, after, tile, index.too_deep[chunk]);
+        for (std::size_t k = row; k < after; ++k) {
+            const bool touches = ((now >> (k - row)) & 1) != 0;
+            if (index.touching[k] != 0 && !touches) detail::forget(to, static_cast<Row>(k), 1);
+            index.touching[k] = touches ? 1 : 0;
+        }
+        row = after;
+    }
+    tile.flush();
+}
+
+template <class Law> void run_chunks(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index) {
+    for_chunks(index.size(), detail::near_rows_per_chunk,
+               [&](std::size_t chunk, std::size_t first, std::size_t last) {
+                   collide_chunk<Law>(s, to, index, chunk, first, last);
+               });
+}
+
+template <class Law, class... Ledger>
+void collide(Rows<NearFacets, const NearPair, PairForce, Ledger...> near,
+             Rows<Listed, const Place, const Turn> listed,
+             Rows<Facets, const FacetPlace, const FacetSortOf> facets,
+             Rows<FacetPairs, const PairKey, Spring> pairs, NearIndex<FacetPairs>& index,
+             const Materials& materials, const Limits& limits, const Clock& clock) {
+    run_chunks<Law>({listed.column<Place>(), listed.column<Turn>(), facets.column<FacetPlace>(),
+                     facets.column<FacetSortOf>(), pairs.column<PairKey>(), limits.overlap},
+                    {near.template column<NearPair>(), pairs.column<Spring>(), near.template column<PairForce>(), detail::ledger_of(near),
+                     materials.pairs.data(), materials.pairs.size() == 1, clock.dt},
+                    index);
+}
+
+void collide_frictionless(Rows<NearFacets, const NearPair, PairForce> near,
+                          Rows<Listed, const Place> listed,
+                          Rows<Facets, const FacetPlace, const FacetSortOf> facets,
+                          Rows<FacetPairs, const PairKey> pairs, NearIndex<FacetPairs>& index,
+                          const Materials& materials, const Limits& limits, const Clock& clock) {
+    run_chunks<LinearFrictionless>(
+        {listed.column<Place>(), nullptr, facets.column<FacetPlace>(), facets.column<FacetSortOf>(),
+         pairs.column<PairKey>(), limits.overlap},
+        {near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr, materials.pairs.data(),
+         materials.pairs.size() == 1, clock.dt},
+        index);
+}
+
+} // namespace
+
+System collide_facets(LawName law, bool ledger) {
+    constexpr auto name = "collide_facets";
+    switch (law) {
+    case LawName::linear: return ledger ? system(name, collide<Linear, SlipWork>) : system(name, collide<Linear>);
+    case LawName::linear_viscous: return system(name, collide<LinearViscous>);
+    case LawName::linear_frictionless: break;
+    }
+    return system(name, collide_frictionless);
+}
+
+} // namespace bris

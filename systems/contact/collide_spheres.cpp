@@ -1,0 +1,140 @@
+#include "components/kinds.hpp"
+#include "components/settings.hpp"
+#include "engine/parallel.hpp"
+#include "systems/contact/collide.hpp"
+#include "systems/contact/laws/linear.hpp"
+#include "systems/contact/tile.hpp"
+
+namespace bris {
+
+namespace {
+
+using detail::TileTarget;
+
+// bit k: near pair k of this group of lane_count touches
+unsigned touching_lanes(const NearEntry* near, const PlaceRow* place) {
+    const Lane sign = lane_count == 8 ? Lane{-1, -1, -1, 1, -1, -1, -1, 1} : Lane{-1, -1, -1, 1};
+    const Lane metric = -sign;
+    const auto own = load_rows([&](int q) { return &place[near[q].owner].x; });
+    const auto other = load_rows([&](int q) { return &place[near[q].other].x; });
+    FourLanes squares;
+    for (std::size_t q = 0; q < 4; ++q) {
+        const Lane d = own[q] + sign * other[q];
+        squares[q] = d * d * metric;
+    }
+    return bits(row_sums(squares) < 0.0);
+}
+
+struct Tile {
+    const PlaceRow* place;
+    const TurnRow* turn;
+    double deepest; // of the mean radius
+
+    template <class Law>
+    bool operator()(const TileTarget& to, const Row* rows, int count) const {
+        const auto own_rows = [&](int q) { return to.near[rows[q]].owner; };
+        const auto other_rows = [&](int q) { return to.near[rows[q]].other; };
+        const auto a = transpose(load_rows([&](int q) { return &place[own_rows(q)].x; }));
+        const auto b = transpose(load_rows([&](int q) { return &place[other_rows(q)].x; }));
+        const auto va = load_rows([&](int q) { return &place[own_rows(q)].vx; });
+        const auto vb = load_rows([&](int q) { return &place[other_rows(q)].vx; });
+        const Lane sign = lane_count == 8 ? Lane{-1, -1, -1, 1, -1, -1, -1, 1} : Lane{-1, -1, -1, 1};
+        const auto u = transpose({va[0] + sign * vb[0], va[1] + sign * vb[1], va[2] + sign * vb[2],
+                                  va[3] + sign * vb[3]});
+
+        const Lane dx = a[0] - b[0], dy = a[1] - b[1], dz = a[2] - b[2], reach = a[3] + b[3];
+        const Lane distance = max(sqrt(dx * dx + dy * dy + dz * dz), lanes(1e-300));
+        const Lane inverse = lanes(1) / distance;
+        ContactLanes c;
+        c.nx = dx * inverse;
+        c.ny = dy * inverse;
+        c.nz = dz * inverse;
+        c.overlap = max(reach - distance, lanes(0));
+        c.inverse_mass = u[3];
+        // the contact point lies in the middle of the overlap
+        const Lane half = 0.5 * c.overlap, arm_a = a[3] - half, arm_b = b[3] - half;
+        const Lane px = b[0] + c.nx * arm_b, py = b[1] + c.ny * arm_b, pz = b[2] + c.nz * arm_b;
+        c.ux = u[0];
+        c.uy = u[1];
+        c.uz = u[2];
+        c.twist = lanes(0);
+        if constexpr (Law::has_history) {
+            const auto wa = transpose(load_rows([&](int q) { return &turn[own_rows(q)].x; }));
+            const auto wb = transpose(load_rows([&](int q) { return &turn[other_rows(q)].x; }));
+            const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1],
+                       wz = arm_a * wa[2] + arm_b * wb[2];
+            c.ux -= wy * c.nz - wz * c.ny;
+            c.uy -= wz * c.nx - wx * c.nz;
+            c.uz -= wx * c.ny - wy * c.nx;
+            c.twist = 0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
+        }
+        detail::apply_law<Law>(to, rows, count, c, px, py, pz);
+        return bits(c.overlap > (0.5 * deepest) * reach) != 0;
+    }
+};
+
+template <class Law>
+void collide_chunk(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs>& index,
+                   std::size_t chunk, std::size_t first, std::size_t last) {
+    alignas(64) std::array<Row, detail::near_rows_per_chunk + 8> touching;
+    std::size_t count = 0;
+    for (std::size_t group = first; group < last; group += 8) {
+        unsigned now = touching_lanes(to.near + group, tile.place);
+        if constexpr (lane_count == 4) now |= touching_lanes(to.near + group + 4, tile.place) << 4;
+        if (last - group < 8) now &= (1u << (last - group)) - 1;
+        std::uint8_t& flags = index.touching[group / 8];
+        detail::forget(to, static_cast<Row>(group), flags & ~now);
+        flags = static_cast<std::uint8_t>(now);
+        for (; now != 0; now &= now - 1)
+            touching[count++] = static_cast<Row>(group) + static_cast<Row>(__builtin_ctz(now));
+    }
+    if (count == 0) return;
+    for (std::size_t k = 0; k < 8; ++k) touching[count + k] = touching[count - 1];
+    for (std::size_t k = 0; k < count; k += lane_count) {
+        const int here = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
+        if (tile.template operator()<Law>(to, &touching[k], here) && index.too_deep[chunk] == no_row)
+            index.too_deep[chunk] = touching[k];
+    }
+}
+
+template <class Law>
+void run(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs>& index, std::size_t near_rows) {
+    for_chunks(near_rows, detail::near_rows_per_chunk,
+               [&](std::size_t chunk, std::size_t first, std::size_t last) {
+                   collide_chunk<Law>(to, tile, index, chunk, first, last);
+               });
+}
+
+template <class Law, class... Ledger>
+void collide(Rows<NearSpheres, const NearPair, PairForce, Ledger...> near,
+             Rows<Listed, const Place, const Turn> listed, Rows<SpherePairs, Spring> pairs,
+             NearIndex<SpherePairs>& index, const Materials& materials, const Limits& limits,
+             const Clock& clock) {
+    const TileTarget to{near.template column<NearPair>(), pairs.column<Spring>(), near.template column<PairForce>(), detail::ledger_of(near),
+                        materials.pairs.data(),  materials.pairs.size() == 1, clock.dt};
+    run<Law>(to, {listed.column<Place>(), listed.column<Turn>(), limits.overlap}, index,
+             index.size());
+}
+
+void collide_frictionless(Rows<NearSpheres, const NearPair, PairForce> near,
+                          Rows<Listed, const Place> listed, NearIndex<SpherePairs>& index,
+                          const Materials& materials, const Limits& limits, const Clock& clock) {
+    const TileTarget to{near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr,
+                        materials.pairs.data(),  materials.pairs.size() == 1, clock.dt};
+    run<LinearFrictionless>(to, {listed.column<Place>(), nullptr, limits.overlap}, index,
+                            index.size());
+}
+
+} // namespace
+
+System collide_spheres(LawName law, bool ledger) {
+    constexpr auto name = "collide_spheres";
+    switch (law) {
+    case LawName::linear: return ledger ? system(name, collide<Linear, SlipWork>) : system(name, collide<Linear>);
+    case LawName::linear_viscous: return system(name, collide<LinearViscous>);
+    case LawName::linear_frictionless: break;
+    }
+    return system(name, collide_frictionless);
+}
+
+} // namespace bris

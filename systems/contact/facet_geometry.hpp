@@ -1,0 +1,70 @@
+#pragma once
+
+#include "components/boundary.hpp"
+
+#include <cmath>
+
+namespace bris::detail {
+
+/// Which part of a facet is nearest to a point.
+enum class Feature { none, vertex, edge, face };
+
+struct Nearest {
+    Feature feature = Feature::none;
+    Vec3 point = Vec3::Zero();
+    Vec3 normal = Vec3::Zero(); ///< from the facet to the centre, unit
+    double distance = 0;
+};
+
+/// The point of a convex facet nearest to a sphere's centre.
+inline Nearest nearest_on_mesh_facet(const FacetPlaceRow& facet, const Vec3& centre) {
+    const double height = (centre - facet.corners[0]).dot(facet.normal);
+    const Vec3 foot = centre - height * facet.normal;
+    bool inside = true;
+    Nearest best;
+    double best_squared = 0;
+    for (std::size_t k = 0; k < 4; ++k) {
+        const Vec3& from = facet.corners[k];
+        const Vec3 edge = facet.corners[(k + 1) % 4] - from;
+        const double length2 = edge.squaredNorm();
+        if (length2 == 0) continue; // a triangle repeats a corner
+        if (facet.normal.cross(edge).dot(foot - from) >= 0) continue;
+        inside = false;
+        const double along = (foot - from).dot(edge) / length2;
+        const Vec3 point = from + std::min(1.0, std::max(0.0, along)) * edge;
+        const double squared = (centre - point).squaredNorm();
+        if (best.feature == Feature::none || squared < best_squared) {
+            best.feature = along > 0 && along < 1 ? Feature::edge : Feature::vertex;
+            best.point = point;
+            best_squared = squared;
+        }
+    }
+    if (inside) {
+        const double side = height < 0 ? -1 : 1;
+        return {Feature::face, foot, side * facet.normal, side * height};
+    }
+    best.distance = std::sqrt(best_squared);
+    best.normal = (centre - best.point) / best.distance;
+    return best;
+}
+
+/// A sphere against an element of a membrane: the force is along the element's normal only. Beside
+/// the element (along the axis) the slice of the sphere at the element's rim counts, so that the
+/// force is continuous when a sphere passes from ring to ring. Grains are in front of the element;
+/// a centre behind it does not touch. `distance` is such that radius - distance is the overlap.
+inline Nearest nearest_on_strip(const FacetPlaceRow& facet, const Vec3& centre, double radius) {
+    const Vec3 from = centre - facet.corners[0];
+    const double height = from.dot(facet.normal);
+    if (height <= 0 || height >= radius) return {};
+    const Vec3 around = facet.corners[1] - facet.corners[0], along = facet.corners[3] - facet.corners[0];
+    const double u = from.dot(around) / around.squaredNorm();
+    if (u < 0 || u > 1) return {};
+    const double length = along.norm(), v = from.dot(along) / length;
+    const double beyond = v < 0 ? -v : v > length ? v - length : 0;
+    if (beyond >= radius) return {};
+    const double slice = beyond > 0 ? std::sqrt(radius * radius - beyond * beyond) : radius;
+    if (height >= slice) return {};
+    return {Feature::face, centre - height * facet.normal, facet.normal, radius - (slice - height)};
+}
+
+} // namespace bris::detail

@@ -1,0 +1,21 @@
+#pragma once
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/pair.hpp"
+#include "engine/rows.hpp"
+
+namespace bris {
+
+/// Adds the work that friction took in this step to the owners of the pairs, in their order.
+template <class Pairs>
+void book_friction(Rows<Bodies, FrictionWork> bodies, Rows<typename Pairs::Near, const SlipWork> near,
+                   const NearIndex<Pairs>& index) {
+    if (index.size() == 0) return;
+    double* work = bodies.template column<FrictionWork>();
+    const double* slip = near.template column<SlipWork>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b)
+        for (Row k = index.owned_first[b]; k < index.owned_first[b + 1]; ++k) work[b] += slip[k];
+}
+
+} // namespace bris

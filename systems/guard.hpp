@@ -1,0 +1,34 @@
+#pragma once
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/pair.hpp"
+#include "components/settings.hpp"
+#include "components/sphere.hpp"
+#include "engine/rows.hpp"
+
+namespace bris {
+
+/// Watches every step: positions that are not numbers, bodies faster than the limit. Notes the
+/// first offender in Health; the simulation then stops with step, time and a checkpoint.
+void guard_motion(Rows<Bodies, const BodyId, const Travel, const Position, const Velocity> bodies,
+                  const Limits& limits, Health& health);
+
+/// Overlaps beyond the limit, found by the contact kernels. One system a pair kind.
+template <class Pairs>
+void guard_overlap(Rows<typename Pairs::Near, const NearPair, const PairForce> near,
+                   Rows<Pairs, const PairKey> pairs, const NearIndex<Pairs>& index,
+                   const Limits& limits, Health& health) {
+    for (const Row row : index.too_deep) {
+        if (row == no_row || health.bad) continue;
+        const PairNames& who = pairs.template column<PairKey>()[near.template column<NearPair>()[row].pair];
+        health.bad = true;
+        health.what = "overlap of bodies " + std::to_string(who.owner) + " and " +
+                      std::to_string(who.partner) + ": expected less than " + std::to_string(limits.overlap) +
+                      " radii, found " +
+                      std::to_string(near.template column<PairForce>()[row].overlap) +
+                      " m; try a smaller step or a gentler start";
+    }
+}
+
+} // namespace bris

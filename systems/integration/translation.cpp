@@ -1,0 +1,162 @@
+#include "systems/integration/motion.hpp"
+
+namespace bris {
+
+namespace {
+
+constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
+
+double damped(double force, double velocity, double fraction) {
+    const double drive = force * velocity;
+    return drive > 0 ? force * (1 - fraction) : drive < 0 ? force * (1 + fraction) : force;
+}
+
+Vec3 damped(const Vec3& force, const Vec3& velocity, double fraction) {
+    return {damped(force.x(), velocity.x(), fraction), damped(force.y(), velocity.y(), fraction),
+            damped(force.z(), velocity.z(), fraction)};
+}
+
+} // namespace
+
+void clear_forces(Rows<Bodies, Force, Torque> bodies) {
+    Vec3* force = bodies.column<Force>();
+    Vec3* torque = bodies.column<Torque>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        force[b].setZero();
+        torque[b].setZero();
+    }
+}
+
+void weigh(Rows<Bodies, const Mass, Force> bodies, const Gravity& gravity) {
+    const double* mass = bodies.column<Mass>();
+    Vec3* force = bodies.column<Force>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) force[b] += mass[b] * gravity.value;
+}
+
+void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin, Force, Torque> bodies,
+          const LocalDamping& damping, const Clock& clock) {
+    const auto* motion = bodies.column<MotionOf>();
+    const Vec3* velocity = bodies.column<Velocity>();
+    const Vec3* acceleration = bodies.column<Acceleration>();
+    const Vec3* spin = bodies.column<Spin>();
+    Vec3* force = bodies.column<Force>();
+    Vec3* torque = bodies.column<Torque>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        if (motion[b] != free_motion) continue;
+        const Vec3 now = velocity[b] + (0.5 * clock.dt) * acceleration[b];
+        force[b] = damped(force[b], now, damping.fraction);
+        torque[b] = damped(torque[b], spin[b], damping.fraction);
+    }
+}
+
+void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin,
+                        const InertialMass, Force, Torque, DampingWork> bodies,
+                   const LocalDamping& damping, const Clock& clock) {
+    const auto* motion = bodies.column<MotionOf>();
+    const Vec3* velocity = bodies.column<Velocity>();
+    const Vec3* acceleration = bodies.column<Acceleration>();
+    const Vec3* spin = bodies.column<Spin>();
+    const double* mass = bodies.column<InertialMass>();
+    Vec3* force = bodies.column<Force>();
+    Vec3* torque = bodies.column<Torque>();
+    double* work = bodies.column<DampingWork>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        if (motion[b] != free_motion) continue;
+        const Vec3 now = velocity[b] + (0.5 * clock.dt) * acceleration[b];
+        const Vec3 f = damped(force[b], now, damping.fraction), t = damped(torque[b], spin[b], damping.fraction);
+        const Vec3 mean_velocity = velocity[b] + (0.5 * clock.dt / mass[b]) * f;
+        work[b] += clock.dt * ((force[b] - f).dot(mean_velocity) + (torque[b] - t).dot(spin[b]));
+        force[b] = f;
+        torque[b] = t;
+    }
+}
+
+void book_boundary_work(Rows<Bodies, const MotionOf, const Force, const Velocity, const DriveVelocity,
+                             BoundaryWork> bodies,
+                        const Clock& clock) {
+    const auto* motion = bodies.column<MotionOf>();
+    const Vec3* force = bodies.column<Force>();
+    const Vec3* before = bodies.column<Velocity>();
+    const Vec3* after = bodies.column<DriveVelocity>();
+    double* work = bodies.column<BoundaryWork>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b)
+        if (motion[b] != free_motion) work[b] -= 0.5 * clock.dt * force[b].dot(before[b] + after[b]);
+}
+
+void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, const DriveVelocity, Velocity,
+                    Acceleration, Position> bodies,
+               const Clock& clock) {
+    const auto* motion = bodies.column<MotionOf>();
+    const Vec3* force = bodies.column<Force>();
+    const double* mass = bodies.column<InertialMass>();
+    const Vec3* drive = bodies.column<DriveVelocity>();
+    Vec3* velocity = bodies.column<Velocity>();
+    Vec3* acceleration = bodies.column<Acceleration>();
+    Vec3* position = bodies.column<Position>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        if (motion[b] == free_motion) {
+            acceleration[b] = force[b] / mass[b];
+            velocity[b] += clock.dt * acceleration[b];
+        } else {
+            acceleration[b].setZero();
+            velocity[b] = drive[b];
+        }
+        position[b] += clock.dt * velocity[b];
+    }
+}
+
+void place_spheres(Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration,
+                        const InertialMass, const MotionOf, const SphereInertia> bodies,
+                   Rows<Listed, const ListedBall, Place> listed, const Clock& clock) {
+    const auto* run = bodies.column<SpheresOf>();
+    const Vec3* position = bodies.column<Position>();
+    const Vec3* velocity = bodies.column<Velocity>();
+    const Vec3* acceleration = bodies.column<Acceleration>();
+    const double* mass = bodies.column<InertialMass>();
+    const auto* motion = bodies.column<MotionOf>();
+    const Ball* ball = listed.column<ListedBall>();
+    PlaceRow* place = listed.column<Place>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        const Vec3 v = velocity[b] + (0.5 * clock.dt) * acceleration[b];
+        const Vec3& x = position[b];
+        const double inverse = motion[b] == free_motion ? 1 / mass[b] : 0;
+        for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k)
+            place[k] = {x.x(), x.y(), x.z(), ball[k].radius, v.x(), v.y(), v.z(), inverse};
+    }
+}
+
+void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies) {
+    const Vec3* position = bodies.column<Position>();
+    const Pose* from = bodies.column<PrunedAt>();
+    double* travel = bodies.column<Travel>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b)
+        travel[b] = (position[b] - from[b].position).norm();
+}
+
+void place_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePlace> planes,
+                  Rows<Bodies, const Position, const DriveVelocity> bodies) {
+    const Vec3* position = bodies.column<Position>();
+    const Vec3* velocity = bodies.column<DriveVelocity>();
+    const PlaneShape* shape = planes.column<LocalPlane>();
+    const Row* host = planes.column<HostRow>();
+    PlanePlaceRow* place = planes.column<PlanePlace>();
+    for (Row p = planes.first(); p < planes.last(); ++p)
+        place[p] = {position[host[p]] + shape[p].point, shape[p].normal, velocity[host[p]]};
+}
+
+void place_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPlace> facets,
+                  Rows<Bodies, const Position, const DriveVelocity> bodies) {
+    const Vec3* position = bodies.column<Position>();
+    const Vec3* velocity = bodies.column<DriveVelocity>();
+    const FacetShape* shape = facets.column<LocalFacet>();
+    const Row* host = facets.column<HostRow>();
+    FacetPlaceRow* place = facets.column<FacetPlace>();
+    for (Row f = facets.first(); f < facets.last(); ++f) {
+        const auto& local = shape[f].corners;
+        for (std::size_t k = 0; k < 4; ++k) place[f].corners[k] = position[host[f]] + local[k];
+        place[f].normal = (local[1] - local[0]).cross(local[2] - local[0]).normalized();
+        place[f].velocity = velocity[host[f]];
+    }
+}
+
+} // namespace bris

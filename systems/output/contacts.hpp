@@ -1,0 +1,39 @@
+#pragma once
+
+#include "components/kinds.hpp"
+#include "components/pair.hpp"
+#include "engine/world.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace bris {
+
+/// A touching pair: its names, what it does to its owner, and its coefficients.
+struct TouchingPair {
+    PairNames names;
+    ForceRow force;
+    SpringRow spring;
+    std::uint32_t law;
+};
+
+/// All touching pairs of one kind, in the order of their names.
+template <class Pairs> std::vector<TouchingPair> touching_pairs(const World& world) {
+    std::vector<TouchingPair> list;
+    if (!world.has<Pairs>()) return list;
+    const auto& index = world.resource<NearIndex<Pairs>>();
+    const auto entry = world.column<typename Pairs::Near, NearPair>();
+    const auto force = world.column<typename Pairs::Near, PairForce>();
+    const Table& pairs = world.table<Pairs>();
+    const auto names = pairs.template column<PairKey>();
+    const SpringRow* spring = pairs.template has<Spring>() ? pairs.template column<Spring>().data() : nullptr;
+    for (Row k = 0; k < index.size(); ++k)
+        if (index.touches(k))
+            list.push_back({names[entry[k].pair], force[k],
+                            spring != nullptr ? spring[entry[k].pair] : SpringRow{}, entry[k].law});
+    std::sort(list.begin(), list.end(),
+              [](const TouchingPair& a, const TouchingPair& b) { return a.names < b.names; });
+    return list;
+}
+
+} // namespace bris

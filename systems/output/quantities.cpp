@@ -1,0 +1,131 @@
+#include "systems/output/quantities.hpp"
+
+#include "components/body.hpp"
+#include "components/material.hpp"
+#include "components/settings.hpp"
+#include "engine/parallel.hpp"
+#include "systems/output/contacts.hpp"
+
+namespace bris {
+
+namespace {
+
+// rows of bodies by id: every sum over the world is taken in this order
+std::vector<Row> rows_by_id(const World& world) {
+    const auto ids = world.column<Bodies, BodyId>();
+    std::vector<Row> rows(ids.size());
+    for (Row r = 0; r < ids.size(); ++r) rows[ids[r]] = r;
+    return rows;
+}
+
+bool is_free(const World& world, Row b) {
+    return world.column<Bodies, MotionOf>()[b] == static_cast<std::uint32_t>(Motion::free);
+}
+
+double kinetic_energy(const World& world, Row b) {
+    const Table& bodies = world.table<Bodies>();
+    const double dt = world.resource<Clock>().dt;
+    const Vec3 v = bodies.column<Velocity>()[b] + 0.5 * dt * bodies.column<Acceleration>()[b];
+    const Vec3& w = bodies.column<Spin>()[b];
+    double turning = 0;
+    if (bodies.has<SphereInertia>()) {
+        turning = bodies.column<SphereInertia>()[b] * w.squaredNorm();
+    } else {
+        const Vec3 local = bodies.column<Orientation>()[b].conjugate() * w;
+        turning = local.cwiseAbs2().dot(bodies.column<InertialInertia>()[b]);
+    }
+    return 0.5 * (bodies.column<InertialMass>()[b] * v.squaredNorm() + turning);
+}
+
+struct Balance {
+    std::vector<Vec3> resultant;
+    std::vector<double> total;
+};
+
+template <class Pairs> void add_pairs(const World& world, Balance& balance) {
+    for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
+        const Vec3 f(p.force.fx, p.force.fy, p.force.fz);
+        const double size = f.norm();
+        balance.resultant[p.names.owner] += f;
+        balance.resultant[p.names.partner] -= f;
+        balance.total[p.names.owner] += size;
+        balance.total[p.names.partner] += size;
+    }
+}
+
+// by body id
+Balance balance_of(const World& world) {
+    const std::size_t n = world.table<Bodies>().size();
+    Balance balance{std::vector<Vec3>(n, Vec3::Zero()), std::vector<double>(n, 0.0)};
+    add_pairs<SpherePairs>(world, balance);
+    add_pairs<FacetPairs>(world, balance);
+    add_pairs<PlanePairs>(world, balance);
+    return balance;
+}
+
+template <class Pairs> void add_contacts(const World& world, Quantities& q) {
+    const auto& laws = world.resource<Materials>().pairs;
+    const double dt = world.resource<Clock>().dt;
+    PairNames last{nobody, nobody, 0, 0};
+    static_cast<void>(dt);
+    for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
+        ++q.contacts;
+        q.mean_overlap += p.force.overlap;
+        q.largest_overlap = std::max(q.largest_overlap, p.force.overlap);
+        q.mean_normal_force += p.force.normal_force;
+        const LawRow& k = laws[p.law];
+        const Vec3 normal_and_shear(p.force.fx, p.force.fy, p.force.fz);
+        const double shear2 = std::max(0.0, normal_and_shear.squaredNorm() - p.force.normal_force * p.force.normal_force);
+        q.elastic_energy += 0.5 * k.kn * p.force.overlap * p.force.overlap + (k.ks > 0 ? 0.5 * shear2 / k.ks : 0);
+        if (p.names.owner != last.owner || p.names.partner != last.partner) ++q.body_contacts;
+        last = p.names;
+    }
+}
+
+} // namespace
+
+double unbalanced_ratio(const World& world) {
+    const Balance balance = balance_of(world);
+    const auto rows = rows_by_id(world);
+    const auto mass = world.column<Bodies, Mass>();
+    const Vec3 gravity = world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero());
+    double unbalanced = 0, total = 0;
+    for (std::size_t id = 0; id < rows.size(); ++id) {
+        if (!is_free(world, rows[id])) continue;
+        const Vec3 weight = mass[rows[id]] * gravity;
+        unbalanced += (balance.resultant[id] + weight).norm();
+        total += balance.total[id] + weight.norm();
+    }
+    return total > 0 ? unbalanced / total : 1;
+}
+
+Quantities measure(const World& world) {
+    Quantities q;
+    const auto rows = rows_by_id(world);
+    std::size_t free_bodies = 0;
+    const Vec3 gravity = world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero());
+    const Balance balance = balance_of(world);
+    for (std::size_t id = 0; id < rows.size(); ++id) {
+        if (is_free(world, rows[id])) {
+            ++free_bodies;
+            q.kinetic_energy += kinetic_energy(world, rows[id]);
+            q.weight += world.column<Bodies, Mass>()[rows[id]] * gravity;
+        } else {
+            q.boundary_force += balance.resultant[id];
+        }
+    }
+    add_contacts<SpherePairs>(world, q);
+    const std::size_t between_grains = q.body_contacts;
+    add_contacts<FacetPairs>(world, q);
+    add_contacts<PlanePairs>(world, q);
+    if (q.contacts > 0) {
+        q.mean_overlap /= static_cast<double>(q.contacts);
+        q.mean_normal_force /= static_cast<double>(q.contacts);
+    }
+    if (free_bodies > 0)
+        q.coordination = static_cast<double>(q.body_contacts + between_grains) / static_cast<double>(free_bodies);
+    q.unbalanced_ratio = unbalanced_ratio(world);
+    return q;
+}
+
+} // namespace bris

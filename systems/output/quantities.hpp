@@ -1,0 +1,30 @@
+#pragma once
+
+#include "engine/math.hpp"
+#include "engine/world.hpp"
+
+namespace bris {
+
+/// What a scene looks like mechanically, summed over bodies and contacts in id order.
+struct Quantities {
+    double kinetic_energy = 0;       ///< J, at the time of the positions, inertial masses
+    double elastic_energy = 0;       ///< J, normal and tangential springs
+    double coordination = 0;         ///< touching partners per free body (boundaries count)
+    std::size_t contacts = 0;        ///< touching pairs of spheres or of sphere and boundary
+    std::size_t body_contacts = 0;   ///< touching pairs of bodies
+    double mean_overlap = 0;         ///< m, of touching pairs
+    double largest_overlap = 0;      ///< of the mean radius of the partners
+    double mean_normal_force = 0;    ///< N
+    double unbalanced_ratio = 0;     ///< mean unbalanced force / mean sum of contact and applied forces; 1 if nothing carries
+    Vec3 boundary_force = Vec3::Zero(); ///< N, of all grains on all driven bodies
+    Vec3 weight = Vec3::Zero();      ///< N, of all free bodies
+};
+
+/// Measures the world as the last step left it. Reads only.
+Quantities measure(const World& world);
+
+/// Unbalanced force ratio after PFC (aratio): mean over free bodies of |resultant| over the mean of
+/// the sum of |contact forces| + |weight|; 1 where nothing carries load.
+double unbalanced_ratio(const World& world);
+
+} // namespace bris

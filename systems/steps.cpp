@@ -1,0 +1,61 @@
+#include "systems/steps.hpp"
+
+#include "systems/broadphase/lists.hpp"
+#include "systems/contact/collide.hpp"
+#include "systems/contact/gather.hpp"
+#include "systems/contact/ledger.hpp"
+#include "systems/guard.hpp"
+#include "systems/integration/motion.hpp"
+#include "systems/servo/membrane.hpp"
+#include "systems/servo/platen.hpp"
+
+namespace bris {
+
+StepList steps(LawName law, bool ledger) {
+    const auto due = lists_are_due;
+    return {
+        // rarely: new lists, then everything placed anew
+        when(due, system("refresh_pairs", refresh_pairs)),
+        when(due, system("prune_pairs", prune_pairs)),
+        when(due, row_local("place_spheres again", place_spheres)),
+        when(due, row_local("place again", place)),
+        when(due, row_local("place_turns again", place_turns)),
+        when(due, system("place_planes again", place_planes)),
+        when(due, system("place_facets again", place_facets)),
+        // forces of pairs
+        collide_spheres(law, ledger),
+        collide_facets(law, ledger),
+        collide_planes(law, ledger),
+        // forces on bodies, and their motion: one pass over the rows
+        row_local("clear_forces", clear_forces),
+        row_local("weigh", weigh),
+        row_local("gather_spheres", gather<SpherePairs>),
+        row_local("gather_facets", gather<FacetPairs>),
+        row_local("gather_planes", gather<PlanePairs>),
+        row_local("book_friction", book_friction<SpherePairs>),
+        row_local("book_facet_friction", book_friction<FacetPairs>),
+        row_local("book_plane_friction", book_friction<PlanePairs>),
+        row_local("book_boundary_work", book_boundary_work),
+        ledger ? row_local("damp_and_book", damp_and_book) : row_local("damp", damp),
+        row_local("integrate", integrate),
+        row_local("turn_spheres", turn_spheres),
+        row_local("turn", turn),
+        row_local("place_spheres", place_spheres),
+        row_local("place", place),
+        row_local("place_turns", place_turns),
+        row_local("measure_travel", measure_travel),
+        row_local("measure_travel_and_turn", measure_travel_and_turn),
+        // boundaries
+        system("steer_membrane", steer_membrane),
+        system("steer_platen", steer_platen),
+        system("place_planes", place_planes),
+        system("place_facets", place_facets),
+        // stop on what cannot be
+        system("guard_motion", guard_motion),
+        system("guard_spheres", guard_overlap<SpherePairs>),
+        system("guard_facets", guard_overlap<FacetPairs>),
+        system("guard_planes", guard_overlap<PlanePairs>),
+    };
+}
+
+} // namespace bris

@@ -1,0 +1,159 @@
+#include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
+#include "engine/options.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <limits>
+
+using namespace bris;
+
+namespace {
+
+struct Test {
+    double confining_pressure = 55e3;
+    double friction = 0.5;
+    unsigned bodies = 4000;
+    std::uint64_t seed = 1;
+    bool membrane = true;
+    std::string law = "linear";
+    std::vector<double> stages{0, 0.08};
+    std::filesystem::path config;
+
+    void describe(auto& option) {
+        option("confining_pressure", confining_pressure, "Pa", "on the membrane", above(0));
+        option("friction", friction, "-", "of rocks", within(0, 1));
+        option("bodies", bodies, "", "rocks", at_least(1));
+        option("seed", seed, "", "of every draw");
+        option("membrane", membrane, "", "around the specimen");
+        option("law", law, "", "of contact", {"linear", "hertz"});
+        option("stages", stages, "-", "axial strains", within(0, 1));
+        option("config", config, "", "file");
+    }
+    bool parse(const std::vector<std::string>& arguments) {
+        Options options;
+        describe(options);
+        return options.parse(arguments);
+    }
+};
+
+std::string complaint(const std::vector<std::string>& arguments) {
+    return message_of<InputError>([&] { Test().parse(arguments); });
+}
+
+} // namespace
+
+TEST_SUITE("engine/options") {
+    TEST_CASE("flags set the members they name") {
+        Test test;
+        CHECK(test.parse({"--confining-pressure", "110e3", "--bodies=7", "--membrane", "false",
+                          "--law", "hertz", "--stages", "0.1,0.2,0.3", "--seed",
+                          "18446744073709551615", "--friction", "+.25"}));
+        CHECK(test.confining_pressure == 110e3);
+        CHECK(test.bodies == 7);
+        CHECK_FALSE(test.membrane);
+        CHECK(test.law == "hertz");
+        CHECK(test.stages == std::vector<double>{0.1, 0.2, 0.3});
+        CHECK(test.seed == std::numeric_limits<std::uint64_t>::max());
+        CHECK(test.friction == 0.25);
+        CHECK(test.parse({"--membrane"}));
+        CHECK(test.membrane);
+    }
+
+    TEST_CASE("what is not accepted is said in one line with option, expected and found") {
+        CHECK(complaint({"--confining-pressure", "-5"}) ==
+              "--confining-pressure: expected a number above 0 (Pa), found \"-5\"");
+        CHECK(complaint({"--confining-pressure", "nan"}) ==
+              "--confining-pressure: expected a number above 0 (Pa), found \"nan\"");
+        CHECK(complaint({"--confining-pressure", "1e3x"}) ==
+              "--confining-pressure: expected a number above 0 (Pa), found \"1e3x\"");
+        CHECK(complaint({"--friction", "inf"}) ==
+              "--friction: expected a number from 0 to 1, found \"inf\"");
+        CHECK(complaint({"--bodies", "-3"}) ==
+              "--bodies: expected a whole number of at least 1, found \"-3\"");
+        CHECK(complaint({"--bodies", "4294967296"}) ==
+              "--bodies: expected a whole number of at least 1, found \"4294967296\"");
+        CHECK(complaint({"--law", "cubic"}) ==
+              "--law: expected one of linear, hertz, found \"cubic\"");
+        CHECK(complaint({"--stages", "0.1,2"}) ==
+              "--stages: expected numbers from 0 to 1 separated by commas, found \"0.1,2\"");
+        CHECK(complaint({"--membrane=maybe"}) ==
+              "--membrane: expected true or false, found \"maybe\"");
+        CHECK(complaint({"--bodies"}) == "--bodies: expected a value, found nothing");
+        CHECK(complaint({"--bodies", "1", "--bodies", "2"}) ==
+              "--bodies: expected once, found 2 times");
+    }
+
+    TEST_CASE("an unknown name comes with the nearest known one") {
+        CHECK(complaint({"--confining_presure", "3"}) ==
+              "expected an option, found \"--confining_presure\"; did you mean "
+              "--confining-pressure?");
+        CHECK(complaint({"--bodys=3"}) ==
+              "expected an option, found \"--bodys=3\"; did you mean --bodies?");
+        CHECK(complaint({"--xyzzy"}) ==
+              "expected an option, found \"--xyzzy\" (--help lists the options)");
+        CHECK(complaint({"word"}) ==
+              "expected an option, found \"word\" (--help lists the options)");
+    }
+
+    TEST_CASE("a config file is overruled by flags") {
+        const TemporaryDirectory directory;
+        const std::string file = (directory / "a.toml").string();
+        write_whole(file, "# comment\nconfining_pressure = 110e3 # Pa\n\nlaw = \"hertz\"\n"
+                          "stages = [0.1, 0.2]\nmembrane = false\n");
+        Test test;
+        CHECK(test.parse({"--law", "linear", "--config", file}));
+        CHECK(test.confining_pressure == 110e3);
+        CHECK(test.law == "linear");
+        CHECK(test.stages == std::vector<double>{0.1, 0.2});
+        CHECK_FALSE(test.membrane);
+    }
+
+    TEST_CASE("an error in a config file has file and line") {
+        const TemporaryDirectory directory;
+        const std::string file = (directory / "a.toml").string();
+        const auto in_file = [&](std::string_view content) {
+            write_whole(file, content);
+            const std::string message = complaint({"--config", file});
+            return message.starts_with(file) ? message.substr(file.size()) : message;
+        };
+        CHECK(in_file("bodies = 3\nfriction = abc\n") ==
+              ":2: friction: expected a number from 0 to 1, found \"abc\"");
+        CHECK(in_file("bodys = 3\n") == ":1: expected an option such as bodies, found \"bodys\"");
+        CHECK(in_file("bodies = 3\nbodies = 4\n") ==
+              ":2: bodies: expected once, found on line 1 already");
+        CHECK(in_file("[section]\n") == ":1: expected a line `name = value`, found \"[section]\"");
+        CHECK_THROWS_AS(Test().parse({"--config", (directory / "none").string()}), OutputError);
+    }
+
+    TEST_CASE("--help lists unit, range and default and changes nothing") {
+        Test test;
+        CHECK_FALSE(test.parse({"--bodies", "3", "--help"}));
+        CHECK(test.bodies == 4000);
+        Options options;
+        test.describe(options);
+        const std::string help = options.help("triaxial", "A test.");
+        CHECK(help.find("on the membrane [Pa; above 0; default 55000]") != std::string::npos);
+        CHECK(help.find("--law ") != std::string::npos);
+        CHECK(help.find("one of linear, hertz; default linear") != std::string::npos);
+    }
+
+    TEST_CASE("settings are listed with their units") {
+        Test test;
+        Options options;
+        test.describe(options);
+        options.parse({"--friction", "0.1"});
+        const auto values = options.values();
+        REQUIRE(values.size() == 8);
+        CHECK(values[0].key == "confining_pressure_Pa");
+        CHECK(std::get<double>(values[0].value) == 55e3);
+        CHECK(values[1].key == "friction");
+        CHECK(std::get<double>(values[1].value) == 0.1);
+        CHECK(std::get<std::uint64_t>(values[3].value) == 1);
+        CHECK(std::get<bool>(values[4].value));
+        CHECK(std::get<std::string>(values[6].value) == "0,0.08");
+        CHECK(key_with_unit("rate", "1/s") == "rate_per_s");
+        CHECK(key_with_unit("density", "kg/m3") == "density_kg_per_m3");
+    }
+}

@@ -1,0 +1,80 @@
+#include "engine/errors.hpp"
+#include "engine/scenario.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <new>
+
+using namespace bris;
+
+namespace {
+
+struct Nothing {
+    double height = 1;
+    void describe(auto& option) { option("height", height, "m", "of the specimen", above(0)); }
+};
+
+template <class Run>
+int exit_code(std::vector<std::string> arguments, Run run) {
+    arguments.insert(arguments.begin(), "scenario");
+    std::vector<char*> pointers;
+    for (std::string& argument : arguments) pointers.push_back(argument.data());
+    return run_scenario<Nothing>(static_cast<int>(pointers.size()), pointers.data(), "nothing",
+                                 "Does nothing.", run);
+}
+
+} // namespace
+
+TEST_SUITE("engine/scenario") {
+    TEST_CASE("a scenario receives its settings and the common ones") {
+        const TemporaryDirectory directory;
+        const std::string out = (directory / "a" / "b").string();
+        Common common;
+        double height = 0;
+        const int code = exit_code(
+            {"--height", "2", "--out", out, "--threads", "3", "--memory", "0.5", "--quiet"},
+            [&](const Nothing& settings, const Common& given) {
+                common = given;
+                height = settings.height;
+            });
+        CHECK(code == 0);
+        CHECK(height == 2);
+        CHECK(common.scenario == "nothing");
+        CHECK(common.threads == 3);
+        CHECK(common.memory_limit == 512u * 1024 * 1024);
+        CHECK(common.quiet);
+        CHECK(common.seed == 1);
+        CHECK(std::filesystem::is_directory(out));
+        REQUIRE_FALSE(common.settings.empty());
+        CHECK(common.settings.front().key == "height_m");
+        CHECK(common.arguments.size() == 9);
+    }
+
+    TEST_CASE("each kind of error has its exit code") {
+        const TemporaryDirectory directory;
+        const std::string out = directory.path().string();
+        const auto code_after = [&](auto throwing) {
+            return exit_code({"--out", out}, [&](const Nothing&, const Common&) { throwing(); });
+        };
+        CHECK(code_after([] {}) == 0);
+        CHECK(code_after([] { throw InputError("told to the reader of the log: input"); }) == 2);
+        CHECK(code_after([] { throw SimulationError("told: guard"); }) == 3);
+        CHECK(code_after([] { throw OutputError("told: files"); }) == 4);
+        CHECK(code_after([] { throw Interrupted("told: interrupted"); }) == 130);
+        CHECK(code_after([] { throw std::bad_alloc(); }) == 3);
+        CHECK(code_after([] { throw std::logic_error("told: mistake"); }) == 1);
+        CHECK(code_after([] { std::filesystem::current_path("/none"); }) == 4);
+    }
+
+    TEST_CASE("bad flags end with 2, a directory that cannot be made with 4, --help with 0") {
+        bool ran = false;
+        const auto run = [&](const Nothing&, const Common&) { ran = true; };
+        CHECK(exit_code({"--hight", "2"}, run) == 2);
+        CHECK(exit_code({"--height", "-2"}, run) == 2);
+        CHECK(exit_code({"--threads", "many"}, run) == 2);
+        CHECK(exit_code({"--out", "/proc/none"}, run) == 4);
+        CHECK(exit_code({"--help"}, run) == 0);
+        CHECK_FALSE(ran);
+    }
+}

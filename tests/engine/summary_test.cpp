@@ -1,0 +1,55 @@
+#include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
+#include "engine/summary.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <limits>
+
+using namespace bris;
+
+TEST_SUITE("engine/summary") {
+    TEST_CASE("the file is one flat object in the order of adding") {
+        Summary summary;
+        summary.add("scenario", "triaxial");
+        summary.add("bodies", 4000u);
+        summary.add("done", true);
+        summary.add("shift_m", -0.5);
+        summary.add("unknown", std::numeric_limits<double>::quiet_NaN());
+        summary.add("endless", std::numeric_limits<double>::infinity());
+        summary.add("text", "a \"b\"\n\\");
+        summary.add("bodies", 3999u);
+        CHECK(summary.json() ==
+              "{\n  \"scenario\": \"triaxial\",\n  \"bodies\": 3999,\n"
+              "  \"done\": true,\n  \"shift_m\": -0.5,\n  \"unknown\": null,\n"
+              "  \"endless\": null,\n  \"text\": \"a \\\"b\\\"\\u000a\\\\\"\n}\n");
+    }
+
+    TEST_CASE("doubles read back to the same bits") {
+        for (const double x : {1.0 / 3, 1e-300, 6.02214076e23, -0.1, 5e-324}) {
+            Summary summary;
+            summary.add("x", x);
+            const std::string json = summary.json();
+            CHECK(std::strtod(json.c_str() + json.find(':') + 1, nullptr) == x);
+        }
+    }
+
+    TEST_CASE("the table is aligned") {
+        Summary summary;
+        summary.add("a", 1.0 / 3);
+        summary.add("long_key", false);
+        CHECK(summary.table("results") == "results\n  a         0.333333\n  long_key  no\n");
+    }
+
+    TEST_CASE("the file replaces the old one, or the error says why not") {
+        const TemporaryDirectory directory;
+        Summary summary;
+        summary.add("a", 1);
+        write_whole(directory / "summary.json", "old");
+        summary.write(directory / "summary.json");
+        CHECK(read_whole(directory / "summary.json") == "{\n  \"a\": 1\n}\n");
+        CHECK_THROWS_AS(summary.write("/proc/none/summary.json"), OutputError);
+    }
+}

@@ -1,0 +1,150 @@
+// reads every #include of the house and compares it with the rules of who may include whom
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Include {
+    std::string file; // from the root of the checkout
+    int line = 0;
+    std::string target; // between the quotes or brackets
+    bool quoted = false;
+};
+
+bool within(const std::string& path, const std::string& folder) {
+    return path.starts_with(folder + "/");
+}
+
+std::vector<Include> includes_of(const fs::path& root, const fs::path& file) {
+    std::vector<Include> list;
+    std::ifstream in(file);
+    std::string line;
+    for (int number = 1; std::getline(in, line); ++number) {
+        const auto hash = line.find_first_not_of(" \t");
+        if (hash == std::string::npos || line[hash] != '#') continue;
+        const auto word = line.find("include", hash);
+        const auto open = line.find_first_of("\"<", hash);
+        if (word == std::string::npos || open == std::string::npos || word > open) continue;
+        const auto close = line.find_first_of("\">", open + 1);
+        list.push_back({.file = fs::relative(file, root).generic_string(),
+                        .line = number,
+                        .target = line.substr(open + 1, close - open - 1),
+                        .quoted = line[open] == '"'});
+    }
+    return list;
+}
+
+std::vector<Include> all_includes(const fs::path& root) {
+    std::vector<Include> list;
+    for (const char* folder : {"engine", "components", "systems", "scenarios"}) {
+        if (!fs::exists(root / folder)) continue;
+        for (const auto& entry : fs::recursive_directory_iterator(root / folder)) {
+            const auto extension = entry.path().extension();
+            if (extension != ".hpp" && extension != ".cpp") continue;
+            const auto found = includes_of(root, entry.path());
+            list.insert(list.end(), found.begin(), found.end());
+        }
+    }
+    return list;
+}
+
+/// "systems/contact/laws/law.hpp" -> "contact", "systems/steps.cpp" -> "steps".
+std::string room(const std::string& path) {
+    const std::string rest = path.substr(std::string("systems/").size());
+    return rest.substr(0, rest.find_first_of("/."));
+}
+
+bool may_include_system(const std::string& file, const std::string& target) {
+    if (within(file, "scenarios")) return true;
+    if (!within(file, "systems")) return false;
+    const std::string from = room(file), to = room(target);
+    if (from == to || from == "steps" || from == "procedure") return true;
+    return from == "build" && to != "steps" && to != "procedure";
+}
+
+bool may_include_house(const std::string& file, const std::string& target) {
+    static const std::set<std::string> for_components{"engine/archive.hpp", "engine/clock.hpp", "engine/health.hpp", "engine/entity.hpp", "engine/math.hpp",
+                                                      "engine/component.hpp", "engine/lanes.hpp"};
+    if (within(target, "engine"))
+        return !within(file, "components") || for_components.contains(target);
+    if (within(target, "components")) return !within(file, "engine");
+    if (within(target, "systems")) return may_include_system(file, target);
+    return false; // tests, scenarios, or a path that does not start at the root
+}
+
+struct Library {
+    std::vector<std::string> beginnings; // of what is included
+    std::vector<std::string> homes;      // files, or folder/*.cpp
+};
+
+bool is_at_home(const std::string& file, const Library& library) {
+    return std::any_of(library.homes.begin(), library.homes.end(), [&](const std::string& home) {
+        if (!home.ends_with("*.cpp")) return file == home;
+        return within(file, home.substr(0, home.size() - 6)) && file.ends_with(".cpp");
+    });
+}
+
+bool may_include_library(const std::string& file, const std::string& target) {
+    static const std::array<Library, 5> libraries{{
+        {{"tbb/", "oneapi/"},
+         {"engine/parallel.hpp", "engine/parallel.cpp", "engine/schedule.cpp"}},
+        {{"hdf5", "H5"}, {"engine/io/hdf5.cpp"}},
+        {{"nanoflann"}, {"systems/broadphase/kdtree.cpp", "systems/build/packing.cpp"}},
+        {{"openvdb/"}, {"systems/fields/*.cpp", "systems/build/fill_clump.cpp"}},
+        {{"CLI/"}, {"engine/options.cpp"}},
+    }};
+    return std::none_of(libraries.begin(), libraries.end(), [&](const Library& library) {
+        return std::any_of(library.beginnings.begin(), library.beginnings.end(),
+                           [&](const std::string& start) { return target.starts_with(start); }) &&
+               !is_at_home(file, library);
+    });
+}
+
+} // namespace
+
+TEST_SUITE("layering") {
+    TEST_CASE("every include is an arrow that the house allows") {
+        const fs::path root = BRIS_SOURCE;
+        const auto includes = all_includes(root);
+        REQUIRE(includes.size() > 100);
+        for (const Include& include : includes) {
+            const bool allowed = include.quoted ? may_include_house(include.file, include.target)
+                                                : may_include_library(include.file, include.target);
+            CHECK_MESSAGE(allowed, include.file, ":", include.line, ": may not include ",
+                          include.target);
+            if (include.quoted)
+                CHECK_MESSAGE(fs::exists(root / include.target), include.file, ":", include.line,
+                              ": no such file: ", include.target);
+        }
+    }
+
+    TEST_CASE("the rules tell a forbidden arrow from an allowed one") {
+        CHECK(may_include_house("systems/contact/a.cpp", "components/body.hpp"));
+        CHECK(may_include_house("systems/steps.cpp", "systems/contact/collide.hpp"));
+        CHECK(may_include_house("systems/procedure/shear.cpp", "systems/steps.hpp"));
+        CHECK(may_include_house("systems/build/packing.cpp", "systems/contact/laws/law.hpp"));
+        CHECK(may_include_house("components/sphere.hpp", "engine/lanes.hpp"));
+        CHECK(may_include_house("scenarios/settle.cpp", "systems/output/plot.hpp"));
+        CHECK_FALSE(may_include_house("systems/contact/a.cpp", "systems/output/plot.hpp"));
+        CHECK_FALSE(may_include_house("systems/build/packing.cpp", "systems/steps.hpp"));
+        CHECK_FALSE(may_include_house("engine/world.cpp", "components/body.hpp"));
+        CHECK_FALSE(may_include_house("components/body.hpp", "engine/world.hpp"));
+        CHECK_FALSE(may_include_house("systems/guard.cpp", "tests/support.hpp"));
+        CHECK_FALSE(may_include_house("systems/contact/a.cpp", "collide.hpp"));
+        CHECK(may_include_library("systems/fields/porosity.cpp", "openvdb/openvdb.h"));
+        CHECK(may_include_library("engine/schedule.cpp", "oneapi/tbb/flow_graph.h"));
+        CHECK_FALSE(may_include_library("systems/fields/porosity.hpp", "openvdb/openvdb.h"));
+        CHECK_FALSE(may_include_library("systems/steps.cpp", "tbb/parallel_for.h"));
+        CHECK_FALSE(may_include_library("engine/io/run_file.cpp", "hdf5.h"));
+    }
+}
