@@ -25,6 +25,7 @@ struct Position        : State<Vec3>   { static constexpr auto name = "position"
 struct Velocity        : State<Vec3>   { static constexpr auto name = "velocity", unit = "m/s"; };         // half a step back (leapfrog)
 struct Acceleration    : State<Vec3>   { static constexpr auto name = "acceleration", unit = "m/s2"; };    // of the last step
 struct Spin            : State<Vec3>   { static constexpr auto name = "spin", unit = "rad/s"; };           // at the same time as Position
+struct StepSpin        : State<Vec3>   { static constexpr auto name = "step_spin", unit = "rad/s"; };      // rotation vector of the last step / dt
 struct AngularMomentum : State<Vec3>   { static constexpr auto name = "angular_momentum", unit = "kg m2/s"; }; // world frame, half a step back
 struct Orientation     : State<Quat>   { static constexpr auto name = "orientation", unit = "x y z w"; };  // principal axes to world
 struct DriveVelocity   : State<Vec3>   { static constexpr auto name = "drive_velocity", unit = "m/s"; };   // of driven bodies
@@ -35,6 +36,8 @@ struct SphereInertia   : State<double> { static constexpr auto name = "sphere_in
 struct Inertia         : State<Vec3>   { static constexpr auto name = "inertia", unit = "kg m2"; };        // principal, true
 struct InertialInertia : State<Vec3>   { static constexpr auto name = "inertial_inertia", unit = "kg m2"; }; // principal; differs when scaled
 struct BoundingRadius  : State<double> { static constexpr auto name = "bounding_radius", unit = "m"; };    // about Position, of all it carries
+
+struct Growth          : State<double> { static constexpr auto name = "growth", unit = ""; };              // of full size, while a specimen is made
 
 // the energy ledger of a body, since the start; columns that are only there if somebody asks
 struct FrictionWork    : State<double> { static constexpr auto name = "friction_work", unit = "J"; };      // taken in the pairs it owns

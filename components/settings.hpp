@@ -29,7 +29,13 @@ struct Gravity {
 /// damps free fall.
 struct LocalDamping {
     static constexpr auto name = "local_damping";
+    static constexpr bool is_state = true;
     double fraction = 0.7;
+
+    void save(Archive& archive) const {
+        archive.put("local_damping", std::span<const double>(&fraction, 1));
+    }
+    void load(const Archive& archive) { fraction = archive.get<double>("local_damping").at(0); }
 };
 
 /// How the pair lists are kept. No choice here can change a bit of the result.
@@ -37,6 +43,7 @@ struct ListSettings {
     static constexpr auto name = "list_settings";
     double outer_skin = 0;            ///< m, > inner_skin; 0: chosen from the radii at the first refresh
     double inner_skin = 0;            ///< m, > 0; 0: likewise
+    double largest_skin = 0;          ///< m, of tuned skins; chosen likewise
     unsigned sort_every = 8;          ///< refreshes between re-orderings of rows; 0: never
     bool tune = true;                 ///< skins follow the counts of work
 };
@@ -53,8 +60,19 @@ struct ListState {
 /// What the guard stops at.
 struct Limits {
     static constexpr auto name = "limits";
+    static constexpr bool is_state = true;
     double overlap = 0.25;  ///< of the mean radius of the partners
     double speed = 1e3;     ///< m/s
+
+    void save(Archive& archive) const {
+        const std::array<double, 2> numbers{overlap, speed};
+        archive.put("limits", std::span<const double>(numbers));
+    }
+    void load(const Archive& archive) {
+        const auto numbers = archive.get<double>("limits");
+        overlap = numbers.at(0);
+        speed = numbers.at(1);
+    }
 };
 
 } // namespace bris

@@ -25,10 +25,13 @@ inline Quat exponential_map(const Vec3& v) {
         ++squarings;
     }
     const double x = half.squaredNorm();
+    // Horner's rule with reciprocals known to the compiler: divisions would take most of a step
     const double sinc =
-        1 - x / 6 * (1 - x / 20 * (1 - x / 42 * (1 - x / 72 * (1 - x / 110 * (1 - x / 156)))));
+        1 - x * (1.0 / 6) * (1 - x * (1.0 / 20) * (1 - x * (1.0 / 42) * (1 - x * (1.0 / 72) *
+        (1 - x * (1.0 / 110) * (1 - x * (1.0 / 156))))));
     const double cosine =
-        1 - x / 2 * (1 - x / 12 * (1 - x / 30 * (1 - x / 56 * (1 - x / 90 * (1 - x / 132)))));
+        1 - x * (1.0 / 2) * (1 - x * (1.0 / 12) * (1 - x * (1.0 / 30) * (1 - x * (1.0 / 56) *
+        (1 - x * (1.0 / 90) * (1 - x * (1.0 / 132))))));
     Quat q(cosine, sinc * half.x(), sinc * half.y(), sinc * half.z());
     for (; squarings > 0; --squarings) q = q * q;
     return q;

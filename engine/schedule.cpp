@@ -49,6 +49,7 @@ struct Schedule::Plan {
     std::vector<Node> nodes;
     std::vector<bool> live;
     bool chain = true; // no width: a loop does it
+    Schedule* schedule = nullptr; // of this run: a schedule may be moved between runs
     World* world = nullptr;
 #ifndef BRIS_STD_THREADS
     using GraphNode = tbb::flow::continue_node<tbb::flow::continue_msg>;
@@ -203,8 +204,8 @@ void Schedule::run(World& world) {
             plan.start = std::make_unique<tbb::flow::broadcast_node<tbb::flow::continue_msg>>(*plan.graph);
             for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
                 plan.graph_nodes.push_back(std::make_unique<Plan::GraphNode>(
-                    *plan.graph, [this, &plan, n](const tbb::flow::continue_msg& message) {
-                        run_node(plan, n, *plan.world);
+                    *plan.graph, [&plan, n](const tbb::flow::continue_msg& message) {
+                        plan.schedule->run_node(plan, n, *plan.world);
                         return message;
                     }));
                 for (const std::size_t m : plan.nodes[n].predecessors)
@@ -213,6 +214,7 @@ void Schedule::run(World& world) {
                     tbb::flow::make_edge(*plan.start, *plan.graph_nodes[n]);
             }
         }
+        plan.schedule = this;
         plan.world = &world;
         plan.start->try_put(tbb::flow::continue_msg{});
         plan.graph->wait_for_all();

@@ -11,15 +11,17 @@
 
 namespace bris {
 
-StepList steps(LawName law, bool ledger) {
+namespace {
+
+template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
     const auto due = lists_are_due;
     return {
         // rarely: new lists, then everything placed anew
         when(due, system("refresh_pairs", refresh_pairs)),
         when(due, system("prune_pairs", prune_pairs)),
-        when(due, row_local("place_spheres again", place_spheres)),
-        when(due, row_local("place again", place)),
-        when(due, row_local("place_turns again", place_turns)),
+        when(due, row_local("place_spheres again", place_spheres<time>)),
+        when(due, row_local("place again", place<time>)),
+        when(due, row_local("place_turns again", place_turns<time>)),
         when(due, system("place_planes again", place_planes)),
         when(due, system("place_facets again", place_facets)),
         // forces of pairs
@@ -40,9 +42,9 @@ StepList steps(LawName law, bool ledger) {
         row_local("integrate", integrate),
         row_local("turn_spheres", turn_spheres),
         row_local("turn", turn),
-        row_local("place_spheres", place_spheres),
-        row_local("place", place),
-        row_local("place_turns", place_turns),
+        row_local("place_spheres", place_spheres<time>),
+        row_local("place", place<time>),
+        row_local("place_turns", place_turns<time>),
         row_local("measure_travel", measure_travel),
         row_local("measure_travel_and_turn", measure_travel_and_turn),
         // boundaries
@@ -56,6 +58,13 @@ StepList steps(LawName law, bool ledger) {
         system("guard_facets", guard_overlap<FacetPairs>),
         system("guard_planes", guard_overlap<PlanePairs>),
     };
+}
+
+} // namespace
+
+StepList steps(LawName law, bool ledger) {
+    return law == LawName::linear_viscous ? steps_with<VelocityTime::now>(law, ledger)
+                                          : steps_with<VelocityTime::last_step>(law, ledger);
 }
 
 } // namespace bris

@@ -66,8 +66,16 @@ void find_facet_pairs(World& world, double skin) {
     for (std::size_t e = 0; e < boxes.size(); ++e)
         for (const Vec3& corner : shape[e].corners)
             boxes[e].extend(Eigen::Vector3d(position[host[e]] + corner));
+    std::vector<Vec3> normal(facets.size());
+    for (std::size_t e = 0; e < normal.size(); ++e) {
+        const auto& c = shape[e].corners;
+        normal[e] = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+    }
+    // beyond the facet's box, or beyond its plane: each alone is far enough
     const auto reaches = [&](const Vec3& x, double r, Row e) {
-        return boxes[e].squaredExteriorDistance(Eigen::Vector3d(x)) < (r + skin) * (r + skin);
+        const double height = (x - position[host[e]] - shape[e].corners[0]).dot(normal[e]);
+        return std::abs(height) < r + skin &&
+               boxes[e].squaredExteriorDistance(Eigen::Vector3d(x)) < (r + skin) * (r + skin);
     };
     find_pairs<FacetPairs>(
         world, facets.column<FacetId>(), host,

@@ -141,11 +141,19 @@ void prune_pairs(World& world) {
     }
     if (world.has<FacetPairs>()) {
         const auto shape = world.column<Facets, LocalFacet>();
+        std::vector<Eigen::AlignedBox3d> boxes(shape.size());
+        std::vector<Vec3> normal(shape.size());
+        for (std::size_t e = 0; e < shape.size(); ++e) {
+            const auto& c = shape[e].corners;
+            for (const Vec3& corner : c) boxes[e].extend(Eigen::Vector3d(corner));
+            normal[e] = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+        }
+        // the distance to the facet's box and to its plane are both lower bounds
         make_short_list<FacetPairs>(world, skin, [&](const PairPlaces& p) {
-            Eigen::AlignedBox3d box;
-            for (const Vec3& corner : shape[p.other].corners)
-                box.extend(Eigen::Vector3d(position[p.partner_body] + corner));
-            return box.exteriorDistance(Eigen::Vector3d(centre[p.sphere])) - ball[p.sphere].radius;
+            const Vec3 x = centre[p.sphere] - position[p.partner_body];
+            const double height = std::abs((x - shape[p.other].corners[0]).dot(normal[p.other]));
+            if (height - ball[p.sphere].radius >= skin) return skin;
+            return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) - ball[p.sphere].radius;
         });
         make_incidence<FacetPairs>(world);
         check_facet_runs(world);

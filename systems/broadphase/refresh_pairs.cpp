@@ -84,7 +84,7 @@ double largest_travel(const World& world) {
 }
 
 void choose_skins(World& world, ListSettings& settings) {
-    if (settings.outer_skin > 0 && settings.inner_skin > 0) return;
+    if (settings.outer_skin > 0 && settings.inner_skin > 0 && settings.largest_skin > 0) return;
     const Table& bodies = world.table<Bodies>();
     const auto radius = bodies.column<BoundingRadius>();
     const auto run = bodies.column<SpheresOf>();
@@ -95,6 +95,8 @@ void choose_skins(World& world, ListSettings& settings) {
             ++count;
         }
     const double mean = count > 0 ? sum / count : 1;
+    // beyond it the candidates grow faster than their life
+    if (!(settings.largest_skin > 0)) settings.largest_skin = std::max(0.3 * mean, settings.outer_skin);
     if (!(settings.inner_skin > 0)) settings.inner_skin = 0.02 * mean;
     if (!(settings.outer_skin > 0)) settings.outer_skin = 5 * settings.inner_skin;
 }
@@ -120,7 +122,8 @@ void tune_skins(const World& world, ListSettings& settings, const ListState& sta
         const double pruning = 8 * (pairs - static_cast<double>(index.size())) / steps;
         settings.outer_skin *= refreshing > pruning ? 1.02 : 1 / 1.02;
     }
-    settings.outer_skin = std::max(settings.outer_skin, 2 * settings.inner_skin);
+    settings.inner_skin = std::min(settings.inner_skin, settings.largest_skin / 2);
+    settings.outer_skin = std::clamp(settings.outer_skin, 2 * settings.inner_skin, settings.largest_skin);
 }
 
 } // namespace

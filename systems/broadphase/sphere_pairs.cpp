@@ -12,8 +12,12 @@ class CellGrid {
 public:
     CellGrid(std::span<const Vec3> positions, std::span<const Row> rows, double reach) {
         Vec3 high = Vec3::Zero();
-        if (!rows.empty()) low_ = high = positions[rows[0]];
+        bool first = true;
         for (const Row r : rows) {
+            // what is not a finite number stands in some cell: the guard stops the run after this step
+            if (!positions[r].allFinite()) continue;
+            if (first) low_ = high = positions[r];
+            first = false;
             low_ = low_.cwiseMin(positions[r]);
             high = high.cwiseMax(positions[r]);
         }

@@ -56,6 +56,7 @@ World make_world(Grains grains) {
     bodies.add<Velocity>();
     bodies.add<Acceleration>();
     bodies.add<Spin>();
+    bodies.add<StepSpin>();
     bodies.add<AngularMomentum>();
     bodies.add<DriveVelocity>();
     bodies.add<Mass>();

@@ -89,13 +89,21 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
     specimen.platen_material = materials.add({"platen", 0, s.wall_stiffness, s.wall_stiffness, s.friction});
     specimen.membrane_material = materials.add({"membrane", 0, s.wall_stiffness, s.wall_stiffness, 0});
     specimen.smart_rock_poses.assign(poses.begin(), poses.end());
+    specimen.seed = s.seed;
+    specimen.clumps.assign(clumps.begin(), clumps.end());
+    specimen.clumps.push_back(smart_rock);
     const auto smart_shape = static_cast<std::uint32_t>(clumps.size());
+    specimen.height = s.height;
+    specimen.looseness = s.looseness;
     for (const SmartRockPose& pose : poses)
-        specimen.smart_rocks.push_back(add_clump(world, smart_rock, smart_shape, pose.position, pose.orientation,
-                                                 specimen.rock_material, Motion::fixed));
+        specimen.smart_rocks.push_back(add_clump(world, smart_rock, smart_shape,
+                                                 pose.position.cwiseProduct(Vec3(1, 1, s.looseness)),
+                                                 pose.orientation, specimen.rock_material, Motion::prescribed));
+    specimen.scale.assign(poses.size(), 1.0);
     Random random(s.seed, orientation_stream + 1);
     for (const RockChoice& choice : rocks) {
-        const Clump clump = scaled(clumps[choice.clump], choice.sieve / clumps[choice.clump].sieve);
+        specimen.scale.push_back(choice.sieve / clumps[choice.clump].sieve);
+        const Clump clump = scaled(clumps[choice.clump], specimen.scale.back());
         // parked on a lattice below the lower platen, where nothing free ever comes
         const std::size_t i = specimen.rocks.size();
         const Vec3 place(static_cast<double>(i % 16), static_cast<double>(i / 16 % 16), -1 - static_cast<double>(i / 256));
@@ -105,6 +113,7 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
     add_membrane(world, s, specimen.membrane_material);
     add_platens(world, s, specimen);
     Table& bodies = world.table<Bodies>();
+    bodies.add<Growth>();
     bodies.add<FrictionWork>();
     bodies.add<DampingWork>();
     bodies.add<BoundaryWork>();
@@ -114,14 +123,16 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
     return world;
 }
 
-void fit_membrane(World& world, double height, double radius) {
+void fit_membrane(World& world, double height, double radius, double top) {
     auto& membrane = world.resource<Membrane>();
     membrane.ring_height = height / membrane.rings;
     const auto shape = world.column<Facets, LocalFacet>();
     for (std::size_t e = 0; e < membrane.radius.size(); ++e) {
-        const double low = static_cast<double>(e / membrane.sectors) * membrane.ring_height;
+        const std::size_t ring = e / membrane.sectors;
+        const double low = static_cast<double>(ring) * membrane.ring_height;
+        const double high = ring + 1 == membrane.rings ? top : low + membrane.ring_height;
         shape[membrane.first_facet + e] =
-            element_shape(membrane.outward[e % membrane.sectors], element_width(radius), low, low + membrane.ring_height);
+            element_shape(membrane.outward[e % membrane.sectors], element_width(radius), low, high);
     }
 }
 

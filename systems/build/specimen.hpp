@@ -19,6 +19,7 @@ struct SpecimenSettings {
     double friction = 0.7;             ///< rock on rock and rock on platen
     double clump_stiffness = 0.63e8;   ///< N/m, normal and shear, of one partner
     double wall_stiffness = 1e8;       ///< N/m
+    double looseness = 1.2;            ///< height of the lifts as they are made, of the wanted one
     double smartrock_size = 0.038;     ///< m, sieve size
     std::uint64_t seed = 1;
 };
@@ -36,6 +37,10 @@ struct Specimen {
     EntityId top = nobody, bottom = nobody;
     std::uint32_t rock_material = 0, platen_material = 0, membrane_material = 0;
     std::vector<SmartRockPose> smart_rock_poses;
+    std::uint64_t seed = 1;
+    double height = 0, looseness = 1;
+    std::vector<Clump> clumps;  ///< the library; a body's ShapeOf is its place here
+    std::vector<double> scale;  ///< of each body id, from the library's size to full size
 };
 
 /// Ten sensor rocks at the interfaces of four lifts (inventory T4): at a quarter of the height one in
@@ -47,12 +52,14 @@ std::vector<SmartRockPose> smart_rock_poses(const SpecimenSettings& settings, do
 /// porosity, measured in the polygon.
 double radius_for(double solid_volume, double porosity, unsigned sectors);
 
-/// Makes the world of a triaxial test: materials, sensor rocks in place and held, rocks parked below
-/// the lower platen, membrane and platens. Columns of the energy ledger included.
+/// Makes the world of a triaxial test: materials, sensor rocks held at `looseness` times their
+/// heights (they sink with the top platen to their given places while the specimen is compacted),
+/// rocks parked below the lower platen, membrane and platens. Columns of the energy ledger included.
 World make_triaxial_world(const SpecimenSettings& settings, std::span<const Clump> clumps, const Clump& smart_rock,
                           std::span<const RockChoice> rocks, std::span<const SmartRockPose> poses);
 
-/// Gives the rings the heights of a specimen of height `height` (m); between steps only.
-void fit_membrane(World& world, double height, double radius);
+/// Gives the rings the heights of a specimen of height `height` (m); the last one reaches up to `top`
+/// (m, above `height` while the specimen is being made). Between steps only.
+void fit_membrane(World& world, double height, double radius, double top);
 
 } // namespace bris

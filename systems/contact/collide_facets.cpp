@@ -57,6 +57,31 @@ bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Neares
     return false;
 }
 
+// two faces on one plane share the points of their seam: the first carries
+bool is_counted(std::span<const Nearest> run, std::size_t k, double radius) {
+    for (std::size_t j = 0; j < k; ++j)
+        if (run[j].feature == Feature::face && (run[k].point - run[j].point).norm() <= 1e-9 * radius) return true;
+    return false;
+}
+
+// A sphere that slides from one facet to the next takes its spring along: where a contact has begun
+// and another of the run counts no more, though still in reach, the spring goes over, to the nearest.
+// Only springs tell which contacts there were, and what is in reach is listed, so lists leave no trace.
+void hand_over_springs(const TileTarget& to, std::span<const Nearest> run, std::size_t first, std::uint64_t touching) {
+    const auto spring_of = [&](std::size_t k) -> SpringRow& { return to.spring[to.near[first + k].pair]; };
+    for (std::size_t d = 0; d < run.size(); ++d) {
+        if (((touching >> d) & 1) != 0 || run[d].feature == Feature::none || !Spring::keep(spring_of(d))) continue;
+        std::size_t heir = run.size();
+        for (std::size_t k = 0; k < run.size(); ++k)
+            if (((touching >> k) & 1) != 0 && !Spring::keep(spring_of(k)) &&
+                (heir == run.size() || (run[k].point - run[d].point).squaredNorm() < (run[heir].point - run[d].point).squaredNorm()))
+                heir = k;
+        if (heir == run.size()) return;
+        spring_of(heir) = spring_of(d);
+        spring_of(d) = {};
+    }
+}
+
 // near rows [first, last) are one sphere against the facets of one body
 template <class Law>
 std::uint64_t collide_sphere_with_body(const Surfaces& s, const TileTarget& to, std::size_t first,
@@ -64,16 +89,19 @@ std::uint64_t collide_sphere_with_body(const Surfaces& s, const TileTarget& to, 
     std::array<Nearest, facets_per_run> found;
     for (std::size_t row = first; row < last; ++row) found[row - first] = nearest(s, to.near[row]);
     const std::span<const Nearest> run(found.data(), last - first);
+    const double radius = s.place[to.near[first].owner].radius;
     std::uint64_t touching = 0;
     for (std::size_t k = 0; k < run.size(); ++k) {
-        const Nearest& n = run[k];
-        if (n.feature == Feature::none) continue;
-        if (n.feature != Feature::face && is_shadowed(s, to, run, first, k)) continue;
+        if (run[k].feature == Feature::none) continue;
+        const bool again = run[k].feature == Feature::face ? is_counted(run, k, radius) : is_shadowed(s, to, run, first, k);
+        if (!again) touching |= std::uint64_t{1} << k;
+    }
+    if (touching != 0 && to.spring != nullptr) hand_over_springs(to, run, first, touching);
+    for (std::uint64_t rest = touching; rest != 0; rest &= rest - 1) {
+        const auto k = static_cast<std::size_t>(__builtin_ctzll(rest));
         const auto row = static_cast<Row>(first + k);
-        const double radius = s.place[to.near[row].owner].radius;
-        if (radius - n.distance > s.deepest * radius) too_deep = row;
-        tile.add(row, n.normal, n.distance, s.facets[to.near[row].other].velocity);
-        touching |= std::uint64_t{1} << k;
+        if (radius - run[k].distance > s.deepest * radius) too_deep = row;
+        tile.add(row, run[k].normal, run[k].distance, s.facets[to.near[row].other].velocity);
     }
     return touching;
 }

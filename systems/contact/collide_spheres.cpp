@@ -63,9 +63,26 @@ struct Tile {
             const auto wb = transpose(load_rows([&](int q) { return &turn[other_rows(q)].x; }));
             const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1],
                        wz = arm_a * wa[2] + arm_b * wb[2];
-            c.ux -= wy * c.nz - wz * c.ny;
-            c.uy -= wz * c.nx - wx * c.nz;
-            c.uz -= wx * c.ny - wy * c.nx;
+            Lane mx = c.nx, my = c.ny, mz = c.nz;
+            if constexpr (!Law::damped) {
+                // velocities of the last step belong to its middle, and so does this normal: or the
+                // approach of the pair would leak into its shear (Vyas et al. 2025)
+                const double half_step = 0.5 * to.dt;
+                mx = dx - half_step * u[0];
+                my = dy - half_step * u[1];
+                mz = dz - half_step * u[2];
+                const Lane scale = lanes(1) / max(sqrt(mx * mx + my * my + mz * mz), lanes(1e-300));
+                mx *= scale;
+                my *= scale;
+                mz *= scale;
+                const Lane approach = u[0] * mx + u[1] * my + u[2] * mz;
+                c.ux -= approach * mx;
+                c.uy -= approach * my;
+                c.uz -= approach * mz;
+            }
+            c.ux -= wy * mz - wz * my;
+            c.uy -= wz * mx - wx * mz;
+            c.uz -= wx * my - wy * mx;
             c.twist = 0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
         }
         detail::apply_law<Law>(to, rows, count, c, px, py, pz);

@@ -9,19 +9,22 @@ namespace bris::detail {
 /// Which part of a facet is nearest to a point.
 enum class Feature { none, vertex, edge, face };
 
+/// Left unset by default: the kernel keeps an array of them and fills only what it needs.
 struct Nearest {
-    Feature feature = Feature::none;
-    Vec3 point = Vec3::Zero();
-    Vec3 normal = Vec3::Zero(); ///< from the facet to the centre, unit
-    double distance = 0;
+    Feature feature;
+    Vec3 point;
+    Vec3 normal; ///< from the facet to the centre, unit
+    double distance;
 };
+
+inline Nearest nothing_near() { return {Feature::none, Vec3::Zero(), Vec3::Zero(), 0}; }
 
 /// The point of a convex facet nearest to a sphere's centre.
 inline Nearest nearest_on_mesh_facet(const FacetPlaceRow& facet, const Vec3& centre) {
     const double height = (centre - facet.corners[0]).dot(facet.normal);
     const Vec3 foot = centre - height * facet.normal;
     bool inside = true;
-    Nearest best;
+    Nearest best = nothing_near();
     double best_squared = 0;
     for (std::size_t k = 0; k < 4; ++k) {
         const Vec3& from = facet.corners[k];
@@ -55,15 +58,15 @@ inline Nearest nearest_on_mesh_facet(const FacetPlaceRow& facet, const Vec3& cen
 inline Nearest nearest_on_strip(const FacetPlaceRow& facet, const Vec3& centre, double radius) {
     const Vec3 from = centre - facet.corners[0];
     const double height = from.dot(facet.normal);
-    if (height <= 0 || height >= radius) return {};
+    if (height <= 0 || height >= radius) return nothing_near();
     const Vec3 around = facet.corners[1] - facet.corners[0], along = facet.corners[3] - facet.corners[0];
     const double u = from.dot(around) / around.squaredNorm();
-    if (u < 0 || u > 1) return {};
+    if (u < 0 || u > 1) return nothing_near();
     const double length = along.norm(), v = from.dot(along) / length;
     const double beyond = v < 0 ? -v : v > length ? v - length : 0;
-    if (beyond >= radius) return {};
+    if (beyond >= radius) return nothing_near();
     const double slice = beyond > 0 ? std::sqrt(radius * radius - beyond * beyond) : radius;
-    if (height >= slice) return {};
+    if (height >= slice) return nothing_near();
     return {Feature::face, centre - height * facet.normal, facet.normal, radius - (slice - height)};
 }
 

@@ -15,6 +15,7 @@ namespace bris {
 namespace {
 
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
+constexpr double least_contacts = 6; // a rock is held by six or more
 
 void add(BodyStiffness& sum, const LawRow& law, const Vec3& arm, const Vec3& normal) {
     sum.translation += std::max(law.kn, law.ks);
@@ -24,6 +25,7 @@ void add(BodyStiffness& sum, const LawRow& law, const Vec3& arm, const Vec3& nor
 template <class Pairs> void add_pairs(const World& world, std::vector<BodyStiffness>& all) {
     if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
+    if (index.size() == 0) return; // nothing is near, or no step has been taken
     const auto entry = world.column<typename Pairs::Near, NearPair>();
     const auto force = world.column<typename Pairs::Near, PairForce>();
     const auto rows = world.column<Pairs, PairRows>();
@@ -77,7 +79,7 @@ double stable_step(const World& world) {
     double largest = 0;
     for (std::size_t b = 0; b < stiffness.size(); ++b)
         if (motion[b] == free_motion)
-            largest = std::max({largest, stiffness[b].translation / mass[b], stiffness[b].rotation / least[b]});
+            largest = std::max(largest, stiffness[b].translation / mass[b] + stiffness[b].rotation / least[b]);
     return largest > 0 ? 2 / std::sqrt(2 * largest) : std::numeric_limits<double>::infinity();
 }
 
@@ -86,7 +88,7 @@ double stable_step_of_first_contact(const World& world) {
     const Table& bodies = world.table<Bodies>();
     const auto mass = bodies.column<InertialMass>();
     const auto radius = bodies.column<BoundingRadius>();
-    const auto motion = bodies.column<MotionOf>();
+    const auto true_mass = bodies.column<Mass>();
     double kn = 0, ks = 0, largest = 0;
     for (const LawRow& law : world.resource<Materials>().pairs) {
         kn = std::max(kn, law.kn);
@@ -94,15 +96,15 @@ double stable_step_of_first_contact(const World& world) {
     }
     const bool spheres = bodies.has<SphereInertia>();
     for (std::size_t b = 0; b < bodies.size(); ++b) {
-        if (motion[b] != free_motion) continue;
+        if (!(true_mass[b] > 0)) continue; // boundaries; held rocks will be free some day
         // the normal of a single sphere passes through its centre
         const double turning = (spheres ? ks : std::max(kn, ks)) * radius[b] * radius[b];
-        largest = std::max({largest, std::max(kn, ks) / mass[b], turning / least[b]});
+        largest = std::max(largest, std::max(kn, ks) / mass[b] + turning / least[b]);
     }
     return largest > 0 ? 2 / std::sqrt(2 * largest) : std::numeric_limits<double>::infinity();
 }
 
-MassScaling scale_masses(World& world, double dt, double safety, double floor, bool only_raise) {
+MassScaling scale_masses(World& world, double dt, double safety, bool only_raise) {
     auto stiffness = body_stiffness(world);
     Table& bodies = world.table<Bodies>();
     const auto motion = bodies.column<MotionOf>();
@@ -115,24 +117,22 @@ MassScaling scale_masses(World& world, double dt, double safety, double floor, b
     for (Row b = 0; b < rows.size(); ++b) rows[id[b]] = b;
     std::erase_if(rows, [&](Row b) { return motion[b] != free_motion; });
 
-    BodyStiffness mean;
-    double true_mass = 0;
+    // contacts come at any time: as many of the stiffest kind as hold a rock are always counted
+    double one = 0, true_mass = 0, stiffness_sum = 0;
+    for (const LawRow& law : world.resource<Materials>().pairs) one = std::max({one, law.kn, law.ks});
+    const auto radius = bodies.column<BoundingRadius>();
     for (const Row b : rows) {
-        mean.translation += stiffness[b].translation / static_cast<double>(rows.size());
-        mean.rotation += stiffness[b].rotation / static_cast<double>(rows.size());
+        BodyStiffness& k = stiffness[b];
+        k.translation = std::max(k.translation, least_contacts * one);
+        k.rotation = std::max(k.rotation, least_contacts * 0.25 * one * radius[b] * radius[b]);
+        stiffness_sum += k.translation;
         true_mass += mass[b];
     }
-    double stiffness_sum = 0;
-    for (const Row b : rows) {
-        stiffness[b].translation = std::max(stiffness[b].translation, floor * mean.translation);
-        stiffness[b].rotation = std::max(stiffness[b].rotation, floor * mean.rotation);
-        stiffness_sum += stiffness[b].translation;
-    }
     MassScaling result;
-    // m = K dt^2 / (2 safety^2), from dt = safety * 2 / sqrt(2 K / m)
-    result.dt = dt > 0 ? dt : safety * std::sqrt(2 * true_mass / stiffness_sum);
+    // K/m = K_rotation/I = (safety / dt)^2, from dt = safety * 2 / sqrt(2 (K/m + K_rotation/I))
+    result.dt = dt > 0 ? dt : safety * std::sqrt(true_mass / stiffness_sum);
     result.smallest_factor = std::numeric_limits<double>::infinity();
-    const double factor = result.dt * result.dt / (2 * safety * safety);
+    const double factor = result.dt * result.dt / (safety * safety);
     for (const Row b : rows) {
         double m = factor * stiffness[b].translation;
         double i = factor * stiffness[b].rotation / inertia[b].minCoeff();

@@ -15,12 +15,12 @@ struct BodyStiffness {
 /// By row of body, from the pairs that touched in the last step.
 std::vector<BodyStiffness> body_stiffness(const World& world);
 
-/// Largest stable step, s: 2/omega with omega^2 = 2 max over free bodies of K/m and of
-/// K_rotation/I_min (Gershgorin; the factor 2 lets the partners move too). Infinite if nothing
+/// Largest stable step, s: 2/omega with omega^2 = 2 max over free bodies of K/m + K_rotation/I_min
+/// (a bound: one contact couples both motions, and the factor 2 lets the partners move too). Infinite if nothing
 /// touches: see stable_step_of_first_contact.
 double stable_step(const World& world);
 
-/// The same bound for free bodies that each have one contact of the stiffest kind; for the first
+/// The same bound if every rock, held ones too, had one contact of the stiffest kind; for the first
 /// steps of a scene in which nothing touches yet.
 double stable_step_of_first_contact(const World& world);
 
@@ -33,10 +33,10 @@ struct MassScaling {
 };
 
 /// Gives every free body the inertial mass and inertia with which the step `dt` is `safety` times its
-/// stable step; for quasi-static runs (equilibria do not depend on mass). Bodies with few contacts
-/// get at least `floor` of the mean stiffness. With dt = 0 the step is chosen so that the total mass
+/// stable step; for quasi-static runs (equilibria do not depend on mass). A body
+/// counts at least six contacts, for those that may come. With dt = 0 the step is chosen so that the total mass
 /// stays the true one. Scaled masses never shrink if `only_raise`. Weight keeps the true mass.
-MassScaling scale_masses(World& world, double dt, double safety, double floor, bool only_raise);
+MassScaling scale_masses(World& world, double dt, double safety, bool only_raise);
 
 /// Puts the true masses back.
 void unscale_masses(World& world);

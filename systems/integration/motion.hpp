@@ -38,7 +38,7 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
                const Clock& clock);
 
 /// Rotation of single spheres: angular momentum by leapfrog; spin at the time of the new positions.
-void turn_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia, AngularMomentum, Spin> bodies,
+void turn_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia, AngularMomentum, Spin, StepSpin> bodies,
                   const Clock& clock);
 
 /// Rotation of clumps: angular momentum in the world frame by leapfrog (conserved exactly without
@@ -46,23 +46,40 @@ void turn_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia
 /// turned (Magnus expansion with Simpson weights), or the midpoint rule where the angle is below
 /// 1e-4 rad and the difference below 1e-12 rad. Orientation stays a unit quaternion.
 void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, AngularMomentum, Spin,
-               Orientation, Axes> bodies,
+               StepSpin, Orientation, Axes> bodies,
           const Clock& clock);
 
-// A scene of single spheres is told from one of clumps by its column SphereInertia.
+/// Of which time the velocities in the packed rows are. Undamped laws need the displacement of the
+/// last step, which is the leapfrog's own velocity times dt: a spring moved with velocities predicted
+/// from the last acceleration grows by (omega dt)^4 / 8 a step. Dashpots need velocities of the time
+/// of the positions, or damping is of first order.
+enum class VelocityTime { last_step, now };
 
-/// Packed rows of single spheres, at the new positions and with velocities of the same time.
-void place_spheres(Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration,
-                        const InertialMass, const MotionOf, const SphereInertia> bodies,
-                   Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
+// A scene of single spheres is told from one of clumps by its column SphereInertia.
+using PlacedSpheres = Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration,
+                           const InertialMass, const MotionOf, const SphereInertia>;
+using PlacedBodies = Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration, const Spin,
+                          const StepSpin, const Axes, const InertialMass, const MotionOf>;
+
+/// Packed rows of single spheres, at the new positions.
+template <VelocityTime time>
+void place_spheres(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
+template <> void place_spheres<VelocityTime::last_step>(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
+template <> void place_spheres<VelocityTime::now>(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
 
 /// Packed rows of the listed spheres of clumps: one rotation matrix a body.
-void place(Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration, const Spin,
-                const Axes, const InertialMass, const MotionOf> bodies,
-           Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
+template <VelocityTime time>
+void place(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
+template <> void place<VelocityTime::last_step>(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
+template <> void place<VelocityTime::now>(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
 
 /// Spins of the listed spheres; only friction wants them.
-void place_turns(Rows<Bodies, const SpheresOf, const Spin> bodies,
+template <VelocityTime time>
+void place_turns(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
+                 Rows<Listed, const ListedBall, Turn> listed);
+template <> void place_turns<VelocityTime::last_step>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
+                 Rows<Listed, const ListedBall, Turn> listed);
+template <> void place_turns<VelocityTime::now>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
                  Rows<Listed, const ListedBall, Turn> listed);
 
 /// Bound on how far any point of a body has gone since the last prune.
@@ -74,8 +91,8 @@ void measure_travel_and_turn(Rows<Bodies, const Position, const Orientation, con
 
 /// Planes and facets follow their hosts.
 void place_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePlace> planes,
-                  Rows<Bodies, const Position, const DriveVelocity> bodies);
+                  Rows<Bodies, const Position, const Velocity> bodies);
 void place_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPlace> facets,
-                  Rows<Bodies, const Position, const DriveVelocity> bodies);
+                  Rows<Bodies, const Position, const Velocity> bodies);
 
 } // namespace bris

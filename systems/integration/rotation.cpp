@@ -8,23 +8,23 @@ namespace {
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
 
 // Angular momentum in the body's axes of a free body: dL/dt = L x w, w = L / I.
-Vec3 rate(const Vec3& momentum, const Vec3& inertia) {
-    return momentum.cross(momentum.cwiseQuotient(inertia));
+Vec3 rate(const Vec3& momentum, const Vec3& inverse_inertia) {
+    return momentum.cross(momentum.cwiseProduct(inverse_inertia));
 }
 
-Vec3 advance(const Vec3& momentum, const Vec3& inertia, double dt) { // classical Runge-Kutta
-    const Vec3 a = rate(momentum, inertia), b = rate(momentum + 0.5 * dt * a, inertia),
-               c = rate(momentum + 0.5 * dt * b, inertia), d = rate(momentum + dt * c, inertia);
+Vec3 advance(const Vec3& momentum, const Vec3& inverse, double dt) { // classical Runge-Kutta
+    const Vec3 a = rate(momentum, inverse), b = rate(momentum + 0.5 * dt * a, inverse),
+               c = rate(momentum + 0.5 * dt * b, inverse), d = rate(momentum + dt * c, inverse);
     return momentum + dt / 6 * (a + 2 * b + 2 * c + d);
 }
 
 /// Rotation vector, in the body's axes, of the free motion over dt.
-Vec3 rotation_of_step(const Vec3& momentum, const Vec3& inertia, double dt) {
-    const Vec3 spin = momentum.cwiseQuotient(inertia);
+Vec3 rotation_of_step(const Vec3& momentum, const Vec3& inverse, double dt) {
+    const Vec3 spin = momentum.cwiseProduct(inverse);
     if (spin.squaredNorm() * dt * dt < 1e-8)
-        return dt * (momentum + 0.5 * dt * rate(momentum, inertia)).cwiseQuotient(inertia);
-    const Vec3 half = advance(momentum, inertia, 0.5 * dt), full = advance(half, inertia, 0.5 * dt);
-    const Vec3 middle = half.cwiseQuotient(inertia), last = full.cwiseQuotient(inertia);
+        return dt * (momentum + 0.5 * dt * rate(momentum, inverse)).cwiseProduct(inverse);
+    const Vec3 half = advance(momentum, inverse, 0.5 * dt), full = advance(half, inverse, 0.5 * dt);
+    const Vec3 middle = half.cwiseProduct(inverse), last = full.cwiseProduct(inverse);
     return dt / 6 * (spin + 4 * middle + last) + dt * dt / 12 * spin.cross(last);
 }
 
@@ -33,52 +33,58 @@ void renormalise(Quat& q) { q.coeffs() *= 0.5 * (3 - q.squaredNorm()); }
 
 } // namespace
 
-void turn_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia, AngularMomentum, Spin> bodies,
+void turn_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia, AngularMomentum, Spin, StepSpin> bodies,
                   const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* torque = bodies.column<Torque>();
     const double* inertia = bodies.column<SphereInertia>();
     Vec3* momentum = bodies.column<AngularMomentum>();
     Vec3* spin = bodies.column<Spin>();
+    Vec3* step_spin = bodies.column<StepSpin>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         if (motion[b] != free_motion) continue;
         momentum[b] += clock.dt * torque[b];
         spin[b] = (momentum[b] + 0.5 * clock.dt * torque[b]) / inertia[b];
+        step_spin[b] = momentum[b] / inertia[b];
     }
 }
 
 void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, AngularMomentum, Spin,
-               Orientation, Axes> bodies,
+               StepSpin, Orientation, Axes> bodies,
           const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* torque = bodies.column<Torque>();
     const Vec3* inertia = bodies.column<InertialInertia>();
     Vec3* momentum = bodies.column<AngularMomentum>();
     Vec3* spin = bodies.column<Spin>();
+    Vec3* step_spin = bodies.column<StepSpin>();
     Quat* orientation = bodies.column<Orientation>();
     Mat3* axes = bodies.column<Axes>();
-    const double dt = clock.dt;
+    const double dt = clock.dt, per_second = 1 / dt;
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         if (motion[b] != free_motion) continue;
         momentum[b] += dt * torque[b];
         const Vec3 local = axes[b].transpose() * momentum[b];
-        Quat q = orientation[b] * exponential_map(rotation_of_step(local, inertia[b], dt));
+        const Vec3 inverse = inertia[b].cwiseInverse();
+        const Vec3 rotation = rotation_of_step(local, inverse, dt);
+        step_spin[b] = axes[b] * (rotation * per_second); // a rotation's axis is the same in both frames
+        Quat q = orientation[b] * exponential_map(rotation);
         renormalise(q);
         orientation[b] = q;
         axes[b] = q.toRotationMatrix();
         const Vec3 now = axes[b].transpose() * (momentum[b] + 0.5 * dt * torque[b]);
-        spin[b] = axes[b] * now.cwiseQuotient(inertia[b]);
+        spin[b] = axes[b] * now.cwiseProduct(inverse);
     }
 }
 
-void place(Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration, const Spin,
-                const Axes, const InertialMass, const MotionOf> bodies,
-           Rows<Listed, const ListedBall, Place> listed, const Clock& clock) {
+namespace {
+
+// velocities of the last step (of the half step before the positions) or of the positions' own time
+void place_at(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, double since_velocity, const Vec3* spin) {
     const auto* run = bodies.column<SpheresOf>();
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* acceleration = bodies.column<Acceleration>();
-    const Vec3* spin = bodies.column<Spin>();
     const Mat3* axes = bodies.column<Axes>();
     const double* mass = bodies.column<InertialMass>();
     const auto* motion = bodies.column<MotionOf>();
@@ -91,7 +97,7 @@ void place(Rows<Bodies, const SpheresOf, const Position, const Velocity, const A
         const Quad ex{a(0, 0), a(1, 0), a(2, 0), 0}, ey{a(0, 1), a(1, 1), a(2, 1), 0},
             ez{a(0, 2), a(1, 2), a(2, 2), 0};
         const Quad x = quad(position[b], 0), w = quad(spin[b], 0);
-        const Quad v = quad(velocity[b] + (0.5 * clock.dt) * acceleration[b],
+        const Quad v = quad(velocity[b] + since_velocity * acceleration[b],
                             motion[b] == free_motion ? 1 / mass[b] : 0);
         for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k) {
             const Ball& o = ball[k];
@@ -102,15 +108,35 @@ void place(Rows<Bodies, const SpheresOf, const Position, const Velocity, const A
     }
 }
 
-void place_turns(Rows<Bodies, const SpheresOf, const Spin> bodies,
-                 Rows<Listed, const ListedBall, Turn> listed) {
+void place_turns_at(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
+                    Rows<Listed, const ListedBall, Turn> listed, const Vec3* spin) {
     const auto* run = bodies.column<SpheresOf>();
-    const Vec3* spin = bodies.column<Spin>();
     const Ball* ball = listed.column<ListedBall>();
     TurnRow* turn = listed.column<Turn>();
     for (Row b = bodies.first(); b < bodies.last(); ++b)
         for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k)
             turn[k] = {spin[b].x(), spin[b].y(), spin[b].z(), ball[k].radius};
+}
+
+} // namespace
+
+template <>
+void place<VelocityTime::last_step>(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock&) {
+    place_at(bodies, listed, 0, bodies.column<StepSpin>());
+}
+template <>
+void place<VelocityTime::now>(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock) {
+    place_at(bodies, listed, 0.5 * clock.dt, bodies.column<Spin>());
+}
+template <>
+void place_turns<VelocityTime::last_step>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
+                                          Rows<Listed, const ListedBall, Turn> listed) {
+    place_turns_at(bodies, listed, bodies.column<StepSpin>());
+}
+template <>
+void place_turns<VelocityTime::now>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
+                                    Rows<Listed, const ListedBall, Turn> listed) {
+    place_turns_at(bodies, listed, bodies.column<Spin>());
 }
 
 void measure_travel_and_turn(Rows<Bodies, const Position, const Orientation, const PrunedAt,

@@ -105,9 +105,9 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
     }
 }
 
-void place_spheres(Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration,
-                        const InertialMass, const MotionOf, const SphereInertia> bodies,
-                   Rows<Listed, const ListedBall, Place> listed, const Clock& clock) {
+namespace {
+
+void place_spheres_at(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed, double since_velocity) {
     const auto* run = bodies.column<SpheresOf>();
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
@@ -117,12 +117,25 @@ void place_spheres(Rows<Bodies, const SpheresOf, const Position, const Velocity,
     const Ball* ball = listed.column<ListedBall>();
     PlaceRow* place = listed.column<Place>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        const Vec3 v = velocity[b] + (0.5 * clock.dt) * acceleration[b];
+        const Vec3 v = velocity[b] + since_velocity * acceleration[b];
         const Vec3& x = position[b];
         const double inverse = motion[b] == free_motion ? 1 / mass[b] : 0;
         for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k)
             place[k] = {x.x(), x.y(), x.z(), ball[k].radius, v.x(), v.y(), v.z(), inverse};
     }
+}
+
+} // namespace
+
+template <>
+void place_spheres<VelocityTime::last_step>(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed,
+                                            const Clock&) {
+    place_spheres_at(bodies, listed, 0);
+}
+template <>
+void place_spheres<VelocityTime::now>(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed,
+                                      const Clock& clock) {
+    place_spheres_at(bodies, listed, 0.5 * clock.dt);
 }
 
 void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies) {
@@ -134,9 +147,9 @@ void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereIne
 }
 
 void place_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePlace> planes,
-                  Rows<Bodies, const Position, const DriveVelocity> bodies) {
+                  Rows<Bodies, const Position, const Velocity> bodies) {
     const Vec3* position = bodies.column<Position>();
-    const Vec3* velocity = bodies.column<DriveVelocity>();
+    const Vec3* velocity = bodies.column<Velocity>();
     const PlaneShape* shape = planes.column<LocalPlane>();
     const Row* host = planes.column<HostRow>();
     PlanePlaceRow* place = planes.column<PlanePlace>();
@@ -145,9 +158,9 @@ void place_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePlace> plan
 }
 
 void place_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPlace> facets,
-                  Rows<Bodies, const Position, const DriveVelocity> bodies) {
+                  Rows<Bodies, const Position, const Velocity> bodies) {
     const Vec3* position = bodies.column<Position>();
-    const Vec3* velocity = bodies.column<DriveVelocity>();
+    const Vec3* velocity = bodies.column<Velocity>();
     const FacetShape* shape = facets.column<LocalFacet>();
     const Row* host = facets.column<HostRow>();
     FacetPlaceRow* place = facets.column<FacetPlace>();

@@ -4,6 +4,7 @@
 #include "components/material.hpp"
 #include "components/settings.hpp"
 #include "engine/parallel.hpp"
+#include "systems/output/balance.hpp"
 #include "systems/output/contacts.hpp"
 
 namespace bris {
@@ -37,37 +38,14 @@ double kinetic_energy(const World& world, Row b) {
     return 0.5 * (bodies.column<InertialMass>()[b] * v.squaredNorm() + turning);
 }
 
-struct Balance {
-    std::vector<Vec3> resultant;
-    std::vector<double> total;
-};
-
-template <class Pairs> void add_pairs(const World& world, Balance& balance) {
-    for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
-        const Vec3 f(p.force.fx, p.force.fy, p.force.fz);
-        const double size = f.norm();
-        balance.resultant[p.names.owner] += f;
-        balance.resultant[p.names.partner] -= f;
-        balance.total[p.names.owner] += size;
-        balance.total[p.names.partner] += size;
-    }
-}
-
-// by body id
-Balance balance_of(const World& world) {
-    const std::size_t n = world.table<Bodies>().size();
-    Balance balance{std::vector<Vec3>(n, Vec3::Zero()), std::vector<double>(n, 0.0)};
-    add_pairs<SpherePairs>(world, balance);
-    add_pairs<FacetPairs>(world, balance);
-    add_pairs<PlanePairs>(world, balance);
-    return balance;
+template <class Pairs> void add_boundary_force(const World& world, const std::vector<Row>& rows, Quantities& q) {
+    for (const TouchingPair& p : touching_pairs<Pairs>(world))
+        if (!is_free(world, rows[p.names.partner])) q.boundary_force -= Vec3(p.force.fx, p.force.fy, p.force.fz);
 }
 
 template <class Pairs> void add_contacts(const World& world, Quantities& q) {
     const auto& laws = world.resource<Materials>().pairs;
-    const double dt = world.resource<Clock>().dt;
     PairNames last{nobody, nobody, 0, 0};
-    static_cast<void>(dt);
     for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
         ++q.contacts;
         q.mean_overlap += p.force.overlap;
@@ -84,36 +62,19 @@ template <class Pairs> void add_contacts(const World& world, Quantities& q) {
 
 } // namespace
 
-double unbalanced_ratio(const World& world) {
-    const Balance balance = balance_of(world);
-    const auto rows = rows_by_id(world);
-    const auto mass = world.column<Bodies, Mass>();
-    const Vec3 gravity = world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero());
-    double unbalanced = 0, total = 0;
-    for (std::size_t id = 0; id < rows.size(); ++id) {
-        if (!is_free(world, rows[id])) continue;
-        const Vec3 weight = mass[rows[id]] * gravity;
-        unbalanced += (balance.resultant[id] + weight).norm();
-        total += balance.total[id] + weight.norm();
-    }
-    return total > 0 ? unbalanced / total : 1;
-}
-
 Quantities measure(const World& world) {
     Quantities q;
     const auto rows = rows_by_id(world);
     std::size_t free_bodies = 0;
     const Vec3 gravity = world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero());
-    const Balance balance = balance_of(world);
     for (std::size_t id = 0; id < rows.size(); ++id) {
-        if (is_free(world, rows[id])) {
-            ++free_bodies;
-            q.kinetic_energy += kinetic_energy(world, rows[id]);
-            q.weight += world.column<Bodies, Mass>()[rows[id]] * gravity;
-        } else {
-            q.boundary_force += balance.resultant[id];
-        }
+        if (!is_free(world, rows[id])) continue;
+        ++free_bodies;
+        q.kinetic_energy += kinetic_energy(world, rows[id]);
+        q.weight += world.column<Bodies, Mass>()[rows[id]] * gravity;
     }
+    add_boundary_force<FacetPairs>(world, rows, q);
+    add_boundary_force<PlanePairs>(world, rows, q);
     add_contacts<SpherePairs>(world, q);
     const std::size_t between_grains = q.body_contacts;
     add_contacts<FacetPairs>(world, q);
@@ -124,7 +85,7 @@ Quantities measure(const World& world) {
     }
     if (free_bodies > 0)
         q.coordination = static_cast<double>(q.body_contacts + between_grains) / static_cast<double>(free_bodies);
-    q.unbalanced_ratio = unbalanced_ratio(world);
+    q.unbalanced_ratio = measure_balance(world).unbalanced_ratio;
     return q;
 }
 

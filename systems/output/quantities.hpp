@@ -23,8 +23,4 @@ struct Quantities {
 /// Measures the world as the last step left it. Reads only.
 Quantities measure(const World& world);
 
-/// Unbalanced force ratio after PFC (aratio): mean over free bodies of |resultant| over the mean of
-/// the sum of |contact forces| + |weight|; 1 where nothing carries load.
-double unbalanced_ratio(const World& world);
-
 } // namespace bris

@@ -29,9 +29,9 @@ struct Frictionless {
 
 /// Tangential spring with Coulomb's limit. The spring is kept in the world frame; it is turned with
 /// the pair (onto the new tangent plane at its old length, and about the normal with the mean
-/// spin), so turning the pair as one rigid body leaves the force alone. The stored stretch runs half
-/// a step ahead of the positions, like the velocities of a leapfrog: the force uses it half a step
-/// back, and the whole is second order in dt with velocities of one time only.
+/// spin). Without dashpots it moves by the displacement of the last step. With dashpots, velocities
+/// are of the time of the positions: the stored stretch then runs half a step ahead, and the force
+/// uses it half a step back (trapezoidal rule). Both are second order in dt.
 struct CoulombSpring {
     static constexpr bool has_history = true;
 
@@ -49,10 +49,10 @@ struct CoulombSpring {
         const Lane was = spring.x * spring.x + spring.y * spring.y + spring.z * spring.z;
         const Lane is = rx * rx + ry * ry + rz * rz;
         const Lane scale = is > 0.0 ? sqrt(was / is) : is;
-        const double half = 0.5 * dt;
-        sx = scale * rx + half * tx;
-        sy = scale * ry + half * ty;
-        sz = scale * rz + half * tz;
+        const double before = Damping::present ? 0.5 * dt : dt, after = dt - before;
+        sx = scale * rx + before * tx;
+        sy = scale * ry + before * ty;
+        sz = scale * rz + before * tz;
 
         Lane gx = -k.ks * sx, gy = -k.ks * sy, gz = -k.ks * sz;
         Lane dashpot = normal_force - normal_force;
@@ -73,16 +73,16 @@ struct CoulombSpring {
             // the spring that carries what friction can, if there is a spring
             const LaneMask reset = slips & (k.ks > 0.0);
             const Lane inverse = lanes(1) / (reset ? k.ks : lanes(1));
-            const Lane before_x = sx, before_y = sy, before_z = sz;
+            const Lane was_x = sx, was_y = sy, was_z = sz;
             sx = reset ? -(gx + dashpot * tx) * inverse : sx;
             sy = reset ? -(gy + dashpot * ty) * inverse : sy;
             sz = reset ? -(gz + dashpot * tz) * inverse : sz;
             // the slid distance, against the force that friction carries
-            f.slip_work = gx * (sx - before_x) + gy * (sy - before_y) + gz * (sz - before_z);
+            f.slip_work = gx * (sx - was_x) + gy * (sy - was_y) + gz * (sz - was_z);
         }
-        spring.x = sx + half * tx;
-        spring.y = sy + half * ty;
-        spring.z = sz + half * tz;
+        spring.x = sx + after * tx;
+        spring.y = sy + after * ty;
+        spring.z = sz + after * tz;
         f.x += gx;
         f.y += gy;
         f.z += gz;
@@ -92,6 +92,7 @@ struct CoulombSpring {
 /// A law is composed, never copied: normal spring, dashpots, tangential part.
 template <class Normal, class Damping, class Tangential> struct Law {
     static constexpr bool has_history = Tangential::has_history;
+    static constexpr bool damped = Damping::present;
 
     /// Force on the owner; moves the spring on by one step.
     static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k, double dt,

@@ -1,0 +1,262 @@
+#include "engine/io/checkpoint.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/io/hdf5.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <fcntl.h>
+#include <memory>
+#include <sstream>
+#include <stdexcept>
+#include <sys/stat.h>
+#include <unistd.h>
+
+namespace bris {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::uint64_t format_version = 1;
+
+struct Seal {
+    std::array<char, 8> mark{'B', 'R', 'I', 'S', 'c', 'k', 'p', '\n'};
+    std::uint64_t hash = 0; ///< of all bytes before the seal
+};
+static_assert(sizeof(Seal) == 16);
+
+struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using File = std::unique_ptr<std::FILE, Close>;
+
+[[noreturn]] void fail(const char* doing, const fs::path& path, int error) {
+    throw OutputError(fmt::format("cannot {} '{}': {}", doing, path.string(), std::strerror(error)));
+}
+
+[[noreturn]] void reject(const fs::path& path, const std::string& what) {
+    throw InputError(fmt::format("checkpoint '{}': {}", path.string(), what));
+}
+
+std::string text_of(const NamedValue& entry) {
+    return std::visit([](const auto& x) { return fmt::format("{}", x); }, entry.value);
+}
+
+/// Hash of the next `size` bytes of a file, read block by block.
+std::uint64_t hash_of(std::FILE* file, std::uint64_t size, const fs::path& path) {
+    std::vector<std::uint64_t> block(std::size_t{1} << 14);
+    std::uint64_t hash = size;
+    while (size > 0) {
+        const std::size_t bytes = std::min<std::uint64_t>(size, block.size() * sizeof(block[0]));
+        std::fill(block.begin(), block.end(), 0);
+        errno = 0;
+        if (std::fread(block.data(), 1, bytes, file) != bytes)
+            fail("read", path, errno == 0 ? EIO : errno);
+        for (std::size_t i = 0; i < (bytes + 7) / 8; ++i) { // each step can be undone: nothing is lost
+            hash = (hash ^ block[i]) * 0xff51afd7ed558ccdu;
+            hash ^= hash >> 32;
+        }
+        size -= bytes;
+    }
+    return hash;
+}
+
+std::uint64_t size_of(std::FILE* file, const fs::path& path) {
+    struct stat status {};
+    if (fstat(fileno(file), &status) != 0) fail("read", path, errno);
+    if (S_ISDIR(status.st_mode)) fail("read", path, EISDIR);
+    return static_cast<std::uint64_t>(status.st_size);
+}
+
+void check_seal(const fs::path& path) {
+    const File file(std::fopen(path.c_str(), "rb"));
+    if (!file) fail("read", path, errno);
+    const std::uint64_t size = size_of(file.get(), path);
+    Seal found;
+    found.mark.fill(0);
+    if (size <= sizeof(Seal)) reject(path, fmt::format("expected a checkpoint, found {} bytes", size));
+    const std::uint64_t hash = hash_of(file.get(), size - sizeof(Seal), path);
+    if (std::fread(&found, sizeof found, 1, file.get()) != 1) fail("read", path, EIO);
+    if (found.mark != Seal{}.mark)
+        reject(path, "expected a complete checkpoint, found a file that was cut short or is none");
+    if (found.hash != hash) reject(path, "expected a sealed checkpoint, found damaged content");
+}
+
+/// Adds the seal and waits until all of it is on the disk.
+void seal(const fs::path& path) {
+    const File file(std::fopen(path.c_str(), "r+b"));
+    if (!file) fail("write", path, errno);
+    Seal seal;
+    seal.hash = hash_of(file.get(), size_of(file.get(), path), path);
+    errno = 0;
+    if (std::fseek(file.get(), 0, SEEK_END) != 0 ||
+        std::fwrite(&seal, sizeof seal, 1, file.get()) != 1 || std::fflush(file.get()) != 0 ||
+        fsync(fileno(file.get())) != 0)
+        fail("write", path, errno == 0 ? EIO : errno);
+}
+
+/// Waits until a new name in the directory is on the disk.
+void synchronise_directory(const fs::path& directory) {
+    const int handle = open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY);
+    if (handle < 0) return; // the file is whole under one of its names; more cannot be done
+    fsync(handle);
+    close(handle);
+}
+
+template <class T> void write_array(Hdf5File& file, const Archive::Array& array) {
+    std::vector<T> values(array.bytes.size() / sizeof(T));
+    if (!values.empty()) std::memcpy(values.data(), array.bytes.data(), array.bytes.size());
+    file.write<T>("/state/" + array.path, values, {array.rows(), array.columns});
+}
+
+template <class T> void read_array(const Hdf5File& file, Archive::Array& array) {
+    const auto values = file.read<T>("/state/" + array.path);
+    array.bytes.resize(values.size() * sizeof(T));
+    if (!values.empty()) std::memcpy(array.bytes.data(), values.data(), array.bytes.size());
+}
+
+/// Calls `with(T{})` for the type that stands for an array's numbers in the file.
+template <class Action> void dispatch(Scalar scalar, std::size_t size, Action&& with) {
+    if (scalar == Scalar::real && size == 8)
+        with(double{});
+    else if (scalar == Scalar::real && size == 4)
+        with(float{});
+    else if (scalar == Scalar::integer && size == 8)
+        with(std::uint64_t{});
+    else if (scalar == Scalar::integer && size == 4)
+        with(std::uint32_t{});
+    else if (scalar == Scalar::integer && size == 1)
+        with(std::uint8_t{});
+    else
+        throw std::logic_error(fmt::format("no checkpoint knows numbers of {} bytes", size));
+}
+
+void write_content(const fs::path& path, const Checkpoint& checkpoint) {
+    Hdf5File file = Hdf5File::create(path);
+    file.make_group("/state");
+    file.make_group("/settings");
+    std::string order, keys; // HDF5 lists names by the alphabet: the order is kept as text
+    for (const Archive::Array& array : checkpoint.state.arrays()) {
+        dispatch(array.scalar, array.scalar_size,
+                 [&](auto number) { write_array<decltype(number)>(file, array); });
+        order += fmt::format("{} {} {}\n", array.path,
+                             array.scalar == Scalar::real ? "real" : "integer", array.scalar_size);
+    }
+    for (const NamedValue& entry : checkpoint.settings) {
+        file.set_attribute("/settings", entry.key, text_of(entry));
+        keys += entry.key + "\n";
+    }
+    file.set_attribute("/", "bris_checkpoint", format_version);
+    file.set_attribute("/", "scenario", checkpoint.scenario);
+    file.set_attribute("/", "step", checkpoint.step);
+    file.set_attribute("/", "fingerprint", fingerprint(checkpoint.state));
+    file.set_attribute("/", "arrays", order);
+    file.set_attribute("/", "settings", keys);
+    file.close();
+}
+
+Archive read_state(const Hdf5File& file) {
+    Archive state;
+    std::istringstream order(file.text_attribute("/", "arrays"));
+    std::string path, scalar;
+    std::size_t size = 0;
+    while (order >> path >> scalar >> size) {
+        const auto shape = file.shape("/state/" + path);
+        if (shape.size() != 2) throw OutputError("expected a table, found another shape: " + path);
+        Archive::Array array{path, scalar == "real" ? Scalar::real : Scalar::integer, size,
+                             static_cast<std::size_t>(shape[1]), {}};
+        dispatch(array.scalar, size, [&](auto number) { read_array<decltype(number)>(file, array); });
+        state.put(std::move(array));
+    }
+    return state;
+}
+
+Checkpoint read_content(const fs::path& path) {
+    const Hdf5File file = Hdf5File::open(path);
+    const auto number = [&](const std::string& name) {
+        return file.attribute<std::uint64_t>("/", name).at(0);
+    };
+    if (const auto version = number("bris_checkpoint"); version != format_version)
+        reject(path, fmt::format("expected format {}, found {}", format_version, version));
+    Checkpoint checkpoint;
+    checkpoint.scenario = file.text_attribute("/", "scenario");
+    checkpoint.step = number("step");
+    std::istringstream keys(file.text_attribute("/", "settings"));
+    for (std::string key; std::getline(keys, key);)
+        checkpoint.settings.emplace_back(key, file.text_attribute("/settings", key));
+    checkpoint.state = read_state(file);
+    if (fingerprint(checkpoint.state) != number("fingerprint"))
+        reject(path, "expected the state that was saved, found another fingerprint");
+    return checkpoint;
+}
+
+} // namespace
+
+void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
+    // the process id: two runs into one directory must not share the unfinished file
+    fs::path unfinished = path;
+    unfinished += fmt::format(".{}.tmp", getpid());
+    std::error_code error;
+    try {
+        write_content(unfinished, checkpoint);
+        seal(unfinished);
+    } catch (const OutputError& problem) {
+        fs::remove(unfinished, error);
+        throw OutputError(fmt::format("cannot write checkpoint '{}': {}", path.string(), problem.what()));
+    }
+    if (std::rename(unfinished.c_str(), path.c_str()) != 0) {
+        const int why = errno;
+        fs::remove(unfinished, error);
+        fail("write", path, why);
+    }
+    synchronise_directory(path.parent_path());
+}
+
+Checkpoint read_checkpoint(const std::filesystem::path& path) {
+    check_seal(path);
+    try {
+        return read_content(path);
+    } catch (const OutputError& problem) { // sealed, so what is wrong is what was sealed
+        reject(path, fmt::format("expected a checkpoint of this program, found: {}", problem.what()));
+    }
+}
+
+void require_same_run(const std::filesystem::path& path, const Checkpoint& checkpoint,
+                      const std::string& scenario, const std::vector<NamedValue>& settings,
+                      std::span<const std::string_view> may_differ) {
+    if (checkpoint.scenario != scenario)
+        reject(path, fmt::format("scenario: expected {}, found {}", scenario, checkpoint.scenario));
+    const auto free = [&](const std::string& key) {
+        return std::find(may_differ.begin(), may_differ.end(), key) != may_differ.end();
+    };
+    const auto find = [](const std::vector<NamedValue>& list, const std::string& key) {
+        const auto at = std::find_if(list.begin(), list.end(),
+                                     [&](const NamedValue& entry) { return entry.key == key; });
+        return at == list.end() ? nullptr : &*at;
+    };
+    for (const NamedValue& wanted : settings) {
+        if (free(wanted.key)) continue;
+        const NamedValue* found = find(checkpoint.settings, wanted.key);
+        if (found == nullptr || text_of(*found) != text_of(wanted))
+            reject(path, fmt::format("{}: expected {} as in this run, found {}", wanted.key,
+                                     text_of(wanted), found == nullptr ? "nothing" : text_of(*found)));
+    }
+    for (const NamedValue& found : checkpoint.settings)
+        if (!free(found.key) && find(settings, found.key) == nullptr)
+            reject(path, fmt::format("{}: expected nothing as in this run, found {}", found.key,
+                                     text_of(found)));
+}
+
+std::span<const std::string_view> settings_that_may_differ() {
+    static constexpr std::array<std::string_view, 8> keys{
+        "out", "threads", "memory_GiB", "config", "resume", "explain", "serial", "quiet"};
+    return keys;
+}
+
+} // namespace bris

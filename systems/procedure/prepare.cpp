@@ -1,0 +1,297 @@
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/material.hpp"
+#include "components/settings.hpp"
+#include "components/sphere.hpp"
+#include "engine/errors.hpp"
+#include "engine/random.hpp"
+#include "systems/build/scene.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/contact/stable_step.hpp"
+#include "systems/output/balance.hpp"
+#include "systems/output/porosity.hpp"
+#include "systems/procedure/triaxial.hpp"
+#include "systems/servo/platen.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bris {
+
+namespace {
+
+constexpr double first_scale = 0.45;      // at which rocks are put at random places without touching
+constexpr double growth_per_step = 2e-4;  // relative, while nothing resists
+constexpr double squeezing_limit = 2e-3;  // overlap, of a rock's bounding radius, at which it waits for room
+constexpr std::uint64_t growth_block = 20; // steps at one size
+constexpr std::uint64_t placing_stream = 2001;
+
+void set_friction(World& world, double friction) {
+    auto& materials = world.resource<Materials>();
+    const auto& specimen = world.resource<Specimen>();
+    materials.list[specimen.rock_material].friction = friction;
+    materials.list[specimen.platen_material].friction = friction;
+    materials.mix();
+}
+
+/// Bodies by id.
+std::vector<Row> rows_by_id(const World& world) {
+    const auto id = world.column<Bodies, BodyId>();
+    std::vector<Row> rows(id.size());
+    for (Row r = 0; r < id.size(); ++r) rows[id[r]] = r;
+    return rows;
+}
+
+std::span<const EntityId> rocks_of_lift(const Specimen& specimen, std::uint64_t lift, unsigned lifts) {
+    const std::size_t n = specimen.rocks.size(), first = n * lift / lifts, last = n * (lift + 1) / lifts;
+    return std::span(specimen.rocks).subspan(first, last - first);
+}
+
+/// Gives the spheres of some rocks the size that their Growth says.
+void resize_rocks(World& world, std::span<const EntityId> rocks) {
+    const auto& specimen = world.resource<Specimen>();
+    const auto rows = rows_by_id(world);
+    const auto shape = world.column<Bodies, ShapeOf>();
+    const auto run = world.column<Bodies, SpheresOf>();
+    const auto growth = world.column<Bodies, Growth>();
+    const auto ball = world.column<Spheres, LocalBall>();
+    for (const EntityId id : rocks) {
+        const Row r = rows[id];
+        const Clump& clump = specimen.clumps[shape[r]];
+        const double size = growth[r] * specimen.scale[id];
+        for (Row k = 0; k < run[r].count; ++k)
+            ball[run[r].first + k] = {size * clump.balls[k].centre, size * clump.balls[k].radius};
+    }
+    invalidate_lists(world);
+}
+
+template <class Pairs> void note_overlaps(const World& world, std::span<double> largest) {
+    const auto& index = world.resource<NearIndex<Pairs>>();
+    const auto force = world.column<typename Pairs::Near, PairForce>();
+    for (Row b = 0; b < largest.size(); ++b) {
+        for (Row i = index.incident_first[b]; i < index.incident_first[b + 1]; ++i)
+            largest[b] = std::max(largest[b], force[index.incident[i]].overlap);
+        for (Row k = index.owned_first[b]; k < index.owned_first[b + 1]; ++k)
+            largest[b] = std::max(largest[b], force[k].overlap);
+    }
+}
+
+/// Lets the rocks of a lift grow, those that are squeezed excepted; true when all have full size.
+bool grow_rocks(World& world, std::span<const EntityId> rocks, double factor) {
+    std::vector<double> squeezed(world.table<Bodies>().size(), 0.0);
+    note_overlaps<SpherePairs>(world, squeezed);
+    note_overlaps<FacetPairs>(world, squeezed);
+    note_overlaps<PlanePairs>(world, squeezed);
+    const auto rows = rows_by_id(world);
+    const auto growth = world.column<Bodies, Growth>();
+    const auto radius = world.column<Bodies, BoundingRadius>();
+    bool all = true;
+    for (const EntityId id : rocks) {
+        const Row r = rows[id];
+        if (squeezed[r] < squeezing_limit * radius[r]) growth[r] = std::min(1.0, growth[r] * factor);
+        all = all && growth[r] == 1;
+    }
+    if (!all) resize_rocks(world, rocks);
+    return all;
+}
+
+/// Puts the rocks of a lift at random places between two heights, their bounding spheres at
+/// `scale` clear of each other and of the held sensor rocks.
+void place_lift(World& world, std::span<const EntityId> lift, double low, double high, double scale) {
+    const auto rows = rows_by_id(world);
+    const auto& specimen = world.resource<Specimen>();
+    const double wall = world.resource<Membrane>().radius.front();
+    const auto position = world.column<Bodies, Position>();
+    const auto motion = world.column<Bodies, MotionOf>();
+    const auto radius = world.column<Bodies, BoundingRadius>();
+    struct Placed {
+        Vec3 position;
+        double radius;
+    };
+    std::vector<Placed> placed;
+    for (Row b = 0; b < motion.size(); ++b) // what is already there: held sensor rocks, earlier lifts
+        if (radius[b] < wall && position[b].z() > 0) placed.push_back({position[b], radius[b]});
+    std::vector<EntityId> order(lift.begin(), lift.end());
+    std::sort(order.begin(), order.end(), [&](EntityId a, EntityId b) {
+        return radius[rows[a]] != radius[rows[b]] ? radius[rows[a]] > radius[rows[b]] : a < b;
+    });
+    for (const EntityId id : order) {
+        const Row r = rows[id];
+        Random random(specimen.seed, placing_stream + id);
+        double size = scale * radius[r];
+        for (int attempt = 1;; ++attempt) {
+            if (attempt % 500 == 0) size *= 0.97; // a tight place: bounding spheres may overlap
+            const double away = (wall - size) * std::sqrt(random.uniform()), angle = 2 * pi * random.uniform();
+            const Vec3 x(away * std::cos(angle), away * std::sin(angle), random.uniform(low + size, high - size));
+            if (std::any_of(placed.begin(), placed.end(), [&](const Placed& p) {
+                    return (p.position - x).squaredNorm() < (size + p.radius) * (size + p.radius);
+                }))
+                continue;
+            position[r] = x;
+            placed.push_back({x, size});
+            break;
+        }
+        motion[r] = static_cast<std::uint32_t>(Motion::free);
+    }
+}
+
+CylinderRegion core(const World& world, double top) {
+    const double wall = world.resource<Membrane>().radius.front();
+    return {0.6 * wall, 0.25 * top, 0.75 * top};
+}
+
+double platen_height(const World& world) {
+    return world.column<Bodies, Position>()[row_of_body(world, world.resource<Specimen>().top)].z();
+}
+
+} // namespace
+
+// A lift is grown in place between the lifts below and the top platen, without friction (inventory
+// T8: pouring alone does not reach the porosity).
+void TriaxialTest::start_lift() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    const auto& specimen = world.resource<Specimen>();
+    const auto& membrane = world.resource<Membrane>();
+    const double height = specimen.looseness * specimen.height;
+    if (state.lift == 0) {
+        fit_membrane(world, specimen.height, membrane.radius.front(), 1.1 * height);
+        set_friction(world, settings_.compaction_friction);
+        world.resource<Gravity>().value.setZero();
+        world.resource<LocalDamping>().fraction = settings_.damping;
+        simulation_.advance(0);
+        invalidate_lists(world);
+        world.resource<Clock>().dt = 1e-6; // replaced when masses are scaled
+        simulation_.advance(1);            // rows of spheres are known from here on
+    }
+    const double lid = height * static_cast<double>(state.lift + 1) / settings_.lifts;
+    const auto lift = rocks_of_lift(specimen, state.lift, settings_.lifts);
+    place_lift(world, lift, height * static_cast<double>(state.lift) / settings_.lifts, lid, first_scale);
+    const auto rows = rows_by_id(world);
+    for (const EntityId id : lift) world.column<Bodies, Growth>()[rows[id]] = first_scale;
+    resize_rocks(world, lift);
+    world.column<Bodies, Position>()[row_of_body(world, specimen.top)] = Vec3(0, 0, lid);
+    world.resource<Platen>().speed = 0;
+    state.phase_steps = 0;
+}
+
+void TriaxialTest::fill() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    if (state.phase_steps == 0) start_lift();
+    const MassScaling scaling = scale_masses(world, 0, settings_.safety, false);
+    world.resource<Clock>().change_step(scaling.dt);
+    run(growth_block);
+    if (!grow_rocks(world, rocks_of_lift(world.resource<Specimen>(), state.lift, settings_.lifts),
+                    1 + growth_per_step * growth_block)) {
+        if (state.phase_steps > 10 * settings_.longest_stage)
+            throw SimulationError(fmt::format("filling: lift {} of {} has no room for its rocks after {} steps; "
+                                              "try more rocks or a higher porosity",
+                                              state.lift + 1, settings_.lifts, state.phase_steps));
+        return;
+    }
+    run(200);
+    state.phase_steps = 0;
+    if (++state.lift < settings_.lifts) return;
+    state.phase = TriaxialPhase::compact;
+}
+
+void TriaxialTest::compact() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    auto& platen = world.resource<Platen>();
+    const auto& specimen = world.resource<Specimen>();
+    const MassScaling scaling = scale_masses(world, 0, settings_.safety, false);
+    world.resource<Clock>().change_step(scaling.dt);
+    // fast while nothing resists, slower the more the skeleton carries
+    const double a_step = platen.pressure < 20e3 ? 5e-6 : 2e-6;
+    platen.speed = a_step * specimen.height / scaling.dt *
+                   std::clamp(1 - platen.pressure / settings_.compaction_pressure, -0.5, 1.0);
+    // the held sensor rocks sink with the material around them
+    const double rate = platen.speed / platen_height(world);
+    for (const EntityId id : specimen.smart_rocks) {
+        const Row r = row_of_body(world, id);
+        world.column<Bodies, DriveVelocity>()[r].z() = -rate * world.column<Bodies, Position>()[r].z();
+    }
+    run(100);
+    if (state.phase_steps % 2000 != 0) return;
+    const double top = platen_height(world), n = porosity(world, core(world, top), 120);
+    const bool stuck = state.phase_steps % 20000 == 0 && state.phase_steps > 20000 &&
+                       n > state.core_porosity - 5e-4;
+    if (state.phase_steps % 20000 == 0) state.core_porosity = n; // to see whether it still goes down
+    state.prepared_porosity = n;
+    if (n <= settings_.porosity) return start_consolidation();
+    if (!stuck) return;
+    if (n <= settings_.porosity + settings_.porosity_tolerance) return start_consolidation();
+    throw SimulationError(fmt::format(
+        "compaction: expected a core porosity of {:.3f} +/- {:.3f}, came to {:.4f} at a platen pressure of {:.0f} kPa; "
+        "try a lower compaction friction or a higher porosity",
+        settings_.porosity, settings_.porosity_tolerance, n, platen.pressure / 1e3));
+}
+
+void TriaxialTest::start_consolidation() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    auto& membrane = world.resource<Membrane>();
+    auto& platen = world.resource<Platen>();
+    const double top = platen_height(world);
+    fit_membrane(world, top, membrane.radius.front(), top);
+    const auto& materials = world.resource<Materials>();
+    const auto& specimen = world.resource<Specimen>();
+    set_friction(world, settings_.friction);
+    for (const EntityId id : specimen.smart_rocks) {
+        const Row r = row_of_body(world, id);
+        world.column<Bodies, MotionOf>()[r] = static_cast<std::uint32_t>(Motion::free);
+        world.column<Bodies, Velocity>()[r].setZero();
+    }
+    if (settings_.gravity) world.resource<Gravity>().value = Vec3(0, 0, -9.81);
+    const double wall_contact =
+        materials.pairs[materials.pair(specimen.rock_material, specimen.membrane_material)].kn;
+    membrane.active = platen.controlled = true;
+    membrane.target_pressure = platen.target_pressure = settings_.confining_pressure;
+    membrane.contact_stiffness = platen.contact_stiffness = wall_contact;
+    membrane.largest_step = platen.largest_step = 2e-6 * top;
+    invalidate_lists(world);
+    state.phase = TriaxialPhase::consolidate;
+    state.phase_steps = 0;
+}
+
+void TriaxialTest::consolidate() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    if (state.phase_steps % 500 == 0) {
+        const MassScaling scaling = scale_masses(world, 0, settings_.safety, false);
+        world.resource<Clock>().change_step(scaling.dt);
+    }
+    run(50);
+    if (state.phase_steps >= 1000 && is_in_equilibrium()) return start_shear();
+    if (state.phase_steps > 10 * settings_.longest_stage)
+        throw SimulationError(fmt::format("consolidation: no equilibrium after {} steps: unbalanced ratio {:.2e}",
+                                          state.phase_steps, measure_balance(world).unbalanced_ratio));
+}
+
+void TriaxialTest::start_shear() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    auto& platen = world.resource<Platen>();
+    const auto& specimen = world.resource<Specimen>();
+    state.height = platen_height(world);
+    state.volume = specimen_volume(world);
+    state.core_porosity = porosity(world, core(world, state.height), 240);
+    double largest = 0;
+    const auto position = world.column<Bodies, Position>();
+    for (std::size_t i = 0; i < specimen.smart_rocks.size(); ++i)
+        largest = std::max(largest, (position[row_of_body(world, specimen.smart_rocks[i])] -
+                                     specimen.smart_rock_poses[i].position.cwiseProduct(Vec3(1, 1, state.height / specimen.height)))
+                                        .norm());
+    state.drift = largest;
+    platen.controlled = false;
+    platen.speed = 0;
+    state.phase = TriaxialPhase::shear;
+    state.stage = 0;
+    state.phase_steps = 0;
+    points_.push_back(measure_point());
+}
+
+} // namespace bris

@@ -1,0 +1,161 @@
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/material.hpp"
+#include "components/settings.hpp"
+#include "engine/errors.hpp"
+#include "systems/build/scene.hpp"
+#include "systems/contact/stable_step.hpp"
+#include "systems/output/balance.hpp"
+#include "systems/output/quantities.hpp"
+#include "systems/procedure/triaxial.hpp"
+#include "systems/output/porosity.hpp"
+#include "systems/output/contacts.hpp"
+#include "systems/servo/membrane.hpp"
+#include "systems/servo/platen.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bris {
+
+namespace {
+
+struct Tensor {
+    double axial = 0, radial = 0;
+    void add(const Vec3& force, const Vec3& branch) {
+        axial += force.z() * branch.z();
+        radial += 0.5 * (force.x() * branch.x() + force.y() * branch.y());
+    }
+};
+
+// contact forces times branch vectors, and boundary forces times their places; not yet divided by V
+template <class Pairs>
+void add_stress(const World& world, const std::vector<Row>& rows, Tensor& contact, Tensor& boundary) {
+    const auto position = world.column<Bodies, Position>();
+    const auto motion = world.column<Bodies, MotionOf>();
+    for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
+        const Vec3 force(p.force.fx, p.force.fy, p.force.fz), point(p.force.px, p.force.py, p.force.pz);
+        const Row owner = rows[p.names.owner], partner = rows[p.names.partner];
+        if (motion[partner] == static_cast<std::uint32_t>(Motion::free)) {
+            contact.add(force, position[owner] - position[partner]);
+        } else {
+            contact.add(force, position[owner] - point);
+            boundary.add(force, -point);
+        }
+    }
+}
+
+double sum_by_id(const std::vector<Row>& rows, std::span<const double> values) {
+    double sum = 0;
+    for (const Row r : rows) sum += values[r];
+    return sum;
+}
+
+} // namespace
+
+double specimen_volume(const World& world) {
+    const auto& membrane = world.resource<Membrane>();
+    const Row host = world.column<Planes, HostRow>()[world.resource<Platen>().plane];
+    const double top = world.column<Bodies, Position>()[host].z();
+    double volume = 0;
+    for (std::size_t ring = 0; ring < membrane.rings; ++ring)
+        volume += polygon_area({&membrane.radius[ring * membrane.sectors], membrane.sectors}) *
+                  exposed_height(membrane, ring, top);
+    return volume;
+}
+
+TriaxialPoint TriaxialTest::measure_point() const {
+    const World& world = simulation_.world();
+    const TriaxialState& s = state();
+    const auto& membrane = world.resource<Membrane>();
+    const auto& specimen = world.resource<Specimen>();
+    const Table& bodies = world.table<Bodies>();
+    const auto id = bodies.column<BodyId>();
+    std::vector<Row> rows(id.size());
+    for (Row r = 0; r < id.size(); ++r) rows[id[r]] = r;
+    const double top = bodies.column<Position>()[rows[specimen.top]].z();
+
+    TriaxialPoint p;
+    const double volume = specimen_volume(world);
+    double area = 0, push = 0;
+    const std::size_t per_ring = membrane.pressure.size() / membrane.rings;
+    for (std::size_t ring = 0; ring < membrane.rings; ++ring) {
+        const std::span<const double> radius(&membrane.radius[ring * membrane.sectors], membrane.sectors);
+        const double height = exposed_height(membrane, ring, top);
+        double mean = 0;
+        for (const double r : radius) mean += r / static_cast<double>(radius.size());
+        p.ring_radius.push_back(mean);
+        for (std::size_t g = ring * per_ring; g < (ring + 1) * per_ring; ++g) {
+            const double error = std::abs(membrane.pressure[g] / membrane.target_pressure - 1);
+            p.worst_ring_error = std::max(p.worst_ring_error, error);
+            p.mean_ring_error += error / static_cast<double>(membrane.pressure.size());
+            const double weight = mean * height / static_cast<double>(per_ring);
+            push += membrane.pressure[g] * weight;
+            area += weight;
+        }
+    }
+    const auto force = bodies.column<Force>();
+    p.axial_stress = 0.5 * (force[rows[specimen.top]].z() - force[rows[specimen.bottom]].z()) * top / volume;
+    p.radial_stress = push / area;
+    p.deviatoric_stress = p.axial_stress - p.radial_stress;
+    p.axial_strain = s.height > 0 ? 1 - top / s.height : 0;
+    p.volumetric_strain = s.volume > 0 ? 1 - volume / s.volume : 0;
+
+    Tensor contact, boundary;
+    add_stress<SpherePairs>(world, rows, contact, boundary);
+    add_stress<FacetPairs>(world, rows, contact, boundary);
+    add_stress<PlanePairs>(world, rows, contact, boundary);
+    p.contact_axial = contact.axial / volume;
+    p.contact_radial = contact.radial / volume;
+    p.boundary_axial = boundary.axial / volume;
+    p.boundary_radial = boundary.radial / volume;
+
+    const Quantities q = measure(world);
+    p.unbalanced = q.unbalanced_ratio;
+    p.coordination = q.coordination;
+    p.stored = q.elastic_energy;
+    p.kinetic = q.kinetic_energy;
+    p.boundary_work = sum_by_id(rows, bodies.column<BoundaryWork>());
+    p.friction_work = sum_by_id(rows, bodies.column<FrictionWork>());
+    p.damping_work = sum_by_id(rows, bodies.column<DampingWork>());
+    p.steps = static_cast<double>(s.phase_steps);
+    return p;
+}
+
+void TriaxialTest::shear() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    auto& platen = world.resource<Platen>();
+    const auto stages = static_cast<std::uint64_t>(std::llround(settings_.final_axial_strain / settings_.stage_strain));
+    if (state.stage >= stages) {
+        state.phase = TriaxialPhase::done;
+        return;
+    }
+    if (state.phase_steps == 0) { // a stage begins
+        const MassScaling scaling = scale_masses(world, 0, settings_.safety, false);
+        world.resource<Clock>().change_step(scaling.dt);
+        platen.speed = settings_.stage_strain * state.height / (settings_.move_steps * scaling.dt);
+        run(settings_.move_steps);
+        platen.speed = 0;
+        // the platen's velocity is set at the end of a step: one more carries the last move
+    }
+    run(20);
+    if (is_in_equilibrium()) {
+        ++state.stage;
+        points_.push_back(measure_point());
+        state.phase_steps = 0;
+        return;
+    }
+    if (state.phase_steps % 200 < 20) scale_masses(world, world.resource<Clock>().dt, settings_.safety, true);
+    if (state.phase_steps > settings_.longest_stage) {
+        const Balance balance = measure_balance(world);
+        throw SimulationError(fmt::format(
+            "stage {} (axial strain {:.4f}): no equilibrium after {} steps: unbalanced ratio {:.2e} (wanted {:.1e}), "
+            "{} contacts of {} rocks",
+            state.stage + 1, static_cast<double>(state.stage + 1) * settings_.stage_strain, state.phase_steps,
+            balance.unbalanced_ratio, settings_.tolerance, balance.contacts, balance.free_bodies));
+    }
+}
+
+} // namespace bris

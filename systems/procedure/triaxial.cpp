@@ -1,0 +1,115 @@
+#include "systems/procedure/triaxial.hpp"
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/material.hpp"
+#include "components/settings.hpp"
+#include "systems/output/balance.hpp"
+#include "systems/servo/platen.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bris {
+
+void TriaxialState::save(Archive& archive) const {
+    const std::array<std::uint64_t, 4> counts{static_cast<std::uint64_t>(phase), lift, stage, phase_steps};
+    const std::array<double, 10> numbers{height,          area,          volume,          drift,
+                                         core_porosity,   global_porosity, prepared_porosity, work_at_start,
+                                         energy_at_start, dissipated_at_start};
+    archive.put("triaxial/counts", std::span<const std::uint64_t>(counts));
+    archive.put("triaxial/numbers", std::span<const double>(numbers));
+}
+
+void TriaxialState::load(const Archive& archive) {
+    const auto counts = archive.get<std::uint64_t>("triaxial/counts");
+    const auto n = archive.get<double>("triaxial/numbers");
+    phase = static_cast<TriaxialPhase>(counts.at(0));
+    lift = counts.at(1);
+    stage = counts.at(2);
+    phase_steps = counts.at(3);
+    height = n.at(0);
+    area = n.at(1);
+    volume = n.at(2);
+    drift = n.at(3);
+    core_porosity = n.at(4);
+    global_porosity = n.at(5);
+    prepared_porosity = n.at(6);
+    work_at_start = n.at(7);
+    energy_at_start = n.at(8);
+    dissipated_at_start = n.at(9);
+}
+
+TriaxialTest::TriaxialTest(Simulation& simulation, TriaxialSettings settings)
+    : simulation_(simulation), settings_(settings) {
+    World& world = simulation_.world();
+    if (!world.has_resource<TriaxialState>()) world.add_resource<TriaxialState>();
+}
+
+const TriaxialState& TriaxialTest::state() const {
+    return static_cast<const World&>(simulation_.world()).resource<TriaxialState>();
+}
+
+void TriaxialTest::run(std::uint64_t steps) {
+    simulation_.advance(steps);
+    simulation_.world().resource<TriaxialState>().phase_steps += steps;
+}
+
+bool TriaxialTest::advance() {
+    switch (state().phase) {
+    case TriaxialPhase::fill: fill(); break;
+    case TriaxialPhase::compact: compact(); break;
+    case TriaxialPhase::consolidate: consolidate(); break;
+    case TriaxialPhase::shear: shear(); break;
+    case TriaxialPhase::done: break;
+    }
+    return state().phase != TriaxialPhase::done;
+}
+
+bool TriaxialTest::is_in_equilibrium() const {
+    const World& world = simulation_.world();
+    const Balance balance = measure_balance(world);
+    // an empty or exploded specimen is balanced too: it must carry load
+    if (balance.contacts < balance.free_bodies) return false;
+    if (!(balance.unbalanced_ratio <= settings_.tolerance)) return false;
+    const auto& membrane = world.resource<Membrane>();
+    const auto off = [&](double pressure) {
+        return !(std::abs(pressure / settings_.confining_pressure - 1) <= settings_.pressure_tolerance);
+    };
+    if (std::any_of(membrane.pressure.begin(), membrane.pressure.end(), off)) return false;
+    const auto& platen = world.resource<Platen>();
+    return !platen.controlled || !off(platen.pressure);
+}
+
+double TriaxialTest::fraction() const {
+    const TriaxialState& s = state();
+    const double stages = settings_.final_axial_strain / settings_.stage_strain;
+    switch (s.phase) {
+    case TriaxialPhase::fill: return 0.03 * static_cast<double>(s.lift) / settings_.lifts;
+    case TriaxialPhase::compact: return 0.03;
+    case TriaxialPhase::consolidate: return 0.06;
+    case TriaxialPhase::shear: return 0.08 + 0.92 * static_cast<double>(s.stage) / stages;
+    case TriaxialPhase::done: break;
+    }
+    return 1;
+}
+
+std::string TriaxialTest::description() const {
+    const TriaxialState& s = state();
+    const auto& clock = simulation_.world().resource<Clock>();
+    const std::string where = fmt::format("{:.0f} kPa, ", settings_.confining_pressure / 1e3);
+    switch (s.phase) {
+    case TriaxialPhase::fill: return where + fmt::format("filling lift {} of {}", s.lift + 1, settings_.lifts);
+    case TriaxialPhase::compact: return where + "compacting";
+    case TriaxialPhase::consolidate: return where + "consolidating";
+    case TriaxialPhase::shear:
+        return where + fmt::format("axial strain {:.2f} %, q {:.0f} kPa, step {}",
+                                   100 * static_cast<double>(s.stage) * settings_.stage_strain,
+                                   points_.empty() ? 0.0 : points_.back().deviatoric_stress / 1e3, clock.step);
+    case TriaxialPhase::done: break;
+    }
+    return where + "done";
+}
+
+} // namespace bris

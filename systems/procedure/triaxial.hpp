@@ -1,0 +1,107 @@
+#pragma once
+
+#include "engine/simulation.hpp"
+#include "systems/build/specimen.hpp"
+
+#include <string>
+
+namespace bris {
+
+/// How a triaxial test is prepared and run; lengths in m, pressures in Pa.
+struct TriaxialSettings {
+    double confining_pressure = 55e3;
+    double stage_strain = 1e-4;
+    double final_axial_strain = 0.08;
+    double porosity = 0.36;             ///< of the core
+    double porosity_tolerance = 0.005;
+    double friction = 0.7;              ///< real one, from consolidation on
+    double compaction_friction = 0.0;
+    double compaction_pressure = 400e3; ///< at which compaction gives up
+    double tolerance = 1e-3;            ///< unbalanced force ratio of an equilibrium
+    double pressure_tolerance = 0.01;   ///< of each ring's pressure, relative
+    double damping = 0.7;               ///< local, from compaction on
+    unsigned lifts = 4;
+    unsigned move_steps = 60;           ///< over which the platen moves in a stage
+    unsigned longest_stage = 20000;     ///< steps, beyond which an equilibrium has stalled
+    double safety = 0.9;                ///< of the stable step in mass scaling
+    bool gravity = false;               ///< keep weight during the test
+};
+
+enum class TriaxialPhase : std::uint32_t { fill, compact, consolidate, shear, done };
+
+/// Where the test is: enough to go on in the middle of anything.
+struct TriaxialState {
+    static constexpr auto name = "triaxial_state";
+    static constexpr bool is_state = true;
+
+    TriaxialPhase phase = TriaxialPhase::fill;
+    std::uint64_t lift = 0, stage = 0;
+    std::uint64_t phase_steps = 0;    ///< since the phase, lift or stage began
+    double height = 0;                ///< m, at the start of shearing
+    double area = 0;                  ///< m2, likewise
+    double volume = 0;                ///< m3, inside membrane and platens, likewise
+    double drift = 0;                 ///< m, largest of a sensor rock from its given position to the start of shearing
+    double core_porosity = 0, global_porosity = 0; ///< at the start of shearing
+    double prepared_porosity = 0;     ///< of the core, at the end of compaction
+    double work_at_start = 0, energy_at_start = 0, dissipated_at_start = 0; ///< J, at the start of shearing
+
+    void save(Archive& archive) const;
+    void load(const Archive& archive);
+};
+
+/// What was measured at the end of a stage (or of consolidation). Compression positive.
+struct TriaxialPoint {
+    double axial_strain = 0;           ///< -, platen travel / height at the start of shearing
+    double volumetric_strain = 0;      ///< -, of the polygon's volume
+    double axial_stress = 0;           ///< Pa, mean force on the platens / (volume / height)
+    double radial_stress = 0;          ///< Pa, of the rings, weighted by their areas
+    double deviatoric_stress = 0;      ///< Pa
+    double boundary_axial = 0, boundary_radial = 0; ///< Pa, all boundary forces times their places over the volume
+    double contact_axial = 0, contact_radial = 0;   ///< Pa, Love-Weber: contact forces times branch vectors
+    double unbalanced = 0;             ///< -
+    double worst_ring_error = 0;       ///< -, largest relative error of a ring's pressure
+    double mean_ring_error = 0;        ///< -
+    double coordination = 0;           ///< touching rocks per rock
+    double inertial_number = 0;        ///< -, strain rate * d50 * sqrt(density / mean stress), scaled masses
+    double boundary_work = 0, stored = 0, friction_work = 0, damping_work = 0, kinetic = 0; ///< J, since the start of shearing
+    double steps = 0;                  ///< of this stage
+    std::vector<double> ring_radius;   ///< m, mean of the ring's elements
+};
+
+/// Volume (m3) inside the membrane's polygons and the platens.
+double specimen_volume(const World& world);
+
+/// Runs a triaxial test block by block, so that it can be watched, saved and stopped anywhere.
+class TriaxialTest {
+public:
+    TriaxialTest(Simulation& simulation, TriaxialSettings settings);
+
+    /// One block of steps (25 to 200); returns false when the test is done. Throws SimulationError
+    /// when an equilibrium stalls or nothing carries load.
+    bool advance();
+
+    const TriaxialState& state() const;
+    /// Points so far; not State: a resumed test goes on from where its curve file ends.
+    const std::vector<TriaxialPoint>& points() const { return points_; }
+    /// 0 to 1, and what is going on, for the progress line.
+    double fraction() const;
+    std::string description() const;
+
+private:
+    void start_lift();
+    void fill();
+    void compact();
+    void start_consolidation();
+    void consolidate();
+    void start_shear();
+    void shear();
+    void run(std::uint64_t steps);
+    bool is_in_equilibrium() const;
+    TriaxialPoint measure_point() const;
+
+    Simulation& simulation_;
+    TriaxialSettings settings_;
+    std::vector<TriaxialPoint> points_;
+};
+
+} // namespace bris

@@ -1,0 +1,225 @@
+#include "engine/errors.hpp"
+#include "engine/io/checkpoint.hpp"
+#include "engine/io/hdf5.hpp"
+#include "engine/io/whole_file.hpp"
+#include "engine/state.hpp"
+#include "tests/support.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <chrono>
+#include <csignal>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+
+using namespace bris;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Numbers of every kind, an empty array, values that only their bits tell apart.
+Checkpoint sample(std::size_t rows = 50, std::uint64_t step = 7) {
+    std::vector<double> reals(rows);
+    std::vector<std::uint32_t> ids(rows);
+    for (std::size_t i = 0; i < rows; ++i) {
+        reals[i] = static_cast<double>(step) + 0.1 * static_cast<double>(i);
+        ids[i] = static_cast<std::uint32_t>(i);
+    }
+    if (rows > 2) {
+        reals[0] = -0.0;
+        reals[1] = std::nan("7");
+    }
+    Checkpoint checkpoint{"sample", step, {{"radius_m", 0.01}, {"spheres", 50u}, {"law", "linear"}, {"threads", 2u}}, {}};
+    checkpoint.state.put("z_first", std::span<const std::uint32_t>(ids));
+    checkpoint.state.put("bodies/position", std::span<const double>(reals));
+    checkpoint.state.put("bodies/none", std::span<const double>());
+    checkpoint.state.put("a_last/steps", std::span<const std::uint64_t>(&step, 1));
+    return checkpoint;
+}
+
+/// The one line with which a file is rejected; "" if it is read.
+std::string rejection(const fs::path& path) {
+    const std::string message = message_of<InputError>([&] { read_checkpoint(path); });
+    CHECK(message.find('\n') == std::string::npos);
+    return message;
+}
+
+std::size_t files_in(const fs::path& directory) {
+    return static_cast<std::size_t>(std::distance(fs::directory_iterator(directory), fs::directory_iterator()));
+}
+
+/// Writes until it cannot, with a file size limit: a full disk. Returns its exit code: a process of
+/// its own, since the limit holds for all of a process.
+int write_with_limit(const fs::path& path, rlim_t bytes) {
+    const pid_t child = fork();
+    if (child == 0) {
+        std::signal(SIGXFSZ, SIG_IGN);
+        const rlimit limit{bytes, bytes};
+        setrlimit(RLIMIT_FSIZE, &limit);
+        int code = 1;
+        try {
+            write_checkpoint(path, sample(100000, 8));
+            code = 0;
+        } catch (const OutputError&) {
+            code = 4;
+        }
+        _exit(code);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+} // namespace
+
+TEST_SUITE("engine/checkpoint") {
+    TEST_CASE("a checkpoint comes back to the same bits, in the same order") {
+        const TemporaryDirectory directory;
+        const auto path = directory / "deep/down/a.ckpt.h5";
+        const Checkpoint written = sample();
+        write_checkpoint(path, written);
+        const Checkpoint read = read_checkpoint(path);
+        CHECK(read.scenario == "sample");
+        CHECK(read.step == 7);
+        CHECK(fingerprint(read.state) == fingerprint(written.state));
+        REQUIRE(read.state.arrays().size() == 4);
+        CHECK(read.state.arrays()[0].path == "z_first");
+        CHECK(read.state.find("bodies/none")->rows() == 0);
+        for (std::size_t i = 0; i < 4; ++i) {
+            CHECK(read.state.arrays()[i].scalar == written.state.arrays()[i].scalar);
+            CHECK(read.state.arrays()[i].scalar_size == written.state.arrays()[i].scalar_size);
+        }
+        CHECK(files_in(path.parent_path()) == 1);
+        // the seal is no hindrance to HDF5
+        CHECK(Hdf5File::open(path).text_attribute("/settings", "radius_m") == "0.01");
+    }
+
+    TEST_CASE("a world goes on from the file as if it had never stopped") {
+        using namespace bris::testing;
+        for (const Grains grains : {Grains::spheres, Grains::clumps}) {
+            const TemporaryDirectory directory;
+            const auto path = directory / "a.ckpt.h5";
+            const auto make = [&] {
+                return start(bed({.grains = grains, .bodies = 30}), {.dt = 2e-5, .law = LawName::linear_viscous});
+            };
+            Simulation sim = make();
+            sim.advance(400);
+            write_checkpoint(path, {"bed", 400, {}, sim.snapshot()});
+            sim.advance(300);
+            Simulation resumed = make();
+            resumed.restore(read_checkpoint(path).state);
+            resumed.advance(300);
+            CHECK(fingerprint(resumed.snapshot()) == fingerprint(sim.snapshot()));
+        }
+    }
+
+    TEST_CASE("a file cut short anywhere is rejected in one line") {
+        const TemporaryDirectory directory;
+        const auto path = directory / "cut.ckpt.h5";
+        write_checkpoint(path, sample());
+        const std::string whole = read_whole(path);
+        for (std::size_t length = 0; length < whole.size(); length += length + 40 < whole.size() ? 131 : 1) {
+            write_whole(path, whole.substr(0, length));
+            CAPTURE(length);
+            CHECK(rejection(path).starts_with("checkpoint '" + path.string() + "': expected "));
+        }
+        write_whole(path, whole + "x");
+        CHECK(rejection(path) != "");
+        write_whole(path, whole);
+        CHECK(rejection(path) == "");
+    }
+
+    TEST_CASE("a flipped bit anywhere is found") {
+        const TemporaryDirectory directory;
+        const auto path = directory / "damaged.ckpt.h5";
+        write_checkpoint(path, sample());
+        const std::string whole = read_whole(path);
+        for (std::size_t at = 0; at < whole.size(); at += 37) {
+            std::string damaged = whole;
+            damaged[at] = static_cast<char>(damaged[at] ^ (1 << (at % 8)));
+            write_whole(path, damaged);
+            CAPTURE(at);
+            CHECK(rejection(path) != "");
+        }
+    }
+
+    TEST_CASE("foreign files are bad input, missing ones are failures to read") {
+        const TemporaryDirectory directory;
+        const auto path = directory / "foreign.h5";
+        Hdf5File file = Hdf5File::create(path);
+        file.write<double>("/state/bodies/position", std::vector<double>{1, 2, 3});
+        file.close();
+        CHECK(rejection(path) != "");
+        write_whole(path, "radius,mass\n1,2\n");
+        CHECK(rejection(path) != "");
+        const std::string message = message_of<OutputError>([&] { read_checkpoint(directory / "none.h5"); });
+        CHECK(message == "cannot read '" + (directory / "none.h5").string() + "': No such file or directory");
+        CHECK_THROWS_AS(read_checkpoint(directory.path()), OutputError);
+    }
+
+    TEST_CASE("a full disk leaves the last good checkpoint and nothing else") {
+        const TemporaryDirectory directory;
+        const auto path = directory / "a.ckpt.h5";
+        write_checkpoint(path, sample());
+        std::vector<rlim_t> limits{0, 100, 4096, 100000, 500000, 1000000};
+        write_checkpoint(directory / "b.ckpt.h5", sample(100000, 8));
+        limits.push_back(fs::file_size(directory / "b.ckpt.h5") - 5); // in the middle of the seal
+        for (const rlim_t limit : limits) {
+            CAPTURE(limit);
+            CHECK(write_with_limit(path, limit) == 4);
+            CHECK(read_checkpoint(path).step == 7);
+            CHECK(files_in(directory.path()) == 2);
+        }
+        CHECK(write_with_limit(path, RLIM_INFINITY) == 0);
+        CHECK(read_checkpoint(path).step == 8);
+        CHECK_THROWS_AS(write_checkpoint("/proc/none/a.ckpt.h5", sample()), OutputError);
+        CHECK_THROWS_AS(write_checkpoint("/dev/full/a.ckpt.h5", sample()), OutputError);
+    }
+
+    TEST_CASE("killed in the middle of writing, it leaves a whole checkpoint") {
+        const TemporaryDirectory directory;
+        const auto path = directory / "a.ckpt.h5";
+        write_checkpoint(path, sample(20000, 1));
+        std::uint64_t last = 1;
+        for (int round = 0; round < 12; ++round) {
+            const pid_t child = fork();
+            if (child == 0)
+                for (std::uint64_t step = last + 1;; ++step) write_checkpoint(path, sample(20000, step));
+            std::this_thread::sleep_for(std::chrono::milliseconds(7 + 5 * round));
+            kill(child, SIGKILL);
+            waitpid(child, nullptr, 0);
+            const Checkpoint found = read_checkpoint(path); // throws if it is not whole
+            CHECK(found.step >= last);
+            CHECK(fingerprint(found.state) == fingerprint(sample(20000, found.step).state));
+            last = found.step;
+        }
+        CHECK(last > 1);
+    }
+
+    TEST_CASE("another run's checkpoint is refused with the key, what is expected and what is found") {
+        const Checkpoint checkpoint = sample();
+        const auto refusal = [&](const std::string& scenario, const std::vector<NamedValue>& settings) {
+            return message_of<InputError>([&] {
+                require_same_run("a.h5", checkpoint, scenario, settings, settings_that_may_differ());
+            });
+        };
+        auto settings = checkpoint.settings;
+        CHECK(refusal("sample", settings) == "");
+        settings[3] = {"threads", 1u};
+        CHECK(refusal("sample", settings) == "");
+        CHECK(refusal("other", settings) == "checkpoint 'a.h5': scenario: expected other, found sample");
+        settings[0] = {"radius_m", 0.02};
+        CHECK(refusal("sample", settings) ==
+              "checkpoint 'a.h5': radius_m: expected 0.02 as in this run, found 0.01");
+        settings = checkpoint.settings;
+        settings.emplace_back("new", true);
+        CHECK(refusal("sample", settings) == "checkpoint 'a.h5': new: expected true as in this run, found nothing");
+        settings.pop_back();
+        settings.erase(settings.begin() + 2);
+        CHECK(refusal("sample", settings) == "checkpoint 'a.h5': law: expected nothing as in this run, found linear");
+    }
+}

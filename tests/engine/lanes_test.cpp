@@ -1,0 +1,90 @@
+#include "engine/lanes.hpp"
+
+#include "engine/random.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+
+namespace {
+
+constexpr auto width = static_cast<std::size_t>(lane_count);
+using Numbers = std::array<std::array<double, 4>, width>; // one row a lane
+
+Numbers random_rows(std::uint64_t seed) {
+    Random random(seed, 0);
+    Numbers rows;
+    for (auto& row : rows)
+        for (double& x : row) x = random.uniform(-1, 1);
+    return rows;
+}
+
+FourLanes loaded(const Numbers& rows) {
+    return load_rows([&](int q) { return rows[static_cast<std::size_t>(q)].data(); });
+}
+
+} // namespace
+
+TEST_SUITE("engine/lanes") {
+    TEST_CASE("a transpose makes lane q of column c what number c of row q was") {
+        const Numbers rows = random_rows(1);
+        const FourLanes columns = transpose(loaded(rows));
+        for (std::size_t q = 0; q < width; ++q)
+            for (std::size_t c = 0; c < 4; ++c) CHECK(columns[c][q] == rows[q][c]);
+    }
+
+    TEST_CASE("transposing twice and storing gives the rows back, and only as many as asked") {
+        const Numbers rows = random_rows(2);
+        const FourLanes twice = transpose(transpose(loaded(rows)));
+        for (int count = 0; count <= lane_count; ++count) {
+            Numbers stored{};
+            store_rows(twice, count, [&](int q) { return stored[static_cast<std::size_t>(q)].data(); });
+            for (std::size_t q = 0; q < width; ++q)
+                CHECK(stored[q] == (static_cast<int>(q) < count ? rows[q] : std::array<double, 4>{}));
+        }
+    }
+
+    TEST_CASE("row sums add pairs first, in every lane the same") {
+        const Numbers rows = random_rows(3);
+        const Lane sums = row_sums(loaded(rows));
+        for (std::size_t q = 0; q < width; ++q)
+            CHECK(sums[q] == (rows[q][0] + rows[q][1]) + (rows[q][2] + rows[q][3]));
+    }
+
+    TEST_CASE("bits tell which lanes compare true") {
+        for (unsigned pattern = 0; pattern < (1u << width); ++pattern) {
+            Lane a{};
+            for (std::size_t q = 0; q < width; ++q) a[q] = ((pattern >> q) & 1) != 0 ? -1.0 : 1.0;
+            CHECK(bits(a < 0.0) == pattern);
+        }
+    }
+
+    TEST_CASE("root, least and greatest are those of the numbers") {
+        Random random(4, 0);
+        Lane a{}, b{};
+        for (std::size_t q = 0; q < width; ++q) {
+            a[q] = random.uniform(0, 9);
+            b[q] = random.uniform(0, 9);
+        }
+        const Lane root = sqrt(a), least = min(a, b), greatest = max(a, b);
+        for (std::size_t q = 0; q < width; ++q) {
+            CHECK(root[q] == std::sqrt(a[q]));
+            CHECK(least[q] == std::min(a[q], b[q]));
+            CHECK(greatest[q] == std::max(a[q], b[q]));
+        }
+    }
+
+    TEST_CASE("the cross product is that of the first three numbers") {
+        Random random(5, 0);
+        for (int k = 0; k < 100; ++k) {
+            const Vec3 a = random.direction(), b = random.direction();
+            const Quad c = cross(Quad{a.x(), a.y(), a.z(), 3}, Quad{b.x(), b.y(), b.z(), -7});
+            const Vec3 expected = a.cross(b);
+            // both are differences of two products, rounded alike
+            CHECK(c[0] == expected.x());
+            CHECK(c[1] == expected.y());
+            CHECK(c[2] == expected.z());
+            CHECK(c[3] == 0);
+        }
+    }
+}

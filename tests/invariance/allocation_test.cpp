@@ -1,0 +1,63 @@
+#include "tests/support.hpp"
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+namespace {
+std::atomic<std::uint64_t> allocations{0};
+
+void* counted(std::size_t size) {
+    ++allocations;
+    if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
+    throw std::bad_alloc();
+}
+} // namespace
+
+// the whole test binary counts
+void* operator new(std::size_t size) { return counted(size); }
+void* operator new[](std::size_t size) { return counted(size); }
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete[](void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+void operator delete[](void* memory, std::size_t) noexcept { std::free(memory); }
+
+using namespace bris;
+using namespace bris::testing;
+
+TEST_SUITE("invariance/allocation") {
+    TEST_CASE("a step without new lists allocates nothing") {
+        for (const Grains grains : {Grains::spheres, Grains::clumps})
+            for (const Walls walls : {Walls::planes, Walls::facets}) {
+                World world = bed({.grains = grains, .walls = walls, .bodies = 40, .seed = 5});
+                world.add_resource(LocalDamping{0.3});
+                Simulation sim = start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+                sim.advance(500);
+                // a call of advance may allocate its own closure: counted without a step
+                sim.advance(0);
+                std::uint64_t before = allocations;
+                sim.advance(0);
+                const std::uint64_t of_the_call = allocations - before;
+                unsigned counted_steps = 0;
+                std::uint64_t worst = 0, with_lists = 0;
+                const auto& state = sim.world().resource<ListState>();
+                for (int k = 0; k < 1000; ++k) {
+                    const std::uint64_t prunes = state.prunes;
+                    before = allocations;
+                    sim.advance(1);
+                    const std::uint64_t here = allocations - before - of_the_call;
+                    if (state.prunes == prunes) {
+                        ++counted_steps;
+                        worst = std::max(worst, here);
+                    } else {
+                        with_lists = std::max(with_lists, here);
+                    }
+                }
+                CHECK(counted_steps > 100);
+                CHECK(worst == 0);
+                CHECK(with_lists > 0); // the counter counts
+            }
+    }
+}

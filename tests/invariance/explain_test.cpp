@@ -1,0 +1,72 @@
+#include "tests/support.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+using namespace bris::testing;
+
+namespace {
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+/// The part that lists what runs, and the part that lists what does not.
+std::pair<std::string, std::string> parts(const std::string& text) {
+    const auto middle = text.find("systems left out:"), end = text.find("digraph");
+    REQUIRE(middle != std::string::npos);
+    return {text.substr(0, middle), text.substr(middle, end - middle)};
+}
+
+} // namespace
+
+TEST_SUITE("invariance/explain") {
+    TEST_CASE("a frictionless scene of two spheres runs without history, facets, planes, servo, weight and damping") {
+        World world = make_world(Grains::spheres);
+        const auto material = add_material(world, contact_material(1e5));
+        add_sphere(world, Vec3(0, 0, 0), 0.01, material);
+        add_sphere(world, Vec3(0, 0, 0.021), 0.01, material);
+        Simulation sim = start(std::move(world), {.law = LawName::linear_frictionless});
+        const auto [runs, left_out] = parts(sim.schedule().explain());
+        CAPTURE(runs);
+        CAPTURE(left_out);
+        for (const char* name : {"collide_spheres", "gather_spheres", "integrate", "place_spheres", "guard_motion", "refresh_pairs"}) {
+            CAPTURE(name);
+            CHECK(has(runs, std::string("\n  ") + name));
+        }
+        for (const char* what : {"spring", "facet", "plane", "membrane", "platen", "gravity", "turn.", "listed.turn"}) {
+            CAPTURE(what);
+            CHECK_FALSE(has(runs, what));
+        }
+        for (const char* name : {"place_turns", "collide_facets", "collide_planes", "gather_facets", "gather_planes", "steer_membrane",
+                                 "steer_platen", "weigh", "damp", "place_facets", "place_planes", "guard_facets", "turn", "book_friction"}) {
+            CAPTURE(name);
+            CHECK(has(left_out, std::string("\n  ") + name + ": absent"));
+        }
+    }
+
+    TEST_CASE("what a scene has is in its graph, and the body pass is one") {
+        Simulation sim = start(bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 10}), {});
+        const auto [runs, left_out] = parts(sim.schedule().explain());
+        CHECK(has(runs, "sphere_pairs.spring"));
+        CHECK(has(runs, "collide_facets"));
+        CHECK(has(runs, "weigh"));
+        CHECK(has(left_out, "turn_spheres: absent"));
+        CHECK(has(sim.schedule().explain(), "clear_forces + weigh + gather_spheres + gather_facets + integrate + turn + place + place_turns"));
+    }
+
+    TEST_CASE("contacts of every kind run beside each other") {
+        World world = bed({.walls = Walls::facets, .bodies = 10});
+        add_floor(world, 1);
+        Simulation sim = start(std::move(world), {});
+        const std::string text = sim.schedule().explain();
+        // no edge joins the three collides: what they share is only read
+        const auto after = [&](const std::string& name) {
+            const auto at = text.find("\n  " + name + "\n");
+            REQUIRE(at != std::string::npos);
+            const auto line = text.find("after", at);
+            return text.substr(line, text.find('\n', line) - line);
+        };
+        CHECK_FALSE(has(after("collide_facets"), "collide_spheres"));
+        CHECK_FALSE(has(after("collide_planes"), "collide_spheres"));
+        CHECK_FALSE(has(after("collide_planes"), "collide_facets"));
+    }
+}

@@ -1,0 +1,173 @@
+#include "engine/state.hpp"
+#include "systems/output/porosity.hpp"
+#include "systems/output/quantities.hpp"
+#include "tests/support.hpp"
+
+#include <doctest/doctest.h>
+
+#include <functional>
+
+using namespace bris;
+using namespace bris::testing;
+
+namespace {
+
+constexpr std::uint64_t seed = 20240607; // printed with every failure
+
+struct Scene {
+    std::string name;
+    std::function<World()> make;
+    LawName law = LawName::linear_viscous;
+    unsigned steps = 1200;
+};
+
+/// A tube of strips under pressure around grains that fall about in a box in it.
+World tube_scene(Grains grains) {
+    World world = bed({.grains = grains, .walls = Walls::planes, .bodies = 45, .seed = seed});
+    const auto wall = add_material(world, {"membrane", 0, 4e5, 0, 0, 500, 0});
+    for (Vec3& x : world.column<Bodies, Position>()) // to the middle of the tube; the box moves along
+        x -= Vec3(0.028, 0.028, -0.003);
+    add_tube(world, {.rings = 3, .sectors = 8, .radius = 0.045, .height = 0.1, .pressure = 2e3, .contact_stiffness = 8e4}, wall);
+    return world;
+}
+
+const std::vector<Scene>& scenes() {
+    static const std::vector<Scene> list{
+        {"spheres in a box of planes", [] { return bed({.bodies = 120, .seed = seed}); }},
+        {"spheres in a box of facets", [] { return bed({.walls = Walls::facets, .bodies = 120, .seed = seed}); }},
+        {"clumps in a box of planes", [] { return bed({.grains = Grains::clumps, .bodies = 48, .seed = seed}); }},
+        {"clumps in a box of facets", [] { return bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 48, .seed = seed}); }},
+        {"spheres in a membrane", [] { return tube_scene(Grains::spheres); }},
+        {"clumps in a membrane", [] { return tube_scene(Grains::clumps); }},
+        {"locally damped clumps in a box of facets", [] {
+             World world = bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 48, .seed = seed});
+             world.add_resource(LocalDamping{0.4});
+             return world;
+         }, LawName::linear, 2000},
+    };
+    return list;
+}
+
+// small chunks, so that few grains make many
+const RunSettings plain{.dt = 2e-5, .lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .sort_every = 8, .tune = false}, .schedule = {.serial = true, .grain = 16}};
+
+Archive state_after(const Scene& scene, RunSettings settings) {
+    settings.law = scene.law;
+    Simulation sim = start(scene.make(), settings);
+    sim.advance(scene.steps);
+    return sim.snapshot();
+}
+
+/// The first array that differs, or nothing.
+std::string difference(const Archive& a, const Archive& b) {
+    for (const auto& array : a.arrays()) {
+        const auto* other = b.find(array.path);
+        if (other == nullptr) return array.path + " is missing";
+        if (array.bytes != other->bytes) return array.path + " differs";
+    }
+    return a.arrays().size() == b.arrays().size() ? "" : "another number of arrays";
+}
+
+} // namespace
+
+TEST_SUITE("invariance") {
+    TEST_CASE("threads, graph, order, sorting and skins change no bit") {
+        struct Variant {
+            std::string name;
+            RunSettings settings;
+        };
+        const auto with = [](auto change) {
+            RunSettings s = plain;
+            change(s);
+            return s;
+        };
+        const std::vector<Variant> variants{
+            {"graph, 1 thread", with([](RunSettings& s) { s.schedule.serial = false; })},
+            {"graph, 2 threads", with([](RunSettings& s) { s.schedule.serial = false; s.threads = 2; })},
+            {"graph, 3 threads", with([](RunSettings& s) { s.schedule.serial = false; s.threads = 3; })},
+            {"graph, 7 threads", with([](RunSettings& s) { s.schedule.serial = false; s.threads = 7; })},
+            {"serial, 2 threads", with([](RunSettings& s) { s.threads = 2; })},
+            {"coarse chunks", with([](RunSettings& s) { s.schedule.grain = 1000; })},
+            {"another valid order", with([](RunSettings& s) { s.schedule = {.last_order = true, .grain = 16}; })},
+            {"never sorted", with([](RunSettings& s) { s.lists.sort_every = 0; })},
+            {"sorted at every refresh", with([](RunSettings& s) { s.lists.sort_every = 1; s.lists.outer_skin = 0.0012; })},
+            {"wide skins", with([](RunSettings& s) { s.lists.outer_skin = 0.008; s.lists.inner_skin = 0.002; })},
+            {"narrow skins", with([](RunSettings& s) { s.lists.outer_skin = 0.0005; s.lists.inner_skin = 0.0001; })},
+            {"skins that follow the work", with([](RunSettings& s) { s.lists = {}; })},
+            {"given skins that follow the work", with([](RunSettings& s) { s.lists.tune = true; s.lists.sort_every = 3; })},
+        };
+        for (const Scene& scene : scenes()) {
+            CAPTURE(scene.name);
+            CAPTURE(seed);
+            const Archive reference = state_after(scene, plain);
+            const auto* springs = reference.find("sphere_pairs/key");
+            REQUIRE(springs != nullptr);
+            CHECK_MESSAGE(springs->rows() > 5, "the scene must have stretched springs to mean anything");
+            for (const Variant& v : variants) {
+                CAPTURE(v.name);
+                const Archive state = state_after(scene, v.settings);
+                CHECK(difference(reference, state) == "");
+                CHECK(fingerprint(state) == fingerprint(reference));
+            }
+        }
+    }
+
+    TEST_CASE("looking changes no bit: measuring and snapshots on or off") {
+        for (const Scene& scene : scenes()) {
+            CAPTURE(scene.name);
+            const Archive reference = state_after(scene, plain);
+            RunSettings settings = plain;
+            settings.law = scene.law;
+            Simulation sim = start(scene.make(), settings);
+            for (unsigned done = 0; done < scene.steps; done += 40) {
+                sim.advance(40);
+                CHECK(std::isfinite(measure(sim.world()).kinetic_energy));
+                CHECK(solid_volume(sim.world(), {0.03, 0, 0.05}, 20) >= 0);
+                CHECK(fingerprint(sim.snapshot()) != 0);
+            }
+            CHECK(difference(reference, sim.snapshot()) == "");
+        }
+    }
+
+    TEST_CASE("a run restored from a snapshot of a random step ends in the same bits") {
+        Random random(seed, 3);
+        for (const Scene& scene : scenes()) {
+            CAPTURE(scene.name);
+            const Archive reference = state_after(scene, plain);
+            for (const bool fresh : {false, true}) {
+                const auto at = static_cast<unsigned>(random.uniform(0.1, 0.9) * scene.steps);
+                CAPTURE(at);
+                CAPTURE(fresh);
+                RunSettings settings = plain;
+                settings.law = scene.law;
+                Simulation sim = start(scene.make(), settings);
+                sim.advance(at);
+                const Archive saved = sim.snapshot();
+                settings.lists = {}; // other skins in the run that goes on
+                settings.threads = 2;
+                settings.schedule.serial = false;
+                Simulation other = start(scene.make(), settings);
+                Simulation& next = fresh ? other : sim;
+                if (!fresh) sim.advance(37); // away from it, and back
+                next.restore(saved);
+                CHECK(difference(saved, next.snapshot()) == "");
+                next.advance(scene.steps - at);
+                CHECK(difference(reference, next.snapshot()) == "");
+            }
+        }
+    }
+
+    TEST_CASE("throwing the lists away between steps changes no bit") {
+        const Scene& scene = scenes()[3];
+        const Archive reference = state_after(scene, plain);
+        RunSettings settings = plain;
+        settings.law = scene.law;
+        Simulation sim = start(scene.make(), settings);
+        Random random(seed, 4);
+        for (unsigned step = 0; step < scene.steps; ++step) {
+            if (random.uniform() < 0.05) invalidate_lists(sim.world());
+            sim.advance();
+        }
+        CHECK(difference(reference, sim.snapshot()) == "");
+    }
+}

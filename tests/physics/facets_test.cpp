@@ -1,0 +1,175 @@
+#include "tests/support.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <functional>
+
+using namespace bris;
+using namespace bris::testing;
+
+namespace {
+
+constexpr double radius = 0.01;
+
+Vec3 rebound(const std::function<void(World&, std::uint32_t)>& add_target) {
+    World world = make_world(Grains::spheres);
+    const auto material = add_material(world, contact_material(1e5, 5e4, 0.5));
+    add_target(world, material);
+    const EntityId ball = add_sphere(world, Vec3(0, 0, radius + 0.5e-4), radius, material);
+    of<Velocity>(world, ball) = Vec3(0, 0, -1);
+    Simulation sim = start(std::move(world), {.dt = 2e-6});
+    sim.advance(1000);
+    return of<Velocity>(sim, ball);
+}
+
+/// A floor that a sphere slides and rolls on.
+using Floor = std::function<void(World&, std::uint32_t)>;
+const Floor plane = [](World& w, std::uint32_t m) { add_floor(w, m); };
+const Floor triangles = [](World& w, std::uint32_t m) { add_triangle_floor(w, -0.1, 0.1, m); };
+const Floor hundred = [](World& w, std::uint32_t m) { add_facet_floor(w, -0.1, 0.1, 10, m); };
+
+struct Track {
+    std::vector<Vec3> position, spin, force;
+};
+
+Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity, const Vec3& spin, double friction) {
+    World world = make_world(Grains::spheres);
+    Material m = contact_material(1e5, 5e4, friction);
+    const auto material = add_material(world, m);
+    floor(world, material);
+    const EntityId ball = add_sphere(world, begin, radius, material);
+    const double overlap = of<Mass>(world, ball) * 9.81 / 1e5;
+    of<Position>(world, ball) = begin + Vec3(0, 0, radius - 1.5 * overlap);
+    of<Velocity>(world, ball) = velocity;
+    set_spin(world, ball, spin);
+    world.add_resource<Gravity>();
+    Simulation sim = start(std::move(world), {.dt = 2e-5});
+    Track track;
+    for (int k = 0; k < 400; ++k) {
+        for (int j = 0; j < 10; ++j) {
+            sim.advance();
+            // of this step, about to be overwritten by the next
+            track.force.push_back(of<Force>(sim, ball));
+        }
+        track.position.push_back(of<Position>(sim, ball));
+        track.spin.push_back(of<Spin>(sim, ball));
+    }
+    return track;
+}
+
+double largest_difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+    double worst = 0;
+    for (std::size_t k = 0; k < a.size(); ++k) worst = std::max(worst, (a[k] - b[k]).norm());
+    return worst;
+}
+
+void check_same(const Track& a, const Track& b) {
+    // heights above a facet are computed by another corner: eps * 0.1 m of the overlap, over 4000 steps
+    const double position = largest_difference(a.position, b.position), spin = largest_difference(a.spin, b.spin),
+                 force = largest_difference(a.force, b.force);
+    CHECK(position < 1e-12);
+    CHECK(spin * radius < 1e-10);
+    CHECK(force < 1e-6 * 0.1); // 1e-6 of the weight, accuracy.md 4.8
+}
+
+} // namespace
+
+TEST_SUITE("physics/facets") {
+    TEST_CASE("an elastic rebound is the same from a plane, a facet's face, its edge and its vertex") {
+        const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
+        const auto single = [](const FacetShape& shape) {
+            return [shape](World& w, std::uint32_t m) { add_facet(w, add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2), shape); };
+        };
+        const Vec3 face = rebound(single({{Vec3(-0.1, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0.1, 0.1, 0), Vec3(-0.1, 0.1, 0)}}));
+        const Vec3 triangle = rebound(single({{Vec3(-0.1, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0, 0.1, 0), Vec3(0, 0.1, 0)}}));
+        const Vec3 edge = rebound(single({{Vec3(-0.1, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0.1, 0, -0.1), Vec3(0.1, 0, 0)}}));
+        const Vec3 vertex = rebound(single({{Vec3(0, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0, 0, -0.2), Vec3(0.1, 0, -0.1)}}));
+        CHECK(from_plane.z() == doctest::Approx(1).epsilon(1e-3));
+        // rounding of positions of 0.1 m against an overlap of 1e-4 m in 500 steps
+        for (const Vec3& v : {face, triangle, edge, vertex}) CHECK((v - from_plane).norm() < 1e-10);
+    }
+
+    TEST_CASE("a rebound right on a seam counts once: two facets, four at a node, a triangle's diagonal") {
+        const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
+        // the sphere comes down on the origin: a node of four facets, a cut between two, the diagonal
+        CHECK((rebound([](World& w, std::uint32_t m) { add_facet_floor(w, -0.1, 0.1, 10, m); }) - from_plane).norm() < 1e-10);
+        CHECK((rebound([](World& w, std::uint32_t m) { add_triangle_floor(w, -0.1, 0.1, m); }) - from_plane).norm() < 1e-10);
+        CHECK((rebound([](World& w, std::uint32_t m) {
+                   const EntityId host = add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2);
+                   add_facet(w, host, {{Vec3(-0.1, -0.1, 0), Vec3(0, -0.1, 0), Vec3(0, 0.1, 0), Vec3(-0.1, 0.1, 0)}});
+                   add_facet(w, host, {{Vec3(0, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0.1, 0.1, 0), Vec3(0, 0.1, 0)}});
+               }) - from_plane).norm() < 1e-10);
+    }
+
+    TEST_CASE("a ridge of two facets is struck once, and a valley by both sides") {
+        const auto roof = [](double slope) {
+            return [slope](World& w, std::uint32_t m) {
+                const EntityId host = add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2);
+                const Vec3 left(-0.1, 0, -0.1 * slope), right(0.1, 0, -0.1 * slope), y(0, 0.1, 0);
+                add_facet(w, host, {{left - y, -y, y, left + y}});
+                add_facet(w, host, {{-y, right - y, right + y, y}});
+            };
+        };
+        const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
+        CHECK((rebound(roof(0.5)) - from_plane).norm() < 1e-10); // an edge that two facets share
+        const Vec3 from_valley = rebound(roof(-0.01));           // both faces carry: twice as stiff
+        CHECK(from_valley.z() == doctest::Approx(1).epsilon(2e-3));
+    }
+
+    TEST_CASE("one plane is two facets is a hundred facets to a sphere that slides and rolls across seams") {
+        // along a row, obliquely over nodes, and along a seam; slipping all the way, and sticking
+        const Vec3 rolling(0, 1 / radius, 0);
+        struct Case { Vec3 begin, velocity, spin; double friction; };
+        for (const Case& c : {Case{Vec3(-0.05, 0.003, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3},
+                              Case{Vec3(-0.05, -0.04, 0), Vec3(1, 0.8, 0), Vec3::Zero(), 0.3},
+                              Case{Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3},
+                              Case{Vec3(-0.05, 0.003, 0), Vec3(1, 0, 0), rolling, 0.5},
+                              Case{Vec3(-0.05, 0.003, 0), Vec3(0.9, 0.1, 0), rolling, 5}}) {
+            CAPTURE(c.begin.transpose());
+            CAPTURE(c.friction);
+            const Track reference = slide_over(plane, c.begin, c.velocity, c.spin, c.friction);
+            REQUIRE(reference.position.back().x() > c.begin.x() + 0.02); // over at least one seam
+            SUBCASE("two triangles") { check_same(reference, slide_over(triangles, c.begin, c.velocity, c.spin, c.friction)); }
+            SUBCASE("a hundred squares") { check_same(reference, slide_over(hundred, c.begin, c.velocity, c.spin, c.friction)); }
+        }
+    }
+
+    TEST_CASE("a box of facets is a box of planes to a sphere in its corner") {
+        const auto path = [](bool facets) {
+            World world = make_world(Grains::spheres);
+            Material m = contact_material(1e5, 5e4, 0.3);
+            const auto material = add_material(world, m);
+            if (facets) add_facet_box(world, Vec3::Zero(), Vec3(0.1, 0.1, 0.1), 3, material);
+            else add_box(world, Vec3::Zero(), Vec3(0.1, 0.1, 0.1), material);
+            const EntityId ball = add_sphere(world, Vec3(0.03, 0.025, 0.02), radius, material);
+            of<Velocity>(world, ball) = Vec3(-1, -0.8, -0.7);
+            Simulation sim = start(std::move(world), {.dt = 1e-5});
+            sim.advance(3000); // into the corner and out of it
+            return of<Position>(sim, ball);
+        };
+        // three rebounds; rounding of 1e-17 m against 1e-4 m of overlap
+        CHECK((path(true) - path(false)).norm() < 1e-10);
+    }
+
+    TEST_CASE("turning a stuck sphere's spring over a seam keeps the force") {
+        // pushed along x below the limit, the sphere creeps over the seam at x = 0 and back
+        const auto shear_force = [](const Floor& floor) {
+            World world = make_world(Grains::spheres);
+            const auto material = add_material(world, contact_material(1e5, 5e4, 0.8));
+            floor(world, material);
+            const EntityId ball = add_sphere(world, Vec3(-1e-7, 0.001, 0), radius, material);
+            of<Position>(world, ball).z() = radius - of<Mass>(world, ball) * 9.81 / 1e5;
+            world.add_resource<Gravity>({Vec3(2, 0, -9.81)});
+            Simulation sim = start(std::move(world), {.dt = 2e-5});
+            std::vector<Vec3> forces;
+            for (int k = 0; k < 500; ++k) {
+                sim.advance();
+                forces.push_back(of<Force>(sim, ball));
+            }
+            REQUIRE(of<Position>(sim, ball).x() > 0);
+            return forces;
+        };
+        CHECK(largest_difference(shear_force(plane), shear_force(hundred)) < 1e-7);
+    }
+}

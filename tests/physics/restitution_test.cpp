@@ -1,0 +1,86 @@
+#include "tests/support.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+using namespace bris::testing;
+
+namespace {
+
+struct Impact {
+    double rate = 0;       ///< 1/s
+    double steps = 100;    ///< a contact
+    double phase = 0.5;    ///< of a step, between reaching the plane and the first step in touch
+    double speed = 1;
+};
+
+/// Restitution of a sphere on a plane. No gravity.
+double restitution(const Impact& s) {
+    const double radius = 0.01, stiffness = 1e6;
+    World world = make_world(Grains::spheres);
+    Material m = contact_material(stiffness);
+    m.normal_damping = s.rate;
+    const auto material = add_material(world, m);
+    add_floor(world, material);
+    const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
+    const double omega2 = stiffness / of<Mass>(world, ball);
+    const double contact_time = pi / std::sqrt(omega2 - 0.25 * s.rate * s.rate), dt = contact_time / s.steps;
+    of<Position>(world, ball) = Vec3(0, 0, radius + s.speed * dt * (10 - s.phase));
+    of<Velocity>(world, ball) = Vec3(0, 0, -s.speed);
+    Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
+    sim.advance(static_cast<std::uint64_t>(1.2 * s.steps) + 20);
+    return of<Velocity>(sim, ball).z() / s.speed;
+}
+
+double closed_form(double rate) {
+    const double omega2 = 1e6 / (2600 * 4.0 / 3 * pi * 1e-6);
+    return std::exp(-pi * rate / (2 * std::sqrt(omega2 - 0.25 * rate * rate)));
+}
+
+} // namespace
+
+TEST_SUITE("physics/restitution") {
+    TEST_CASE("a sphere dropped on a plane rebounds at e times its speed") {
+        for (const double e : {0.9, 0.5, 0.1}) {
+            const double damping = -std::log(e) / std::sqrt(pi * pi + std::log(e) * std::log(e));
+            const double rate = 2 * damping * std::sqrt(1e6 / (2600 * 4.0 / 3 * pi * 1e-6));
+            CHECK(closed_form(rate) == doctest::Approx(e).epsilon(1e-12));
+            CAPTURE(e);
+            // the dashpot sets in at full force somewhere within a step: the impulse is uncertain by
+            // gamma dt/2 at either end, with gamma t_c = -2 ln e
+            for (const double steps : {50.0, 200.0, 1000.0})
+                for (const double phase : {0.1, 0.5, 0.9})
+                    CHECK(std::abs(restitution({rate, steps, phase}) - e) < -2 * std::log(e) / steps * e + 2 / (steps * steps));
+            // the mean over where in the step the contact begins is second order
+            const auto mean_error = [&](double steps) {
+                double sum = 0;
+                for (int k = 0; k < 64; ++k) sum += restitution({rate, steps, (k + 0.5) / 64});
+                return sum / 64 - e;
+            };
+            const double coarse = mean_error(50), fine = mean_error(100);
+            MESSAGE("e = ", e, ": mean error ", coarse, " at t_c/50, ", fine, " at t_c/100, order ", order_of(std::abs(coarse), std::abs(fine)));
+            CHECK(std::abs(coarse) < 5e-3); // what peers reach at t_c/50
+            CHECK(std::abs(fine) < std::abs(coarse));
+        }
+    }
+
+    TEST_CASE("restitution does not depend on speed") {
+        const double slow = restitution({3000, 100, 0.5, 0.01}), fast = restitution({3000, 100, 0.5, 2});
+        // the phase of the first touch is the same, so only rounding differs: eps R / overlap
+        CHECK(std::abs(slow - fast) < 1e-9);
+    }
+
+    TEST_CASE("an undamped rebound gives the speed back to second order in dt") {
+        const auto worst = [&](double steps) {
+            double w = 0;
+            for (int k = 0; k < 16; ++k) w = std::max(w, std::abs(restitution({0, steps, (k + 0.5) / 16}) - 1));
+            return w;
+        };
+        const double coarse = worst(50), fine = worst(200);
+        MESSAGE("undamped rebound: worst error ", coarse, " at t_c/50, ", fine, " at t_c/200");
+        // a contact that begins or ends within a step misses at most k v dt^2/8 of impulse:
+        // (omega dt)^2/8 at each end
+        CHECK(coarse < 2 * pi * pi / (8 * 50 * 50));
+        CHECK(fine < 2 * pi * pi / (8 * 200 * 200));
+    }
+}

@@ -1,0 +1,175 @@
+#include "systems/contact/stable_step.hpp"
+
+#include "tests/support.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+using namespace bris::testing;
+
+namespace {
+
+constexpr double radius = 0.01, kn = 1e5;
+
+
+/// The estimate of a scene after its contacts have been found in a negligible step.
+double estimate(Simulation& sim) {
+    sim.world().resource<Clock>().dt = 1e-12;
+    sim.advance();
+    return stable_step(sim.world());
+}
+
+/// A sphere pressed on a floor, a little beside its equilibrium in every direction.
+Simulation on_floor(double ks, double dt) {
+    World world = make_world(Grains::spheres);
+    const auto material = add_material(world, contact_material(kn, ks, 1e6));
+    add_floor(world, material);
+    const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
+    const double overlap = of<Mass>(world, ball) * 1000 / kn;
+    of<Position>(world, ball) = Vec3(0, 0, radius - 1.001 * overlap);
+    of<Velocity>(world, ball) = Vec3(1e-5, 0, 0);
+    world.add_resource<Gravity>({Vec3(0, 0, -1000)});
+    return start(std::move(world), {.dt = dt});
+}
+
+/// Whether the motion stays as small as it began.
+bool stays_small(Simulation& sim, EntityId body, double dt) {
+    const Vec3 begin = of<Position>(sim, body);
+    sim.world().resource<Clock>().dt = dt;
+    try {
+        for (int k = 0; k < 300; ++k) {
+            sim.advance();
+            // the begin is 1e-3 of the overlap off; a tenth of the radius is far beyond any bounded motion
+            if ((of<Position>(sim, body) - begin).norm() > 0.02 * radius) return false;
+        }
+    } catch (const std::exception&) {
+        return false;
+    }
+    return true;
+}
+
+/// Estimate over limit of two free spheres in touch.
+double pair_estimate(double ratio) {
+    World world = make_world(Grains::spheres);
+    const auto material = add_material(world, contact_material(kn, ratio * kn, 1));
+    const EntityId a = add_sphere(world, Vec3(0, 0, 0), radius, material);
+    add_sphere(world, Vec3(0, 0, 1.9999 * radius), radius, material);
+    const double mass = of<Mass>(world, a);
+    Simulation sim = start(std::move(world), {});
+    // sqrt 2 sqrt(m/kn), and 2/sqrt 7 = 0.7559 sqrt(m/ks)
+    const double limit = std::min(std::sqrt(2 * mass / kn), ratio > 0 ? 2 / std::sqrt(7.0) * std::sqrt(mass / (ratio * kn)) : 1.0);
+    return estimate(sim) / limit;
+}
+
+} // namespace
+
+TEST_SUITE("contact/stable_step") {
+    TEST_CASE("a sphere on a wall is stable at the estimate, which is within half of the limit") {
+        for (const double ratio : {0.0, 2.0 / 7, 0.5, 1.0}) {
+            CAPTURE(ratio);
+            Simulation sim = on_floor(ratio * kn, 1e-12);
+            const double mass = of<Mass>(sim, 1), step = estimate(sim);
+            // 2 sqrt(m/kn) for the normal, 1.0690 sqrt(m/ks) for rolling: 2/sqrt(3.5)
+            const double limit = std::min(2 * std::sqrt(mass / kn), ratio > 0 ? 2 / std::sqrt(3.5) * std::sqrt(mass / (ratio * kn)) : 1.0);
+            CHECK(step <= limit);
+            CHECK(step >= 0.5 * limit);
+            if (ratio > 0) continue;
+            Simulation at_estimate = on_floor(0, step), below = on_floor(0, 0.99 * limit), above = on_floor(0, 1.01 * limit);
+            CHECK(stays_small(at_estimate, 1, step));
+            CHECK(stays_small(below, 1, 0.99 * limit));
+            CHECK_FALSE(stays_small(above, 1, 1.01 * limit));
+        }
+    }
+
+    // the spring moves with a predicted velocity: see physics/tangential
+    TEST_CASE("with an undamped tangential spring a sphere on a wall is stable at the estimate" * doctest::should_fail()) {
+        Simulation sim = on_floor(kn, 1e-12);
+        const double step = estimate(sim);
+        Simulation at_estimate = on_floor(kn, step);
+        CHECK(stays_small(at_estimate, 1, step));
+    }
+
+    // translation and rotation of one contact move together: their stiffnesses add, the estimate takes the larger
+    TEST_CASE("the estimate of a free pair is no more than its limit, also for stiff shear" * doctest::should_fail()) {
+        for (const double ratio : {0.5, 0.8, 1.0}) CHECK(pair_estimate(ratio) <= 1 + 1e-9);
+    }
+
+    TEST_CASE("the estimate of a free pair is no more than its limit for soft shear, and never less than half") {
+        for (const double ratio : {0.0, 0.1, 2.0 / 7}) CHECK(pair_estimate(ratio) <= 1 + 1e-9);
+        for (const double ratio : {0.0, 0.1, 2.0 / 7, 0.5, 0.8, 1.0}) CHECK(pair_estimate(ratio) >= 0.5);
+    }
+
+    TEST_CASE("a clump counts every sphere that it stands on, and its rotation") {
+        World world = make_world(Grains::clumps);
+        const auto material = add_material(world, contact_material(kn, 0, 0));
+        add_floor(world, material);
+        std::vector<Ball> feet;
+        for (const double x : {-1.0, 1.0})
+            for (const double y : {-1.0, 1.0}) feet.push_back({Vec3(0.02 * x, 0.015 * y, 0), radius});
+        const Clump block = make_clump("block", feet);
+        const EntityId body = add_clump(world, block, 0, Vec3::Zero(), Quat(Quat::Identity()), material);
+        const double mass = of<Mass>(world, body);
+        of<Position>(world, body) = Vec3(0, 0, radius - mass * 1000 / (4 * kn));
+        set_spin(world, body, Vec3(1e-3, 1e-3, 0));
+        world.add_resource<Gravity>({Vec3(0, 0, -1000)});
+        const Vec3 inertia = of<Inertia>(world, body);
+        Simulation sim = start(std::move(world), {});
+        const double step = estimate(sim);
+        // four springs: heave 4k/m, pitch 4 k x^2 / I_y, roll 4 k y^2 / I_x
+        const double largest = std::max({4 * kn / mass, 4 * kn * 4e-4 / inertia.y(), 4 * kn * 2.25e-4 / inertia.x()});
+        const double limit = 2 / std::sqrt(largest);
+        MESSAGE("clump on four feet: estimate is ", step / limit, " of the limit");
+        CHECK(step <= limit);
+        // 1/sqrt 2 of it for partners that might move, and the rotation takes |c x n|^2 about every axis at once
+        CHECK(step >= 0.4 * limit);
+        CHECK(stays_small(sim, body, step));
+    }
+
+    TEST_CASE("before anything touches, the first-contact bound is no more than any one contact's limit") {
+        for (const double ratio : {0.0, 0.1, 2.0 / 7}) {
+            CAPTURE(ratio);
+            World world = make_world(Grains::spheres);
+            const auto material = add_material(world, contact_material(kn, ratio * kn, 1));
+            const EntityId a = add_sphere(world, Vec3::Zero(), radius, material);
+            const double mass = of<Mass>(world, a);
+            Simulation sim = start(std::move(world), {});
+            CHECK(std::isinf(stable_step(sim.world())));
+            const double limit = std::min(std::sqrt(2 * mass / kn), ratio > 0 ? 2 / std::sqrt(7.0) * std::sqrt(mass / (ratio * kn)) : 1.0);
+            CHECK(stable_step_of_first_contact(sim.world()) <= limit * (1 + 1e-9));
+            CHECK(stable_step_of_first_contact(sim.world()) >= 0.4 * limit);
+        }
+    }
+
+    TEST_CASE("scaled masses make the wanted step safe, keep weight, and can be undone") {
+        World world = bed({.grains = Grains::clumps, .bodies = 30});
+        const std::vector<double> weight(world.column<Bodies, Mass>().begin(), world.column<Bodies, Mass>().end());
+        Simulation sim = start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+        sim.advance(2500);
+        REQUIRE(std::isfinite(stable_step(sim.world())));
+        const double dt = 5e-4, safety = 0.8;
+        const MassScaling done = scale_masses(sim.world(), dt, safety, false);
+        CHECK(done.dt == dt);
+        // dt is `safety` of the stable step of the body that needs it most
+        CHECK(stable_step(sim.world()) >= dt / safety * (1 - 1e-12));
+        for (const EntityId b : {0u, 7u, 29u}) CHECK(of<Mass>(sim, b) == weight[b]);
+        double total = 0;
+        for (EntityId b = 0; b < 30; ++b) total += of<InertialMass>(sim, b);
+        CHECK(done.total_mass == doctest::Approx(total).epsilon(1e-13));
+        unscale_masses(sim.world());
+        for (const EntityId b : {0u, 7u, 29u}) {
+            CHECK(of<InertialMass>(sim, b) == weight[b]);
+            CHECK(of<InertialInertia>(sim, b) == of<Inertia>(sim, b));
+        }
+    }
+
+    TEST_CASE("with the step left open, the scaled masses add up to the true ones") {
+        Simulation sim = start(bed({.grains = Grains::clumps, .bodies = 30}), {.dt = 2e-5, .law = LawName::linear_viscous});
+        sim.advance(2500);
+        double total = 0;
+        for (EntityId b = 0; b < 30; ++b) total += of<Mass>(sim, b);
+        const MassScaling done = scale_masses(sim.world(), 0, 0.8, false);
+        CHECK(done.total_mass == doctest::Approx(total).epsilon(1e-12));
+        CHECK(done.smallest_factor < 1);
+        CHECK(done.largest_factor > 1);
+    }
+}

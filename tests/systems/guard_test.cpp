@@ -1,0 +1,125 @@
+#include "systems/guard.hpp"
+
+#include "engine/errors.hpp"
+#include "tests/support.hpp"
+
+#include <doctest/doctest.h>
+
+#include <functional>
+#include <limits>
+
+using namespace bris;
+using namespace bris::testing;
+
+namespace {
+
+constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+/// Five spheres far apart above a floor.
+Simulation five(Grains grains, bool facets, const std::function<void(World&)>& change = [](World&) {}) {
+    World world = make_world(grains);
+    const auto material = add_material(world, contact_material(1e5, 5e4, 0.5));
+    for (int k = 0; k < 5; ++k) add_sphere(world, Vec3(0.05 * k, 0, 0.011), 0.01, material);
+    if (facets) add_facet_floor(world, -0.3, 0.3, 3, material);
+    else add_floor(world, material);
+    change(world);
+    return start(std::move(world), {.dt = 1e-5});
+}
+
+std::string message_of(Simulation& sim, std::uint64_t steps) {
+    try {
+        sim.advance(steps);
+    } catch (const SimulationError& e) {
+        return e.what();
+    }
+    return "no error";
+}
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+} // namespace
+
+TEST_SUITE("guard") {
+    TEST_CASE("a healthy run is not disturbed") {
+        Simulation sim = five(Grains::spheres, false);
+        CHECK(message_of(sim, 200) == "no error");
+    }
+
+    TEST_CASE("a position or velocity that is not a number stops the run with body, step and time") {
+        for (const Grains grains : {Grains::spheres, Grains::clumps})
+            for (const double bad : {not_a_number, infinity, -infinity}) {
+                CAPTURE(bad);
+                Simulation sim = five(grains, false);
+                sim.advance(10);
+                of<Velocity>(sim, 3).y() = bad;
+                const std::string text = message_of(sim, 100);
+                CAPTURE(text);
+                CHECK(has(text, "body 3"));
+                CHECK(has(text, "step 11"));
+                CHECK(has(text, "time 0.00011 s"));
+                CHECK(text.find('\n') == std::string::npos);
+
+                Simulation other = five(grains, false);
+                other.advance(10);
+                of<Position>(other, 2).x() = bad;
+                CHECK(has(message_of(other, 100), "body 2"));
+            }
+    }
+
+    TEST_CASE("a spin that is not a number stops a clump's run") {
+        Simulation sim = five(Grains::clumps, false);
+        sim.advance(10);
+        of<AngularMomentum>(sim, 1).z() = not_a_number;
+        const std::string text = message_of(sim, 100);
+        CAPTURE(text);
+        CHECK(has(text, "body 1"));
+        CHECK(has(text, "step 11"));
+    }
+
+    TEST_CASE("a scene that begins with a position that is not a number stops, and does not hang") {
+        for (const double bad : {not_a_number, infinity}) {
+            Simulation sim = five(Grains::spheres, false, [&](World& w) { of<Position>(w, 0).x() = bad; });
+            const std::string text = message_of(sim, 3);
+            CAPTURE(text);
+            CHECK(has(text, "body 0"));
+        }
+    }
+
+    TEST_CASE("a body faster than the limit stops the run") {
+        Simulation sim = five(Grains::spheres, false, [](World& w) { of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
+        const std::string text = message_of(sim, 100);
+        CAPTURE(text);
+        CHECK(has(text, "body 4"));
+        CHECK(has(text, "step 1,"));
+        CHECK(has(text, "1500"));
+    }
+
+    TEST_CASE("two spheres too deep in each other are named") {
+        Simulation sim = five(Grains::spheres, false, [](World& w) { of<Position>(w, 2) = of<Position>(w, 1) + Vec3(0.0, 0, 0.016); });
+        const std::string text = message_of(sim, 100);
+        CAPTURE(text);
+        CHECK(has(text, "bodies 1 and 2"));
+        CHECK(has(text, "step 1,"));
+        CHECK(has(text, "0.004")); // m of overlap
+    }
+
+    TEST_CASE("a sphere too deep in a plane or a facet is named, and so is the boundary") {
+        for (const bool facets : {false, true}) {
+            Simulation sim = five(Grains::spheres, facets, [](World& w) { of<Position>(w, 3).z() = 0.0074; });
+            const std::string text = message_of(sim, 100);
+            CAPTURE(text);
+            CHECK(has(text, "bodies 3 and 5"));
+            Simulation just = five(Grains::spheres, facets, [](World& w) { of<Position>(w, 3).z() = 0.0076; });
+            CHECK(message_of(just, 1) == "no error"); // a quarter of the radius is allowed
+        }
+    }
+
+    TEST_CASE("the run stays stopped") {
+        Simulation sim = five(Grains::spheres, false, [](World& w) { of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
+        CHECK_THROWS_AS(sim.advance(100), SimulationError);
+        CHECK(sim.world().resource<Clock>().step == 1);
+        CHECK_THROWS_AS(sim.advance(100), SimulationError);
+        CHECK(sim.world().resource<Clock>().step == 1);
+    }
+}
