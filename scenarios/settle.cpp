@@ -1,82 +1,253 @@
-// N spheres settle in a box: the first scene, and the one that peers are measured on.
-
-#include "engine/parallel.hpp"
+// Spheres settle in a box under gravity: the bed on which speed is measured, and the shortest way to
+// see a whole run, from options to pictures.
+#include "engine/errors.hpp"
+#include "engine/progress.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
-#include "engine/simulation.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/scene.hpp"
-#include "systems/output/quantities.hpp"
+#include "systems/contact/stable_step.hpp"
+#include "systems/output/plot.hpp"
+#include "systems/output/porosity.hpp"
+#include "systems/output/record.hpp"
 #include "systems/steps.hpp"
 
-#include <chrono>
-#include <cstdio>
+#include <fmt/format.h>
 
-namespace bris {
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+namespace {
+
+using namespace bris;
 
 struct Settle {
     unsigned spheres = 2000;
     double radius = 0.01;
+    double size_spread = 0;
     double normal_stiffness = 1e6;
     double friction = 0.5;
     double damping_rate = 5838;
     double density = 2600;
     double step = 1e-5;
     double duration = 0.5;
+
     void describe(auto& option) {
-        option("spheres", spheres, "", "how many", at_least(1));
-        option("radius", radius, "m", "of each", above(0));
-        option("normal_stiffness", normal_stiffness, "N/m", "of a contact", above(0));
+        option("spheres", spheres, "", "how many", within(1, 50e6));
+        option("radius", radius, "m", "mean of all", above(0));
+        option("size_spread", size_spread, "", "radii lie within radius * (1 -+ this), evenly",
+               Range{.low = 0, .high = 1, .high_accepted = false});
+        option("normal_stiffness", normal_stiffness, "N/m",
+               "of a contact; the tangential one is 2/7 of it", above(0));
         option("friction", friction, "", "Coulomb coefficient", at_least(0));
-        option("damping_rate", damping_rate, "1/s", "of the normal dashpot; the tangential one has half", at_least(0));
+        option("damping_rate", damping_rate, "1/s", "of the normal dashpot; half of it, tangential",
+               at_least(0));
         option("density", density, "kg/m3", "of the spheres", above(0));
         option("step", step, "s", "time step", above(0));
         option("duration", duration, "s", "simulated", above(0));
     }
 };
 
-} // namespace bris
+constexpr std::uint64_t samples = 200, samples_per_frame = 4, longest_block = 50;
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+/// Spheres on a loose lattice, a little out of place, in a box about the z axis whose floor is z = 0;
+/// settled, they are nearly twice as high as wide.
+World make_scene(const Settle& s, std::uint64_t seed) {
+    World world = make_world(Grains::spheres);
+    // two partners act in series: each has twice the stiffness of their contact
+    const auto material = world.resource<Materials>().add(
+        {"grain", s.density, 2 * s.normal_stiffness, 4.0 / 7 * s.normal_stiffness, s.friction,
+         s.damping_rate, s.damping_rate / 2});
+    const double largest = s.radius * (1 + s.size_spread), pitch = 2.05 * largest;
+    const auto side = static_cast<unsigned>(std::ceil(std::cbrt(0.5 * s.spheres)));
+    const double width = side * pitch;
+    for (unsigned n = 0; n < s.spheres; ++n) {
+        Random random(seed, n);
+        const double radius = s.radius * random.uniform(1 - s.size_spread, 1 + s.size_spread);
+        const Vec3 place(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
+        add_sphere(world, pitch * place - Vec3(width / 2, width / 2, 0) + 0.02 * largest * random.direction(),
+                   s.size_spread > 0 ? radius : s.radius, material);
+    }
+    const double height = (s.spheres / (side * side) + 2) * pitch;
+    add_box(world, Vec3(-width / 2, -width / 2, 0), Vec3(width / 2, width / 2, height), material);
+    world.add_resource<Gravity>();
+    world.resource<Clock>().dt = s.step;
+    add_lists(world, true);
+    return world;
+}
+
+/// Share of solids in the inner part of the bed, away from walls, floor and surface.
+double solid_fraction(const World& world, double radius) {
+    double height = 0, width = 0;
+    const BodyFrame frame = frame_of_bodies(world);
+    for (const Vec3& x : frame.positions) {
+        height += 2 * x.z() / static_cast<double>(frame.positions.size());
+        width = std::max(width, 2 * (std::abs(x.x()) + radius));
+    }
+    const CylinderRegion inside{width / 2 - 2 * radius, 2 * radius, 0.8 * height};
+    return inside.radius > radius && inside.high > inside.low + radius ? 1 - porosity(world, inside, 120)
+                                                                       : 0;
+}
+
+class Settling {
+public:
+    Settling(const Settle& settings, const Common& common)
+        : settings_(settings), common_(common), total_(steps_of(settings)),
+          sample_every_(std::max<std::uint64_t>(1, total_ / samples)),
+          simulation_(make_scene(settings, common.seed), steps(LawName::linear_viscous), common.threads,
+                      {.serial = common.serial}),
+          keeper_({common.out / "settle.ckpt.h5", common.scenario, common.settings,
+                   [this](Archive& archive) { series_.save(archive); }}) {
+        simulation_.on_restore(invalidate_lists);
+        const double stable = stable_step_of_first_contact(simulation_.world());
+        require(settings.step <= stable, fmt::format("--step: expected at most the stable step {:.3g} s, found {:.3g} s",
+                                                     stable, settings.step));
+    }
+
+    std::string explain() { return simulation_.schedule().explain(); }
+
+    void run() {
+        const auto began = std::chrono::steady_clock::now();
+        begin();
+        try {
+            go();
+        } catch (const SimulationError& error) {
+            const auto path = keeper_.save_stopped(simulation_);
+            throw SimulationError(fmt::format("{} (state in {})", error.what(), path.string()));
+        }
+        keeper_.save(simulation_);
+        draw();
+        report(began);
+    }
+
+private:
+    static std::uint64_t steps_of(const Settle& s) {
+        const double number = std::round(s.duration / s.step);
+        require(number >= 1 && number < 1e15,
+                fmt::format("--duration: expected 1 to 1e15 steps of {:.3g} s, found {:.3g}", s.step, number));
+        return static_cast<std::uint64_t>(number);
+    }
+
+    const World& world() const { return simulation_.world(); }
+    std::uint64_t now() const { return world().resource<Clock>().step; }
+
+    void begin() {
+        std::string name = "settle";
+        if (!common_.resume.empty()) {
+            series_.load(resume(simulation_, common_.resume, common_.scenario, common_.settings, {"duration_s"}).state);
+            require(now() < total_, fmt::format("--duration: expected more than the {:.6g} s of the checkpoint, found {:.6g} s",
+                                                world().resource<Clock>().time(), settings_.duration));
+            name += fmt::format("_from_{}", now()); // the frames until then are in a file already
+        }
+        first_step_ = now();
+        frames_ = std::make_unique<FrameWriter>(common_.out / (name + ".vtkhdf"), common_.settings);
+        if (first_step_ == 0) frames_->add(world()); // contacts are known from the first step on
+    }
+
+    void go() {
+        Progress progress(1, common_.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+        while (now() < total_) {
+            const std::uint64_t next = std::min(total_, (now() / sample_every_ + 1) * sample_every_);
+            const auto began = std::chrono::steady_clock::now();
+            simulation_.advance(std::min(next - now(), longest_block));
+            stepping_ += seconds_since(began);
+            if (now() == next) {
+                sample();
+                if (next % (samples_per_frame * sample_every_) == 0 || next == total_) frames_->add(world());
+            }
+            progress.report(0, static_cast<double>(now()) / static_cast<double>(total_),
+                            fmt::format("settle {:.4f} s, step {}, floor force / weight {:.4f}",
+                                        world().resource<Clock>().time(), now(), floor_force_over_weight()));
+            keeper_.attend(simulation_);
+        }
+    }
+
+    void sample() {
+        const double stable = stable_step(world());
+        if (settings_.step > stable)
+            throw SimulationError(fmt::format("step {}, time {:.6g} s: --step: expected at most the stable step {:.3g} s of the "
+                                              "contacts that have formed, found {:.3g} s",
+                                              now(), world().resource<Clock>().time(), stable, settings_.step));
+        last_ = measure(world());
+        series_.add({world().resource<Clock>().time(), last_.kinetic_energy, last_.elastic_energy, floor_force_over_weight(),
+                     last_.coordination, last_.unbalanced_ratio, stable});
+    }
+
+    /// Force of all grains on the box over their weight, along gravity: 1 at rest.
+    double floor_force_over_weight() const {
+        return last_.weight.z() < 0 ? last_.boundary_force.z() / last_.weight.z() : 0;
+    }
+
+    void draw() {
+        const auto& time = series_.column("time");
+        draw_plots(common_.out / "settle_history.png",
+                   {{.title = "motion dies away", .x_label = "time (s)", .y_label = "kinetic energy (J)",
+                     .curves = {{.x = time, .y = series_.column("kinetic_energy")}}, .y_logarithmic = true},
+                    {.title = "the floor takes over the weight", .x_label = "time (s)", .y_label = "floor force / weight",
+                     .curves = {{.x = time, .y = series_.column("floor_force_over_weight")}}}});
+        const BodyFrame frame = frame_of_bodies(world());
+        View view = view_of_bodies(world(), frame, [&](std::size_t place) {
+            return scale_colour(std::min(1.0, static_cast<double>(frame.coordination[place]) / 8));
+        });
+        view.caption = fmt::format("{} spheres after {:.3g} s, blue to yellow: 0 to 8 contacts", settings_.spheres, frame.time);
+        draw_picture(common_.out / "settle.png", {&view, 1});
+        series_.write_csv(common_.out / "settle.csv");
+        series_.write_track(frames_->file());
+        frames_->file().close();
+    }
+
+    void report(std::chrono::steady_clock::time_point began) const {
+        const auto& lists = world().resource<ListState>();
+        const auto done = static_cast<double>(now() - first_step_);
+        Summary summary;
+        summary.add("wall_s", seconds_since(began));
+        summary.add("stepping_s", stepping_);
+        summary.add("particle_steps_per_s", done * settings_.spheres / stepping_);
+        summary.add("floor_force_over_weight", floor_force_over_weight());
+        summary.add("floor_force_error", std::abs(floor_force_over_weight() - 1));
+        add_quantities(summary, last_);
+        summary.add("solid_fraction", solid_fraction(world(), settings_.radius));
+        summary.add("steps", now());
+        summary.add("refreshes", lists.refreshes);
+        summary.add("prunes", lists.prunes);
+        summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
+        summary.print("settle");
+        Summary whole;
+        whole.add("scenario", common_.scenario);
+        whole.add(common_.settings);
+        whole.add(summary.entries());
+        whole.write(common_.out / "summary.json");
+    }
+
+    Settle settings_;
+    Common common_;
+    std::uint64_t total_, sample_every_, first_step_ = 0;
+    Simulation simulation_;
+    Series series_{"motion",
+                   {{"time", "s"}, {"kinetic_energy", "J"}, {"elastic_energy", "J"}, {"floor_force_over_weight", ""},
+                    {"coordination", ""}, {"unbalanced_ratio", ""}, {"stable_step", "s"}}};
+    CheckpointKeeper keeper_;
+    std::unique_ptr<FrameWriter> frames_;
+    Quantities last_;
+    double stepping_ = 0; // s, wall
+};
+
+} // namespace
 
 int main(int argc, char** argv) {
-    using namespace bris;
-    return run_scenario<Settle>(argc, argv, "settle", "spheres settle in a box", [](const Settle& s, const Common& common) {
-        World world = make_world(Grains::spheres);
-        // two partners act in series: each has twice the stiffness of their contact
-        const auto material = world.resource<Materials>().add({"grain", s.density, 2 * s.normal_stiffness, 4.0 / 7 * s.normal_stiffness,
-                                                               s.friction, s.damping_rate, s.damping_rate / 2});
-        const auto n = static_cast<int>(std::ceil(std::cbrt(s.spheres * 0.5)));
-        const double pitch = 2.05 * s.radius;
-        Random random(common.seed, 0);
-        unsigned made = 0;
-        for (int k = 0; made < s.spheres; ++k)
-            for (int j = 0; j < n && made < s.spheres; ++j)
-                for (int i = 0; i < n && made < s.spheres; ++i, ++made)
-                    add_sphere(world, Vec3((i + 0.5) * pitch, (j + 0.5) * pitch, (k + 0.5) * pitch) + 0.02 * s.radius * random.direction(), s.radius, material);
-        add_box(world, Vec3::Zero(), Vec3(n * pitch, n * pitch, 100 * n * pitch), material);
-        world.add_resource<Gravity>();
-        world.resource<Clock>().dt = s.step;
-        add_lists(world, true);
-        Simulation sim(std::move(world), steps(LawName::linear_viscous), common.threads, {.serial = common.serial, .timed = true});
-        if (common.explain) {
-            std::puts(sim.schedule().explain().c_str());
-            return;
-        }
-        const auto total = static_cast<std::uint64_t>(s.duration / s.step);
-        for (int part = 0; part < 5; ++part) {
-            const auto began = std::chrono::steady_clock::now();
-            const auto before = sim.world().resource<ListState>();
-            sim.advance(total / 5);
-            const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-            const auto& after = sim.world().resource<ListState>();
-            const Quantities q = measure(sim.world());
-            std::printf("%.3f s wall %.2f  %.3f M particle-steps/s  KE %.3e Z %.3f contacts %zu near %zu pairs %zu  prunes %llu refreshes %llu skins %.3g %.3g floor %.6g\n",
-                        sim.world().resource<Clock>().time(), wall, s.spheres * static_cast<double>(total / 5) / wall * 1e-6,
-                        q.kinetic_energy, q.coordination, q.contacts, sim.world().resource<NearIndex<SpherePairs>>().size(), sim.world().table<SpherePairs>().size(),
-                        static_cast<unsigned long long>(after.prunes - before.prunes), static_cast<unsigned long long>(after.refreshes - before.refreshes),
-                        sim.world().resource<ListSettings>().inner_skin / s.radius, sim.world().resource<ListSettings>().outer_skin / s.radius,
-                        q.boundary_force.z() / q.weight.z());
-        }
-        for (const auto& [name, sec] : sim.schedule().seconds()) std::printf("%8.3f s %s\n", sec, name.c_str());
-        std::printf("fingerprint %016llx\n", static_cast<unsigned long long>(fingerprint(sim.snapshot())));
-    });
+    return run_scenario<Settle>(argc, argv, "settle", "spheres settle in a box under gravity",
+                                [](const Settle& settings, const Common& common) {
+                                    Settling settling(settings, common);
+                                    if (common.explain)
+                                        std::puts(settling.explain().c_str());
+                                    else
+                                        settling.run();
+                                });
 }

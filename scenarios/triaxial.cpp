@@ -1,79 +1,328 @@
+// Drained triaxial compression of railway ballast (clumps of 30 spheres) inside a servo membrane of
+// 8 rings x 12 elements, after the TRB report: one specimen, tested at each confining pressure.
+
+#include "engine/ensemble.hpp"
+#include "engine/errors.hpp"
+#include "engine/progress.hpp"
 #include "engine/scenario.hpp"
+#include "engine/summary.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/clump_library.hpp"
-#include "systems/build/scene.hpp"
-#include "systems/output/porosity.hpp"
-#include "systems/output/balance.hpp"
+#include "systems/output/picture.hpp"
+#include "systems/output/record.hpp"
 #include "systems/procedure/triaxial.hpp"
+#include "systems/procedure/triaxial_results.hpp"
 #include "systems/steps.hpp"
-#include <chrono>
-#include <cstdio>
+
 #include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <mutex>
+
 namespace bris {
+
 struct Triaxial {
     unsigned bodies = 400;
-    TriaxialSettings t;
-    double start_porosity = 0.36;
+    std::vector<double> confining_pressure{55e3, 110e3, 165e3};
+    std::string grading = "arema_4";
+    SpecimenSettings specimen;
+    TriaxialSettings test;
+    double initial_porosity = 0.37;
+    unsigned frame_stages = 10;
+
     void describe(auto& option) {
-        option("bodies", bodies, "", "rocks, sensor rocks included", at_least(20));
-        option("confining_pressure", t.confining_pressure, "Pa", "on the membrane", above(0));
-        option("stage_strain", t.stage_strain, "", "axial strain of a stage", above(0));
-        option("final_axial_strain", t.final_axial_strain, "", "", above(0));
-        option("tolerance", t.tolerance, "", "", above(0));
-        option("safety", t.safety, "", "", above(0));
-        option("move_steps", t.move_steps, "", "", at_least(1));
-        option("compaction_friction", t.compaction_friction, "", "", at_least(0));
-        option("compaction_pressure", t.compaction_pressure, "Pa", "", above(0));
-        option("porosity", t.porosity, "", "", above(0));
-        option("start_porosity", start_porosity, "", "", above(0));
+        option.group("test");
+        option("confining_pressure", confining_pressure, "Pa", "one or several, each tested on the same specimen", above(0));
+        option("stage_strain", test.stage_strain, "", "axial strain of a stage", within(1e-6, 1e-2));
+        option("final_axial_strain", test.final_axial_strain, "", "at which the test ends", within(1e-4, 0.3));
+        option("tolerance", test.tolerance, "", "unbalanced force ratio of an equilibrium", within(1e-8, 0.1));
+        option("pressure_tolerance", test.pressure_tolerance, "", "of each ring's pressure at stage ends", within(1e-6, 0.1));
+        option("gravity", test.gravity, "", "keep weight during the test (a fifth of the lowest pressure)");
+        option.group("specimen");
+        option("bodies", bodies, "", "rocks, ten sensor rocks included", within(60, 1e6));
+        option("grading", grading, "", "a file of assets/gradings",
+               {"arema_24", "arema_25", "arema_3", "arema_4a", "arema_4", "arema_5", "arema_57"});
+        option("porosity", test.porosity, "", "of the core (0.6 of the radius, middle half of the height)", within(0.2, 0.6));
+        option("porosity_tolerance", test.porosity_tolerance, "", "within which a porosity counts as reached", within(1e-4, 0.1));
+        option("initial_porosity", initial_porosity, "", "that sets the size of the mould", within(0.2, 0.7));
+        option("compaction_friction", test.compaction_friction, "", "between rocks while the specimen is made", at_least(0));
+        option("compaction_pressure", test.compaction_pressure, "Pa", "of the platen while the specimen is made", above(0));
+        option("servo_per_element", specimen.per_element, "", "each membrane element on its own, else each ring");
+        option.group("material");
+        option("density", specimen.density, "kg/m3", "of the rocks", above(0));
+        option("friction", test.friction, "", "rock on rock and rock on platen", at_least(0));
+        option("clump_stiffness", specimen.clump_stiffness, "N/m", "normal and shear, of one partner", above(0));
+        option("wall_stiffness", specimen.wall_stiffness, "N/m", "of platens and membrane", above(0));
+        option("damping", test.damping, "", "local damping", within(0, 0.95));
+        option.group("numerics");
+        option("safety", test.safety, "", "of the stable step in mass scaling", within(0.05, 1));
+        option("move_steps", test.move_steps, "", "over which the platen moves in a stage", at_least(1));
+        option("frame_stages", frame_stages, "", "stages between frames of the run file", at_least(1));
     }
 };
+
+namespace {
+
+constexpr unsigned sensor_rocks = 10;
+
+/// The specimen's parts; the same for every pressure.
+struct Scene {
+    std::vector<Clump> clumps;
+    Clump smart_rock;
+    Grading grading;
+    RockSample sample;
+    SpecimenSettings specimen;
+    std::vector<SmartRockPose> poses;
+};
+
+Scene make_scene(const Triaxial& t, const Common& common) {
+    const std::filesystem::path assets = BRIS_ASSETS;
+    Scene s;
+    s.clumps = read_clumps(assets / "clumps");
+    std::erase_if(s.clumps, [](const Clump& c) { return c.name == "cube"; });
+    s.grading = read_grading(assets / "gradings" / (t.grading + ".csv"));
+    s.sample = sample_rocks(s.grading, s.clumps, t.bodies - sensor_rocks, common.seed);
+    s.specimen = t.specimen;
+    s.specimen.seed = common.seed;
+    s.specimen.friction = t.test.friction;
+    s.smart_rock = scaled(s.clumps.front(), s.specimen.smartrock_size / s.clumps.front().sieve);
+    const double solids = s.sample.solid_volume + sensor_rocks * s.smart_rock.volume;
+    s.specimen.radius = radius_for(solids, t.initial_porosity, s.specimen.sectors);
+    s.specimen.height = 4 * s.specimen.radius;
+    s.poses = smart_rock_poses(s.specimen, s.smart_rock.bounding_radius);
+    return s;
 }
-int main(int argc, char** argv) {
-    using namespace bris;
-    return run_scenario<Triaxial>(argc, argv, "triaxial", "x", [](const Triaxial& in, const Common& common) {
-        auto clumps = read_clumps(BRIS_ASSETS "/clumps");
-        std::erase_if(clumps, [](const Clump& c) { return c.name == "cube"; });
-        const auto grading = read_grading(BRIS_ASSETS "/gradings/arema_4.csv");
-        const auto sample = sample_rocks(grading, clumps, in.bodies - 10, common.seed);
-        SpecimenSettings s;
-        s.seed = common.seed;
-        const Clump smart = scaled(clumps[0], s.smartrock_size / clumps[0].sieve);
-        s.radius = radius_for(sample.solid_volume + 10 * smart.volume, in.start_porosity, s.sectors);
-        s.height = 4 * s.radius;
-        std::printf("R %.4f H %.4f solids %.5f\n%s\n", s.radius, s.height, sample.solid_volume, describe(sample, sieve_back(sample.rocks, clumps, grading, sample.truncated_fraction)).c_str());
-        const auto poses = smart_rock_poses(s, smart.bounding_radius);
-        World world = make_triaxial_world(s, clumps, smart, sample.rocks, poses);
-        add_lists(world, true);
-        world.table<NearSpheres>().add<SlipWork>();
-        world.table<NearFacets>().add<SlipWork>();
-        world.table<NearPlanes>().add<SlipWork>();
-        Simulation sim(std::move(world), steps(LawName::linear, true), common.threads, {.serial = common.serial, .timed = true});
-        if (common.explain) { std::puts(sim.schedule().explain().c_str()); return; }
-        TriaxialTest test(sim, in.t);
-        auto began = std::chrono::steady_clock::now();
-        std::uint64_t last_step = 0, lift = 99, n = 0; auto phase = TriaxialPhase::done;
-        while (test.advance()) {
-            const auto& st = test.state();
-            const auto& clock = sim.world().resource<Clock>();
-            ++n;
-            if (st.phase != phase || st.lift != lift || n % 200 == 0) {
-                const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-                const auto& ls = sim.world().resource<ListState>();
-                const double top = sim.world().column<Bodies, Position>()[row_of_body(sim.world(), sim.world().resource<Specimen>().top)].z();
-                std::printf("%.1fs %s step %lu dt %.3g us/step %.1f t %.4f top %.4f p_top %.4g n_core %.4f contacts %zu near %zu pairs %zu listed %zu refr %lu prunes %lu stage steps %lu ring0 %.4g\n", wall, test.description().c_str(), clock.step, clock.dt,
-                            (wall) / static_cast<double>(clock.step - last_step) * 1e6, clock.time(), top, sim.world().resource<Platen>().pressure, st.phase == TriaxialPhase::fill ? porosity(sim.world(), {0.6*s.radius, 0.1*s.height, 0.2*s.height}, 120) : st.prepared_porosity, measure_balance(sim.world()).contacts,
-                            sim.world().resource<NearIndex<SpherePairs>>().size(), sim.world().table<SpherePairs>().size(), sim.world().table<Listed>().size(), ls.refreshes, ls.prunes, st.phase_steps, sim.world().resource<Membrane>().pressure[0]);
-                std::fflush(stdout);
-                phase = st.phase; lift = st.lift;
-                last_step = clock.step; began = std::chrono::steady_clock::now();
-            }
+
+Simulation make_simulation(const Scene& s, unsigned threads, const Common& common) {
+    World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rock, s.sample.rocks, s.poses);
+    add_lists(world, true);
+    world.table<NearSpheres>().add<SlipWork>();
+    world.table<NearFacets>().add<SlipWork>();
+    world.table<NearPlanes>().add<SlipWork>();
+    world.add_resource<TriaxialState>();
+    Simulation simulation(std::move(world), steps(LawName::linear, true), threads, {.serial = common.serial, .timed = true});
+    simulation.on_restore(invalidate_lists);
+    return simulation;
+}
+
+std::string name_of(double pressure) { return fmt::format("{:.4g}kPa", pressure / 1e3); }
+
+TriaxialSettings settings_at(const Triaxial& t, double pressure) {
+    TriaxialSettings settings = t.test;
+    settings.confining_pressure = pressure;
+    return settings;
+}
+
+// a test's own settings: of several pressures, the one that it has
+std::vector<NamedValue> settings_of(const Common& common, double pressure) {
+    std::vector<NamedValue> settings = common.settings;
+    for (NamedValue& entry : settings)
+        if (entry.key == "confining_pressure_Pa") entry.value = fmt::format("{:g}", pressure);
+    return settings;
+}
+
+/// One test at one pressure: runs it and keeps what is to be shown of it.
+class Test {
+public:
+    Test(const Triaxial& t, const Common& common, const Scene& scene, double pressure, std::filesystem::path out,
+         std::mutex& files, unsigned threads)
+        : common_(common), scene_(scene), settings_(t.test), out_(std::move(out)), files_(files),
+          frame_stages_(t.frame_stages), simulation_(make_simulation(scene, threads, common)),
+          test_(simulation_, settings_at(t, pressure)),
+          keeper_({out_ / "triaxial.ckpt.h5", common.scenario, settings_of(common, pressure)}) {
+        settings_.confining_pressure = pressure;
+        std::filesystem::create_directories(out_);
+    }
+
+    /// Makes the specimen, up to where the pressure begins to matter.
+    void prepare(Progress& progress) {
+        while (test_.state().phase < TriaxialPhase::consolidate) advance(progress, 0);
+    }
+    Archive snapshot() const { return simulation_.snapshot(); }
+    void restore(const Archive& state) { simulation_.restore(state); }
+
+    void run(Progress& progress, unsigned slot) {
+        const auto began = std::chrono::steady_clock::now();
+        const std::uint64_t first_step = clock().step;
+        while (test_.state().phase != TriaxialPhase::done) {
+            advance(progress, slot);
+            record();
         }
-        std::printf("drift %.4f core %.4f H %.4f\n", test.state().drift, test.state().core_porosity, test.state().height);
-        for (std::size_t k = 0; k < test.points().size(); k += test.points().size() / 20 + 1) {
-            const auto& p = test.points()[k];
-            std::printf("e %.4f ev %.5f q %.1f kPa p_r %.2f ring err %.2g/%.2g contact %.2f %.2f bound %.2f %.2f unb %.1e Z %.2f W %.3f E %.3f fr %.3f da %.3f ke %.2g steps %.0f\n", p.axial_strain, p.volumetric_strain, p.deviatoric_stress/1e3, p.radial_stress/1e3, p.mean_ring_error, p.worst_ring_error, p.contact_axial/1e3, p.contact_radial/1e3, p.boundary_axial/1e3, p.boundary_radial/1e3, p.unbalanced, p.coordination, p.boundary_work, p.stored, p.friction_work, p.damping_work, p.kinetic, p.steps);
+        wall_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+        steps_ = clock().step - first_step;
+        finish();
+    }
+
+    const TriaxialState& state() const { return test_.state(); }
+    Simulation& simulation() { return simulation_; }
+    Summary summary() const;
+
+private:
+    const Clock& clock() const { return simulation_.world().resource<Clock>(); }
+
+    void advance(Progress& progress, unsigned slot) {
+        try {
+            test_.advance();
+        } catch (const SimulationError& error) {
+            const std::lock_guard lock(files_);
+            throw SimulationError(fmt::format("{}; state in {}", error.what(), keeper_.save_stopped(simulation_).string()));
         }
-        for (const auto& [name, sec] : sim.schedule().seconds()) std::printf("%8.3f s %s\n", sec, name.c_str());
+        progress.report(slot, test_.fraction(), test_.description());
+        const std::lock_guard lock(files_);
+        keeper_.attend(simulation_);
+    }
+
+    void record();
+    void finish();
+
+    const Common& common_;
+    const Scene& scene_;
+    TriaxialSettings settings_;
+    std::filesystem::path out_;
+    std::mutex& files_;
+    unsigned frame_stages_;
+    Simulation simulation_;
+    TriaxialTest test_;
+    std::unique_ptr<FrameWriter> frames_;
+    std::vector<View> views_;
+    std::size_t recorded_ = 0; // points
+    double wall_ = 0;
+    std::uint64_t steps_ = 0;
+    CheckpointKeeper keeper_;
+};
+
+void Test::record() {
+    const auto& points = test_.state().points;
+    if (points.size() <= recorded_) return;
+    recorded_ = points.size();
+    const std::size_t stage = points.size() - 1;
+    const auto stages = static_cast<std::size_t>(std::llround(settings_.final_axial_strain / settings_.stage_strain));
+    const std::lock_guard lock(files_);
+    if (!frames_) {
+        const std::string name = common_.resume.empty() ? "triaxial" : fmt::format("triaxial_from_stage_{}", stage);
+        frames_ = std::make_unique<FrameWriter>(out_ / (name + ".vtkhdf"), common_.settings);
+    }
+    const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
+    if (stage % frame_stages_ != 0 && !shown) return;
+    const World& world = simulation_.world();
+    const BodyFrame frame = frame_of_bodies(world);
+    frames_->add(frame);
+    if (!shown) return;
+    views_.push_back(view_of_bodies(world, frame, [&](std::size_t place) {
+        const auto id = static_cast<EntityId>(frame.ids[place]);
+        const auto& sensors = world.resource<Specimen>().smart_rocks;
+        const bool sensor = std::find(sensors.begin(), sensors.end(), id) != sensors.end();
+        return sensor ? Colour{230, 120, 20} : stone_colour(id);
+    }));
+    views_.back().caption = fmt::format("{:.1f} %", 100 * points.back().axial_strain);
+}
+
+void Test::finish() {
+    const std::lock_guard lock(files_);
+    write_curve(out_ / "curve.csv", test_.state().points);
+    frames_.reset();
+    draw_curves(out_ / "curves.png", {{name_of(settings_.confining_pressure), &test_.state().points}});
+    draw_picture(out_ / "specimen.png", views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
+    summary().write(out_ / "summary.json");
+}
+
+Summary Test::summary() const {
+    const TriaxialState& s = test_.state();
+    Summary summary;
+    summary.add("confining_pressure_Pa", settings_.confining_pressure);
+    summary.add(describe(properties_of(s.points, settings_.confining_pressure)));
+    summary.add("core_porosity", s.core_porosity);
+    summary.add("core_porosity_after_compaction", s.prepared_porosity);
+    summary.add("global_porosity", s.global_porosity);
+    summary.add("height_m", s.height);
+    summary.add("diameter_m", 2 * scene_.specimen.radius);
+    summary.add("diameter_over_largest_rock", 2 * scene_.specimen.radius / scene_.grading.sieves.front().size);
+    summary.add("sensor_rock_drift_m", s.drift);
+    summary.add("coordination_number", s.points.back().coordination);
+    summary.add("stages", s.stage);
+    summary.add("steps", steps_);
+    summary.add("wall_time_s", wall_);
+    summary.add("time_per_step_s", wall_ / static_cast<double>(std::max<std::uint64_t>(1, steps_)));
+    summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
+    summary.add(common_.settings);
+    return summary;
+}
+
+void print_table(const std::vector<Summary>& results) {
+    Summary table;
+    for (const Summary& result : results) {
+        std::string suffix;
+        for (const NamedValue& entry : result.entries()) {
+            if (entry.key == "confining_pressure_Pa") suffix = name_of(std::get<double>(entry.value));
+            if (entry.key == "core_porosity_after_compaction") break;
+            table.add(NamedValue(suffix + " " + entry.key, std::get<double>(entry.value)));
+        }
+    }
+    table.print("triaxial");
+}
+
+void run(const Triaxial& t, const Common& common) {
+    const Scene scene = make_scene(t, common);
+    if (common.explain) {
+        fmt::print("{}", make_simulation(scene, 1, common).schedule().explain());
+        return;
+    }
+    require(common.resume.empty() || t.confining_pressure.size() == 1,
+            "--resume: expected one --confining-pressure, found " + std::to_string(t.confining_pressure.size()));
+    fmt::print("{}", describe(scene.sample, sieve_back(scene.sample.rocks, scene.clumps, scene.grading, scene.sample.truncated_fraction)));
+    fmt::print("specimen: {} rocks, diameter {:.1f} mm, height about {:.0f} mm, D/d_max {:.2f}\n", t.bodies,
+               2e3 * scene.specimen.radius, 1e3 * scene.specimen.height,
+               2 * scene.specimen.radius / scene.grading.sieves.front().size);
+    const std::size_t tests = t.confining_pressure.size();
+    const unsigned at_once = std::max(1u, std::min<unsigned>(common.threads, static_cast<unsigned>(tests)));
+    const unsigned threads = std::max(1u, common.threads / at_once);
+    Progress progress(static_cast<unsigned>(tests), common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+    std::mutex files;
+    Archive prepared;
+    if (common.resume.empty()) { // one specimen for all
+        Test first(t, common, scene, t.confining_pressure.front(), common.out, files, common.threads);
+        first.prepare(progress);
+        prepared = first.snapshot();
+    } else {
+        Simulation any = make_simulation(scene, 1, common);
+        prepared = resume(any, common.resume, common.scenario, settings_of(common, t.confining_pressure.front())).state;
+    }
+    std::vector<std::unique_ptr<Test>> done(tests);
+    run_ensemble(tests, at_once, [&](std::size_t k) {
+        const double pressure = t.confining_pressure[k];
+        const auto out = tests == 1 ? common.out : common.out / name_of(pressure);
+        done[k] = std::make_unique<Test>(t, common, scene, pressure, out, files, threads);
+        done[k]->restore(prepared);
+        done[k]->run(progress, static_cast<unsigned>(k));
     });
+    progress.pause();
+    std::vector<Summary> results;
+    std::vector<TestCurve> curves;
+    for (const auto& test : done) results.push_back(test->summary());
+    for (std::size_t k = 0; k < tests; ++k) curves.push_back({name_of(t.confining_pressure[k]), &done[k]->state().points});
+    print_table(results);
+    if (tests > 1) {
+        draw_curves(common.out / "curves.png", curves);
+        Summary all;
+        for (std::size_t k = 0; k < tests; ++k)
+            for (const NamedValue& entry : results[k].entries()) {
+                NamedValue named = entry;
+                named.key = name_of(t.confining_pressure[k]) + "_" + entry.key;
+                if (entry.key == "core_porosity") break;
+                all.add(named);
+            }
+        all.add(common.settings);
+        all.write(common.out / "summary.json");
+    }
+    fmt::print("results in {}\n", common.out.string());
+}
+
+} // namespace
+
+} // namespace bris
+
+int main(int argc, char** argv) {
+    return bris::run_scenario<bris::Triaxial>(argc, argv, "triaxial",
+                                              "drained triaxial compression of ballast in a servo membrane", bris::run);
 }

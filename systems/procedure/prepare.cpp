@@ -205,7 +205,7 @@ void TriaxialTest::compact() {
     const MassScaling scaling = scale_masses(world, 0, settings_.safety, false);
     world.resource<Clock>().change_step(scaling.dt);
     // fast while nothing resists, slower the more the skeleton carries
-    const double a_step = platen.pressure < 20e3 ? 5e-6 : 2e-6;
+    const double a_step = platen.pressure < 10e3 ? 5e-6 : 1.5e-6;
     platen.speed = a_step * specimen.height / scaling.dt *
                    std::clamp(1 - platen.pressure / settings_.compaction_pressure, -0.5, 1.0);
     // the held sensor rocks sink with the material around them
@@ -217,9 +217,9 @@ void TriaxialTest::compact() {
     run(100);
     if (state.phase_steps % 2000 != 0) return;
     const double top = platen_height(world), n = porosity(world, core(world, top), 120);
-    const bool stuck = state.phase_steps % 20000 == 0 && state.phase_steps > 20000 &&
+    const bool stuck = state.phase_steps % 40000 == 0 && state.phase_steps > 40000 &&
                        n > state.core_porosity - 5e-4;
-    if (state.phase_steps % 20000 == 0) state.core_porosity = n; // to see whether it still goes down
+    if (state.phase_steps % 40000 == 0) state.core_porosity = n; // to see whether it still goes down
     state.prepared_porosity = n;
     if (n <= settings_.porosity) return start_consolidation();
     if (!stuck) return;
@@ -278,6 +278,7 @@ void TriaxialTest::start_shear() {
     const auto& specimen = world.resource<Specimen>();
     state.height = platen_height(world);
     state.volume = specimen_volume(world);
+    state.global_porosity = 1 - solid_volume(world, {2 * world.resource<Membrane>().radius.front(), 0, state.height}, 240) / state.volume;
     state.core_porosity = porosity(world, core(world, state.height), 240);
     double largest = 0;
     const auto position = world.column<Bodies, Position>();
@@ -291,7 +292,7 @@ void TriaxialTest::start_shear() {
     state.phase = TriaxialPhase::shear;
     state.stage = 0;
     state.phase_steps = 0;
-    points_.push_back(measure_point());
+    state.points.push_back(measure_point());
 }
 
 } // namespace bris

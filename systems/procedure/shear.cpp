@@ -46,6 +46,23 @@ void add_stress(const World& world, const std::vector<Row>& rows, Tensor& contac
     }
 }
 
+// strain rate * d * sqrt(density / mean stress), with the masses that move: d of the mean rock by mass
+double inertial_number(const World& world, const std::vector<Row>& rows, double rate, double stress) {
+    const Table& bodies = world.table<Bodies>();
+    const auto mass = bodies.column<Mass>();
+    const auto inertial = bodies.column<InertialMass>();
+    const auto& materials = world.resource<Materials>();
+    const double density = materials.list[world.resource<Specimen>().rock_material].density;
+    double all = 0, moving = 0, size = 0;
+    for (const Row r : rows) {
+        if (!(mass[r] > 0)) continue;
+        all += mass[r];
+        moving += inertial[r];
+        size += mass[r] * std::cbrt(6 * mass[r] / (pi * density));
+    }
+    return rate * size / all * std::sqrt(density * moving / all / stress);
+}
+
 double sum_by_id(const std::vector<Row>& rows, std::span<const double> values) {
     double sum = 0;
     for (const Row r : rows) sum += values[r];
@@ -120,6 +137,9 @@ TriaxialPoint TriaxialTest::measure_point() const {
     p.friction_work = sum_by_id(rows, bodies.column<FrictionWork>());
     p.damping_work = sum_by_id(rows, bodies.column<DampingWork>());
     p.steps = static_cast<double>(s.phase_steps);
+    if (s.phase == TriaxialPhase::shear && s.phase_steps > 0)
+        p.inertial_number = inertial_number(world, rows, settings_.stage_strain / (p.steps * world.resource<Clock>().dt),
+                                            (p.axial_stress + 2 * p.radial_stress) / 3);
     return p;
 }
 
@@ -143,7 +163,7 @@ void TriaxialTest::shear() {
     run(20);
     if (is_in_equilibrium()) {
         ++state.stage;
-        points_.push_back(measure_point());
+        state.points.push_back(measure_point());
         state.phase_steps = 0;
         return;
     }

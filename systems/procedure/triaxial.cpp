@@ -15,11 +15,16 @@ namespace bris {
 
 void TriaxialState::save(Archive& archive) const {
     const std::array<std::uint64_t, 4> counts{static_cast<std::uint64_t>(phase), lift, stage, phase_steps};
-    const std::array<double, 10> numbers{height,          area,          volume,          drift,
-                                         core_porosity,   global_porosity, prepared_porosity, work_at_start,
-                                         energy_at_start, dissipated_at_start};
+    const std::array<double, 6> numbers{height, volume, drift, core_porosity, global_porosity, prepared_porosity};
     archive.put("triaxial/counts", std::span<const std::uint64_t>(counts));
     archive.put("triaxial/numbers", std::span<const double>(numbers));
+    std::vector<double> curve, rings;
+    for (TriaxialPoint p : points) {
+        p.visit([&](auto&&, auto&&, double value) { curve.push_back(value); });
+        rings.insert(rings.end(), p.ring_radius.begin(), p.ring_radius.end());
+    }
+    archive.put("triaxial/curve", std::span<const double>(curve));
+    archive.put("triaxial/ring_radius", std::span<const double>(rings));
 }
 
 void TriaxialState::load(const Archive& archive) {
@@ -30,15 +35,23 @@ void TriaxialState::load(const Archive& archive) {
     stage = counts.at(2);
     phase_steps = counts.at(3);
     height = n.at(0);
-    area = n.at(1);
-    volume = n.at(2);
-    drift = n.at(3);
-    core_porosity = n.at(4);
-    global_porosity = n.at(5);
-    prepared_porosity = n.at(6);
-    work_at_start = n.at(7);
-    energy_at_start = n.at(8);
-    dissipated_at_start = n.at(9);
+    volume = n.at(1);
+    drift = n.at(2);
+    core_porosity = n.at(3);
+    global_porosity = n.at(4);
+    prepared_porosity = n.at(5);
+    const auto curve = archive.get<double>("triaxial/curve");
+    const auto rings = archive.get<double>("triaxial/ring_radius");
+    std::size_t numbers = 0;
+    TriaxialPoint{}.visit([&](auto&&, auto&&, double&) { ++numbers; });
+    points.assign(curve.size() / numbers, {});
+    auto next = curve.begin();
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        points[k].visit([&](auto&&, auto&&, double& value) { value = *next++; });
+        const std::size_t each = rings.size() / points.size();
+        points[k].ring_radius.assign(rings.begin() + static_cast<std::ptrdiff_t>(k * each),
+                                     rings.begin() + static_cast<std::ptrdiff_t>((k + 1) * each));
+    }
 }
 
 TriaxialTest::TriaxialTest(Simulation& simulation, TriaxialSettings settings)
@@ -106,7 +119,7 @@ std::string TriaxialTest::description() const {
     case TriaxialPhase::shear:
         return where + fmt::format("axial strain {:.2f} %, q {:.0f} kPa, step {}",
                                    100 * static_cast<double>(s.stage) * settings_.stage_strain,
-                                   points_.empty() ? 0.0 : points_.back().deviatoric_stress / 1e3, clock.step);
+                                   s.points.empty() ? 0.0 : s.points.back().deviatoric_stress / 1e3, clock.step);
     case TriaxialPhase::done: break;
     }
     return where + "done";

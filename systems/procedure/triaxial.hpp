@@ -12,7 +12,7 @@ struct TriaxialSettings {
     double confining_pressure = 55e3;
     double stage_strain = 1e-4;
     double final_axial_strain = 0.08;
-    double porosity = 0.36;             ///< of the core
+    double porosity = 0.37;             ///< of the core
     double porosity_tolerance = 0.005;
     double friction = 0.7;              ///< real one, from consolidation on
     double compaction_friction = 0.0;
@@ -29,26 +29,6 @@ struct TriaxialSettings {
 
 enum class TriaxialPhase : std::uint32_t { fill, compact, consolidate, shear, done };
 
-/// Where the test is: enough to go on in the middle of anything.
-struct TriaxialState {
-    static constexpr auto name = "triaxial_state";
-    static constexpr bool is_state = true;
-
-    TriaxialPhase phase = TriaxialPhase::fill;
-    std::uint64_t lift = 0, stage = 0;
-    std::uint64_t phase_steps = 0;    ///< since the phase, lift or stage began
-    double height = 0;                ///< m, at the start of shearing
-    double area = 0;                  ///< m2, likewise
-    double volume = 0;                ///< m3, inside membrane and platens, likewise
-    double drift = 0;                 ///< m, largest of a sensor rock from its given position to the start of shearing
-    double core_porosity = 0, global_porosity = 0; ///< at the start of shearing
-    double prepared_porosity = 0;     ///< of the core, at the end of compaction
-    double work_at_start = 0, energy_at_start = 0, dissipated_at_start = 0; ///< J, at the start of shearing
-
-    void save(Archive& archive) const;
-    void load(const Archive& archive);
-};
-
 /// What was measured at the end of a stage (or of consolidation). Compression positive.
 struct TriaxialPoint {
     double axial_strain = 0;           ///< -, platen travel / height at the start of shearing
@@ -63,9 +43,53 @@ struct TriaxialPoint {
     double mean_ring_error = 0;        ///< -
     double coordination = 0;           ///< touching rocks per rock
     double inertial_number = 0;        ///< -, strain rate * d50 * sqrt(density / mean stress), scaled masses
-    double boundary_work = 0, stored = 0, friction_work = 0, damping_work = 0, kinetic = 0; ///< J, since the start of shearing
+    double boundary_work = 0, friction_work = 0, damping_work = 0; ///< J, since the specimen was begun
+    double stored = 0, kinetic = 0;    ///< J, now
     double steps = 0;                  ///< of this stage
     std::vector<double> ring_radius;   ///< m, mean of the ring's elements
+
+    /// Calls visit(name, unit, number) for each number but the rings'.
+    void visit(auto&& visit_one) {
+        visit_one("axial_strain", "", axial_strain);
+        visit_one("volumetric_strain", "", volumetric_strain);
+        visit_one("axial_stress", "Pa", axial_stress);
+        visit_one("radial_stress", "Pa", radial_stress);
+        visit_one("deviatoric_stress", "Pa", deviatoric_stress);
+        visit_one("boundary_stress_axial", "Pa", boundary_axial);
+        visit_one("boundary_stress_radial", "Pa", boundary_radial);
+        visit_one("contact_stress_axial", "Pa", contact_axial);
+        visit_one("contact_stress_radial", "Pa", contact_radial);
+        visit_one("unbalanced_ratio", "", unbalanced);
+        visit_one("mean_ring_error", "", mean_ring_error);
+        visit_one("worst_ring_error", "", worst_ring_error);
+        visit_one("coordination_number", "", coordination);
+        visit_one("inertial_number", "", inertial_number);
+        visit_one("boundary_work", "J", boundary_work);
+        visit_one("stored_energy", "J", stored);
+        visit_one("friction_work", "J", friction_work);
+        visit_one("damping_work", "J", damping_work);
+        visit_one("kinetic_energy", "J", kinetic);
+        visit_one("steps", "", steps);
+    }
+};
+
+/// Where the test is: enough to go on in the middle of anything.
+struct TriaxialState {
+    static constexpr auto name = "triaxial_state";
+    static constexpr bool is_state = true;
+
+    TriaxialPhase phase = TriaxialPhase::fill;
+    std::uint64_t lift = 0, stage = 0;
+    std::uint64_t phase_steps = 0;    ///< since the phase, lift or stage began
+    double height = 0;                ///< m, at the start of shearing
+    double volume = 0;                ///< m3, inside membrane and platens, likewise
+    double drift = 0;                 ///< m, largest of a sensor rock from its given position to the start of shearing
+    double core_porosity = 0, global_porosity = 0; ///< at the start of shearing
+    double prepared_porosity = 0;     ///< of the core, at the end of compaction
+    std::vector<TriaxialPoint> points; ///< one at the start of shearing, one at the end of each stage
+
+    void save(Archive& archive) const;
+    void load(const Archive& archive);
 };
 
 /// Volume (m3) inside the membrane's polygons and the platens.
@@ -81,8 +105,6 @@ public:
     bool advance();
 
     const TriaxialState& state() const;
-    /// Points so far; not State: a resumed test goes on from where its curve file ends.
-    const std::vector<TriaxialPoint>& points() const { return points_; }
     /// 0 to 1, and what is going on, for the progress line.
     double fraction() const;
     std::string description() const;
@@ -101,7 +123,6 @@ private:
 
     Simulation& simulation_;
     TriaxialSettings settings_;
-    std::vector<TriaxialPoint> points_;
 };
 
 } // namespace bris

@@ -5,7 +5,8 @@
 namespace bris {
 
 void Membrane::save(Archive& archive) const {
-    const std::array<double, 4> numbers{active ? 1.0 : 0.0, target_pressure, gain, largest_step};
+    const std::array<double, 6> numbers{active ? 1.0 : 0.0, target_pressure,   gain,
+                                        largest_step,       contact_stiffness, ring_height};
     archive.put("membrane/settings", std::span<const double>(numbers));
     archive.put("membrane/pressure", std::span<const double>(pressure));
     archive.put("membrane/radius", std::span<const double>(radius));
@@ -17,6 +18,8 @@ void Membrane::load(const Archive& archive) {
     target_pressure = numbers.at(1);
     gain = numbers.at(2);
     largest_step = numbers.at(3);
+    contact_stiffness = numbers.at(4);
+    ring_height = numbers.at(5);
     pressure = archive.get<double>("membrane/pressure");
     radius = archive.get<double>("membrane/radius");
 }

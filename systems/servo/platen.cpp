@@ -7,7 +7,8 @@
 namespace bris {
 
 void Platen::save(Archive& archive) const {
-    const std::array<double, 5> numbers{controlled ? 1.0 : 0.0, speed, target_pressure, largest_step, pressure};
+    const std::array<double, 7> numbers{controlled ? 1.0 : 0.0, speed, target_pressure, largest_step,
+                                        pressure,               gain,  contact_stiffness};
     archive.put("platen/settings", std::span<const double>(numbers));
 }
 
@@ -18,6 +19,8 @@ void Platen::load(const Archive& archive) {
     target_pressure = numbers.at(2);
     largest_step = numbers.at(3);
     pressure = numbers.at(4);
+    gain = numbers.at(5);
+    contact_stiffness = numbers.at(6);
 }
 
 double polygon_area(std::span<const double> radius) {

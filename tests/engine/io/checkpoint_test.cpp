@@ -122,7 +122,7 @@ TEST_SUITE("engine/checkpoint") {
         const auto path = directory / "cut.ckpt.h5";
         write_checkpoint(path, sample());
         const std::string whole = read_whole(path);
-        for (std::size_t length = 0; length < whole.size(); length += length + 40 < whole.size() ? 131 : 1) {
+        for (std::size_t length = 0; length < whole.size(); length += length + 40 < whole.size() ? 131u : 1u) {
             write_whole(path, whole.substr(0, length));
             CAPTURE(length);
             CHECK(rejection(path).starts_with("checkpoint '" + path.string() + "': expected "));

@@ -1,0 +1,79 @@
+#include "systems/broadphase/lists.hpp"
+#include "systems/build/clump_library.hpp"
+#include "systems/procedure/triaxial.hpp"
+#include "systems/procedure/triaxial_results.hpp"
+#include "systems/steps.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace bris;
+
+namespace {
+
+constexpr double pressure = 110e3;
+
+// 70 rocks: too few to say anything of ballast, enough for every mechanism of the test
+Simulation small_test(unsigned threads) {
+    const std::filesystem::path assets = BRIS_ASSETS;
+    auto clumps = read_clumps(assets / "clumps");
+    std::erase_if(clumps, [](const Clump& c) { return c.name == "cube"; });
+    const auto sample = sample_rocks(read_grading(assets / "gradings" / "arema_4.csv"), clumps, 60, 3);
+    SpecimenSettings s;
+    s.seed = 3;
+    const Clump smart = scaled(clumps[0], 0.02);
+    s.radius = radius_for(sample.solid_volume + 10 * smart.volume, 0.45, s.sectors);
+    s.height = 4 * s.radius;
+    World world = make_triaxial_world(s, clumps, smart, sample.rocks, smart_rock_poses(s, smart.bounding_radius));
+    add_lists(world, true);
+    world.table<NearSpheres>().add<SlipWork>();
+    world.table<NearFacets>().add<SlipWork>();
+    world.table<NearPlanes>().add<SlipWork>();
+    world.add_resource<TriaxialState>();
+    Simulation simulation(std::move(world), steps(LawName::linear, true), threads);
+    simulation.on_restore(invalidate_lists);
+    return simulation;
+}
+
+TriaxialSettings short_test() {
+    TriaxialSettings settings;
+    settings.confining_pressure = pressure;
+    settings.porosity = 0.5; // reached at once: this is not about density
+    settings.final_axial_strain = 0.002;
+    return settings;
+}
+
+} // namespace
+
+TEST_SUITE("procedure/triaxial") {
+    TEST_CASE("a triaxial test keeps its pressure, its stress balance and its energy balance") {
+        Simulation simulation = small_test(1);
+        TriaxialTest test(simulation, short_test());
+        while (test.advance()) {}
+        const auto& points = test.state().points;
+        REQUIRE(points.size() == 21);
+        const TriaxialProperties p = properties_of(points, pressure);
+        CHECK(p.worst_ring_error <= 0.01);        // the criterion itself
+        CHECK(p.worst_stress_mismatch <= 0.01);   // of the order of the unbalanced ratio, 1e-3
+        CHECK(p.energy_mismatch <= 0.02);         // servo steps and mass scaling are first order
+        CHECK(p.peak_q > 0.5 * pressure);
+        CHECK(points.back().axial_strain == doctest::Approx(0.002).epsilon(1e-9));
+        for (std::size_t k = 1; k < points.size(); ++k) CHECK(points[k].unbalanced <= 1e-3);
+    }
+
+    TEST_CASE("a test restored in the middle of a stage, on other threads, ends with the same bits") {
+        Simulation simulation = small_test(1);
+        TriaxialTest test(simulation, short_test());
+        while (test.state().stage < 3 || test.state().phase_steps == 0) REQUIRE(test.advance());
+        const Archive middle = simulation.snapshot();
+        while (test.state().stage < 6) REQUIRE(test.advance());
+        const auto whole = fingerprint(simulation.snapshot());
+
+        Simulation other = small_test(2);
+        other.restore(middle);
+        TriaxialTest rest(other, short_test());
+        while (rest.state().stage < 6) REQUIRE(rest.advance());
+        CHECK(fingerprint(other.snapshot()) == whole);
+    }
+}
