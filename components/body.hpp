@@ -42,6 +42,7 @@ struct Growth          : State<double> { static constexpr auto name = "growth", 
 // the energy ledger of a body, since the start; columns that are only there if somebody asks
 struct FrictionWork    : State<double> { static constexpr auto name = "friction_work", unit = "J"; };      // taken in the pairs it owns
 struct DampingWork     : State<double> { static constexpr auto name = "damping_work", unit = "J"; };       // taken by local damping
+struct ScalingWork     : State<double> { static constexpr auto name = "scaling_work", unit = "J"; };       // put in when masses are scaled in motion
 struct BoundaryWork    : State<double> { static constexpr auto name = "boundary_work", unit = "J"; };      // a driven body's, on the grains
 
 struct Force           : Derived<Vec3> { static constexpr auto name = "force", unit = "N"; };              // resultant of this step

@@ -23,8 +23,8 @@ struct Material {
 /// Coefficients of one pair of materials, as the contact kernel reads them.
 struct alignas(64) LawRow { double kn, ks, friction, normal_damping, shear_damping, unused[3]; };
 
-/// The materials of a scene and the table of their pairs. Friction and stiffness
-/// may change between phases, so they are State.
+/// The materials of a scene and the table of their pairs. Coefficients may
+/// change between phases, so they are State.
 struct Materials {
     static constexpr auto name = "materials";
     static constexpr bool is_state = true;
@@ -56,15 +56,18 @@ struct Materials {
     void save(Archive& archive) const {
         std::vector<double> numbers;
         for (const Material& m : list)
-            numbers.insert(numbers.end(), {m.friction, m.normal_stiffness, m.shear_stiffness});
-        archive.put("materials/friction_stiffness", std::span<const double>(numbers));
+            numbers.insert(numbers.end(), {m.friction, m.normal_stiffness, m.shear_stiffness,
+                                           m.normal_damping, m.shear_damping});
+        archive.put("materials/coefficients", std::span<const double>(numbers));
     }
     void load(const Archive& archive) {
-        const auto numbers = archive.get<double>("materials/friction_stiffness");
+        const auto numbers = archive.get<double>("materials/coefficients");
         for (std::size_t i = 0; i < list.size(); ++i) {
-            list[i].friction = numbers.at(3 * i);
-            list[i].normal_stiffness = numbers.at(3 * i + 1);
-            list[i].shear_stiffness = numbers.at(3 * i + 2);
+            list[i].friction = numbers.at(5 * i);
+            list[i].normal_stiffness = numbers.at(5 * i + 1);
+            list[i].shear_stiffness = numbers.at(5 * i + 2);
+            list[i].normal_damping = numbers.at(5 * i + 3);
+            list[i].shear_damping = numbers.at(5 * i + 4);
         }
         mix();
     }

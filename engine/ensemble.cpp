@@ -53,8 +53,10 @@ void run_ensemble(std::size_t jobs, unsigned at_once,
     };
     if (at_once == 0) at_once = std::max(1u, std::thread::hardware_concurrency());
     {
-        std::vector<std::jthread> others; // joined at the end of the block, also if one cannot start
-        for (std::size_t i = 1; i < std::min<std::size_t>(jobs, at_once); ++i) others.emplace_back(work);
+        std::vector<std::jthread>
+            others; // joined at the end of the block, also if one cannot start
+        for (std::size_t i = 1; i < std::min<std::size_t>(jobs, at_once); ++i)
+            others.emplace_back(work);
         work();
     }
     queue.rethrow();

@@ -25,6 +25,10 @@ inline Quat exponential_map(const Vec3& v) {
         ++squarings;
     }
     const double x = half.squaredNorm();
+    if (x < 1e-5) { // the usual case of a quasi-static run; the next terms are below 2e-16
+        const double sinc = 1 - x * (1.0 / 6) * (1 - x * (1.0 / 20)), cosine = 1 - x * 0.5 * (1 - x * (1.0 / 12) * (1 - x * (1.0 / 30)));
+        return {cosine, sinc * half.x(), sinc * half.y(), sinc * half.z()};
+    }
     // Horner's rule with reciprocals known to the compiler: divisions would take most of a step
     const double sinc =
         1 - x * (1.0 / 6) * (1 - x * (1.0 / 20) * (1 - x * (1.0 / 42) * (1 - x * (1.0 / 72) *

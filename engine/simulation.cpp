@@ -32,6 +32,7 @@ Archive Simulation::snapshot() const { return save_state(*world_); }
 
 void Simulation::restore(const Archive& state) {
     load_state(*world_, state);
+    world_->resource<Health>() = {};
     if (on_restore_ != nullptr) on_restore_(*world_);
     prepare();
 }

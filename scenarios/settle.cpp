@@ -1,5 +1,5 @@
-// Spheres settle in a box under gravity: the bed on which speed is measured, and the shortest way to
-// see a whole run, from options to pictures.
+// Spheres settle in a box under gravity: the bed on which speed is measured, and the shortest way
+// to see a whole run, from options to pictures.
 #include "engine/errors.hpp"
 #include "engine/progress.hpp"
 #include "engine/random.hpp"
@@ -57,8 +57,8 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Spheres on a loose lattice, a little out of place, in a box about the z axis whose floor is z = 0;
-/// settled, they are nearly twice as high as wide.
+/// Spheres on a loose lattice, a little out of place, in a box about the z axis whose floor is z =
+/// 0; settled, they are nearly twice as high as wide.
 World make_scene(const Settle& s, std::uint64_t seed) {
     World world = make_world(Grains::spheres);
     // two partners act in series: each has twice the stiffness of their contact
@@ -72,7 +72,9 @@ World make_scene(const Settle& s, std::uint64_t seed) {
         Random random(seed, n);
         const double radius = s.radius * random.uniform(1 - s.size_spread, 1 + s.size_spread);
         const Vec3 place(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
-        add_sphere(world, pitch * place - Vec3(width / 2, width / 2, 0) + 0.02 * largest * random.direction(),
+        add_sphere(world,
+                   pitch * place - Vec3(width / 2, width / 2, 0) +
+                       0.02 * largest * random.direction(),
                    s.size_spread > 0 ? radius : s.radius, material);
     }
     const double height = (s.spheres / (side * side) + 2) * pitch;
@@ -92,8 +94,9 @@ double solid_fraction(const World& world, double radius) {
         width = std::max(width, 2 * (std::abs(x.x()) + radius));
     }
     const CylinderRegion inside{width / 2 - 2 * radius, 2 * radius, 0.8 * height};
-    return inside.radius > radius && inside.high > inside.low + radius ? 1 - porosity(world, inside, 120)
-                                                                       : 0;
+    return inside.radius > radius && inside.high > inside.low + radius
+               ? 1 - porosity(world, inside, 120)
+               : 0;
 }
 
 class Settling {
@@ -101,14 +104,15 @@ public:
     Settling(const Settle& settings, const Common& common)
         : settings_(settings), common_(common), total_(steps_of(settings)),
           sample_every_(std::max<std::uint64_t>(1, total_ / samples)),
-          simulation_(make_scene(settings, common.seed), steps(LawName::linear_viscous), common.threads,
-                      {.serial = common.serial}),
+          simulation_(make_scene(settings, common.seed), steps(LawName::linear_viscous),
+                      common.threads, {.serial = common.serial}),
           keeper_({common.out / "settle.ckpt.h5", common.scenario, common.settings,
                    [this](Archive& archive) { series_.save(archive); }}) {
         simulation_.on_restore(invalidate_lists);
         const double stable = stable_step_of_first_contact(simulation_.world());
-        require(settings.step <= stable, fmt::format("--step: expected at most the stable step {:.3g} s, found {:.3g} s",
-                                                     stable, settings.step));
+        require(settings.step <= stable,
+                fmt::format("--step: expected at most the stable step {:.3g} s, found {:.3g} s",
+                            stable, settings.step));
     }
 
     std::string explain() { return simulation_.schedule().explain(); }
@@ -131,7 +135,8 @@ private:
     static std::uint64_t steps_of(const Settle& s) {
         const double number = std::round(s.duration / s.step);
         require(number >= 1 && number < 1e15,
-                fmt::format("--duration: expected 1 to 1e15 steps of {:.3g} s, found {:.3g}", s.step, number));
+                fmt::format("--duration: expected 1 to 1e15 steps of {:.3g} s, found {:.3g}",
+                            s.step, number));
         return static_cast<std::uint64_t>(number);
     }
 
@@ -141,9 +146,14 @@ private:
     void begin() {
         std::string name = "settle";
         if (!common_.resume.empty()) {
-            series_.load(resume(simulation_, common_.resume, common_.scenario, common_.settings, {"duration_s"}).state);
-            require(now() < total_, fmt::format("--duration: expected more than the {:.6g} s of the checkpoint, found {:.6g} s",
-                                                world().resource<Clock>().time(), settings_.duration));
+            series_.load(resume(simulation_, common_.resume, common_.scenario, common_.settings,
+                                {"duration_s"})
+                             .state);
+            require(
+                now() < total_,
+                fmt::format(
+                    "--duration: expected more than the {:.6g} s of the checkpoint, found {:.6g} s",
+                    world().resource<Clock>().time(), settings_.duration));
             name += fmt::format("_from_{}", now()); // the frames until then are in a file already
         }
         first_step_ = now();
@@ -154,17 +164,20 @@ private:
     void go() {
         Progress progress(1, common_.quiet ? Progress::Style::quiet : Progress::Style::automatic);
         while (now() < total_) {
-            const std::uint64_t next = std::min(total_, (now() / sample_every_ + 1) * sample_every_);
+            const std::uint64_t next =
+                std::min(total_, (now() / sample_every_ + 1) * sample_every_);
             const auto began = std::chrono::steady_clock::now();
             simulation_.advance(std::min(next - now(), longest_block));
             stepping_ += seconds_since(began);
             if (now() == next) {
                 sample();
-                if (next % (samples_per_frame * sample_every_) == 0 || next == total_) frames_->add(world());
+                if (next % (samples_per_frame * sample_every_) == 0 || next == total_)
+                    frames_->add(world());
             }
             progress.report(0, static_cast<double>(now()) / static_cast<double>(total_),
                             fmt::format("settle {:.4f} s, step {}, floor force / weight {:.4f}",
-                                        world().resource<Clock>().time(), now(), floor_force_over_weight()));
+                                        world().resource<Clock>().time(), now(),
+                                        floor_force_over_weight()));
             keeper_.attend(simulation_);
         }
     }
@@ -172,12 +185,14 @@ private:
     void sample() {
         const double stable = stable_step(world());
         if (settings_.step > stable)
-            throw SimulationError(fmt::format("step {}, time {:.6g} s: --step: expected at most the stable step {:.3g} s of the "
-                                              "contacts that have formed, found {:.3g} s",
-                                              now(), world().resource<Clock>().time(), stable, settings_.step));
+            throw SimulationError(fmt::format(
+                "step {}, time {:.6g} s: --step: expected at most the stable step {:.3g} s of the "
+                "contacts that have formed, found {:.3g} s",
+                now(), world().resource<Clock>().time(), stable, settings_.step));
         last_ = measure(world());
-        series_.add({world().resource<Clock>().time(), last_.kinetic_energy, last_.elastic_energy, floor_force_over_weight(),
-                     last_.coordination, last_.unbalanced_ratio, stable});
+        series_.add({world().resource<Clock>().time(), last_.kinetic_energy, last_.elastic_energy,
+                     floor_force_over_weight(), last_.coordination, last_.unbalanced_ratio,
+                     stable});
     }
 
     /// Force of all grains on the box over their weight, along gravity: 1 at rest.
@@ -188,15 +203,21 @@ private:
     void draw() {
         const auto& time = series_.column("time");
         draw_plots(common_.out / "settle_history.png",
-                   {{.title = "motion dies away", .x_label = "time (s)", .y_label = "kinetic energy (J)",
-                     .curves = {{.x = time, .y = series_.column("kinetic_energy")}}, .y_logarithmic = true},
-                    {.title = "the floor takes over the weight", .x_label = "time (s)", .y_label = "floor force / weight",
+                   {{.title = "motion dies away",
+                     .x_label = "time (s)",
+                     .y_label = "kinetic energy (J)",
+                     .curves = {{.x = time, .y = series_.column("kinetic_energy")}},
+                     .y_logarithmic = true},
+                    {.title = "the floor takes over the weight",
+                     .x_label = "time (s)",
+                     .y_label = "floor force / weight",
                      .curves = {{.x = time, .y = series_.column("floor_force_over_weight")}}}});
         const BodyFrame frame = frame_of_bodies(world());
         View view = view_of_bodies(world(), frame, [&](std::size_t place) {
             return scale_colour(std::min(1.0, static_cast<double>(frame.coordination[place]) / 8));
         });
-        view.caption = fmt::format("{} spheres after {:.3g} s, blue to yellow: 0 to 8 contacts", settings_.spheres, frame.time);
+        view.caption = fmt::format("{} spheres after {:.3g} s, blue to yellow: 0 to 8 contacts",
+                                   settings_.spheres, frame.time);
         draw_picture(common_.out / "settle.png", {&view, 1});
         series_.write_csv(common_.out / "settle.csv");
         series_.write_track(frames_->file());
@@ -231,8 +252,13 @@ private:
     std::uint64_t total_, sample_every_, first_step_ = 0;
     Simulation simulation_;
     Series series_{"motion",
-                   {{"time", "s"}, {"kinetic_energy", "J"}, {"elastic_energy", "J"}, {"floor_force_over_weight", ""},
-                    {"coordination", ""}, {"unbalanced_ratio", ""}, {"stable_step", "s"}}};
+                   {{"time", "s"},
+                    {"kinetic_energy", "J"},
+                    {"elastic_energy", "J"},
+                    {"floor_force_over_weight", ""},
+                    {"coordination", ""},
+                    {"unbalanced_ratio", ""},
+                    {"stable_step", "s"}}};
     CheckpointKeeper keeper_;
     std::unique_ptr<FrameWriter> frames_;
     Quantities last_;

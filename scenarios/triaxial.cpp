@@ -245,7 +245,8 @@ Summary Test::summary() const {
     summary.add("wall_time_s", wall_);
     summary.add("time_per_step_s", wall_ / static_cast<double>(std::max<std::uint64_t>(1, steps_)));
     summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
-    summary.add(common_.settings);
+    for (const NamedValue& entry : common_.settings)
+        if (entry.key != "confining_pressure_Pa") summary.add(entry); // this test's own stands above
     return summary;
 }
 
@@ -255,8 +256,10 @@ void print_table(const std::vector<Summary>& results) {
         std::string suffix;
         for (const NamedValue& entry : result.entries()) {
             if (entry.key == "confining_pressure_Pa") suffix = name_of(std::get<double>(entry.value));
-            if (entry.key == "core_porosity_after_compaction") break;
-            table.add(NamedValue(suffix + " " + entry.key, std::get<double>(entry.value)));
+            if (entry.key == "stage_strain") break; // settings from here on
+            NamedValue named = entry;
+            named.key = suffix + " " + entry.key;
+            table.add(named);
         }
     }
     table.print("triaxial");
@@ -309,7 +312,7 @@ void run(const Triaxial& t, const Common& common) {
             for (const NamedValue& entry : results[k].entries()) {
                 NamedValue named = entry;
                 named.key = name_of(t.confining_pressure[k]) + "_" + entry.key;
-                if (entry.key == "core_porosity") break;
+                if (entry.key == "stage_strain") break; // settings from here on
                 all.add(named);
             }
         all.add(common.settings);

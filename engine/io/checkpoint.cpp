@@ -37,7 +37,8 @@ struct Close {
 using File = std::unique_ptr<std::FILE, Close>;
 
 [[noreturn]] void fail(const char* doing, const fs::path& path, int error) {
-    throw OutputError(fmt::format("cannot {} '{}': {}", doing, path.string(), std::strerror(error)));
+    throw OutputError(
+        fmt::format("cannot {} '{}': {}", doing, path.string(), std::strerror(error)));
 }
 
 [[noreturn]] void reject(const fs::path& path, const std::string& what) {
@@ -58,7 +59,8 @@ std::uint64_t hash_of(std::FILE* file, std::uint64_t size, const fs::path& path)
         errno = 0;
         if (std::fread(block.data(), 1, bytes, file) != bytes)
             fail("read", path, errno == 0 ? EIO : errno);
-        for (std::size_t i = 0; i < (bytes + 7) / 8; ++i) { // each step can be undone: nothing is lost
+        for (std::size_t i = 0; i < (bytes + 7) / 8;
+             ++i) { // each step can be undone: nothing is lost
             hash = (hash ^ block[i]) * 0xff51afd7ed558ccdu;
             hash ^= hash >> 32;
         }
@@ -80,7 +82,8 @@ void check_seal(const fs::path& path) {
     const std::uint64_t size = size_of(file.get(), path);
     Seal found;
     found.mark.fill(0);
-    if (size <= sizeof(Seal)) reject(path, fmt::format("expected a checkpoint, found {} bytes", size));
+    if (size <= sizeof(Seal))
+        reject(path, fmt::format("expected a checkpoint, found {} bytes", size));
     const std::uint64_t hash = hash_of(file.get(), size - sizeof(Seal), path);
     if (std::fread(&found, sizeof found, 1, file.get()) != 1) fail("read", path, EIO);
     if (found.mark != Seal{}.mark)
@@ -109,20 +112,23 @@ void synchronise_directory(const fs::path& directory) {
     close(handle);
 }
 
-template <class T> void write_array(Hdf5File& file, const Archive::Array& array) {
+template <class T>
+void write_array(Hdf5File& file, const Archive::Array& array) {
     std::vector<T> values(array.bytes.size() / sizeof(T));
     if (!values.empty()) std::memcpy(values.data(), array.bytes.data(), array.bytes.size());
     file.write<T>("/state/" + array.path, values, {array.rows(), array.columns});
 }
 
-template <class T> void read_array(const Hdf5File& file, Archive::Array& array) {
+template <class T>
+void read_array(const Hdf5File& file, Archive::Array& array) {
     const auto values = file.read<T>("/state/" + array.path);
     array.bytes.resize(values.size() * sizeof(T));
     if (!values.empty()) std::memcpy(array.bytes.data(), values.data(), array.bytes.size());
 }
 
 /// Calls `with(T{})` for the type that stands for an array's numbers in the file.
-template <class Action> void dispatch(Scalar scalar, std::size_t size, Action&& with) {
+template <class Action>
+void dispatch(Scalar scalar, std::size_t size, Action&& with) {
     if (scalar == Scalar::real && size == 8)
         with(double{});
     else if (scalar == Scalar::real && size == 4)
@@ -169,9 +175,13 @@ Archive read_state(const Hdf5File& file) {
     while (order >> path >> scalar >> size) {
         const auto shape = file.shape("/state/" + path);
         if (shape.size() != 2) throw OutputError("expected a table, found another shape: " + path);
-        Archive::Array array{path, scalar == "real" ? Scalar::real : Scalar::integer, size,
-                             static_cast<std::size_t>(shape[1]), {}};
-        dispatch(array.scalar, size, [&](auto number) { read_array<decltype(number)>(file, array); });
+        Archive::Array array{path,
+                             scalar == "real" ? Scalar::real : Scalar::integer,
+                             size,
+                             static_cast<std::size_t>(shape[1]),
+                             {}};
+        dispatch(array.scalar, size,
+                 [&](auto number) { read_array<decltype(number)>(file, array); });
         state.put(std::move(array));
     }
     return state;
@@ -208,7 +218,8 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
         seal(unfinished);
     } catch (const OutputError& problem) {
         fs::remove(unfinished, error);
-        throw OutputError(fmt::format("cannot write checkpoint '{}': {}", path.string(), problem.what()));
+        throw OutputError(
+            fmt::format("cannot write checkpoint '{}': {}", path.string(), problem.what()));
     }
     if (std::rename(unfinished.c_str(), path.c_str()) != 0) {
         const int why = errno;
@@ -223,7 +234,8 @@ Checkpoint read_checkpoint(const std::filesystem::path& path) {
     try {
         return read_content(path);
     } catch (const OutputError& problem) { // sealed, so what is wrong is what was sealed
-        reject(path, fmt::format("expected a checkpoint of this program, found: {}", problem.what()));
+        reject(path,
+               fmt::format("expected a checkpoint of this program, found: {}", problem.what()));
     }
 }
 
@@ -244,8 +256,9 @@ void require_same_run(const std::filesystem::path& path, const Checkpoint& check
         if (free(wanted.key)) continue;
         const NamedValue* found = find(checkpoint.settings, wanted.key);
         if (found == nullptr || text_of(*found) != text_of(wanted))
-            reject(path, fmt::format("{}: expected {} as in this run, found {}", wanted.key,
-                                     text_of(wanted), found == nullptr ? "nothing" : text_of(*found)));
+            reject(path,
+                   fmt::format("{}: expected {} as in this run, found {}", wanted.key,
+                               text_of(wanted), found == nullptr ? "nothing" : text_of(*found)));
     }
     for (const NamedValue& found : checkpoint.settings)
         if (!free(found.key) && find(settings, found.key) == nullptr)

@@ -22,8 +22,8 @@ struct Checkpoint {
 
 /// Writes NAME.ckpt.h5: datasets under /state by their paths, settings as attributes of /settings.
 /// The file is written beside `path`, synchronised and renamed: whoever looks finds the old one or
-/// the whole new one, also after a crash or with a full disk. Its last 16 bytes, which HDF5 does not
-/// look at, seal it: a mark and a hash of everything before. Throws OutputError.
+/// the whole new one, also after a crash or with a full disk. Its last 16 bytes, which HDF5 does
+/// not look at, seal it: a mark and a hash of everything before. Throws OutputError.
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint);
 
 /// Reads it back, `state` to the same bits. Throws OutputError if the file cannot be read, and

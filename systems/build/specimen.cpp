@@ -116,6 +116,7 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
     bodies.add<Growth>();
     bodies.add<FrictionWork>();
     bodies.add<DampingWork>();
+    bodies.add<ScalingWork>();
     bodies.add<BoundaryWork>();
     world.add_resource(LocalDamping{0.7});
     world.add_resource(Gravity{});

@@ -113,6 +113,10 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     const auto inertial = bodies.column<InertialMass>();
     const auto inertia = bodies.column<Inertia>();
     const auto inertial_inertia = bodies.column<InertialInertia>();
+    const auto velocity = bodies.column<Velocity>();
+    const auto momentum = bodies.column<AngularMomentum>();
+    const auto spin = bodies.column<Spin>();
+    const auto work = bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
     std::vector<Row> rows(bodies.size()); // in id order: sums must not depend on the rows
     for (Row b = 0; b < rows.size(); ++b) rows[id[b]] = b;
     std::erase_if(rows, [&](Row b) { return motion[b] != free_motion; });
@@ -139,6 +143,11 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
         if (only_raise) {
             m = std::max(m, inertial[b]);
             i = std::max(i, inertial_inertia[b].x() / inertia[b].x());
+        }
+        // velocities and angular momenta stay: the kinetic energy does not
+        if (!work.empty()) {
+            const double turning = 0.5 * momentum[b].dot(spin[b]), before = inertial_inertia[b].x() / inertia[b].x();
+            work[b] += 0.5 * (m - inertial[b]) * velocity[b].squaredNorm() + turning * (before / i - 1);
         }
         inertial[b] = m;
         inertial_inertia[b] = i * inertia[b];

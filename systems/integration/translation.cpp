@@ -7,8 +7,10 @@ namespace {
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
 
 double damped(double force, double velocity, double fraction) {
+    // without branches: the signs are as good as random
     const double drive = force * velocity;
-    return drive > 0 ? force * (1 - fraction) : drive < 0 ? force * (1 + fraction) : force;
+    const int sign = static_cast<int>(drive > 0) - static_cast<int>(drive < 0);
+    return force * (1 - fraction * sign);
 }
 
 Vec3 damped(const Vec3& force, const Vec3& velocity, double fraction) {

@@ -20,6 +20,7 @@ struct Sum {
 template <class Pairs> void add_pairs(const World& world, std::vector<Sum>& sums, Balance& balance) {
     if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
+    if (index.size() == 0) return;
     const auto force = world.column<typename Pairs::Near, PairForce>();
     const auto add = [&](Sum& sum, Row k, double sign) {
         if (!index.touches(k)) return;

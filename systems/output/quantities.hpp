@@ -13,7 +13,7 @@ struct Quantities {
     std::size_t contacts = 0;        ///< touching pairs of spheres or of sphere and boundary
     std::size_t body_contacts = 0;   ///< touching pairs of bodies
     double mean_overlap = 0;         ///< m, of touching pairs
-    double largest_overlap = 0;      ///< of the mean radius of the partners
+    double largest_overlap = 0;      ///< m
     double mean_normal_force = 0;    ///< N
     double unbalanced_ratio = 0;     ///< mean unbalanced force / mean sum of contact and applied forces; 1 if nothing carries
     Vec3 boundary_force = Vec3::Zero(); ///< N, of all grains on all driven bodies

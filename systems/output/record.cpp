@@ -29,7 +29,8 @@ std::vector<Row> rows_of(const World& world) {
 }
 
 /// Bodies touched by each body id; a partner that touches in many places counts once.
-template <class Pairs> void count_partners(const World& world, std::vector<float>& count) {
+template <class Pairs>
+void count_partners(const World& world, std::vector<float>& count) {
     PairNames last{nobody, nobody, 0, 0};
     for (const TouchingPair& pair : touching_pairs<Pairs>(world)) {
         if (pair.names.owner != last.owner || pair.names.partner != last.partner) {
@@ -114,11 +115,12 @@ View view_of_bodies(const World& world, const BodyFrame& frame,
         const Row row = rows[parent[s]];
         Vec3 centre = ball[s].centre;
         if (bodies.has<Orientation>()) centre = bodies.column<Orientation>()[row] * centre;
-        view.balls.push_back({bodies.column<Position>()[row] + centre, ball[s].radius, colours[parent[s]]});
+        view.balls.push_back(
+            {bodies.column<Position>()[row] + centre, ball[s].radius, colours[parent[s]]});
     }
     for (std::size_t q = 0; q < frame.quads(); ++q)
-        view.quads.push_back({frame.corners[4 * q], frame.corners[4 * q + 1], frame.corners[4 * q + 2],
-                              frame.corners[4 * q + 3]});
+        view.quads.push_back({frame.corners[4 * q], frame.corners[4 * q + 1],
+                              frame.corners[4 * q + 2], frame.corners[4 * q + 3]});
     return view;
 }
 
@@ -148,7 +150,8 @@ Series::Series(std::string name, std::vector<RunFile::Column> columns)
 
 void Series::add(std::initializer_list<double> row) {
     if (row.size() != columns_.size())
-        throw std::logic_error(fmt::format("series {}: {} numbers for {} columns", name_, row.size(), columns_.size()));
+        throw std::logic_error(fmt::format("series {}: {} numbers for {} columns", name_,
+                                           row.size(), columns_.size()));
     std::size_t k = 0;
     for (const double value : row) values_[k++].push_back(value);
 }
@@ -161,15 +164,17 @@ const std::vector<double>& Series::column(const std::string& name) const {
 
 void Series::save(Archive& archive) const {
     for (std::size_t k = 0; k < columns_.size(); ++k)
-        archive.put("series/" + name_ + "/" + columns_[k].name, std::span<const double>(values_[k]));
+        archive.put("series/" + name_ + "/" + columns_[k].name,
+                    std::span<const double>(values_[k]));
 }
 
 void Series::load(const Archive& archive) {
     for (std::size_t k = 0; k < columns_.size(); ++k) {
         values_[k] = archive.get<double>("series/" + name_ + "/" + columns_[k].name);
-        require(values_[k].size() == values_[0].size(),
-                fmt::format("checkpoint: series {}: expected columns of one length, found {} and {}", name_,
-                            values_[0].size(), values_[k].size()));
+        require(
+            values_[k].size() == values_[0].size(),
+            fmt::format("checkpoint: series {}: expected columns of one length, found {} and {}",
+                        name_, values_[0].size(), values_[k].size()));
     }
 }
 
@@ -206,7 +211,8 @@ void CheckpointKeeper::attend(const Simulation& simulation) {
     if (interrupted()) {
         save(simulation);
         throw Interrupted(fmt::format("interrupted at step {}; go on with --resume {}",
-                                      simulation.world().resource<Clock>().step, settings_.path.string()));
+                                      simulation.world().resource<Clock>().step,
+                                      settings_.path.string()));
     }
     const std::chrono::duration<double> since = std::chrono::steady_clock::now() - last_;
     if (since.count() >= settings_.interval) save(simulation);
@@ -226,8 +232,8 @@ std::filesystem::path CheckpointKeeper::save_stopped(const Simulation& simulatio
     return path;
 }
 
-Checkpoint resume(Simulation& simulation, const std::filesystem::path& path, const std::string& scenario,
-                  const std::vector<NamedValue>& settings,
+Checkpoint resume(Simulation& simulation, const std::filesystem::path& path,
+                  const std::string& scenario, const std::vector<NamedValue>& settings,
                   std::initializer_list<std::string_view> may_differ) {
     Checkpoint checkpoint = read_checkpoint(path);
     const auto always = settings_that_may_differ();

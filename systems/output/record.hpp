@@ -21,16 +21,17 @@ namespace bris {
 /// Bodies that carry spheres, and all facets, as a run file shows them: in the order of their ids,
 /// whatever their rows. n bodies.
 struct BodyFrame {
-    double time = 0;                      ///< s
-    std::vector<std::int64_t> ids;        ///< n
-    std::vector<std::int64_t> shapes;     ///< n, number in the clump library; empty in scenes of spheres
-    std::vector<Vec3> positions;          ///< n, m
-    std::vector<float> radii;             ///< n, m, bounding radius
-    std::vector<float> velocities;        ///< n x 3, m/s, at the time of the positions
-    std::vector<float> spins;             ///< n x 3, rad/s
-    std::vector<float> orientations;      ///< n x 4: w, x, y, z; empty in scenes of spheres
-    std::vector<float> coordination;      ///< n, bodies that touch it (boundaries count)
-    std::vector<Vec3> corners;            ///< 4 per facet, m
+    double time = 0;               ///< s
+    std::vector<std::int64_t> ids; ///< n
+    std::vector<std::int64_t>
+        shapes;                      ///< n, number in the clump library; empty in scenes of spheres
+    std::vector<Vec3> positions;     ///< n, m
+    std::vector<float> radii;        ///< n, m, bounding radius
+    std::vector<float> velocities;   ///< n x 3, m/s, at the time of the positions
+    std::vector<float> spins;        ///< n x 3, rad/s
+    std::vector<float> orientations; ///< n x 4: w, x, y, z; empty in scenes of spheres
+    std::vector<float> coordination; ///< n, bodies that touch it (boundaries count)
+    std::vector<Vec3> corners;       ///< 4 per facet, m
     std::size_t quads() const { return corners.size() / 4; }
 };
 
@@ -88,7 +89,7 @@ private:
 class CheckpointKeeper {
 public:
     struct Settings {
-        std::filesystem::path path;             ///< NAME.ckpt.h5
+        std::filesystem::path path; ///< NAME.ckpt.h5
         std::string scenario;
         std::vector<NamedValue> settings;
         std::function<void(Archive&)> also = {}; ///< adds what is not the world's State, as Series
@@ -96,8 +97,8 @@ public:
     };
     explicit CheckpointKeeper(Settings settings);
 
-    /// Between blocks of steps: saves if it is time. If the user has asked to stop, saves and throws
-    /// Interrupted.
+    /// Between blocks of steps: saves if it is time. If the user has asked to stop, saves and
+    /// throws Interrupted.
     void attend(const Simulation& simulation);
     void save(const Simulation& simulation);
     /// What a guard stopped at goes beside the last good checkpoint, NAME.stopped.ckpt.h5. Returns
@@ -113,8 +114,8 @@ private:
 
 /// Reads a checkpoint, refuses one of another run (`may_differ` besides the settings that always
 /// may), and puts its State into the simulation. Returns it, for what else was kept in it.
-Checkpoint resume(Simulation& simulation, const std::filesystem::path& path, const std::string& scenario,
-                  const std::vector<NamedValue>& settings,
+Checkpoint resume(Simulation& simulation, const std::filesystem::path& path,
+                  const std::string& scenario, const std::vector<NamedValue>& settings,
                   std::initializer_list<std::string_view> may_differ = {});
 
 /// The usual keys of a mechanical scene: energies, contacts, coordination, overlaps, unbalanced

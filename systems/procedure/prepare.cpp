@@ -249,7 +249,6 @@ void TriaxialTest::start_consolidation() {
     const double wall_contact =
         materials.pairs[materials.pair(specimen.rock_material, specimen.membrane_material)].kn;
     membrane.active = platen.controlled = true;
-    membrane.target_pressure = platen.target_pressure = settings_.confining_pressure;
     membrane.contact_stiffness = platen.contact_stiffness = wall_contact;
     membrane.largest_step = platen.largest_step = 2e-6 * top;
     invalidate_lists(world);
@@ -260,6 +259,9 @@ void TriaxialTest::start_consolidation() {
 void TriaxialTest::consolidate() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
+    // set here: one specimen may be taken to several pressures from the same snapshot
+    world.resource<Membrane>().target_pressure = settings_.confining_pressure;
+    world.resource<Platen>().target_pressure = settings_.confining_pressure;
     if (state.phase_steps % 500 == 0) {
         const MassScaling scaling = scale_masses(world, 0, settings_.safety, false);
         world.resource<Clock>().change_step(scaling.dt);

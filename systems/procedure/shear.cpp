@@ -136,6 +136,7 @@ TriaxialPoint TriaxialTest::measure_point() const {
     p.boundary_work = sum_by_id(rows, bodies.column<BoundaryWork>());
     p.friction_work = sum_by_id(rows, bodies.column<FrictionWork>());
     p.damping_work = sum_by_id(rows, bodies.column<DampingWork>());
+    p.scaling_work = sum_by_id(rows, bodies.column<ScalingWork>());
     p.steps = static_cast<double>(s.phase_steps);
     if (s.phase == TriaxialPhase::shear && s.phase_steps > 0)
         p.inertial_number = inertial_number(world, rows, settings_.stage_strain / (p.steps * world.resource<Clock>().dt),

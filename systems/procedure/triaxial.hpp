@@ -43,7 +43,7 @@ struct TriaxialPoint {
     double mean_ring_error = 0;        ///< -
     double coordination = 0;           ///< touching rocks per rock
     double inertial_number = 0;        ///< -, strain rate * d50 * sqrt(density / mean stress), scaled masses
-    double boundary_work = 0, friction_work = 0, damping_work = 0; ///< J, since the specimen was begun
+    double boundary_work = 0, friction_work = 0, damping_work = 0, scaling_work = 0; ///< J, since the specimen was begun
     double stored = 0, kinetic = 0;    ///< J, now
     double steps = 0;                  ///< of this stage
     std::vector<double> ring_radius;   ///< m, mean of the ring's elements
@@ -68,6 +68,7 @@ struct TriaxialPoint {
         visit_one("stored_energy", "J", stored);
         visit_one("friction_work", "J", friction_work);
         visit_one("damping_work", "J", damping_work);
+        visit_one("scaling_work", "J", scaling_work);
         visit_one("kinetic_energy", "J", kinetic);
         visit_one("steps", "", steps);
     }

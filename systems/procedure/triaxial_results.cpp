@@ -28,7 +28,7 @@ double bulge_index(const TriaxialPoint& first, const TriaxialPoint& last) {
 }
 
 double energy_mismatch(const TriaxialPoint& a, const TriaxialPoint& b) {
-    const double work = b.boundary_work - a.boundary_work;
+    const double work = b.boundary_work - a.boundary_work + b.scaling_work - a.scaling_work;
     const double kept = b.stored + b.kinetic - a.stored - a.kinetic;
     const double lost = b.friction_work - a.friction_work + b.damping_work - a.damping_work;
     return work != 0 ? std::abs(work - kept - lost) / std::abs(work) : 0;
@@ -140,7 +140,7 @@ bool draw_curves(const std::filesystem::path& png, const std::vector<TestCurve>&
             for (Curve* c : {&stress, &strain, &work, &lost}) c->x.push_back(100 * p.axial_strain);
             stress.y.push_back(p.deviatoric_stress / 1e3);
             strain.y.push_back(100 * p.volumetric_strain);
-            work.y.push_back(p.boundary_work - first.boundary_work);
+            work.y.push_back(p.boundary_work + p.scaling_work - first.boundary_work - first.scaling_work);
             lost.y.push_back(p.stored + p.friction_work + p.damping_work - first.stored - first.friction_work -
                              first.damping_work);
         }

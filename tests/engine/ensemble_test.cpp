@@ -20,7 +20,9 @@ TEST_SUITE("engine/ensemble") {
             std::atomic<int> now{0}, most{0};
             run_ensemble(runs.size(), at_once, [&](std::size_t job) {
                 const int running = ++now;
-                for (int seen = most; seen < running && !most.compare_exchange_weak(seen, running);) {}
+                for (int seen = most;
+                     seen < running && !most.compare_exchange_weak(seen, running);) {
+                }
                 std::this_thread::sleep_for(std::chrono::milliseconds(1));
                 ++runs[job];
                 --now;
@@ -58,7 +60,8 @@ TEST_SUITE("engine/ensemble") {
         };
         std::vector<std::uint64_t> together(4);
         run_ensemble(together.size(), 2, [&](std::size_t job) { together[job] = state(job + 1); });
-        for (std::size_t job = 0; job < together.size(); ++job) CHECK(together[job] == state(job + 1));
+        for (std::size_t job = 0; job < together.size(); ++job)
+            CHECK(together[job] == state(job + 1));
         CHECK(together[0] != together[1]);
     }
 }

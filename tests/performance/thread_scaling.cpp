@@ -1,5 +1,5 @@
-// The settled bed of spheres with one thread and with more: blocks of steps, interleaved, median; one
-// CSV line per size and thread count, the error beside the time.
+// The settled bed of spheres with one thread and with more: blocks of steps, interleaved, median;
+// one CSV line per size and thread count, the error beside the time.
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
@@ -29,8 +29,8 @@ struct Scaling {
     std::vector<double> threads{1, 2};
     unsigned rounds = 5;
     std::uint64_t steps = 1000;
-    std::filesystem::path out =
-        std::filesystem::path(BRIS_ASSETS).parent_path() / "tests/performance/results/thread_scaling.csv";
+    std::filesystem::path out = std::filesystem::path(BRIS_ASSETS).parent_path() /
+                                "tests/performance/results/thread_scaling.csv";
 
     void describe(auto& option) {
         option("spheres", spheres, "", "sizes of the bed, as 2000,16000,128000", within(1, 50e6));
@@ -50,7 +50,8 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 /// The bed of `settle` with the law of shared/peers: kn = 1e6 N/m, kt = 2/7 kn, 5838 and 2919 1/s.
 World make_scene(unsigned spheres) {
     World world = make_world(Grains::spheres);
-    const auto material = world.resource<Materials>().add({"grain", 2600, 2e6, 4e6 / 7, 0.5, 5838, 2919});
+    const auto material =
+        world.resource<Materials>().add({"grain", 2600, 2e6, 4e6 / 7, 0.5, 5838, 2919});
     const auto side = static_cast<unsigned>(std::ceil(std::cbrt(0.5 * spheres)));
     const double pitch = 2.05 * radius;
     for (unsigned n = 0; n < spheres; ++n) {
@@ -67,7 +68,8 @@ World make_scene(unsigned spheres) {
 
 Simulation start(World world, unsigned threads, bool timed) {
     add_lists(world, true);
-    Simulation simulation(std::move(world), steps(LawName::linear_viscous), threads, {.timed = timed});
+    Simulation simulation(std::move(world), steps(LawName::linear_viscous), threads,
+                          {.timed = timed});
     simulation.on_restore(invalidate_lists);
     return simulation;
 }
@@ -77,7 +79,8 @@ Simulation start(World world, unsigned threads, bool timed) {
 Archive make_bed(unsigned spheres, unsigned threads) {
     World world = make_scene(spheres);
     // by about a fifth of its height the lattice sinks
-    const double height = std::ceil(spheres / std::pow(std::ceil(std::cbrt(0.5 * spheres)), 2)) * 2.05 * radius;
+    const double height =
+        std::ceil(spheres / std::pow(std::ceil(std::cbrt(0.5 * spheres)), 2)) * 2.05 * radius;
     const auto fall = static_cast<std::uint64_t>(std::sqrt(2 * 0.2 * height / (10 * gravity)) / dt);
     world.add_resource(LocalDamping{0.3});
     world.resource<Gravity>().value *= 10;
@@ -100,11 +103,13 @@ struct Measured {
     double contacts = 0;           ///< sum over blocks
 };
 
-std::vector<Measured> measure_all(const Scaling& s, const Archive& bed, unsigned spheres, bool& same_bits) {
+std::vector<Measured> measure_all(const Scaling& s, const Archive& bed, unsigned spheres,
+                                  bool& same_bits) {
     std::vector<Measured> all;
     for (const double threads : s.threads) {
         const auto count = static_cast<unsigned>(threads);
-        all.push_back({count, std::make_unique<Simulation>(start(make_scene(spheres), count, true))});
+        all.push_back(
+            {count, std::make_unique<Simulation>(start(make_scene(spheres), count, true))});
         all.back().simulation->restore(bed);
         all.back().simulation->advance(s.steps / 10 + 1); // warm caches and lists
     }
@@ -117,7 +122,8 @@ std::vector<Measured> measure_all(const Scaling& s, const Archive& bed, unsigned
             m.contacts += static_cast<double>(measure(m.simulation->world()).contacts);
         }
         const auto expected = fingerprint(all.front().simulation->snapshot());
-        for (const Measured& m : all) same_bits = same_bits && fingerprint(m.simulation->snapshot()) == expected;
+        for (const Measured& m : all)
+            same_bits = same_bits && fingerprint(m.simulation->snapshot()) == expected;
     }
     return all;
 }
@@ -127,7 +133,8 @@ std::string first_of(const char* file, const std::string& key) {
     for (std::string line; std::getline(in, line);)
         if (line.starts_with(key)) {
             const auto colon = key.empty() ? std::string::npos : line.find(": ");
-            return colon == std::string::npos ? line.substr(0, line.find(' ')) : line.substr(colon + 2);
+            return colon == std::string::npos ? line.substr(0, line.find(' '))
+                                              : line.substr(colon + 2);
         }
     return "unknown";
 }
@@ -150,12 +157,14 @@ std::string flags() {
 #endif
 }
 
-constexpr auto header = "scene,spheres,threads,steps,rounds,wall_s,least_wall_s,particle_steps_per_s,"
-                        "contact_evaluations_per_s,floor_force_error,fingerprint,same_bits,load,compiler,flags,cpu,"
-                        "node_seconds\n";
+constexpr auto header =
+    "scene,spheres,threads,steps,rounds,wall_s,least_wall_s,particle_steps_per_s,"
+    "contact_evaluations_per_s,floor_force_error,fingerprint,same_bits,load,compiler,flags,cpu,"
+    "node_seconds\n";
 
 /// One line; the seconds of each node are those of one block, on all threads.
-std::string line_of(const Scaling& s, unsigned spheres, Measured& m, bool same_bits, const std::string& load) {
+std::string line_of(const Scaling& s, unsigned spheres, Measured& m, bool same_bits,
+                    const std::string& load) {
     std::sort(m.wall.begin(), m.wall.end());
     const double wall = 0.5 * (m.wall[(m.wall.size() - 1) / 2] + m.wall[m.wall.size() / 2]);
     const auto steps = static_cast<double>(s.steps), blocks = static_cast<double>(s.rounds);
@@ -163,12 +172,15 @@ std::string line_of(const Scaling& s, unsigned spheres, Measured& m, bool same_b
     std::string nodes;
     const double warm = static_cast<double>(s.steps / 10 + 1);
     for (const auto& [name, seconds] : m.simulation->schedule().seconds())
-        nodes += fmt::format("{}{}={:.4g}", nodes.empty() ? "" : ";", name, seconds * steps / (steps * blocks + warm));
-    return fmt::format("settle,{},{},{},{},{:.5g},{:.5g},{:.5g},{:.5g},{:.3g},{},{},{},\"{}\",\"{}\",\"{}\",\"{}\"\n", spheres,
-                       m.threads, s.steps, s.rounds, wall, m.wall.front(), spheres * steps / wall,
-                       m.contacts / blocks * steps / wall, std::abs(q.boundary_force.z() / q.weight.z() - 1),
-                       hexadecimal(fingerprint(m.simulation->snapshot())), same_bits ? "yes" : "no", load, compiler(),
-                       flags(), first_of("/proc/cpuinfo", "model name"), nodes);
+        nodes += fmt::format("{}{}={:.4g}", nodes.empty() ? "" : ";", name,
+                             seconds * steps / (steps * blocks + warm));
+    return fmt::format("settle,{},{},{},{},{:.5g},{:.5g},{:.5g},{:.5g},{:.3g},{},{},{},\"{}\",\"{}"
+                       "\",\"{}\",\"{}\"\n",
+                       spheres, m.threads, s.steps, s.rounds, wall, m.wall.front(),
+                       spheres * steps / wall, m.contacts / blocks * steps / wall,
+                       std::abs(q.boundary_force.z() / q.weight.z() - 1),
+                       hexadecimal(fingerprint(m.simulation->snapshot())), same_bits ? "yes" : "no",
+                       load, compiler(), flags(), first_of("/proc/cpuinfo", "model name"), nodes);
 }
 
 void append(const std::filesystem::path& path, const std::string& line) {
@@ -183,7 +195,8 @@ void run(const Scaling& s) {
     bool all_same = true;
     for (const double number : s.spheres) {
         const auto spheres = static_cast<unsigned>(number);
-        const auto most = static_cast<unsigned>(*std::max_element(s.threads.begin(), s.threads.end()));
+        const auto most =
+            static_cast<unsigned>(*std::max_element(s.threads.begin(), s.threads.end()));
         const Archive bed = make_bed(spheres, most);
         const std::string load = first_of("/proc/loadavg", "");
         bool same_bits = true;
@@ -196,7 +209,8 @@ void run(const Scaling& s) {
             append(s.out, line);
         }
     }
-    if (!all_same) throw SimulationError("expected the same bits for every number of threads, found others");
+    if (!all_same)
+        throw SimulationError("expected the same bits for every number of threads, found others");
 }
 
 } // namespace
@@ -209,6 +223,8 @@ int main(int argc, char** argv) {
         if (options.parse({argv + 1, argv + argc}))
             run(settings);
         else
-            fmt::print("{}", options.help("thread_scaling", "time a settled bed of spheres on several numbers of threads"));
+            fmt::print("{}",
+                       options.help("thread_scaling",
+                                    "time a settled bed of spheres on several numbers of threads"));
     });
 }

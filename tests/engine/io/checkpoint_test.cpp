@@ -33,7 +33,11 @@ Checkpoint sample(std::size_t rows = 50, std::uint64_t step = 7) {
         reals[0] = -0.0;
         reals[1] = std::nan("7");
     }
-    Checkpoint checkpoint{"sample", step, {{"radius_m", 0.01}, {"spheres", 50u}, {"law", "linear"}, {"threads", 2u}}, {}};
+    Checkpoint checkpoint{
+        "sample",
+        step,
+        {{"radius_m", 0.01}, {"spheres", 50u}, {"law", "linear"}, {"threads", 2u}},
+        {}};
     checkpoint.state.put("z_first", std::span<const std::uint32_t>(ids));
     checkpoint.state.put("bodies/position", std::span<const double>(reals));
     checkpoint.state.put("bodies/none", std::span<const double>());
@@ -49,7 +53,8 @@ std::string rejection(const fs::path& path) {
 }
 
 std::size_t files_in(const fs::path& directory) {
-    return static_cast<std::size_t>(std::distance(fs::directory_iterator(directory), fs::directory_iterator()));
+    return static_cast<std::size_t>(
+        std::distance(fs::directory_iterator(directory), fs::directory_iterator()));
 }
 
 /// Writes until it cannot, with a file size limit: a full disk. Returns its exit code: a process of
@@ -104,7 +109,8 @@ TEST_SUITE("engine/checkpoint") {
             const TemporaryDirectory directory;
             const auto path = directory / "a.ckpt.h5";
             const auto make = [&] {
-                return start(bed({.grains = grains, .bodies = 30}), {.dt = 2e-5, .law = LawName::linear_viscous});
+                return start(bed({.grains = grains, .bodies = 30}),
+                             {.dt = 2e-5, .law = LawName::linear_viscous});
             };
             Simulation sim = make();
             sim.advance(400);
@@ -122,7 +128,8 @@ TEST_SUITE("engine/checkpoint") {
         const auto path = directory / "cut.ckpt.h5";
         write_checkpoint(path, sample());
         const std::string whole = read_whole(path);
-        for (std::size_t length = 0; length < whole.size(); length += length + 40 < whole.size() ? 131u : 1u) {
+        for (std::size_t length = 0; length < whole.size();
+             length += length + 40 < whole.size() ? 131u : 1u) {
             write_whole(path, whole.substr(0, length));
             CAPTURE(length);
             CHECK(rejection(path).starts_with("checkpoint '" + path.string() + "': expected "));
@@ -156,8 +163,10 @@ TEST_SUITE("engine/checkpoint") {
         CHECK(rejection(path) != "");
         write_whole(path, "radius,mass\n1,2\n");
         CHECK(rejection(path) != "");
-        const std::string message = message_of<OutputError>([&] { read_checkpoint(directory / "none.h5"); });
-        CHECK(message == "cannot read '" + (directory / "none.h5").string() + "': No such file or directory");
+        const std::string message =
+            message_of<OutputError>([&] { read_checkpoint(directory / "none.h5"); });
+        CHECK(message ==
+              "cannot read '" + (directory / "none.h5").string() + "': No such file or directory");
         CHECK_THROWS_AS(read_checkpoint(directory.path()), OutputError);
     }
 
@@ -188,7 +197,8 @@ TEST_SUITE("engine/checkpoint") {
         for (int round = 0; round < 12; ++round) {
             const pid_t child = fork();
             if (child == 0)
-                for (std::uint64_t step = last + 1;; ++step) write_checkpoint(path, sample(20000, step));
+                for (std::uint64_t step = last + 1;; ++step)
+                    write_checkpoint(path, sample(20000, step));
             std::this_thread::sleep_for(std::chrono::milliseconds(7 + 5 * round));
             kill(child, SIGKILL);
             waitpid(child, nullptr, 0);
@@ -200,26 +210,32 @@ TEST_SUITE("engine/checkpoint") {
         CHECK(last > 1);
     }
 
-    TEST_CASE("another run's checkpoint is refused with the key, what is expected and what is found") {
+    TEST_CASE(
+        "another run's checkpoint is refused with the key, what is expected and what is found") {
         const Checkpoint checkpoint = sample();
-        const auto refusal = [&](const std::string& scenario, const std::vector<NamedValue>& settings) {
+        const auto refusal = [&](const std::string& scenario,
+                                 const std::vector<NamedValue>& settings) {
             return message_of<InputError>([&] {
-                require_same_run("a.h5", checkpoint, scenario, settings, settings_that_may_differ());
+                require_same_run("a.h5", checkpoint, scenario, settings,
+                                 settings_that_may_differ());
             });
         };
         auto settings = checkpoint.settings;
         CHECK(refusal("sample", settings) == "");
         settings[3] = {"threads", 1u};
         CHECK(refusal("sample", settings) == "");
-        CHECK(refusal("other", settings) == "checkpoint 'a.h5': scenario: expected other, found sample");
+        CHECK(refusal("other", settings) ==
+              "checkpoint 'a.h5': scenario: expected other, found sample");
         settings[0] = {"radius_m", 0.02};
         CHECK(refusal("sample", settings) ==
               "checkpoint 'a.h5': radius_m: expected 0.02 as in this run, found 0.01");
         settings = checkpoint.settings;
         settings.emplace_back("new", true);
-        CHECK(refusal("sample", settings) == "checkpoint 'a.h5': new: expected true as in this run, found nothing");
+        CHECK(refusal("sample", settings) ==
+              "checkpoint 'a.h5': new: expected true as in this run, found nothing");
         settings.pop_back();
         settings.erase(settings.begin() + 2);
-        CHECK(refusal("sample", settings) == "checkpoint 'a.h5': law: expected nothing as in this run, found linear");
+        CHECK(refusal("sample", settings) ==
+              "checkpoint 'a.h5': law: expected nothing as in this run, found linear");
     }
 }
