@@ -14,16 +14,16 @@ namespace {
 
 constexpr double pressure = 110e3;
 
-// 70 rocks: too few to say anything of ballast, enough for every mechanism of the test
+// 160 rocks: too few to say anything of ballast, enough for every mechanism of the test
 Simulation small_test(unsigned threads) {
     const std::filesystem::path assets = BRIS_ASSETS;
     auto clumps = read_clumps(assets / "clumps");
     std::erase_if(clumps, [](const Clump& c) { return c.name == "cube"; });
-    const auto sample = sample_rocks(read_grading(assets / "gradings" / "arema_4.csv"), clumps, 60, 3);
+    const auto sample = sample_rocks(read_grading(assets / "gradings" / "arema_4.csv"), clumps, 150, 3);
     SpecimenSettings s;
     s.seed = 3;
     const Clump smart = scaled(clumps[0], 0.02);
-    s.radius = radius_for(sample.solid_volume + 10 * smart.volume, 0.45, s.sectors);
+    s.radius = radius_for(sample.solid_volume + 10 * smart.volume, 0.42, s.sectors);
     s.height = 4 * s.radius;
     World world = make_triaxial_world(s, clumps, smart, sample.rocks, smart_rock_poses(s, smart.bounding_radius));
     add_lists(world, true);
@@ -41,6 +41,7 @@ TriaxialSettings short_test() {
     settings.confining_pressure = pressure;
     settings.porosity = 0.5; // reached at once: this is not about density
     settings.final_axial_strain = 0.002;
+    settings.tolerance = 3e-4;
     return settings;
 }
 
@@ -55,7 +56,7 @@ TEST_SUITE("procedure/triaxial") {
         REQUIRE(points.size() == 21);
         const TriaxialProperties p = properties_of(points, pressure);
         CHECK(p.worst_ring_error <= 0.01);        // the criterion itself
-        CHECK(p.worst_stress_mismatch <= 0.01);   // of the order of the unbalanced ratio, 1e-3
+        CHECK(p.worst_stress_mismatch <= 0.01);   // a few tens of the unbalanced ratio: branch vectors are long
         CHECK(p.energy_mismatch <= 0.02);         // servo steps and mass scaling are first order
         CHECK(p.peak_q > 0.5 * pressure);
         CHECK(points.back().axial_strain == doctest::Approx(0.002).epsilon(1e-9));
