@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <stdexcept>
 
 namespace bris {
 
@@ -75,6 +76,8 @@ void Schedule::prepare(World& world) {
     for (std::size_t i = 0; i < steps_.size(); ++i) {
         const System& s = steps_[i];
         missing_.push_back(s.missing(world));
+        if (s.required && !missing_.back().empty() && s.lacks_only_columns(world))
+            throw std::logic_error("the scene does not fit its steps: " + s.name + " finds " + missing_.back());
         calls_.push_back(missing_.back().empty() ? s.bind(world) : System::Call());
         chunked_.push_back(s.row_local ? world.find_table(*s.row_local) : nullptr);
         if (s.due != nullptr && missing_.back().empty()) conditional_.push_back(i);

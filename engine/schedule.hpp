@@ -30,7 +30,8 @@ public:
 
     /// Derived data that somebody outside the graph reads.
     template <class T> void want() { wanted_.push_back(typeid(T)); }
-    /// Binds the systems to a world; again whenever a table, column or resource has appeared.
+    /// Binds the systems to a world; again whenever a table, column or resource has appeared. Throws
+    /// std::logic_error if a required system lacks a column.
     void prepare(World& world);
     /// One step. Call inside Threads::run.
     void run(World& world);

@@ -37,6 +37,7 @@ template <class R> struct Parameter<R&> {
     static std::string missing(const World& world) {
         return present(world) ? "" : std::string("no ") + Resource::name;
     }
+    static bool lacks_only_columns(const World& world) { return present(world); }
     explicit Parameter(World& world) : resource(&world.resource<Resource>()) {}
     R& get(std::optional<RowRange>) const { return *resource; }
     Resource* resource;
@@ -45,6 +46,7 @@ template <class R> struct Parameter<R&> {
 template <> struct Parameter<World&> {
     static void declare(std::vector<Access>&) {}
     static std::string missing(const World&) { return ""; }
+    static bool lacks_only_columns(const World&) { return true; }
     explicit Parameter(World& w) : world(&w) {}
     World& get(std::optional<RowRange>) const { return *world; }
     World* world;
@@ -66,6 +68,7 @@ template <class K, class... Cs> struct Parameter<Rows<K, Cs...>> {
          ...);
         return lacking;
     }
+    static bool lacks_only_columns(const World& world) { return world.find_table(typeid(K)) != nullptr; }
     explicit Parameter(World& world)
         : table(world.find_table(typeid(K))),
           columns{table->find(typeid(std::remove_const_t<Cs>))...} {}
@@ -93,6 +96,8 @@ struct System {
     std::function<std::string(const World&)> missing; ///< what the scene lacks; empty if nothing
     std::function<Call(World&)> bind;
     bool (*due)(const World&) = nullptr;            ///< null: every step
+    bool required = false;                          ///< its tables are there: its columns must be
+    bool (*lacks_only_columns)(const World&) = nullptr; ///< tables and resources are all there
 };
 
 namespace detail {
@@ -109,6 +114,9 @@ template <class... Ps> System make_system(std::string name, void (*function)(Ps.
         };
         (note(Parameter<Ps>::missing(world)), ...);
         return all;
+    };
+    system.lacks_only_columns = [](const World& world) {
+        return (Parameter<Ps>::lacks_only_columns(world) && ...);
     };
     system.bind = [function](World& world) -> System::Call {
         return [function, parameters = std::tuple<Parameter<Ps>...>(Parameter<Ps>(world)...)](
@@ -146,6 +154,13 @@ template <class... Ps> System row_local(std::string name, void (*function)(Ps...
 /// The same system, run only in steps in which `due` says so.
 inline System when(bool (*due)(const World&), System system) {
     system.due = due;
+    return system;
+}
+
+/// The same system, which must not be left out for want of a column alone: a scene that has its tables
+/// and resources but not its columns was put together wrongly, and the schedule says so.
+inline System required(System system) {
+    system.required = true;
     return system;
 }
 

@@ -108,7 +108,7 @@ public:
                       common.threads, {.serial = common.serial}),
           keeper_({common.out / "settle.ckpt.h5", common.scenario, common.settings,
                    [this](Archive& archive) { series_.save(archive); }}) {
-        simulation_.on_restore(invalidate_lists);
+        simulation_.on_restore(forget_lists);
         const double stable = stable_step_of_first_contact(simulation_.world());
         require(settings.step <= stable,
                 fmt::format("--step: expected at most the stable step {:.3g} s, found {:.3g} s",

@@ -35,7 +35,7 @@ struct Triaxial {
         option.group("test");
         option("confining_pressure", confining_pressure, "Pa", "one or several, each tested on the same specimen", above(0));
         option("stage_strain", test.stage_strain, "", "axial strain of a stage", within(1e-6, 1e-2));
-        option("final_axial_strain", test.final_axial_strain, "", "at which the test ends", within(1e-4, 0.3));
+        option("final_axial_strain", test.final_axial_strain, "", "at which the test ends", within(1e-4, 0.12));
         option("tolerance", test.tolerance, "", "unbalanced force ratio of an equilibrium", within(1e-8, 0.1));
         option("pressure_tolerance", test.pressure_tolerance, "", "of each ring's pressure at stage ends", within(1e-6, 0.1));
         option("gravity", test.gravity, "", "keep weight during the test (a fifth of the lowest pressure)");
@@ -102,7 +102,7 @@ Simulation make_simulation(const Scene& s, unsigned threads, const Common& commo
     world.table<NearPlanes>().add<SlipWork>();
     world.add_resource<TriaxialState>();
     Simulation simulation(std::move(world), steps(LawName::linear, true), threads, {.serial = common.serial, .timed = true});
-    simulation.on_restore(invalidate_lists);
+    simulation.on_restore(forget_lists);
     return simulation;
 }
 
@@ -271,6 +271,10 @@ void run(const Triaxial& t, const Common& common) {
         fmt::print("{}", make_simulation(scene, 1, common).schedule().explain());
         return;
     }
+    const double stages = t.test.final_axial_strain / t.test.stage_strain;
+    require(stages > 0.999 && std::abs(stages - std::round(stages)) < 1e-6 * stages,
+            fmt::format("--final-axial-strain: expected a multiple of --stage-strain, found {:g} and {:g}",
+                        t.test.final_axial_strain, t.test.stage_strain));
     require(common.resume.empty() || t.confining_pressure.size() == 1,
             "--resume: expected one --confining-pressure, found " + std::to_string(t.confining_pressure.size()));
     fmt::print("{}", describe(scene.sample, sieve_back(scene.sample.rocks, scene.clumps, scene.grading, scene.sample.truncated_fraction)));

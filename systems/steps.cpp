@@ -25,9 +25,9 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         when(due, system("place_planes again", place_planes)),
         when(due, system("place_facets again", place_facets)),
         // forces of pairs
-        collide_spheres(law, ledger),
-        collide_facets(law, ledger),
-        collide_planes(law, ledger),
+        required(collide_spheres(law, ledger)),
+        required(collide_facets(law, ledger)),
+        required(collide_planes(law, ledger)),
         // forces on bodies, and their motion: one pass over the rows
         row_local("clear_forces", clear_forces),
         row_local("weigh", weigh),
@@ -38,7 +38,7 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         row_local("book_facet_friction", book_friction<FacetPairs>),
         row_local("book_plane_friction", book_friction<PlanePairs>),
         row_local("book_boundary_work", book_boundary_work),
-        ledger ? row_local("damp_and_book", damp_and_book) : row_local("damp", damp),
+        required(ledger ? row_local("damp_and_book", damp_and_book) : row_local("damp", damp)),
         row_local("integrate", integrate),
         row_local("turn_spheres", turn_spheres),
         row_local("turn", turn),

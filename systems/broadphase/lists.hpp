@@ -18,7 +18,7 @@ bool lists_are_due(const World& world);
 void refresh_pairs(World& world);
 
 /// Now and then: the short lists, pairs within the inner skin; which spheres are listed; who is near
-/// whom. Writes only what is Derived (springs of pairs that are far apart are cleared).
+/// whom. Writes what is Derived, and clears the springs of pairs that are apart.
 void prune_pairs(World& world);
 
 /// Adds what the lists need to a scene whose bodies, spheres and boundaries are all there.
@@ -28,6 +28,10 @@ void add_lists(World& world, bool history, ListSettings settings = {});
 /// Tells the lists that bodies were moved, added or changed by hand: they are made anew before the
 /// next step.
 void invalidate_lists(World& world);
+
+/// For Simulation::on_restore: nothing that was derived from the old state is left, and bodies know
+/// their spheres.
+void forget_lists(World& world);
 
 namespace detail {
 
@@ -40,8 +44,7 @@ struct Candidate {
     PairPlaces rows;
 };
 
-/// Replaces the candidates of a pair table and carries the springs over by name. `first` gives the
-/// first candidate of each body row.
+/// Where the candidates of each body row begin.
 template <class Pairs> struct Candidates {
     static constexpr auto name = "candidates";
     std::vector<Row> first; ///< bodies + 1

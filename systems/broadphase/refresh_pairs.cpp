@@ -153,7 +153,6 @@ bool lists_are_due(const World& world) {
     const auto travel = world.column<Bodies, Travel>();
     double largest = 0;
     for (const double t : travel) largest = t > largest ? t : largest;
-    // also true when a position is not a number: the refresh does no harm and the guard stops the run
     return !(2 * largest <= world.resource<ListSettings>().inner_skin);
 }
 
@@ -192,6 +191,17 @@ void refresh_pairs(World& world) {
 }
 
 void invalidate_lists(World& world) { world.resource<ListState>().stale = true; }
+
+void forget_lists(World& world) {
+    invalidate_lists(world);
+    const auto forget = [&]<class Pairs>(NearIndex<Pairs>*) {
+        if (world.has<Pairs>()) world.resource<NearIndex<Pairs>>() = {};
+    };
+    forget(static_cast<NearIndex<SpherePairs>*>(nullptr));
+    forget(static_cast<NearIndex<FacetPairs>*>(nullptr));
+    forget(static_cast<NearIndex<PlanePairs>*>(nullptr));
+    find_runs(world);
+}
 
 namespace {
 

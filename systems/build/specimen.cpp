@@ -1,6 +1,7 @@
 #include "systems/build/specimen.hpp"
 
 #include "components/kinds.hpp"
+#include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "systems/build/scene.hpp"
 
@@ -61,6 +62,9 @@ std::vector<SmartRockPose> smart_rock_poses(const SpecimenSettings& s, double bo
     std::vector<SmartRockPose> poses;
     Random random(s.seed, orientation_stream);
     const double beside = s.radius - 1.02 * bounding_radius;
+    require(beside >= 2 * bounding_radius,
+            "specimen: expected room for two sensor rocks beside each other, found a radius of " +
+                std::to_string(s.radius) + " m for rocks of " + std::to_string(bounding_radius) + " m; try more bodies");
     const auto put = [&](double height, unsigned around) {
         poses.push_back({{0, 0, height * s.height}, random.rotation()});
         for (unsigned k = 0; k < around; ++k) {

@@ -22,7 +22,8 @@ void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const
 
 /// The same, booking the work that damping takes from each body (second order in dt).
 void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin,
-                        const InertialMass, Force, Torque, DampingWork> bodies,
+                        const AngularMomentum, const InertialMass, const InertialInertia, const Axes, Force,
+                        Torque, DampingWork> bodies,
                    const LocalDamping& damping, const Clock& clock);
 
 /// Books the work of driven bodies on the grains: the force of this step times the mean of the

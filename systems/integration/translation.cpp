@@ -52,7 +52,8 @@ void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const
 }
 
 void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin,
-                        const InertialMass, Force, Torque, DampingWork> bodies,
+                        const AngularMomentum, const InertialMass, const InertialInertia, const Axes, Force,
+                        Torque, DampingWork> bodies,
                    const LocalDamping& damping, const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* velocity = bodies.column<Velocity>();
@@ -61,13 +62,19 @@ void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Accelerati
     const double* mass = bodies.column<InertialMass>();
     Vec3* force = bodies.column<Force>();
     Vec3* torque = bodies.column<Torque>();
+    const Vec3* momentum = bodies.column<AngularMomentum>();
+    const Vec3* inertia = bodies.column<InertialInertia>();
+    const Mat3* axes = bodies.column<Axes>();
     double* work = bodies.column<DampingWork>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         if (motion[b] != free_motion) continue;
         const Vec3 now = velocity[b] + (0.5 * clock.dt) * acceleration[b];
         const Vec3 f = damped(force[b], now, damping.fraction), t = damped(torque[b], spin[b], damping.fraction);
+        // means of before and after the kick: the work that the leapfrog itself does
         const Vec3 mean_velocity = velocity[b] + (0.5 * clock.dt / mass[b]) * f;
-        work[b] += clock.dt * ((force[b] - f).dot(mean_velocity) + (torque[b] - t).dot(spin[b]));
+        const Vec3 mean_momentum = axes[b].transpose() * (momentum[b] + (0.5 * clock.dt) * t);
+        const Vec3 mean_spin = axes[b] * mean_momentum.cwiseQuotient(inertia[b]);
+        work[b] += clock.dt * ((force[b] - f).dot(mean_velocity) + (torque[b] - t).dot(mean_spin));
         force[b] = f;
         torque[b] = t;
     }

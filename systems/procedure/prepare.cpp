@@ -105,13 +105,14 @@ void place_lift(World& world, std::span<const EntityId> lift, double low, double
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
     const auto radius = world.column<Bodies, BoundingRadius>();
+    const auto run = world.column<Bodies, SpheresOf>();
     struct Placed {
         Vec3 position;
         double radius;
     };
     std::vector<Placed> placed;
     for (Row b = 0; b < motion.size(); ++b) // what is already there: held sensor rocks, earlier lifts
-        if (radius[b] < wall && position[b].z() > 0) placed.push_back({position[b], radius[b]});
+        if (run[b].count > 0 && position[b].z() > 0) placed.push_back({position[b], radius[b]});
     std::vector<EntityId> order(lift.begin(), lift.end());
     std::sort(order.begin(), order.end(), [&](EntityId a, EntityId b) {
         return radius[rows[a]] != radius[rows[b]] ? radius[rows[a]] > radius[rows[b]] : a < b;
@@ -160,7 +161,6 @@ void TriaxialTest::start_lift() {
         set_friction(world, settings_.compaction_friction);
         world.resource<Gravity>().value.setZero();
         world.resource<LocalDamping>().fraction = settings_.damping;
-        simulation_.advance(0);
         invalidate_lists(world);
         world.resource<Clock>().dt = 1e-6; // replaced when masses are scaled
         simulation_.advance(1);            // rows of spheres are known from here on
@@ -174,27 +174,29 @@ void TriaxialTest::start_lift() {
     world.column<Bodies, Position>()[row_of_body(world, specimen.top)] = Vec3(0, 0, lid);
     world.resource<Platen>().speed = 0;
     state.phase_steps = 0;
+    rescale();
 }
 
+// Every block ends with the masses of the next: it begins from State alone, or a resumed run, which
+// has no contacts before its first step, would take other masses.
 void TriaxialTest::fill() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
-    if (state.phase_steps == 0) start_lift();
-    const MassScaling scaling = scale_masses(world, 0, settings_.safety, false);
-    world.resource<Clock>().change_step(scaling.dt);
+    if (state.lift == 0 && state.phase_steps == 0) start_lift();
     run(growth_block);
-    if (!grow_rocks(world, rocks_of_lift(world.resource<Specimen>(), state.lift, settings_.lifts),
-                    1 + growth_per_step * growth_block)) {
-        if (state.phase_steps > 10 * settings_.longest_stage)
-            throw SimulationError(fmt::format("filling: lift {} of {} has no room for its rocks after {} steps; "
-                                              "try more rocks or a higher porosity",
-                                              state.lift + 1, settings_.lifts, state.phase_steps));
-        return;
+    const bool grown = grow_rocks(world, rocks_of_lift(world.resource<Specimen>(), state.lift, settings_.lifts),
+                                  1 + growth_per_step * growth_block);
+    if (!grown && state.phase_steps > 10 * settings_.longest_stage)
+        throw SimulationError(fmt::format("filling: lift {} of {} has no room for its rocks after {} steps; "
+                                          "try more rocks or a higher initial porosity",
+                                          state.lift + 1, settings_.lifts, state.phase_steps));
+    if (grown) {
+        run(200);
+        state.phase_steps = 0;
+        if (++state.lift < settings_.lifts) return start_lift();
+        state.phase = TriaxialPhase::compact;
     }
-    run(200);
-    state.phase_steps = 0;
-    if (++state.lift < settings_.lifts) return;
-    state.phase = TriaxialPhase::compact;
+    rescale();
 }
 
 void TriaxialTest::compact() {
@@ -202,11 +204,9 @@ void TriaxialTest::compact() {
     auto& state = world.resource<TriaxialState>();
     auto& platen = world.resource<Platen>();
     const auto& specimen = world.resource<Specimen>();
-    const MassScaling scaling = scale_masses(world, 0, settings_.safety, false);
-    world.resource<Clock>().change_step(scaling.dt);
     // fast while nothing resists, slower the more the skeleton carries
     const double a_step = platen.pressure < 10e3 ? 5e-6 : 1.5e-6;
-    platen.speed = a_step * specimen.height / scaling.dt *
+    platen.speed = a_step * specimen.height / world.resource<Clock>().dt *
                    std::clamp(1 - platen.pressure / settings_.compaction_pressure, -0.5, 1.0);
     // the held sensor rocks sink with the material around them
     const double rate = platen.speed / platen_height(world);
@@ -215,7 +215,8 @@ void TriaxialTest::compact() {
         world.column<Bodies, DriveVelocity>()[r].z() = -rate * world.column<Bodies, Position>()[r].z();
     }
     run(100);
-    if (state.phase_steps % 2000 != 0) return;
+    rescale();
+    if (state.phase_steps % 500 != 0) return;
     const double top = platen_height(world), n = porosity(world, core(world, top), 120);
     const bool stuck = state.phase_steps % 40000 == 0 && state.phase_steps > 40000 &&
                        n > state.core_porosity - 5e-4;
@@ -254,6 +255,7 @@ void TriaxialTest::start_consolidation() {
     invalidate_lists(world);
     state.phase = TriaxialPhase::consolidate;
     state.phase_steps = 0;
+    rescale();
 }
 
 void TriaxialTest::consolidate() {
@@ -262,11 +264,8 @@ void TriaxialTest::consolidate() {
     // set here: one specimen may be taken to several pressures from the same snapshot
     world.resource<Membrane>().target_pressure = settings_.confining_pressure;
     world.resource<Platen>().target_pressure = settings_.confining_pressure;
-    if (state.phase_steps % 500 == 0) {
-        const MassScaling scaling = scale_masses(world, 0, settings_.safety, false);
-        world.resource<Clock>().change_step(scaling.dt);
-    }
     run(50);
+    if (state.phase_steps % 500 == 0) rescale();
     if (state.phase_steps >= 1000 && is_in_equilibrium()) return start_shear();
     if (state.phase_steps > 10 * settings_.longest_stage)
         throw SimulationError(fmt::format("consolidation: no equilibrium after {} steps: unbalanced ratio {:.2e}",
@@ -296,6 +295,7 @@ void TriaxialTest::start_shear() {
     state.stage = 0;
     state.phase_steps = 0;
     state.points.push_back(measure_point());
+    rescale();
 }
 
 } // namespace bris

@@ -4,6 +4,7 @@
 #include "components/kinds.hpp"
 #include "components/material.hpp"
 #include "components/settings.hpp"
+#include "systems/contact/stable_step.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/servo/platen.hpp"
 
@@ -67,6 +68,12 @@ const TriaxialState& TriaxialTest::state() const {
 void TriaxialTest::run(std::uint64_t steps) {
     simulation_.advance(steps);
     simulation_.world().resource<TriaxialState>().phase_steps += steps;
+}
+
+// scaled masses, and the step that goes with them, for the contacts of the last step
+void TriaxialTest::rescale() {
+    World& world = simulation_.world();
+    world.resource<Clock>().change_step(scale_masses(world, 0, settings_.safety, false).dt);
 }
 
 bool TriaxialTest::advance() {

@@ -119,6 +119,7 @@ private:
     void start_shear();
     void shear();
     void run(std::uint64_t steps);
+    void rescale();
     bool is_in_equilibrium() const;
     TriaxialPoint measure_point() const;
 

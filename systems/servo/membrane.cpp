@@ -34,7 +34,7 @@ double exposed_height(const Membrane& membrane, std::size_t ring, double top) {
 
 void steer_membrane(Rows<Facets, const HostRow> facets, Rows<Planes, const PlanePlace> planes,
                     Rows<Bodies, const Position, const Force, DriveVelocity> bodies, Membrane& membrane,
-                    const Platen& platen, const NearIndex<FacetPairs>& index, const Clock& clock) {
+                    const Platen& platen, const NearIndex<FacetPairs>& index, const Clock& clock, Health& health) {
     const Row* host = facets.column<HostRow>() + membrane.first_facet;
     const Vec3* position = bodies.column<Position>();
     const Vec3* force = bodies.column<Force>();
@@ -50,13 +50,19 @@ void steer_membrane(Rows<Facets, const HostRow> facets, Rows<Planes, const Plane
         for (std::size_t e = g * group; e < (g + 1) * group; ++e) {
             const std::size_t ring = e / sectors * sectors, sector = e % sectors;
             push += force[host[e]].dot(membrane.outward[sector]);
-            area += exposed_height(membrane, e / sectors, top) *
-                    exposed_width(membrane.radius[e], membrane.radius[ring + (sector + sectors - 1) % sectors],
-                                  membrane.radius[ring + (sector + 1) % sectors], angle);
+            const double width =
+                exposed_width(membrane.radius[e], membrane.radius[ring + (sector + sectors - 1) % sectors],
+                              membrane.radius[ring + (sector + 1) % sectors], angle);
+            if (!(width > 0) && !health.bad) {
+                health.bad = true;
+                health.what = "membrane element " + std::to_string(e) + " is hidden by its neighbours: exposed width " +
+                              std::to_string(width) + " m; try the servo per ring";
+            }
+            area += exposed_height(membrane, e / sectors, top) * width;
             for (Row k = index.incident_first[host[e]]; k < index.incident_first[host[e] + 1]; ++k)
                 if (index.touches(index.incident[k])) stiffness += membrane.contact_stiffness;
         }
-        membrane.pressure[g] = push / area;
+        membrane.pressure[g] = area > 0 ? push / area : 0; // no area: the platen has passed the ring
         const double error = push - membrane.target_pressure * area;
         // with no contact there is no stiffness to divide by: one contact's is the floor
         const double wanted = membrane.gain * error / std::max(stiffness, membrane.contact_stiffness);

@@ -6,6 +6,7 @@
 #include "components/pair.hpp"
 #include "components/servo.hpp"
 #include "engine/clock.hpp"
+#include "engine/health.hpp"
 #include "engine/rows.hpp"
 
 namespace bris {
@@ -14,10 +15,11 @@ namespace bris {
 /// approaches the target: the velocity that would take `gain` of the error in one step against the
 /// stiffness of the contacts that touch now, no more than `largest_step` a step. Pressure is force
 /// over the area of the current polygon (inventory E3).
-/// Only the part of the top ring below the platen counts.
+/// Only the part of the top ring below the platen counts. An element that its neighbours hide has no
+/// area to press on: that is noted in Health and stops the run.
 void steer_membrane(Rows<Facets, const HostRow> facets, Rows<Planes, const PlanePlace> planes,
                     Rows<Bodies, const Position, const Force, DriveVelocity> bodies, Membrane& membrane,
-                    const Platen& platen, const NearIndex<FacetPairs>& index, const Clock& clock);
+                    const Platen& platen, const NearIndex<FacetPairs>& index, const Clock& clock, Health& health);
 
 /// Height (m) of a ring between its lower rim and the platen at height `top`.
 double exposed_height(const Membrane& membrane, std::size_t ring, double top);

@@ -32,7 +32,7 @@ Simulation small_test(unsigned threads) {
     world.table<NearPlanes>().add<SlipWork>();
     world.add_resource<TriaxialState>();
     Simulation simulation(std::move(world), steps(LawName::linear, true), threads);
-    simulation.on_restore(invalidate_lists);
+    simulation.on_restore(forget_lists);
     return simulation;
 }
 
@@ -57,24 +57,41 @@ TEST_SUITE("procedure/triaxial") {
         const TriaxialProperties p = properties_of(points, pressure);
         CHECK(p.worst_ring_error <= 0.01);        // the criterion itself
         CHECK(p.worst_stress_mismatch <= 0.01);   // a few tens of the unbalanced ratio: branch vectors are long
-        CHECK(p.energy_mismatch <= 0.02);         // servo steps and mass scaling are first order
-        CHECK(p.peak_q > 0.5 * pressure);
+        MESSAGE("energy mismatch ", p.energy_mismatch, ", stress mismatch ", p.worst_stress_mismatch);
+        CHECK(p.energy_mismatch <= 0.05); // 0.03 of the little work of 0.2 % strain
+        CHECK(p.peak_q > 0.2 * pressure); // a loose and tiny specimen, far from its peak
         CHECK(points.back().axial_strain == doctest::Approx(0.002).epsilon(1e-9));
         for (std::size_t k = 1; k < points.size(); ++k) CHECK(points[k].unbalanced <= 1e-3);
     }
 
-    TEST_CASE("a test restored in the middle of a stage, on other threads, ends with the same bits") {
+    TEST_CASE("a test restored from any phase, on other threads, ends with the same bits") {
         Simulation simulation = small_test(1);
         TriaxialTest test(simulation, short_test());
-        while (test.state().stage < 3 || test.state().phase_steps == 0) REQUIRE(test.advance());
-        const Archive middle = simulation.snapshot();
-        while (test.state().stage < 6) REQUIRE(test.advance());
+        // at the start of a lift, of compaction, of consolidation and of a stage, and inside a stage
+        std::vector<Archive> saved;
+        const auto reached = [&] {
+            const TriaxialState& s = test.state();
+            switch (saved.size()) {
+            case 0: return s.lift == 2;
+            case 1: return s.phase == TriaxialPhase::compact;
+            case 2: return s.phase == TriaxialPhase::consolidate;
+            case 3: return s.phase == TriaxialPhase::shear && s.stage == 1 && s.phase_steps == 0;
+            case 4: return s.phase == TriaxialPhase::shear && s.stage == 1 && s.phase_steps > 0;
+            default: return false;
+            }
+        };
+        while (test.state().stage < 2) {
+            REQUIRE(test.advance());
+            if (reached()) saved.push_back(simulation.snapshot());
+        }
+        REQUIRE(saved.size() == 5);
         const auto whole = fingerprint(simulation.snapshot());
-
-        Simulation other = small_test(2);
-        other.restore(middle);
-        TriaxialTest rest(other, short_test());
-        while (rest.state().stage < 6) REQUIRE(rest.advance());
-        CHECK(fingerprint(other.snapshot()) == whole);
+        for (std::size_t k = 0; k < saved.size(); ++k) {
+            Simulation other = small_test(2);
+            other.restore(saved[k]);
+            TriaxialTest rest(other, short_test());
+            while (rest.state().stage < 2) REQUIRE(rest.advance());
+            CHECK(fingerprint(other.snapshot()) == whole);
+        }
     }
 }
