@@ -62,7 +62,8 @@ std::vector<SmartRockPose> smart_rock_poses(const SpecimenSettings& s, double bo
     std::vector<SmartRockPose> poses;
     Random random(s.seed, orientation_stream);
     const double beside = s.radius - 1.02 * bounding_radius;
-    require(beside >= 2 * bounding_radius,
+    // a rock fills its bounding sphere along its longest axis only
+    require(beside >= 1.8 * bounding_radius,
             "specimen: expected room for two sensor rocks beside each other, found a radius of " +
                 std::to_string(s.radius) + " m for rocks of " + std::to_string(bounding_radius) + " m; try more bodies");
     const auto put = [&](double height, unsigned around) {
