@@ -100,7 +100,9 @@ std::uint64_t collide_sphere_with_body(const Surfaces& s, const TileTarget& to, 
     for (std::uint64_t rest = touching; rest != 0; rest &= rest - 1) {
         const auto k = static_cast<std::size_t>(__builtin_ctzll(rest));
         const auto row = static_cast<Row>(first + k);
-        if (radius - run[k].distance > s.deepest * radius) too_deep = row;
+        // a strip has no back: a rock that a ring has closed on is pushed out from any depth
+        const bool strip = s.sort[to.near[row].other] == static_cast<std::uint32_t>(FacetSort::strip);
+        if (!strip && radius - run[k].distance > s.deepest * radius) too_deep = row;
         tile.add(row, run[k].normal, run[k].distance, s.facets[to.near[row].other].velocity);
     }
     return touching;
