@@ -22,14 +22,8 @@ struct PlanePlace  : Derived<PlanePlaceRow> { static constexpr auto name = "plac
 /// A convex plane facet of four corners, counter-clockwise seen from the grains; a triangle repeats
 /// its last corner.
 struct FacetShape { std::array<Vec3, 4> corners; };
-enum class FacetSort : std::uint32_t {
-    mesh, ///< faces, edges and vertices carry force; one contact a feature of a body
-    strip ///< element of a membrane: corners 0-1 run around, 1-2 along the axis. Carries force only
-          ///< along its normal: a step to the next ring has no axial edge force
-};
-struct FacetId     : State<EntityId>      { static constexpr auto name = "id", unit = ""; static constexpr bool is_key = true; };
-struct LocalFacet  : State<FacetShape>    { static constexpr auto name = "facet", unit = "m"; };      // relative to the host's position
-struct FacetSortOf : State<std::uint32_t> { static constexpr auto name = "sort", unit = ""; };
+struct FacetId     : State<EntityId>   { static constexpr auto name = "id", unit = ""; static constexpr bool is_key = true; };
+struct LocalFacet  : State<FacetShape> { static constexpr auto name = "facet", unit = "m"; };      // relative to the host's position
 struct FacetPlaceRow { std::array<Vec3, 4> corners; Vec3 normal, velocity; };
 struct FacetPlace  : Derived<FacetPlaceRow> { static constexpr auto name = "place", unit = "m"; };
 

@@ -2,10 +2,12 @@
 
 #include "engine/component.hpp"
 
+#include <array>
 #include <cstddef>
 #include <cstring>
 #include <span>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace bris {
@@ -48,6 +50,19 @@ private:
     const Array& checked(const std::string& path, std::size_t scalar_size) const;
     std::vector<Array> arrays_;
 };
+
+/// Stores a few fields (a tuple of references to numbers and flags) as one array; reads them back.
+template <class... Fields>
+void put_fields(Archive& archive, const std::string& path, const std::tuple<const Fields&...>& fields) {
+    const auto numbers = std::apply([](auto&... field) { return std::array{static_cast<double>(field)...}; }, fields);
+    archive.put(path, std::span<const double>(numbers));
+}
+template <class... Fields>
+void get_fields(const Archive& archive, const std::string& path, const std::tuple<Fields&...>& fields) {
+    const auto numbers = archive.get<double>(path);
+    std::size_t next = 0;
+    std::apply([&](auto&... field) { ((field = static_cast<Fields>(numbers.at(next++))), ...); }, fields);
+}
 
 /// 64-bit hash of all arrays whose path starts with `prefix`, in their order.
 std::uint64_t fingerprint(const Archive& archive, const std::string& prefix = "");

@@ -9,10 +9,15 @@ namespace bris {
 
 namespace {
 
+// null if the rows have no names, or hold nothing but them (candidate pairs without history)
 const Column* key_of(const Table& table) {
-    for (const auto& column : table.columns())
-        if (column->type().is_key) return column.get();
-    return nullptr;
+    const Column* key = nullptr;
+    bool holds_more = false;
+    for (const auto& column : table.columns()) {
+        if (column->type().is_key) key = column.get();
+        else holds_more = holds_more || column->type().is_state;
+    }
+    return holds_more ? key : nullptr;
 }
 
 bool key_less(const Column& key, Row a, Row b) {

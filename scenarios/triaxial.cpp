@@ -8,6 +8,7 @@
 #include "engine/summary.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/clump_library.hpp"
+#include "systems/contact/ledger.hpp"
 #include "systems/output/picture.hpp"
 #include "systems/output/record.hpp"
 #include "systems/procedure/triaxial.hpp"
@@ -97,9 +98,7 @@ Scene make_scene(const Triaxial& t, const Common& common) {
 Simulation make_simulation(const Scene& s, unsigned threads, const Common& common) {
     World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rock, s.sample.rocks, s.poses);
     add_lists(world, true);
-    world.table<NearSpheres>().add<SlipWork>();
-    world.table<NearFacets>().add<SlipWork>();
-    world.table<NearPlanes>().add<SlipWork>();
+    add_ledger(world);
     world.add_resource<TriaxialState>();
     Simulation simulation(std::move(world), steps(LawName::linear, true), threads, {.serial = common.serial, .timed = true});
     simulation.on_restore(forget_lists);

@@ -28,12 +28,14 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         required(collide_spheres(law, ledger)),
         required(collide_facets(law, ledger)),
         required(collide_planes(law, ledger)),
+        required(collide_membrane(law)),
         // forces on bodies, and their motion: one pass over the rows
         row_local("clear_forces", clear_forces),
         row_local("weigh", weigh),
         row_local("gather_spheres", gather<SpherePairs>),
         row_local("gather_facets", gather<FacetPairs>),
         row_local("gather_planes", gather<PlanePairs>),
+        row_local("gather_membrane", gather<MembranePairs>),
         row_local("book_friction", book_friction<SpherePairs>),
         row_local("book_facet_friction", book_friction<FacetPairs>),
         row_local("book_plane_friction", book_friction<PlanePairs>),
@@ -48,7 +50,10 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         row_local("measure_travel", measure_travel),
         row_local("measure_travel_and_turn", measure_travel_and_turn),
         // boundaries
+        system("push_membrane", push_membrane),
+        system("book_membrane_work", book_membrane_work),
         system("steer_membrane", steer_membrane),
+        system("book_membrane_work again", book_membrane_work),
         system("steer_platen", steer_platen),
         system("place_planes", place_planes),
         system("place_facets", place_facets),
@@ -57,6 +62,7 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         system("guard_spheres", guard_overlap<SpherePairs>),
         system("guard_facets", guard_overlap<FacetPairs>),
         system("guard_planes", guard_overlap<PlanePairs>),
+        system("guard_membrane", guard_overlap<MembranePairs>),
     };
 }
 

@@ -3,7 +3,8 @@
 #include "components/body.hpp"
 #include "components/boundary.hpp"
 #include "components/kinds.hpp"
-#include "components/servo.hpp"
+#include "components/membrane.hpp"
+#include "components/platen.hpp"
 #include "engine/random.hpp"
 #include "engine/simulation.hpp"
 #include "systems/broadphase/lists.hpp"
@@ -164,7 +165,7 @@ inline World bed(const BedSettings& s) {
     return world;
 }
 
-/// A specimen without platens' friction: a polygon of `rings` x `sectors` strips about z, driven by
+/// A specimen without platens' friction: a membrane of `rings` x `sectors` elements about z, driven by
 /// a servo, closed by two planes.
 struct TubeSettings {
     unsigned rings = 2, sectors = 8;
@@ -180,27 +181,7 @@ inline void add_tube(World& world, const TubeSettings& s, std::uint32_t material
     membrane.target_pressure = s.pressure;
     membrane.contact_stiffness = s.contact_stiffness;
     membrane.largest_step = 1e-4 * s.radius;
-    const double half = 1.3 * s.radius * std::tan(pi / s.sectors);
-    for (unsigned k = 0; k < s.sectors; ++k) {
-        const double angle = 2 * pi * (k + 0.5) / s.sectors;
-        membrane.outward.push_back({std::cos(angle), std::sin(angle), 0});
-    }
-    for (unsigned ring = 0; ring < s.rings; ++ring)
-        for (unsigned k = 0; k < s.sectors; ++k) {
-            const Vec3& out = membrane.outward[k];
-            const Vec3 around = Vec3(0, 0, 1).cross(out), low = ring * membrane.ring_height * Vec3::UnitZ();
-            const Vec3 high = low + membrane.ring_height * Vec3::UnitZ();
-            const EntityId body = add_boundary(world, s.radius * out, material, Motion::servo, s.height);
-            // corners 0-1 run around, normal (around turned to the axis) inwards
-            const FacetShape shape{{half * around + low, -half * around + low, -half * around + high, half * around + high}};
-            const Vec3 normal = (shape.corners[1] - shape.corners[0]).cross(shape.corners[2] - shape.corners[0]);
-            const bool inwards = normal.dot(out) < 0;
-            const auto& c = shape.corners;
-            add_facet(world, body, inwards ? shape : FacetShape{{c[1], c[0], c[3], c[2]}}, FacetSort::strip);
-        }
-    membrane.radius.assign(std::size_t{s.rings} * s.sectors, s.radius);
-    membrane.pressure.assign(s.rings, 0);
-    world.add_resource(std::move(membrane));
+    add_membrane(world, std::move(membrane), s.radius, material);
     const EntityId bottom = add_boundary(world, Vec3::Zero(), material);
     const EntityId top = add_boundary(world, Vec3(0, 0, s.height), material, Motion::prescribed);
     add_plane(world, bottom, Vec3::Zero(), Vec3(0, 0, 1));

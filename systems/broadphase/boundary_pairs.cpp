@@ -1,17 +1,20 @@
 #include "components/boundary.hpp"
 #include "components/material.hpp"
 #include "systems/broadphase/carry_over.hpp"
+#include "components/membrane_surface.hpp"
 
 #include <algorithm>
+#include <limits>
+#include <numeric>
 
 namespace bris::detail {
 
 namespace {
 
-// candidates of every free body with every boundary element that `near_body` and `near_sphere` let
-// through, ordered by (host id, sphere, element id)
+// candidates of every free body with every boundary part (plane, facet, sector of a membrane) that
+// `near_body` and `near_sphere` let through, ordered by (host id, sphere, part id)
 template <class Pairs, class NearBody, class NearSphere>
-void find_pairs(World& world, std::span<const EntityId> element, std::span<const Row> host,
+void find_pairs(World& world, std::span<const EntityId> part, std::span<const Row> host,
                 NearBody&& near_body, NearSphere&& near_sphere) {
     Table& bodies = world.table<Bodies>();
     const auto motion = bodies.column<MotionOf>();
@@ -26,12 +29,12 @@ void find_pairs(World& world, std::span<const EntityId> element, std::span<const
     found.collect(bodies.size(), first, [&](std::vector<Candidate>& list, Row b) {
         if (run[b].count == 0 || motion[b] != static_cast<std::uint32_t>(Motion::free)) return;
         const std::size_t begin = list.size();
-        for (Row e = 0; e < element.size(); ++e) {
+        for (Row e = 0; e < part.size(); ++e) {
             if (!near_body(b, e)) continue;
             const std::uint32_t law = materials.pair(material[b], material[host[e]]);
             for (Row k = run[b].first; k < run[b].first + run[b].count; ++k)
                 if (near_sphere(centre[k], ball[k].radius, e))
-                    list.push_back({{id[b], id[host[e]], k - run[b].first, element[e]}, {k, e, host[e], law}});
+                    list.push_back({{id[b], id[host[e]], k - run[b].first, part[e]}, {k, e, host[e], law}});
         }
         std::sort(list.begin() + static_cast<std::ptrdiff_t>(begin), list.end(),
                   [](const Candidate& x, const Candidate& y) { return x.names < y.names; });
@@ -80,6 +83,28 @@ void find_facet_pairs(World& world, double skin) {
     find_pairs<FacetPairs>(
         world, facets.column<FacetId>(), host,
         [&](Row b, Row e) { return reaches(position[b], radius[b], e); }, reaches);
+}
+
+void find_membrane_pairs(World& world, double skin) {
+    Table& bodies = world.table<Bodies>();
+    const auto& membrane = world.resource<Membrane>();
+    const auto element_radius = world.column<Elements, ElementRadius>();
+    const MembraneSurface surface(membrane, element_radius.data());
+    const auto position = bodies.column<Position>();
+    const auto radius = bodies.column<BoundingRadius>();
+    // of the whole height: a body may be longer than a ring is high
+    std::vector<double> least(membrane.sectors, std::numeric_limits<double>::infinity());
+    for (Row e = 0; e < element_radius.size(); ++e)
+        least[e % membrane.sectors] = std::min(least[e % membrane.sectors], element_radius[e]);
+    std::vector<EntityId> sector(membrane.sectors);
+    std::iota(sector.begin(), sector.end(), EntityId{0});
+    const std::vector<Row> host(membrane.sectors, membrane.body_row);
+    find_pairs<MembranePairs>(
+        world, sector, host,
+        [&](Row b, Row s) { return position[b].dot(membrane.outward[s]) + radius[b] + skin > least[s]; },
+        [&](const Vec3& x, double r, Row s) {
+            return surface.nearest(static_cast<int>(s), x.dot(membrane.outward[s]), x.z()).distance < r + skin;
+        });
 }
 
 } // namespace bris::detail

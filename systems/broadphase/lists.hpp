@@ -53,6 +53,7 @@ template <class Pairs> struct Candidates {
 void find_sphere_pairs(World& world, double skin);
 void find_plane_pairs(World& world, double skin);
 void find_facet_pairs(World& world, double skin);
+void find_membrane_pairs(World& world, double skin);
 
 } // namespace detail
 

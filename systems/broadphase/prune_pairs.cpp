@@ -2,6 +2,7 @@
 #include "engine/errors.hpp"
 #include "systems/broadphase/chunk_lists.hpp"
 #include "systems/broadphase/lists.hpp"
+#include "components/membrane_surface.hpp"
 
 #include <algorithm>
 
@@ -79,6 +80,7 @@ void list_spheres(World& world) {
     for (std::size_t k = 0; k < count; ++k) slot[entry[k].owner] = slot[entry[k].other] = 0;
     if (world.has<PlanePairs>()) mark_owners<PlanePairs>(world, slot);
     if (world.has<FacetPairs>()) mark_owners<FacetPairs>(world, slot);
+    if (world.has<MembranePairs>()) mark_owners<MembranePairs>(world, slot);
 
     const auto ball = world.column<Spheres, LocalBall>();
     Table& listed = world.table<Listed>();
@@ -158,10 +160,22 @@ void prune_pairs(World& world) {
         make_incidence<FacetPairs>(world);
         check_facet_runs(world);
     }
+    if (world.has<MembranePairs>()) {
+        const auto& membrane = world.resource<Membrane>();
+        const MembraneSurface surface(membrane, world.column<Elements, ElementRadius>().data());
+        make_short_list<MembranePairs>(world, skin, [&](const PairPlaces& p) {
+            const Vec3& x = centre[p.sphere];
+            const double out = x.dot(membrane.outward[p.other]);
+            return surface.nearest(static_cast<int>(p.other), out, x.z()).distance - ball[p.sphere].radius;
+        });
+        make_incidence<MembranePairs>(world);
+        std::ranges::copy(world.column<Elements, ElementRadius>(), world.column<Elements, PrunedRadius>().begin());
+    }
     list_spheres(world);
     use_slots<SpherePairs>(world, true);
     if (world.has<PlanePairs>()) use_slots<PlanePairs>(world, false);
     if (world.has<FacetPairs>()) use_slots<FacetPairs>(world, false);
+    if (world.has<MembranePairs>()) use_slots<MembranePairs>(world, false);
 
     const auto pruned = bodies.column<PrunedAt>();
     const auto travel = bodies.column<Travel>();

@@ -1,5 +1,6 @@
 #include "components/boundary.hpp"
 #include "components/material.hpp"
+#include "components/membrane.hpp"
 #include "engine/ordering.hpp"
 #include "systems/broadphase/lists.hpp"
 
@@ -35,6 +36,7 @@ void find_runs(World& world) {
         const auto row = world.column<Facets, HostRow>();
         for (std::size_t i = 0; i < host.size(); ++i) row[i] = row_of[host[i]];
     }
+    if (world.has<Elements>()) world.resource<Membrane>().body_row = row_of[world.resource<Membrane>().body];
 }
 
 // bodies along a Morton curve, spheres with them; driven bodies too, they are few
@@ -70,6 +72,15 @@ private:
     const Quat* orientation_;
 };
 
+template <class Since> double travel_of_membrane(const World& world) {
+    if (!world.has<Elements>()) return 0;
+    const auto radius = world.column<Elements, ElementRadius>();
+    const auto since = world.column<Elements, Since>();
+    double largest = 0;
+    for (std::size_t e = 0; e < radius.size(); ++e) largest = std::max(largest, std::abs(radius[e] - since[e]));
+    return largest;
+}
+
 double largest_travel(const World& world) {
     const Table& bodies = world.table<Bodies>();
     const auto from = bodies.column<RefreshedAt>();
@@ -80,7 +91,7 @@ double largest_travel(const World& world) {
         const Pose now = poses[b];
         largest = std::max(largest, travel_bound(now.position, now.orientation, from[b], radius[b]));
     }
-    return largest;
+    return std::max(largest, travel_of_membrane<RefreshedRadius>(world));
 }
 
 void choose_skins(World& world, ListSettings& settings) {
@@ -153,6 +164,7 @@ bool lists_are_due(const World& world) {
     const auto travel = world.column<Bodies, Travel>();
     double largest = 0;
     for (const double t : travel) largest = t > largest ? t : largest;
+    largest = std::max(largest, travel_of_membrane<PrunedRadius>(world));
     return !(2 * largest <= world.resource<ListSettings>().inner_skin);
 }
 
@@ -184,6 +196,10 @@ void refresh_pairs(World& world) {
     detail::find_sphere_pairs(world, settings.outer_skin);
     if (world.has<PlanePairs>()) detail::find_plane_pairs(world, settings.outer_skin);
     if (world.has<FacetPairs>()) detail::find_facet_pairs(world, settings.outer_skin);
+    if (world.has<MembranePairs>()) {
+        detail::find_membrane_pairs(world, settings.outer_skin);
+        std::ranges::copy(world.column<Elements, ElementRadius>(), world.column<Elements, RefreshedRadius>().begin());
+    }
     state.stale = false;
     state.candidate_skin = settings.outer_skin;
     state.last_refresh = world.resource<Clock>().step;
@@ -194,12 +210,9 @@ void invalidate_lists(World& world) { world.resource<ListState>().stale = true; 
 
 void forget_lists(World& world) {
     invalidate_lists(world);
-    const auto forget = [&]<class Pairs>(NearIndex<Pairs>*) {
+    for_each_kind_of_pair([&]<class Pairs>() {
         if (world.has<Pairs>()) world.resource<NearIndex<Pairs>>() = {};
-    };
-    forget(static_cast<NearIndex<SpherePairs>*>(nullptr));
-    forget(static_cast<NearIndex<FacetPairs>*>(nullptr));
-    forget(static_cast<NearIndex<PlanePairs>*>(nullptr));
+    });
     find_runs(world);
 }
 
@@ -236,6 +249,10 @@ void add_lists(World& world, bool history, ListSettings settings) {
     add_pair_tables<SpherePairs>(world, history);
     if (world.has<Planes>()) add_pair_tables<PlanePairs>(world, history);
     if (world.has<Facets>()) add_pair_tables<FacetPairs>(world, history);
+    if (world.has<Elements>()) {
+        add_pair_tables<MembranePairs>(world, false); // without friction
+        world.table<NearMembrane>().add<FootOf>();
+    }
     world.add_resource(settings);
     world.add_resource<ListState>();
 }

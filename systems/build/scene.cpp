@@ -136,21 +136,43 @@ EntityId add_plane(World& world, EntityId host, const Vec3& point, const Vec3& n
     return row;
 }
 
-EntityId add_facet(World& world, EntityId host, const FacetShape& shape, FacetSort sort) {
+EntityId add_facet(World& world, EntityId host, const FacetShape& shape) {
     Table& facets = world.table<Facets>();
     facets.add<FacetId>();
     facets.add<HostId>();
     facets.add<HostRow>();
     facets.add<LocalFacet>();
-    facets.add<FacetSortOf>();
     facets.add<FacetPlace>();
     const auto row = static_cast<Row>(facets.size());
     facets.resize(facets.size() + 1);
     facets.column<FacetId>()[row] = row;
     facets.column<HostId>()[row] = host;
     facets.column<LocalFacet>()[row] = shape;
-    facets.column<FacetSortOf>()[row] = static_cast<std::uint32_t>(sort);
     return row;
+}
+
+void add_membrane(World& world, Membrane membrane, double radius, std::uint32_t material) {
+    membrane.body = add_boundary(world, Vec3::Zero(), material, Motion::fixed, 2 * radius);
+    membrane.outward.clear();
+    for (unsigned sector = 0; sector < membrane.sectors; ++sector) {
+        const double angle = 2 * pi * (sector + 0.5) / membrane.sectors;
+        membrane.outward.push_back({std::cos(angle), std::sin(angle), 0});
+    }
+    const std::size_t count = std::size_t{membrane.rings} * membrane.sectors;
+    membrane.pressure.assign(membrane.per_element ? count : membrane.rings, 0);
+    Table& elements = world.table<Elements>();
+    elements.add<ElementId>();
+    elements.add<ElementRadius>();
+    elements.add<ElementSpeed>();
+    elements.add<ElementPush>();
+    elements.add<ElementHold>();
+    elements.add<ElementArea>();
+    elements.add<PrunedRadius>();
+    elements.add<RefreshedRadius>();
+    elements.resize(count);
+    for (Row e = 0; e < count; ++e) elements.column<ElementId>()[e] = e;
+    for (double& r : elements.column<ElementRadius>()) r = radius;
+    world.add_resource(std::move(membrane));
 }
 
 Row row_of_body(const World& world, EntityId body) {

@@ -4,6 +4,7 @@
 #include "components/body.hpp"
 #include "components/clump.hpp"
 #include "components/material.hpp"
+#include "components/membrane.hpp"
 #include "components/settings.hpp"
 #include "engine/world.hpp"
 
@@ -32,7 +33,11 @@ EntityId add_boundary(World& world, const Vec3& position, std::uint32_t material
 EntityId add_plane(World& world, EntityId host, const Vec3& point, const Vec3& normal);
 
 /// A facet; corners relative to the host's position, counter-clockwise seen from the grains.
-EntityId add_facet(World& world, EntityId host, const FacetShape& shape, FacetSort sort = FacetSort::mesh);
+EntityId add_facet(World& world, EntityId host, const FacetShape& shape);
+
+/// A membrane of `rings` x `sectors` elements at `radius` (m) around the z axis; its body, outward
+/// directions and pressures are filled in.
+void add_membrane(World& world, Membrane membrane, double radius, std::uint32_t material);
 
 /// Row of a body now.
 Row row_of_body(const World& world, EntityId body);

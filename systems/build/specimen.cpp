@@ -1,6 +1,7 @@
 #include "systems/build/specimen.hpp"
 
 #include "components/kinds.hpp"
+#include "components/platen.hpp"
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "systems/build/scene.hpp"
@@ -10,42 +11,6 @@ namespace bris {
 namespace {
 
 constexpr std::uint64_t orientation_stream = 1001;
-
-// width of an element: closed up to a radial strain of 24 % (inventory E3: 10.16 cm for 15.25 cm)
-double element_width(double radius) { return radius * 0.1016 / 0.1525; }
-
-FacetShape element_shape(const Vec3& outward, double width, double low, double high) {
-    const Vec3 along = Vec3(0, 0, 1).cross(outward) * (0.5 * width); // seen from inside: to the left
-    const Vec3 down(0, 0, low), up(0, 0, high);
-    return {{along + down, -along + down, -along + up, along + up}};
-}
-
-void add_membrane(World& world, const SpecimenSettings& s, std::uint32_t material) {
-    Membrane membrane;
-    membrane.active = false;
-    membrane.per_element = s.per_element;
-    membrane.rings = s.rings;
-    membrane.sectors = s.sectors;
-    membrane.ring_height = s.height / s.rings;
-    membrane.first_facet = static_cast<unsigned>(world.table<Facets>().size());
-    for (unsigned k = 0; k < s.sectors; ++k) {
-        const double angle = 2 * pi * (k + 0.5) / s.sectors;
-        membrane.outward.push_back({std::cos(angle), std::sin(angle), 0});
-    }
-    const double width = element_width(s.radius);
-    for (unsigned ring = 0; ring < s.rings; ++ring)
-        for (unsigned k = 0; k < s.sectors; ++k) {
-            const Vec3& out = membrane.outward[k];
-            const EntityId body = add_boundary(world, s.radius * out, material, Motion::servo, s.height);
-            add_facet(world, body,
-                      element_shape(out, width, ring * membrane.ring_height, (ring + 1) * membrane.ring_height),
-                      FacetSort::strip);
-        }
-    const std::size_t elements = std::size_t{s.rings} * s.sectors;
-    membrane.radius.assign(elements, s.radius);
-    membrane.pressure.assign(s.per_element ? elements : s.rings, 0);
-    world.add_resource(std::move(membrane));
-}
 
 void add_platens(World& world, const SpecimenSettings& s, Specimen& specimen) {
     specimen.bottom = add_boundary(world, Vec3::Zero(), specimen.platen_material, Motion::fixed, s.radius);
@@ -115,31 +80,19 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
         specimen.rocks.push_back(add_clump(world, clump, static_cast<std::uint32_t>(choice.clump), s.height * place,
                                            random.rotation(), specimen.rock_material, Motion::fixed));
     }
-    add_membrane(world, s, specimen.membrane_material);
+    Membrane membrane;
+    membrane.active = false;
+    membrane.per_element = s.per_element;
+    membrane.rings = s.rings;
+    membrane.sectors = s.sectors;
+    membrane.ring_height = s.height / s.rings;
+    add_membrane(world, std::move(membrane), s.radius, specimen.membrane_material);
     add_platens(world, s, specimen);
-    Table& bodies = world.table<Bodies>();
-    bodies.add<Growth>();
-    bodies.add<FrictionWork>();
-    bodies.add<DampingWork>();
-    bodies.add<ScalingWork>();
-    bodies.add<BoundaryWork>();
+    world.table<Bodies>().add<Growth>();
     world.add_resource(LocalDamping{0.7});
     world.add_resource(Gravity{});
     world.add_resource(std::move(specimen));
     return world;
-}
-
-void fit_membrane(World& world, double height, double radius, double top) {
-    auto& membrane = world.resource<Membrane>();
-    membrane.ring_height = height / membrane.rings;
-    const auto shape = world.column<Facets, LocalFacet>();
-    for (std::size_t e = 0; e < membrane.radius.size(); ++e) {
-        const std::size_t ring = e / membrane.sectors;
-        const double low = static_cast<double>(ring) * membrane.ring_height;
-        const double high = ring + 1 == membrane.rings ? top : low + membrane.ring_height;
-        shape[membrane.first_facet + e] =
-            element_shape(membrane.outward[e % membrane.sectors], element_width(radius), low, high);
-    }
 }
 
 } // namespace bris

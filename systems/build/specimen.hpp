@@ -1,7 +1,6 @@
 #pragma once
 
 #include "components/clump.hpp"
-#include "components/servo.hpp"
 #include "engine/world.hpp"
 #include "systems/build/grading.hpp"
 
@@ -54,12 +53,8 @@ double radius_for(double solid_volume, double porosity, unsigned sectors);
 
 /// Makes the world of a triaxial test: materials, sensor rocks held at `looseness` times their
 /// heights (they sink with the top platen to their given places while the specimen is compacted),
-/// rocks parked below the lower platen, membrane and platens. Columns of the energy ledger included.
+/// rocks parked below the lower platen, membrane and platens.
 World make_triaxial_world(const SpecimenSettings& settings, std::span<const Clump> clumps, const Clump& smart_rock,
                           std::span<const RockChoice> rocks, std::span<const SmartRockPose> poses);
-
-/// Gives the rings the heights of a specimen of height `height` (m); the last one reaches up to `top`
-/// (m, above `height` while the specimen is being made). Between steps only.
-void fit_membrane(World& world, double height, double radius, double top);
 
 } // namespace bris

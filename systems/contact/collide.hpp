@@ -12,10 +12,13 @@ namespace bris {
 System collide_spheres(LawName law, bool ledger);
 
 /// The same for spheres against facets: contacts are reduced to one for each feature of a body (face
-/// before edge before vertex); strips act along their normal only.
+/// before edge before vertex).
 System collide_facets(LawName law, bool ledger);
 
 /// The same for spheres against planes.
 System collide_planes(LawName law, bool ledger);
+
+/// The same for spheres against a membrane; never friction.
+System collide_membrane(LawName law);
 
 } // namespace bris

@@ -22,7 +22,6 @@ struct Surfaces {
     const PlaceRow* place;
     const TurnRow* turn;
     const FacetPlaceRow* facets;
-    const std::uint32_t* sort;
     const PairNames* names;
     double deepest;
 };
@@ -31,8 +30,6 @@ Nearest nearest(const Surfaces& s, const NearEntry& near) {
     const PlaceRow& p = s.place[near.owner];
     const Vec3 centre(p.x, p.y, p.z);
     const FacetPlaceRow& facet = s.facets[near.other];
-    if (s.sort[near.other] == static_cast<std::uint32_t>(FacetSort::strip))
-        return detail::nearest_on_strip(facet, centre, p.radius);
     Nearest n = detail::nearest_on_mesh_facet(facet, centre);
     if (n.distance >= p.radius || n.distance == 0) n.feature = Feature::none;
     return n;
@@ -100,9 +97,7 @@ std::uint64_t collide_sphere_with_body(const Surfaces& s, const TileTarget& to, 
     for (std::uint64_t rest = touching; rest != 0; rest &= rest - 1) {
         const auto k = static_cast<std::size_t>(__builtin_ctzll(rest));
         const auto row = static_cast<Row>(first + k);
-        // a strip has no back: a rock that a ring has closed on is pushed out from any depth
-        const bool strip = s.sort[to.near[row].other] == static_cast<std::uint32_t>(FacetSort::strip);
-        if (!strip && radius - run[k].distance > s.deepest * radius) too_deep = row;
+        if (radius - run[k].distance > s.deepest * radius) too_deep = row;
         tile.add(row, run[k].normal, run[k].distance, s.facets[to.near[row].other].velocity);
     }
     return touching;
@@ -145,11 +140,11 @@ template <class Law> void run_chunks(const Surfaces& s, const TileTarget& to, Ne
 template <class Law, class... Ledger>
 void collide(Rows<NearFacets, const NearPair, PairForce, Ledger...> near,
              Rows<Listed, const Place, const Turn> listed,
-             Rows<Facets, const FacetPlace, const FacetSortOf> facets,
+             Rows<Facets, const FacetPlace> facets,
              Rows<FacetPairs, const PairKey, Spring> pairs, NearIndex<FacetPairs>& index,
              const Materials& materials, const Limits& limits, const Clock& clock) {
     run_chunks<Law>({listed.column<Place>(), listed.column<Turn>(), facets.column<FacetPlace>(),
-                     facets.column<FacetSortOf>(), pairs.column<PairKey>(), limits.overlap},
+                     pairs.column<PairKey>(), limits.overlap},
                     {near.template column<NearPair>(), pairs.column<Spring>(), near.template column<PairForce>(), detail::ledger_of(near),
                      materials.pairs.data(), materials.pairs.size() == 1, clock.dt},
                     index);
@@ -157,11 +152,11 @@ void collide(Rows<NearFacets, const NearPair, PairForce, Ledger...> near,
 
 void collide_frictionless(Rows<NearFacets, const NearPair, PairForce> near,
                           Rows<Listed, const Place> listed,
-                          Rows<Facets, const FacetPlace, const FacetSortOf> facets,
+                          Rows<Facets, const FacetPlace> facets,
                           Rows<FacetPairs, const PairKey> pairs, NearIndex<FacetPairs>& index,
                           const Materials& materials, const Limits& limits, const Clock& clock) {
     run_chunks<LinearFrictionless>(
-        {listed.column<Place>(), nullptr, facets.column<FacetPlace>(), facets.column<FacetSortOf>(),
+        {listed.column<Place>(), nullptr, facets.column<FacetPlace>(),
          pairs.column<PairKey>(), limits.overlap},
         {near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr, materials.pairs.data(),
          materials.pairs.size() == 1, clock.dt},

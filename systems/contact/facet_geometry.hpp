@@ -51,23 +51,4 @@ inline Nearest nearest_on_mesh_facet(const FacetPlaceRow& facet, const Vec3& cen
     return best;
 }
 
-/// A sphere against an element of a membrane: the force is along the element's normal only. Beside
-/// the element (along the axis) the slice of the sphere at the element's rim counts, so that the
-/// force is continuous when a sphere passes from ring to ring. Grains are in front of the element;
-/// a centre behind it does not touch. `distance` is such that radius - distance is the overlap.
-inline Nearest nearest_on_strip(const FacetPlaceRow& facet, const Vec3& centre, double radius) {
-    const Vec3 from = centre - facet.corners[0];
-    const double height = from.dot(facet.normal);
-    if (height <= 0 || height >= radius) return nothing_near();
-    const Vec3 around = facet.corners[1] - facet.corners[0], along = facet.corners[3] - facet.corners[0];
-    const double u = from.dot(around) / around.squaredNorm();
-    if (u < 0 || u > 1) return nothing_near();
-    const double length = along.norm(), v = from.dot(along) / length;
-    const double beyond = v < 0 ? -v : v > length ? v - length : 0;
-    if (beyond >= radius) return nothing_near();
-    const double slice = beyond > 0 ? std::sqrt(radius * radius - beyond * beyond) : radius;
-    if (height >= slice) return nothing_near();
-    return {Feature::face, centre - height * facet.normal, facet.normal, radius - (slice - height)};
-}
-
 } // namespace bris::detail

@@ -4,8 +4,12 @@
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "engine/rows.hpp"
+#include "engine/world.hpp"
 
 namespace bris {
+
+/// Adds the columns of the energy ledger to a scene that has its lists (add_lists).
+void add_ledger(World& world);
 
 /// Adds the work that friction took in this step to the owners of the pairs, in their order.
 template <class Pairs>

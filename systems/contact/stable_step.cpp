@@ -65,9 +65,7 @@ std::vector<double> least_inertia(const World& world, bool inertial) {
 
 std::vector<BodyStiffness> body_stiffness(const World& world) {
     std::vector<BodyStiffness> all(world.table<Bodies>().size());
-    add_pairs<SpherePairs>(world, all);
-    add_pairs<FacetPairs>(world, all);
-    add_pairs<PlanePairs>(world, all);
+    for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, all); });
     return all;
 }
 

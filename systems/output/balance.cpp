@@ -43,9 +43,7 @@ template <class Pairs> void add_pairs(const World& world, std::vector<Sum>& sums
 Balance measure_balance(const World& world) {
     Balance balance;
     std::vector<Sum> sums(world.table<Bodies>().size());
-    add_pairs<SpherePairs>(world, sums, balance);
-    add_pairs<FacetPairs>(world, sums, balance);
-    add_pairs<PlanePairs>(world, sums, balance);
+    for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, sums, balance); });
     const auto id = world.column<Bodies, BodyId>();
     const auto motion = world.column<Bodies, MotionOf>();
     const auto mass = world.column<Bodies, Mass>();

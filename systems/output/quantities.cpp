@@ -73,12 +73,12 @@ Quantities measure(const World& world) {
         q.kinetic_energy += kinetic_energy(world, rows[id]);
         q.weight += world.column<Bodies, Mass>()[rows[id]] * gravity;
     }
-    add_boundary_force<FacetPairs>(world, rows, q);
-    add_boundary_force<PlanePairs>(world, rows, q);
-    add_contacts<SpherePairs>(world, q);
-    const std::size_t between_grains = q.body_contacts;
-    add_contacts<FacetPairs>(world, q);
-    add_contacts<PlanePairs>(world, q);
+    std::size_t between_grains = 0;
+    for_each_kind_of_pair([&]<class Pairs>() {
+        add_boundary_force<Pairs>(world, rows, q);
+        add_contacts<Pairs>(world, q);
+        if constexpr (std::is_same_v<Pairs, SpherePairs>) between_grains = q.body_contacts;
+    });
     if (q.contacts > 0) {
         q.mean_overlap /= static_cast<double>(q.contacts);
         q.mean_normal_force /= static_cast<double>(q.contacts);

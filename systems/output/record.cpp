@@ -9,6 +9,7 @@
 #include "engine/interrupt.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/options.hpp"
+#include "components/membrane_surface.hpp"
 #include "systems/output/contacts.hpp"
 
 #include <fmt/format.h>
@@ -43,9 +44,7 @@ void count_partners(const World& world, std::vector<float>& count) {
 
 std::vector<float> coordination_by_id(const World& world) {
     std::vector<float> count(world.table<Bodies>().size());
-    count_partners<SpherePairs>(world, count);
-    count_partners<FacetPairs>(world, count);
-    count_partners<PlanePairs>(world, count);
+    for_each_kind_of_pair([&]<class Pairs>() { count_partners<Pairs>(world, count); });
     return count;
 }
 
@@ -53,10 +52,10 @@ void append(std::vector<float>& list, const Vec3& v) {
     for (int k = 0; k < 3; ++k) list.push_back(static_cast<float>(v[k]));
 }
 
-/// Places from the State alone: they hold before the first step and after a restore, too.
-std::vector<Vec3> facet_corners(const World& world, const std::vector<Row>& rows) {
-    std::vector<Vec3> corners;
-    if (!world.has<Facets>()) return corners;
+// Places from the State alone: they hold before the first step and after a restore, too.
+
+void add_facet_corners(const World& world, const std::vector<Row>& rows, std::vector<Vec3>& corners) {
+    if (!world.has<Facets>()) return;
     const auto id = world.column<Facets, FacetId>();
     const auto host = world.column<Facets, HostId>();
     const auto shape = world.column<Facets, LocalFacet>();
@@ -65,7 +64,26 @@ std::vector<Vec3> facet_corners(const World& world, const std::vector<Row>& rows
     for (std::size_t f = 0; f < shape.size(); ++f)
         for (std::size_t k = 0; k < 4; ++k)
             corners[4 * id[f] + k] = position[rows[host[f]]] + shape[f].corners[k];
-    return corners;
+}
+
+// strips of the membrane from middle to middle of the rings, with half a ring at each end
+void add_membrane_corners(const World& world, std::vector<Vec3>& corners) {
+    if (!world.has<Elements>()) return;
+    const auto& membrane = world.resource<Membrane>();
+    const MembraneSurface surface(membrane, world.column<Elements, ElementRadius>().data());
+    // where the planes of a sector and of the next one meet
+    const auto corner = [&](int ring, int sector) {
+        const int next = (sector + 1) % surface.sectors;
+        const Vec3 &a = surface.outward[sector], &b = surface.outward[next];
+        const double det = a.x() * b.y() - a.y() * b.x(), ra = surface.radius_at(ring, sector), rb = surface.radius_at(ring, next);
+        const double height = std::clamp(surface.middle(ring), 0.0, surface.rings * surface.ring_height);
+        return Vec3((ra * b.y() - rb * a.y()) / det, (rb * a.x() - ra * b.x()) / det, height);
+    };
+    for (int ring = -1; ring < surface.rings; ++ring)
+        for (int sector = 0; sector < surface.sectors; ++sector) {
+            const int before = (sector + surface.sectors - 1) % surface.sectors;
+            corners.insert(corners.end(), {corner(ring, sector), corner(ring, before), corner(ring + 1, before), corner(ring + 1, sector)});
+        }
 }
 
 } // namespace
@@ -97,7 +115,8 @@ BodyFrame frame_of_bodies(const World& world) {
         for (const double part : {q.w(), q.x(), q.y(), q.z()})
             frame.orientations.push_back(static_cast<float>(part));
     }
-    frame.corners = facet_corners(world, rows);
+    add_facet_corners(world, rows, frame.corners);
+    add_membrane_corners(world, frame.corners);
     return frame;
 }
 

@@ -67,6 +67,7 @@ void resize_rocks(World& world, std::span<const EntityId> rocks) {
 }
 
 template <class Pairs> void note_overlaps(const World& world, std::span<double> largest) {
+    if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
     const auto force = world.column<typename Pairs::Near, PairForce>();
     for (Row b = 0; b < largest.size(); ++b) {
@@ -80,9 +81,7 @@ template <class Pairs> void note_overlaps(const World& world, std::span<double> 
 /// Lets the rocks of a lift grow, those that are squeezed excepted; true when all have full size.
 bool grow_rocks(World& world, std::span<const EntityId> rocks, double factor) {
     std::vector<double> squeezed(world.table<Bodies>().size(), 0.0);
-    note_overlaps<SpherePairs>(world, squeezed);
-    note_overlaps<FacetPairs>(world, squeezed);
-    note_overlaps<PlanePairs>(world, squeezed);
+    for_each_kind_of_pair([&]<class Pairs>() { note_overlaps<Pairs>(world, squeezed); });
     const auto rows = rows_by_id(world);
     const auto growth = world.column<Bodies, Growth>();
     const auto radius = world.column<Bodies, BoundingRadius>();
@@ -96,12 +95,14 @@ bool grow_rocks(World& world, std::span<const EntityId> rocks, double factor) {
     return all;
 }
 
+double membrane_radius(const World& world) { return world.column<Elements, ElementRadius>().front(); }
+
 /// Puts the rocks of a lift at random places between two heights, their bounding spheres at
 /// `scale` clear of each other and of the held sensor rocks.
 void place_lift(World& world, std::span<const EntityId> lift, double low, double high, double scale) {
     const auto rows = rows_by_id(world);
     const auto& specimen = world.resource<Specimen>();
-    const double wall = world.resource<Membrane>().radius.front();
+    const double wall = membrane_radius(world);
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
     const auto radius = world.column<Bodies, BoundingRadius>();
@@ -138,7 +139,7 @@ void place_lift(World& world, std::span<const EntityId> lift, double low, double
 }
 
 CylinderRegion core(const World& world, double top) {
-    const double wall = world.resource<Membrane>().radius.front();
+    const double wall = membrane_radius(world);
     return {0.6 * wall, 0.25 * top, 0.75 * top};
 }
 
@@ -154,10 +155,8 @@ void TriaxialTest::start_lift() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
     const auto& specimen = world.resource<Specimen>();
-    const auto& membrane = world.resource<Membrane>();
     const double height = specimen.looseness * specimen.height;
     if (state.lift == 0) {
-        fit_membrane(world, specimen.height, membrane.radius.front(), 1.1 * height);
         set_friction(world, settings_.compaction_friction);
         world.resource<Gravity>().value.setZero();
         world.resource<LocalDamping>().fraction = settings_.damping;
@@ -237,7 +236,7 @@ void TriaxialTest::start_consolidation() {
     auto& membrane = world.resource<Membrane>();
     auto& platen = world.resource<Platen>();
     const double top = platen_height(world);
-    fit_membrane(world, top, membrane.radius.front(), top);
+    membrane.ring_height = top / membrane.rings;
     const auto& materials = world.resource<Materials>();
     const auto& specimen = world.resource<Specimen>();
     set_friction(world, settings_.friction);
@@ -279,7 +278,7 @@ void TriaxialTest::start_shear() {
     const auto& specimen = world.resource<Specimen>();
     state.height = platen_height(world);
     state.volume = specimen_volume(world);
-    state.global_porosity = 1 - solid_volume(world, {2 * world.resource<Membrane>().radius.front(), 0, state.height}, 240) / state.volume;
+    state.global_porosity = 1 - solid_volume(world, {2 * membrane_radius(world), 0, state.height}, 240) / state.volume;
     state.core_porosity = porosity(world, core(world, state.height), 240);
     double largest = 0;
     const auto position = world.column<Bodies, Position>();

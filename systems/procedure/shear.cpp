@@ -72,14 +72,9 @@ double sum_by_id(const std::vector<Row>& rows, std::span<const double> values) {
 } // namespace
 
 double specimen_volume(const World& world) {
-    const auto& membrane = world.resource<Membrane>();
     const Row host = world.column<Planes, HostRow>()[world.resource<Platen>().plane];
-    const double top = world.column<Bodies, Position>()[host].z();
-    double volume = 0;
-    for (std::size_t ring = 0; ring < membrane.rings; ++ring)
-        volume += polygon_area({&membrane.radius[ring * membrane.sectors], membrane.sectors}) *
-                  exposed_height(membrane, ring, top);
-    return volume;
+    return membrane_volume(world.resource<Membrane>(), world.column<Elements, ElementRadius>().data(),
+                           world.column<Bodies, Position>()[host].z());
 }
 
 TriaxialPoint TriaxialTest::measure_point() const {
@@ -95,22 +90,18 @@ TriaxialPoint TriaxialTest::measure_point() const {
 
     TriaxialPoint p;
     const double volume = specimen_volume(world);
+    for (const double pressure : membrane.pressure) {
+        const double error = std::abs(pressure / membrane.target_pressure - 1);
+        p.worst_ring_error = std::max(p.worst_ring_error, error);
+        p.mean_ring_error += error / static_cast<double>(membrane.pressure.size());
+    }
+    const Table& elements = world.table<Elements>();
     double area = 0, push = 0;
-    const std::size_t per_ring = membrane.pressure.size() / membrane.rings;
-    for (std::size_t ring = 0; ring < membrane.rings; ++ring) {
-        const std::span<const double> radius(&membrane.radius[ring * membrane.sectors], membrane.sectors);
-        const double height = exposed_height(membrane, ring, top);
-        double mean = 0;
-        for (const double r : radius) mean += r / static_cast<double>(radius.size());
-        p.ring_radius.push_back(mean);
-        for (std::size_t g = ring * per_ring; g < (ring + 1) * per_ring; ++g) {
-            const double error = std::abs(membrane.pressure[g] / membrane.target_pressure - 1);
-            p.worst_ring_error = std::max(p.worst_ring_error, error);
-            p.mean_ring_error += error / static_cast<double>(membrane.pressure.size());
-            const double weight = mean * height / static_cast<double>(per_ring);
-            push += membrane.pressure[g] * weight;
-            area += weight;
-        }
+    p.ring_radius.assign(membrane.rings, 0);
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+        p.ring_radius[e / membrane.sectors] += elements.column<ElementRadius>()[e] / membrane.sectors;
+        push += elements.column<ElementPush>()[e];
+        area += elements.column<ElementArea>()[e];
     }
     const auto force = bodies.column<Force>();
     p.axial_stress = 0.5 * (force[rows[specimen.top]].z() - force[rows[specimen.bottom]].z()) * top / volume;
@@ -120,9 +111,7 @@ TriaxialPoint TriaxialTest::measure_point() const {
     p.volumetric_strain = s.volume > 0 ? 1 - volume / s.volume : 0;
 
     Tensor contact, boundary;
-    add_stress<SpherePairs>(world, rows, contact, boundary);
-    add_stress<FacetPairs>(world, rows, contact, boundary);
-    add_stress<PlanePairs>(world, rows, contact, boundary);
+    for_each_kind_of_pair([&]<class Pairs>() { add_stress<Pairs>(world, rows, contact, boundary); });
     p.contact_axial = contact.axial / volume;
     p.contact_radial = contact.radial / volume;
     p.boundary_axial = boundary.axial / volume;

@@ -6,7 +6,8 @@
 #include "components/settings.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/balance.hpp"
-#include "systems/servo/platen.hpp"
+#include "components/platen.hpp"
+#include "components/membrane.hpp"
 
 #include <fmt/format.h>
 

@@ -1,75 +1,143 @@
 #include "systems/servo/membrane.hpp"
 
+#include "components/membrane_surface.hpp"
+
 #include <algorithm>
 
 namespace bris {
 
-void Membrane::save(Archive& archive) const {
-    const std::array<double, 6> numbers{active ? 1.0 : 0.0, target_pressure,   gain,
-                                        largest_step,       contact_stiffness, ring_height};
-    archive.put("membrane/settings", std::span<const double>(numbers));
-    archive.put("membrane/pressure", std::span<const double>(pressure));
-    archive.put("membrane/radius", std::span<const double>(radius));
+namespace {
+
+constexpr double least_area = 1e-3; // of a ring's height: below it the platen has passed the ring
+
+double width_at(const MembraneSurface& s, int ring, int sector) {
+    const auto at = [&](int k) { return s.radius_at(ring, (k + s.sectors) % s.sectors); };
+    return exposed_width(at(sector), at(sector - 1), at(sector + 1), 2 * pi / s.sectors);
 }
 
-void Membrane::load(const Archive& archive) {
-    const auto numbers = archive.get<double>("membrane/settings");
-    active = numbers.at(0) != 0;
-    target_pressure = numbers.at(1);
-    gain = numbers.at(2);
-    largest_step = numbers.at(3);
-    contact_stiffness = numbers.at(4);
-    ring_height = numbers.at(5);
-    pressure = archive.get<double>("membrane/pressure");
-    radius = archive.get<double>("membrane/radius");
+double polygon_area_between(const MembraneSurface& s, int ring, double share) {
+    const double angle = 2 * pi / s.sectors;
+    const auto at = [&](int k) {
+        const int sector = (k + s.sectors) % s.sectors;
+        return (1 - share) * s.radius_at(ring, sector) + share * s.radius_at(ring + 1, sector);
+    };
+    double area = 0;
+    for (int k = 0; k < s.sectors; ++k) area += 0.5 * at(k) * exposed_width(at(k), at(k - 1), at(k + 1), angle);
+    return area;
 }
+
+} // namespace
 
 double exposed_width(double own, double before, double after, double angle) {
     return (before + after - 2 * own * std::cos(angle)) / std::sin(angle);
 }
 
-double exposed_height(const Membrane& membrane, std::size_t ring, double top) {
-    return std::clamp(top - static_cast<double>(ring) * membrane.ring_height, 0.0, membrane.ring_height);
+double polygon_area(std::span<const double> radius) {
+    const std::size_t n = radius.size();
+    const double angle = 2 * pi / static_cast<double>(n);
+    double area = 0;
+    for (std::size_t s = 0; s < n; ++s)
+        area += 0.5 * radius[s] * exposed_width(radius[s], radius[(s + n - 1) % n], radius[(s + 1) % n], angle);
+    return area;
 }
 
-void steer_membrane(Rows<Facets, const HostRow> facets, Rows<Planes, const PlanePlace> planes,
-                    Rows<Bodies, const Position, const Force, DriveVelocity> bodies, Membrane& membrane,
-                    const Platen& platen, const NearIndex<FacetPairs>& index, const Clock& clock, Health& health) {
-    const Row* host = facets.column<HostRow>() + membrane.first_facet;
-    const Vec3* position = bodies.column<Position>();
-    const Vec3* force = bodies.column<Force>();
-    Vec3* drive = bodies.column<DriveVelocity>();
-    const std::size_t sectors = membrane.sectors, elements = membrane.rings * sectors;
-    for (std::size_t e = 0; e < elements; ++e)
-        membrane.radius[e] = position[host[e]].dot(membrane.outward[e % sectors]);
-    const double top = planes.column<PlanePlace>()[platen.plane].point.z();
-    const double angle = 2 * pi / static_cast<double>(sectors);
-    const std::size_t group = membrane.per_element ? 1 : sectors;
-    for (std::size_t g = 0; g < elements / group; ++g) {
-        double push = 0, area = 0, stiffness = 0;
-        for (std::size_t e = g * group; e < (g + 1) * group; ++e) {
-            const std::size_t ring = e / sectors * sectors, sector = e % sectors;
-            push += force[host[e]].dot(membrane.outward[sector]);
-            const double width =
-                exposed_width(membrane.radius[e], membrane.radius[ring + (sector + sectors - 1) % sectors],
-                              membrane.radius[ring + (sector + 1) % sectors], angle);
-            if (!(width > 0) && !health.bad) {
-                health.bad = true;
-                health.what = "membrane element " + std::to_string(e) + " is hidden by its neighbours: exposed width " +
-                              std::to_string(width) + " m; try the servo per ring";
-            }
-            area += exposed_height(membrane, e / sectors, top) * width;
-            for (Row k = index.incident_first[host[e]]; k < index.incident_first[host[e] + 1]; ++k)
-                if (index.touches(index.incident[k])) stiffness += membrane.contact_stiffness;
+void measure_areas(const Membrane& membrane, const double* radius, double top, double* area) {
+    const MembraneSurface s(membrane, radius);
+    std::fill_n(area, s.rings * s.sectors, 0.0);
+    // from middle to middle; widths and shares are linear in height
+    for (int ring = -1; ring < s.rings; ++ring) {
+        const double from = std::max(0.0, s.middle(ring)), to = std::min(top, ring + 1 < s.rings ? s.middle(ring + 1) : top);
+        if (!(to > from)) continue;
+        const double a = (from - s.middle(ring)) / s.ring_height, b = (to - s.middle(ring)) / s.ring_height;
+        const double one = b - a, t = (b * b - a * a) / 2, tt = (b * b * b - a * a * a) / 3;
+        for (int sector = 0; sector < s.sectors; ++sector) {
+            const double width = width_at(s, ring, sector), wider = width_at(s, ring + 1, sector) - width;
+            const double upper = s.ring_height * (width * t + wider * tt);
+            area[s.element(ring + 1, sector)] += upper;
+            area[s.element(ring, sector)] += s.ring_height * (width * one + wider * t) - upper;
         }
-        membrane.pressure[g] = area > 0 ? push / area : 0; // no area: the platen has passed the ring
-        const double error = push - membrane.target_pressure * area;
+    }
+}
+
+double membrane_volume(const Membrane& membrane, const double* radius, double top) {
+    const MembraneSurface s(membrane, radius);
+    double volume = 0;
+    for (int ring = -1; ring < s.rings; ++ring) {
+        const double from = std::max(0.0, s.middle(ring)), to = std::min(top, ring + 1 < s.rings ? s.middle(ring + 1) : top);
+        if (!(to > from)) continue;
+        const double a = (from - s.middle(ring)) / s.ring_height, b = (to - s.middle(ring)) / s.ring_height;
+        // the area is quadratic in height, for which Simpson's rule is exact
+        volume += (to - from) / 6 * (polygon_area_between(s, ring, a) + 4 * polygon_area_between(s, ring, 0.5 * (a + b)) +
+                                     polygon_area_between(s, ring, b));
+    }
+    return volume;
+}
+
+void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
+                   Rows<NearMembrane, const NearPair, const PairForce, const FootOf> near,
+                   const NearIndex<MembranePairs>& index, const Membrane& membrane) {
+    double* push = elements.column<ElementPush>();
+    double* hold = elements.column<ElementHold>();
+    std::fill_n(push, elements.size(), 0.0);
+    std::fill_n(hold, elements.size(), 0.0);
+    if (index.size() == 0) return;
+    const NearEntry* entry = near.column<NearPair>();
+    const ForceRow* force = near.column<PairForce>();
+    const Foot* foot = near.column<FootOf>();
+    // by ascending id of the grains, as all sums of forces
+    for (Row i = index.incident_first[membrane.body_row]; i < index.incident_first[membrane.body_row + 1]; ++i) {
+        const Row k = index.incident[i];
+        if (!index.touches(k)) continue;
+        const Vec3& outward = membrane.outward[entry[k].other];
+        const double radial = -(force[k].fx * outward.x() + force[k].fy * outward.y());
+        push[foot[k].lower] += (1 - foot[k].share) * radial;
+        push[foot[k].upper] += foot[k].share * radial;
+        hold[foot[k].lower] += 1 - foot[k].share;
+        hold[foot[k].upper] += foot[k].share;
+    }
+}
+
+void book_membrane_work(Rows<Bodies, BoundaryWork> bodies, Rows<Elements, const ElementPush, const ElementSpeed> elements,
+                        const Membrane& membrane, const Clock& clock) {
+    const double* push = elements.column<ElementPush>();
+    const double* speed = elements.column<ElementSpeed>();
+    double power = 0;
+    for (std::size_t e = 0; e < elements.size(); ++e) power -= push[e] * speed[e];
+    bodies.column<BoundaryWork>()[membrane.body_row] += 0.5 * clock.dt * power;
+}
+
+void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold> elements,
+                    Rows<Planes, const PlanePlace> planes, Membrane& membrane, const Platen& platen, const Clock& clock,
+                    Health& health) {
+    double* radius = elements.column<ElementRadius>();
+    double* speed = elements.column<ElementSpeed>();
+    double* area = elements.column<ElementArea>();
+    const double* push = elements.column<ElementPush>();
+    const double* hold = elements.column<ElementHold>();
+    measure_areas(membrane, radius, planes.column<PlanePlace>()[platen.plane].point.z(), area);
+    const std::size_t group = membrane.per_element ? 1 : membrane.sectors;
+    for (std::size_t g = 0; g < elements.size() / group; ++g) {
+        double force = 0, on = 0, stiffness = 0;
+        for (std::size_t e = g * group; e < (g + 1) * group; ++e) {
+            if (area[e] < 0 && !health.bad) {
+                health.bad = true;
+                health.what = "membrane element " + std::to_string(e) + " is hidden by its neighbours: exposed area " +
+                              std::to_string(area[e]) + " m2; try the servo per ring";
+            }
+            force += push[e];
+            on += area[e];
+            stiffness += hold[e] * membrane.contact_stiffness;
+        }
+        const bool passed = on < least_area * membrane.ring_height * radius[g * group] && g * group >= membrane.sectors;
+        membrane.pressure[g] = passed ? membrane.target_pressure : force / on;
+        const double error = force - membrane.target_pressure * on;
         // with no contact there is no stiffness to divide by: one contact's is the floor
         const double wanted = membrane.gain * error / std::max(stiffness, membrane.contact_stiffness);
         const double step = std::clamp(wanted, -membrane.largest_step, membrane.largest_step);
-        const double speed = membrane.active ? step / clock.dt : 0;
-        for (std::size_t e = g * group; e < (g + 1) * group; ++e)
-            drive[host[e]] = speed * membrane.outward[e % sectors];
+        for (std::size_t e = g * group; e < (g + 1) * group; ++e) {
+            if (membrane.active) speed[e] = passed ? speed[e - membrane.sectors] : step / clock.dt;
+            radius[e] += speed[e] * clock.dt;
+        }
     }
 }
 

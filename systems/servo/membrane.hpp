@@ -3,30 +3,50 @@
 #include "components/body.hpp"
 #include "components/boundary.hpp"
 #include "components/kinds.hpp"
+#include "components/membrane.hpp"
 #include "components/pair.hpp"
-#include "components/servo.hpp"
+#include "components/platen.hpp"
 #include "engine/clock.hpp"
 #include "engine/health.hpp"
 #include "engine/rows.hpp"
+#include "engine/world.hpp"
 
 namespace bris {
 
+/// Gives each element its share of the contact forces: the two elements between which a contact stands
+/// take its radial part as a lever would, so that push times speed is the power of the contacts.
+void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
+                   Rows<NearMembrane, const NearPair, const PairForce, const FootOf> near,
+                   const NearIndex<MembranePairs>& index, const Membrane& membrane);
+
+/// Books half a step's work of the elements on the grains: once at the speed of the last step, once
+/// at that of the next (trapezoidal rule).
+void book_membrane_work(Rows<Bodies, BoundaryWork> bodies, Rows<Elements, const ElementPush, const ElementSpeed> elements,
+                        const Membrane& membrane, const Clock& clock);
+
 /// Moves the elements of a membrane so that the grains' pressure on each group (ring or element)
-/// approaches the target: the velocity that would take `gain` of the error in one step against the
+/// approaches the target: the speed that would take `gain` of the error in one step against the
 /// stiffness of the contacts that touch now, no more than `largest_step` a step. Pressure is force
-/// over the area of the current polygon (inventory E3).
-/// Only the part of the top ring below the platen counts. An element that its neighbours hide has no
-/// area to press on: that is noted in Health and stops the run.
-void steer_membrane(Rows<Facets, const HostRow> facets, Rows<Planes, const PlanePlace> planes,
-                    Rows<Bodies, const Position, const Force, DriveVelocity> bodies, Membrane& membrane,
-                    const Platen& platen, const NearIndex<FacetPairs>& index, const Clock& clock, Health& health);
+/// over the area dV/dr of the current surface below the platen (inventory E3). A group that the
+/// platen has passed follows the ring below it. An element that its neighbours hide has no area to
+/// press on: that is noted in Health and stops the run.
+void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold> elements,
+                    Rows<Planes, const PlanePlace> planes, Membrane& membrane, const Platen& platen, const Clock& clock,
+                    Health& health);
 
-/// Height (m) of a ring between its lower rim and the platen at height `top`.
-double exposed_height(const Membrane& membrane, std::size_t ring, double top);
+/// Area (m2) on which each element presses below the height `top`: the derivative of the volume with
+/// respect to its radius. Both by element.
+void measure_areas(const Membrane& membrane, const double* radius, double top, double* area);
 
-/// Width (m) of an element between the planes of its neighbours, which are turned by `angle` (rad)
-/// and lie at the distances `before` and `after` from the axis; `own` is the element's own distance.
-/// Negative if the neighbours hide it.
+/// Volume (m3) inside a membrane between z = 0 and `top`.
+double membrane_volume(const Membrane& membrane, const double* radius, double top);
+
+/// Width (m) of a side of a polygon between the sides beside it, which are turned by `angle` (rad)
+/// and lie at the distances `before` and `after` from the axis; `own` is the side's own distance.
+/// Negative if they hide it.
 double exposed_width(double own, double before, double after, double angle);
+
+/// Area (m2) of the polygon whose sides lie at `radius` from the axis, sectors of equal angle.
+double polygon_area(std::span<const double> radius);
 
 } // namespace bris

@@ -50,9 +50,10 @@ struct CoulombSpring {
         const Lane is = rx * rx + ry * ry + rz * rz;
         const Lane scale = is > 0.0 ? sqrt(was / is) : is;
         const double before = Damping::present ? 0.5 * dt : dt, after = dt - before;
-        sx = scale * rx + before * tx;
-        sy = scale * ry + before * ty;
-        sz = scale * rz + before * tz;
+        const Lane ox = scale * rx, oy = scale * ry, oz = scale * rz;
+        sx = ox + before * tx;
+        sy = oy + before * ty;
+        sz = oz + before * tz;
 
         Lane gx = -k.ks * sx, gy = -k.ks * sy, gz = -k.ks * sz;
         Lane dashpot = normal_force - normal_force;
@@ -77,8 +78,9 @@ struct CoulombSpring {
             sx = reset ? -(gx + dashpot * tx) * inverse : sx;
             sy = reset ? -(gy + dashpot * ty) * inverse : sy;
             sz = reset ? -(gz + dashpot * tz) * inverse : sz;
-            // the slid distance, against the force that friction carries
-            f.slip_work = gx * (sx - was_x) + gy * (sy - was_y) + gz * (sz - was_z);
+            // the slid distance, against the mean of the spring's force before and after the step
+            f.slip_work = 0.5 * ((gx - k.ks * ox) * (sx - was_x) + (gy - k.ks * oy) * (sy - was_y) +
+                                 (gz - k.ks * oz) * (sz - was_z));
         }
         spring.x = sx + after * tx;
         spring.y = sy + after * ty;
@@ -111,5 +113,6 @@ template <class Normal, class Damping, class Tangential> struct Law {
 using Linear = Law<LinearNormal, NoDamping, CoulombSpring>;
 using LinearFrictionless = Law<LinearNormal, NoDamping, Frictionless>;
 using LinearViscous = Law<LinearNormal, RateDamping, CoulombSpring>;
+using LinearViscousFrictionless = Law<LinearNormal, RateDamping, Frictionless>;
 
 } // namespace bris
