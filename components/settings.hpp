@@ -5,6 +5,7 @@
 #include "engine/health.hpp"
 #include "engine/math.hpp"
 
+#include <limits>
 #include <string>
 
 namespace bris {
@@ -63,6 +64,8 @@ struct Limits {
     static constexpr bool is_state = true;
     double overlap = 0.25;  ///< of the mean radius of the partners
     double speed = 1e3;     ///< m/s
+    Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity()); ///< m, no free body may leave this box
+    Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
 
     void save(Archive& archive) const {
         const std::array<double, 2> numbers{overlap, speed};

@@ -18,6 +18,12 @@ std::uint64_t spread(std::uint64_t v) {
 
 } // namespace
 
+std::vector<Row> rows_by_id(std::span<const EntityId> ids) {
+    std::vector<Row> rows(ids.size());
+    for (Row r = 0; r < ids.size(); ++r) rows[ids[r]] = r;
+    return rows;
+}
+
 std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     return spread(x) | spread(y) << 1 | spread(z) << 2;
 }

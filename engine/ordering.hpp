@@ -8,6 +8,10 @@
 
 namespace bris {
 
+/// Where each id stands: entry i is the row of id i. Sums over a scene are taken in this order, so
+/// that they do not depend on the rows.
+std::vector<Row> rows_by_id(std::span<const EntityId> ids);
+
 /// Interleaves the low 21 bits of three cell numbers.
 std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z);
 

@@ -2,10 +2,9 @@
 // to see a whole run, from options to pictures.
 #include "engine/errors.hpp"
 #include "engine/progress.hpp"
-#include "engine/random.hpp"
 #include "engine/scenario.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/scene.hpp"
+#include "systems/build/sphere_bed.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/plot.hpp"
 #include "systems/output/porosity.hpp"
@@ -25,28 +24,21 @@ namespace {
 using namespace bris;
 
 struct Settle {
-    unsigned spheres = 2000;
-    double radius = 0.01;
-    double size_spread = 0;
-    double normal_stiffness = 1e6;
-    double friction = 0.5;
-    double damping_rate = 5838;
-    double density = 2600;
-    double step = 1e-5;
+    SphereBed bed;
     double duration = 0.5;
 
     void describe(auto& option) {
-        option("spheres", spheres, "", "how many", within(1, 50e6));
-        option("radius", radius, "m", "mean of all", above(0));
-        option("size_spread", size_spread, "", "radii lie within radius * (1 -+ this), evenly",
+        option("spheres", bed.spheres, "", "how many", within(1, 50e6));
+        option("radius", bed.radius, "m", "mean of all", above(0));
+        option("size_spread", bed.size_spread, "", "radii lie within radius * (1 -+ this), evenly",
                Range{.low = 0, .high = 1, .high_accepted = false});
-        option("normal_stiffness", normal_stiffness, "N/m",
+        option("normal_stiffness", bed.normal_stiffness, "N/m",
                "of a contact; the tangential one is 2/7 of it", above(0));
-        option("friction", friction, "", "Coulomb coefficient", at_least(0));
-        option("damping_rate", damping_rate, "1/s", "of the normal dashpot; half of it, tangential",
+        option("friction", bed.friction, "", "Coulomb coefficient", at_least(0));
+        option("damping_rate", bed.damping_rate, "1/s", "of the normal dashpot; half of it, tangential",
                at_least(0));
-        option("density", density, "kg/m3", "of the spheres", above(0));
-        option("step", step, "s", "time step", above(0));
+        option("density", bed.density, "kg/m3", "of the spheres", above(0));
+        option("step", bed.step, "s", "time step", above(0));
         option("duration", duration, "s", "simulated", above(0));
     }
 };
@@ -57,30 +49,10 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// Spheres on a loose lattice, a little out of place, in a box about the z axis whose floor is z =
-/// 0; settled, they are nearly twice as high as wide.
-World make_scene(const Settle& s, std::uint64_t seed) {
-    World world = make_world(Grains::spheres);
-    // two partners act in series: each has twice the stiffness of their contact
-    const auto material = world.resource<Materials>().add(
-        {"grain", s.density, 2 * s.normal_stiffness, 4.0 / 7 * s.normal_stiffness, s.friction,
-         s.damping_rate, s.damping_rate / 2});
-    const double largest = s.radius * (1 + s.size_spread), pitch = 2.05 * largest;
-    const auto side = static_cast<unsigned>(std::ceil(std::cbrt(0.5 * s.spheres)));
-    const double width = side * pitch;
-    for (unsigned n = 0; n < s.spheres; ++n) {
-        Random random(seed, n);
-        const double radius = s.radius * random.uniform(1 - s.size_spread, 1 + s.size_spread);
-        const Vec3 place(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
-        add_sphere(world,
-                   pitch * place - Vec3(width / 2, width / 2, 0) +
-                       0.02 * largest * random.direction(),
-                   s.size_spread > 0 ? radius : s.radius, material);
-    }
-    const double height = (s.spheres / (side * side) + 2) * pitch;
-    add_box(world, Vec3(-width / 2, -width / 2, 0), Vec3(width / 2, width / 2, height), material);
-    world.add_resource<Gravity>();
-    world.resource<Clock>().dt = s.step;
+World make_scene(const Settle& settings, std::uint64_t seed) {
+    SphereBed bed = settings.bed;
+    bed.seed = seed;
+    World world = make_sphere_bed(bed);
     add_lists(world, true);
     return world;
 }
@@ -110,9 +82,9 @@ public:
                    [this](Archive& archive) { series_.save(archive); }}) {
         simulation_.on_restore(forget_lists);
         const double stable = stable_step_of_first_contact(simulation_.world());
-        require(settings.step <= stable,
+        require(settings.bed.step <= stable,
                 fmt::format("--step: expected at most the stable step {:.3g} s, found {:.3g} s",
-                            stable, settings.step));
+                            stable, settings.bed.step));
     }
 
     std::string explain() { return simulation_.schedule().explain(); }
@@ -133,10 +105,10 @@ public:
 
 private:
     static std::uint64_t steps_of(const Settle& s) {
-        const double number = std::round(s.duration / s.step);
+        const double number = std::round(s.duration / s.bed.step);
         require(number >= 1 && number < 1e15,
                 fmt::format("--duration: expected 1 to 1e15 steps of {:.3g} s, found {:.3g}",
-                            s.step, number));
+                            s.bed.step, number));
         return static_cast<std::uint64_t>(number);
     }
 
@@ -184,11 +156,11 @@ private:
 
     void sample() {
         const double stable = stable_step(world());
-        if (settings_.step > stable)
+        if (settings_.bed.step > stable)
             throw SimulationError(fmt::format(
                 "step {}, time {:.6g} s: --step: expected at most the stable step {:.3g} s of the "
                 "contacts that have formed, found {:.3g} s",
-                now(), world().resource<Clock>().time(), stable, settings_.step));
+                now(), world().resource<Clock>().time(), stable, settings_.bed.step));
         last_ = measure(world());
         series_.add({world().resource<Clock>().time(), last_.kinetic_energy, last_.elastic_energy,
                      floor_force_over_weight(), last_.coordination, last_.unbalanced_ratio,
@@ -217,7 +189,7 @@ private:
             return scale_colour(std::min(1.0, static_cast<double>(frame.coordination[place]) / 8));
         });
         view.caption = fmt::format("{} spheres after {:.3g} s, blue to yellow: 0 to 8 contacts",
-                                   settings_.spheres, frame.time);
+                                   settings_.bed.spheres, frame.time);
         draw_picture(common_.out / "settle.png", {&view, 1});
         series_.write_csv(common_.out / "settle.csv");
         series_.write_track(frames_->file());
@@ -230,11 +202,11 @@ private:
         Summary summary;
         summary.add("wall_s", seconds_since(began));
         summary.add("stepping_s", stepping_);
-        summary.add("particle_steps_per_s", done * settings_.spheres / stepping_);
+        summary.add("particle_steps_per_s", done * settings_.bed.spheres / stepping_);
         summary.add("floor_force_over_weight", floor_force_over_weight());
         summary.add("floor_force_error", std::abs(floor_force_over_weight() - 1));
         add_quantities(summary, last_);
-        summary.add("solid_fraction", solid_fraction(world(), settings_.radius));
+        summary.add("solid_fraction", solid_fraction(world(), settings_.bed.radius));
         summary.add("steps", now());
         summary.add("refreshes", lists.refreshes);
         summary.add("prunes", lists.prunes);

@@ -9,9 +9,10 @@
 
 namespace bris {
 
-/// Watches every step: positions that are not numbers, bodies faster than the limit. Notes the
-/// first offender in Health; the simulation then stops with step, time and a checkpoint.
-void guard_motion(Rows<Bodies, const BodyId, const Travel, const Position, const Velocity> bodies,
+/// Watches every step: positions that are not numbers, bodies faster than the limit, free bodies that
+/// have left the box of the scene. Notes the first offender in Health; the simulation then stops with
+/// step, time and a checkpoint.
+void guard_motion(Rows<Bodies, const BodyId, const MotionOf, const Travel, const Position, const Velocity> bodies,
                   const Limits& limits, Health& health);
 
 /// Overlaps beyond the limit, found by the contact kernels. One system a pair kind.

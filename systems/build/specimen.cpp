@@ -88,6 +88,8 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
     membrane.ring_height = s.height / s.rings;
     add_membrane(world, std::move(membrane), s.radius, specimen.membrane_material);
     add_platens(world, s, specimen);
+    world.resource<Limits>().low = Vec3(-2 * s.radius, -2 * s.radius, -0.1 * s.height);
+    world.resource<Limits>().high = Vec3(2 * s.radius, 2 * s.radius, 2 * s.height);
     world.table<Bodies>().add<Growth>();
     world.add_resource(LocalDamping{0.7});
     world.add_resource(Gravity{});

@@ -6,6 +6,7 @@
 #include "components/pair.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
+#include "engine/ordering.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -106,7 +107,6 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     auto stiffness = body_stiffness(world);
     Table& bodies = world.table<Bodies>();
     const auto motion = bodies.column<MotionOf>();
-    const auto id = bodies.column<BodyId>();
     const auto mass = bodies.column<Mass>();
     const auto inertial = bodies.column<InertialMass>();
     const auto inertia = bodies.column<Inertia>();
@@ -115,8 +115,7 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     const auto momentum = bodies.column<AngularMomentum>();
     const auto spin = bodies.column<Spin>();
     const auto work = bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
-    std::vector<Row> rows(bodies.size()); // in id order: sums must not depend on the rows
-    for (Row b = 0; b < rows.size(); ++b) rows[id[b]] = b;
+    auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the rows
     std::erase_if(rows, [&](Row b) { return motion[b] != free_motion; });
 
     // contacts come at any time: as many of the stiffest kind as hold a rock are always counted

@@ -4,6 +4,7 @@
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "components/settings.hpp"
+#include "engine/ordering.hpp"
 
 #include <vector>
 
@@ -44,14 +45,11 @@ Balance measure_balance(const World& world) {
     Balance balance;
     std::vector<Sum> sums(world.table<Bodies>().size());
     for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, sums, balance); });
-    const auto id = world.column<Bodies, BodyId>();
     const auto motion = world.column<Bodies, MotionOf>();
     const auto mass = world.column<Bodies, Mass>();
     const Vec3 gravity = world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero());
-    std::vector<Row> rows(sums.size());
-    for (Row b = 0; b < rows.size(); ++b) rows[id[b]] = b;
     double unbalanced = 0, total = 0;
-    for (const Row b : rows) {
+    for (const Row b : rows_by_id(world.column<Bodies, BodyId>())) {
         if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
         ++balance.free_bodies;
         if (sums[b].contacts == 0) ++balance.idle_bodies;

@@ -3,21 +3,13 @@
 #include "components/body.hpp"
 #include "components/material.hpp"
 #include "components/settings.hpp"
-#include "engine/parallel.hpp"
+#include "engine/ordering.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/contacts.hpp"
 
 namespace bris {
 
 namespace {
-
-// rows of bodies by id: every sum over the world is taken in this order
-std::vector<Row> rows_by_id(const World& world) {
-    const auto ids = world.column<Bodies, BodyId>();
-    std::vector<Row> rows(ids.size());
-    for (Row r = 0; r < ids.size(); ++r) rows[ids[r]] = r;
-    return rows;
-}
 
 bool is_free(const World& world, Row b) {
     return world.column<Bodies, MotionOf>()[b] == static_cast<std::uint32_t>(Motion::free);
@@ -64,7 +56,7 @@ template <class Pairs> void add_contacts(const World& world, Quantities& q) {
 
 Quantities measure(const World& world) {
     Quantities q;
-    const auto rows = rows_by_id(world);
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     std::size_t free_bodies = 0;
     const Vec3 gravity = world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero());
     for (std::size_t id = 0; id < rows.size(); ++id) {

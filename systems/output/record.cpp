@@ -9,6 +9,7 @@
 #include "engine/interrupt.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/options.hpp"
+#include "engine/ordering.hpp"
 #include "components/membrane_surface.hpp"
 #include "systems/output/contacts.hpp"
 
@@ -20,14 +21,6 @@
 namespace bris {
 
 namespace {
-
-/// Row of every body id.
-std::vector<Row> rows_of(const World& world) {
-    const auto ids = world.column<Bodies, BodyId>();
-    std::vector<Row> rows(ids.size());
-    for (Row r = 0; r < ids.size(); ++r) rows[ids[r]] = r;
-    return rows;
-}
 
 /// Bodies touched by each body id; a partner that touches in many places counts once.
 template <class Pairs>
@@ -90,7 +83,7 @@ void add_membrane_corners(const World& world, std::vector<Vec3>& corners) {
 
 BodyFrame frame_of_bodies(const World& world) {
     const Table& bodies = world.table<Bodies>();
-    const auto rows = rows_of(world);
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto coordination = coordination_by_id(world);
     std::vector<char> carries(rows.size(), 0);
     for (const EntityId parent : world.column<Spheres, ParentId>()) carries[parent] = 1;
@@ -122,7 +115,7 @@ BodyFrame frame_of_bodies(const World& world) {
 
 View view_of_bodies(const World& world, const BodyFrame& frame,
                     const std::function<Colour(std::size_t place)>& colour) {
-    const auto rows = rows_of(world);
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     std::vector<Colour> colours(rows.size());
     for (std::size_t place = 0; place < frame.ids.size(); ++place)
         colours[static_cast<std::size_t>(frame.ids[place])] = colour(place);

@@ -3,6 +3,7 @@
 #include "components/material.hpp"
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
+#include "engine/ordering.hpp"
 #include "systems/build/scene.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/balance.hpp"
@@ -83,9 +84,7 @@ TriaxialPoint TriaxialTest::measure_point() const {
     const auto& membrane = world.resource<Membrane>();
     const auto& specimen = world.resource<Specimen>();
     const Table& bodies = world.table<Bodies>();
-    const auto id = bodies.column<BodyId>();
-    std::vector<Row> rows(id.size());
-    for (Row r = 0; r < id.size(); ++r) rows[id[r]] = r;
+    const auto rows = rows_by_id(bodies.column<BodyId>());
     const double top = bodies.column<Position>()[rows[specimen.top]].z();
 
     TriaxialPoint p;

@@ -1,11 +1,10 @@
 // The settled bed of spheres with one thread and with more: blocks of steps, interleaved, median;
 // one CSV line per size and thread count, the error beside the time.
 #include "engine/errors.hpp"
-#include "engine/random.hpp"
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/scene.hpp"
+#include "systems/build/sphere_bed.hpp"
 #include "systems/output/record.hpp"
 #include "systems/steps.hpp"
 
@@ -41,29 +40,17 @@ struct Scaling {
     }
 };
 
-constexpr double radius = 0.01, gravity = 9.81, dt = 1e-5;
+constexpr double gravity = 9.81;
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-/// The bed of `settle` with the law of shared/peers: kn = 1e6 N/m, kt = 2/7 kn, 5838 and 2919 1/s.
+/// The bed of `settle`.
 World make_scene(unsigned spheres) {
-    World world = make_world(Grains::spheres);
-    const auto material =
-        world.resource<Materials>().add({"grain", 2600, 2e6, 4e6 / 7, 0.5, 5838, 2919});
-    const auto side = static_cast<unsigned>(std::ceil(std::cbrt(0.5 * spheres)));
-    const double pitch = 2.05 * radius;
-    for (unsigned n = 0; n < spheres; ++n) {
-        Random random(1, n);
-        const Vec3 place(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
-        add_sphere(world, pitch * place + 0.02 * radius * random.direction(), radius, material);
-    }
-    const double height = (spheres / (side * side) + 2) * pitch;
-    add_box(world, Vec3::Zero(), Vec3(side * pitch, side * pitch, height), material);
-    world.add_resource<Gravity>();
-    world.resource<Clock>().dt = dt;
-    return world;
+    SphereBed bed;
+    bed.spheres = spheres;
+    return make_sphere_bed(bed);
 }
 
 Simulation start(World world, unsigned threads, bool timed) {
@@ -80,8 +67,8 @@ Archive make_bed(unsigned spheres, unsigned threads) {
     World world = make_scene(spheres);
     // by about a fifth of its height the lattice sinks
     const double height =
-        std::ceil(spheres / std::pow(std::ceil(std::cbrt(0.5 * spheres)), 2)) * 2.05 * radius;
-    const auto fall = static_cast<std::uint64_t>(std::sqrt(2 * 0.2 * height / (10 * gravity)) / dt);
+        std::ceil(spheres / std::pow(std::ceil(std::cbrt(0.5 * spheres)), 2)) * 2.05 * SphereBed{}.radius;
+    const auto fall = static_cast<std::uint64_t>(std::sqrt(2 * 0.2 * height / (10 * gravity)) / SphereBed{}.step);
     world.add_resource(LocalDamping{0.3});
     world.resource<Gravity>().value *= 10;
     Simulation falling = start(std::move(world), threads, false);

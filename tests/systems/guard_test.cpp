@@ -95,6 +95,22 @@ TEST_SUITE("guard") {
         CHECK(has(text, "1500"));
     }
 
+    TEST_CASE("a free body that leaves the box of the scene stops the run; a driven one may be anywhere") {
+        Simulation sim = five(Grains::spheres, false, [](World& w) {
+            w.resource<Limits>().low = Vec3(-0.1, -0.1, 0);
+            w.resource<Limits>().high = Vec3(0.3, 0.1, 0.3);
+            of<Velocity>(w, 2) = Vec3(0, 20, 0);
+            of<MotionOf>(w, 1) = static_cast<std::uint32_t>(Motion::fixed);
+            of<Position>(w, 1) = Vec3(0, 0, -5);
+        });
+        const std::string text = message_of(sim, 1000); // 0.1 m at 20 m/s
+        CAPTURE(text);
+        CHECK(has(text, "body 2"));
+        CHECK(has(text, "escaped"));
+        CHECK(sim.world().resource<Clock>().step > 490);
+        CHECK(sim.world().resource<Clock>().step < 510);
+    }
+
     TEST_CASE("two spheres too deep in each other are named") {
         Simulation sim = five(Grains::spheres, false, [](World& w) { of<Position>(w, 2) = of<Position>(w, 1) + Vec3(0.0, 0, 0.016); });
         const std::string text = message_of(sim, 100);
