@@ -41,22 +41,25 @@ struct Membrane {
     Row body_row = no_row;        ///< derived, where that body stands now
     double ring_height = 0;       ///< m
     double target_pressure = 0;   ///< Pa, on the area of the current surface
-    double gain = 0.3;            ///< of the step that would cancel the error, in (0, 1)
+    double damping = 0.7;         ///< local, of the groups' motion, in [0, 1)
     double contact_stiffness = 0; ///< N/m, of one grain contact on an element
     double largest_step = 0;      ///< m, of an element in a step
     std::vector<Vec3> outward;    ///< unit, by sector; the axis is x = y = 0
     std::vector<double> pressure; ///< Pa, on each group in the last step
+    std::vector<double> stiffness; ///< N/m, the largest that each group has touched: sets its inertia
 
     static auto fields(auto& self) {
-        return std::tie(self.active, self.target_pressure, self.gain, self.largest_step, self.contact_stiffness, self.ring_height);
+        return std::tie(self.active, self.target_pressure, self.damping, self.largest_step, self.contact_stiffness, self.ring_height);
     }
     void save(Archive& archive) const {
         put_fields(archive, "membrane/settings", fields(*this));
         archive.put("membrane/pressure", std::span<const double>(pressure));
+        archive.put("membrane/stiffness", std::span<const double>(stiffness));
     }
     void load(const Archive& archive) {
         get_fields(archive, "membrane/settings", fields(*this));
         pressure = archive.get<double>("membrane/pressure");
+        stiffness = archive.get<double>("membrane/stiffness");
     }
 };
 

@@ -160,6 +160,7 @@ void add_membrane(World& world, Membrane membrane, double radius, std::uint32_t 
     }
     const std::size_t count = std::size_t{membrane.rings} * membrane.sectors;
     membrane.pressure.assign(membrane.per_element ? count : membrane.rings, 0);
+    membrane.stiffness.assign(membrane.pressure.size(), 0);
     Table& elements = world.table<Elements>();
     elements.add<ElementId>();
     elements.add<ElementRadius>();

@@ -247,6 +247,9 @@ std::filesystem::path CheckpointKeeper::save_stopped(const Simulation& simulatio
 Checkpoint resume(Simulation& simulation, const std::filesystem::path& path,
                   const std::string& scenario, const std::vector<NamedValue>& settings,
                   std::initializer_list<std::string_view> may_differ) {
+    require(path.filename().string().find(".stopped.") == std::string::npos,
+            fmt::format("--resume: expected a checkpoint to go on from, found '{}', the state in which a run was stopped; "
+                        "it is there to be looked at", path.string()));
     Checkpoint checkpoint = read_checkpoint(path);
     const auto always = settings_that_may_differ();
     std::vector<std::string_view> keys(always.begin(), always.end());

@@ -127,26 +127,34 @@ TriaxialPoint TriaxialTest::measure_point() const {
     p.scaling_work = sum_by_id(rows, bodies.column<ScalingWork>());
     p.steps = static_cast<double>(s.phase_steps);
     if (s.phase == TriaxialPhase::shear && s.phase_steps > 0)
-        p.inertial_number = inertial_number(world, rows, settings_.stage_strain / (p.steps * world.resource<Clock>().dt),
+        p.inertial_number = inertial_number(world, rows, settings_.stage_strain / (settings_.move_steps * world.resource<Clock>().dt),
                                             (p.axial_stress + 2 * p.radial_stress) / 3);
     return p;
+}
+
+// One stage's travel, begun and ended at rest: a sudden start would send a wave through the specimen.
+void TriaxialTest::move_platen() {
+    World& world = simulation_.world();
+    auto& platen = world.resource<Platen>();
+    constexpr unsigned parts = 12;
+    const std::uint64_t steps = std::max(1u, settings_.move_steps / parts);
+    const double mean = settings_.stage_strain * state().height / (static_cast<double>(parts * steps) * world.resource<Clock>().dt);
+    for (unsigned k = 0; k < parts; ++k) {
+        platen.speed = mean * (1 - std::cos(2 * pi * (k + 0.5) / parts));
+        run(steps);
+    }
+    platen.speed = 0; // set at the end of a step: one more carries the last of the move
 }
 
 void TriaxialTest::shear() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
-    auto& platen = world.resource<Platen>();
     const auto stages = static_cast<std::uint64_t>(std::llround(settings_.final_axial_strain / settings_.stage_strain));
     if (state.stage >= stages) {
         state.phase = TriaxialPhase::done;
         return;
     }
-    if (state.phase_steps == 0) { // a stage begins
-        platen.speed = settings_.stage_strain * state.height / (settings_.move_steps * world.resource<Clock>().dt);
-        run(settings_.move_steps);
-        platen.speed = 0;
-        // the platen's velocity is set at the end of a step: one more carries the last move
-    }
+    if (state.phase_steps == 0) move_platen();
     run(20);
     if (is_in_equilibrium()) {
         ++state.stage;

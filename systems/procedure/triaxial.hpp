@@ -42,7 +42,7 @@ struct TriaxialPoint {
     double worst_ring_error = 0;       ///< -, largest relative error of a ring's pressure
     double mean_ring_error = 0;        ///< -
     double coordination = 0;           ///< touching rocks per rock
-    double inertial_number = 0;        ///< -, strain rate * d50 * sqrt(density / mean stress), scaled masses
+    double inertial_number = 0;        ///< -, strain rate of the move * mean size * sqrt(density / mean stress), scaled masses
     double boundary_work = 0, friction_work = 0, damping_work = 0, scaling_work = 0; ///< J, since the specimen was begun
     double stored = 0, kinetic = 0;    ///< J, now
     double steps = 0;                  ///< of this stage
@@ -118,6 +118,7 @@ private:
     void consolidate();
     void start_shear();
     void shear();
+    void move_platen();
     void run(std::uint64_t steps);
     void rescale();
     bool is_in_equilibrium() const;

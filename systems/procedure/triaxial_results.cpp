@@ -47,10 +47,11 @@ double largest_dilation_angle(const std::vector<TriaxialPoint>& points) {
 }
 
 void find_moduli(const std::vector<TriaxialPoint>& points, TriaxialProperties& p) {
+    const double start = points.front().deviatoric_stress; // consolidation leaves a little
     for (const TriaxialPoint& x : points) {
-        if (p.initial_modulus == 0 && x.axial_strain >= 0.000999) p.initial_modulus = x.deviatoric_stress / x.axial_strain;
+        if (p.initial_modulus == 0 && x.axial_strain >= 0.000999) p.initial_modulus = (x.deviatoric_stress - start) / x.axial_strain;
         if (p.secant_modulus == 0 && x.axial_strain > 0 && x.deviatoric_stress >= 0.5 * p.peak_q) {
-            p.secant_modulus = x.deviatoric_stress / x.axial_strain;
+            p.secant_modulus = (x.deviatoric_stress - start) / x.axial_strain;
             p.poisson_ratio = 0.5 * (1 - x.volumetric_strain / x.axial_strain);
         }
     }

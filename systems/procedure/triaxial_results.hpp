@@ -12,8 +12,8 @@ namespace bris {
 struct TriaxialProperties {
     double peak_q = 0, strain_at_peak = 0; ///< Pa, -: largest deviatoric stress of any stage
     double mean_q = 0;            ///< Pa, mean over the last quarter of the strain (6-8 % of 8 %)
-    double initial_modulus = 0;   ///< Pa, q / axial strain at 0.1 % (or the first stage beyond)
-    double secant_modulus = 0;    ///< Pa, E50: q / axial strain where q first reaches half its peak
+    double initial_modulus = 0;   ///< Pa, rise of q / axial strain at 0.1 % (or the first stage beyond)
+    double secant_modulus = 0;    ///< Pa, E50: rise of q / axial strain where q first reaches half its peak
     double poisson_ratio = 0;     ///< -, (1 - volumetric / axial strain) / 2 at the strain of E50
     double peak_friction_angle = 0, mean_friction_angle = 0; ///< deg, asin(q / (q + 2 sigma_3)) of peak and mean q
     double final_volumetric_strain = 0; ///< -, negative: dilation

@@ -41,6 +41,17 @@ double polygon_area(std::span<const double> radius) {
     return area;
 }
 
+double ServoMotion::next(double speed, double force, double touching) const {
+    constexpr double safety = 0.9; // mass = stiffness * (dt / safety)^2, as of scaled bodies
+    if (touching > stiffness) {
+        speed *= stiffness / touching; // momentum stays
+        stiffness = touching;
+    }
+    const double driven = force * speed > 0 ? 1 - damping : force * speed < 0 ? 1 + damping : 1;
+    const double step = speed * dt + safety * safety * driven * force / stiffness;
+    return std::clamp(step, -largest_step, largest_step) / dt;
+}
+
 void measure_areas(const Membrane& membrane, const double* radius, double top, double* area) {
     const MembraneSurface s(membrane, radius);
     std::fill_n(area, s.rings * s.sectors, 0.0);
@@ -130,12 +141,12 @@ void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, con
         }
         const bool passed = on < least_area * membrane.ring_height * radius[g * group] && g * group >= membrane.sectors;
         membrane.pressure[g] = passed ? membrane.target_pressure : force / on;
-        const double error = force - membrane.target_pressure * on;
-        // with no contact there is no stiffness to divide by: one contact's is the floor
-        const double wanted = membrane.gain * error / std::max(stiffness, membrane.contact_stiffness);
-        const double step = std::clamp(wanted, -membrane.largest_step, membrane.largest_step);
+        // one contact an element is the floor
+        const ServoMotion servo{membrane.stiffness[g], membrane.damping, membrane.largest_step, clock.dt};
+        const double next = servo.next(speed[g * group], force - membrane.target_pressure * on,
+                                       std::max(stiffness, static_cast<double>(group) * membrane.contact_stiffness));
         for (std::size_t e = g * group; e < (g + 1) * group; ++e) {
-            if (membrane.active) speed[e] = passed ? speed[e - membrane.sectors] : step / clock.dt;
+            if (membrane.active) speed[e] = passed ? speed[e - membrane.sectors] : next;
             radius[e] += speed[e] * clock.dt;
         }
     }

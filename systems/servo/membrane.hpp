@@ -24,15 +24,23 @@ void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
 void book_membrane_work(Rows<Bodies, BoundaryWork> bodies, Rows<Elements, const ElementPush, const ElementSpeed> elements,
                         const Membrane& membrane, const Clock& clock);
 
-/// Moves the elements of a membrane so that the grains' pressure on each group (ring or element)
-/// approaches the target: the speed that would take `gain` of the error in one step against the
-/// stiffness of the contacts that touch now, no more than `largest_step` a step. Pressure is force
-/// over the area dV/dr of the current surface below the platen (inventory E3). A group that the
-/// platen has passed follows the ring below it. An element that its neighbours hide has no area to
-/// press on: that is noted in Health and stops the run.
+/// Moves the groups of a membrane (rings or elements) by their balance of forces (ServoMotion): the
+/// grains' push against the target pressure on the area dV/dr of the current surface below the platen
+/// (inventory E3). A group that the platen has passed follows the ring below it. An element that its
+/// neighbours hide has no area to press on: that is noted in Health and stops the run.
 void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold> elements,
                     Rows<Planes, const PlanePlace> planes, Membrane& membrane, const Platen& platen, const Clock& clock,
                     Health& health);
+
+/// How a boundary answers a force: as a body with local damping that is as heavy as the step needs for
+/// the stiffness (N/m) that it touches. A wall that only follows its error answers the soft modes of a
+/// specimen a hundred times slower.
+struct ServoMotion {
+    double& stiffness; ///< N/m, the largest so far: a wall must not get lighter where it loses contacts
+    double damping, largest_step, dt;
+    /// Speed (m/s) one step on, for a resultant force (N) and the stiffness that touches now.
+    double next(double speed, double force, double touching) const;
+};
 
 /// Area (m2) on which each element presses below the height `top`: the derivative of the volume with
 /// respect to its radius. Both by element.

@@ -16,15 +16,16 @@ void steer_platen(Rows<Planes, const HostRow> planes, Rows<Bodies, const Force, 
         area += polygon_area({radius + ring * membrane.sectors, membrane.sectors}) / membrane.rings;
     const double push = bodies.column<Force>()[host].z(); // the grains push the platen up
     platen.pressure = push / area;
+    Vec3& drive = bodies.column<DriveVelocity>()[host];
     double speed = platen.speed;
     if (platen.controlled) {
         double stiffness = platen.contact_stiffness;
         for (Row k = index.incident_first[host]; k < index.incident_first[host + 1]; ++k)
             if (index.touches(index.incident[k])) stiffness += platen.contact_stiffness;
-        const double wanted = platen.gain * (platen.target_pressure * area - push) / stiffness;
-        speed = std::clamp(wanted, -platen.largest_step, platen.largest_step) / clock.dt;
+        const ServoMotion servo{platen.stiffness, platen.damping, platen.largest_step, clock.dt};
+        speed = servo.next(-drive.z(), platen.target_pressure * area - push, stiffness);
     }
-    bodies.column<DriveVelocity>()[host] = Vec3(0, 0, -speed);
+    drive = Vec3(0, 0, -speed);
 }
 
 } // namespace bris

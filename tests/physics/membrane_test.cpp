@@ -92,7 +92,6 @@ TEST_SUITE("physics/membrane") {
             worst = std::max(worst, std::abs(sim.world().resource<Membrane>().pressure[0] / pressure - 1));
         }
         MESSAGE("pressure off by at most ", worst);
-        // gain 0.3 a step against the true stiffness: the error shrinks by 0.7 a step, to rounding of the overlap
         CHECK(worst < 1e-9);
         CHECK((of<Position>(sim, ball) - Vec3(0, 0, 0.05)).norm() < 1e-9);
         // pressure times the polygon's area is the sum of the eight radial forces
