@@ -47,7 +47,6 @@ struct BoundaryWork    : State<double> { static constexpr auto name = "boundary_
 
 struct Force           : Derived<Vec3> { static constexpr auto name = "force", unit = "N"; };              // resultant of this step
 struct Torque          : Derived<Vec3> { static constexpr auto name = "torque", unit = "N m"; };           // about Position
-struct Axes            : Derived<Mat3> { static constexpr auto name = "axes", unit = ""; };                // matrix of Orientation
 struct Travel          : Derived<double> { static constexpr auto name = "travel", unit = "m"; };           // bound, since the last prune
 
 /// Where a body's spheres stand: all of them, and the listed ones.

@@ -14,8 +14,8 @@ struct ListedSlot : Derived<Row>    { static constexpr auto name = "slot", unit 
 /// What a contact reads of a sphere in one cache line: centre, radius, velocity of the centre,
 /// inverse inertial mass of the body (0 if driven).
 struct alignas(64) PlaceRow { double x, y, z, radius, vx, vy, vz, inverse_mass; };
-/// Spin of the body, and the radius again.
-struct alignas(32) TurnRow { double x, y, z, radius; };
+/// Spin of the body.
+struct alignas(32) TurnRow { double x, y, z, unused; };
 
 struct Place      : Derived<PlaceRow> { static constexpr auto name = "place", unit = "m, m/s, 1/kg"; };
 struct Turn       : Derived<TurnRow>  { static constexpr auto name = "turn", unit = "rad/s"; };

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstring>
 
 #ifdef __SSE2__
 #include <immintrin.h>
@@ -25,6 +26,8 @@ using Lane [[gnu::vector_size(sizeof(double) * lane_count)]] = double;
 using LaneMask [[gnu::vector_size(sizeof(double) * lane_count)]] = std::int64_t;
 /// Half a cache line: x y z and one more.
 using Quad [[gnu::vector_size(4 * sizeof(double)), gnu::may_alias]] = double;
+/// A whole cache line.
+using Line [[gnu::vector_size(8 * sizeof(double)), gnu::may_alias]] = double;
 
 inline Lane lanes(double value) { return value - Lane{}; }
 
@@ -52,14 +55,38 @@ inline unsigned bits(LaneMask mask) {
 #endif
 }
 
-inline Quad load(const double* row) { return *reinterpret_cast<const Quad*>(row); }
-inline void store(double* row, Quad value) { *reinterpret_cast<Quad*>(row) = value; }
+/// lane_count numbers that stand one behind the other; like all that follow, of any alignment.
+inline Lane load_lane(const double* numbers) {
+    Lane a;
+    std::memcpy(&a, numbers, sizeof a);
+    return a;
+}
+inline void store_lane(double* numbers, Lane a) { std::memcpy(numbers, &a, sizeof a); }
 
-/// Cross product of the first three; the fourth is a[3]*b[3] - a[3]*b[3] = 0 for finite numbers.
-inline Quad cross(Quad a, Quad b) {
+/// Lanes in which the number is `value`.
+inline LaneMask equal_lanes(const std::uint32_t* numbers, std::uint32_t value) {
+    using Numbers [[gnu::vector_size(sizeof(std::uint32_t) * lane_count)]] = std::uint32_t;
+    Numbers all;
+    std::memcpy(&all, numbers, sizeof all);
+    return __builtin_convertvector(all == value, LaneMask);
+}
+
+inline Quad load(const double* row) {
+    Quad a;
+    std::memcpy(&a, row, sizeof a);
+    return a;
+}
+inline void store(double* row, Quad value) { std::memcpy(row, &value, sizeof value); }
+
+/// Cross product of the first three as z x y: sums of many are turned round once, at their end. The
+/// fourth is a[3]*b[3] - a[3]*b[3] = 0 for finite numbers.
+inline Quad turned_cross(Quad a, Quad b) {
     const Quad a_turned = __builtin_shufflevector(a, a, 1, 2, 0, 3);
     const Quad b_turned = __builtin_shufflevector(b, b, 1, 2, 0, 3);
-    const Quad c = a * b_turned - a_turned * b;
+    return a * b_turned - a_turned * b;
+}
+inline Quad cross(Quad a, Quad b) {
+    const Quad c = turned_cross(a, b);
     return __builtin_shufflevector(c, c, 1, 2, 0, 3);
 }
 
@@ -121,6 +148,46 @@ template <class RowOf> void store_rows(const FourLanes& rows, int count, RowOf&&
         if (q < count) store(row_of(q), r);
 #endif
     }
+}
+
+/// Vectors of three numbers that stand one behind the other, one a lane, as x, y and z; and back.
+using ThreeLanes = std::array<Lane, 3>;
+
+inline ThreeLanes load_triples(const double* rows) {
+    const Lane a = load_lane(rows), b = load_lane(rows + lane_count), c = load_lane(rows + 2 * lane_count);
+#ifdef __AVX512F__
+    const Lane x = __builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, -1, -1);
+    const Lane y = __builtin_shufflevector(a, b, 1, 4, 7, 10, 13, -1, -1, -1);
+    const Lane z = __builtin_shufflevector(a, b, 2, 5, 8, 11, 14, -1, -1, -1);
+    return {__builtin_shufflevector(x, c, 0, 1, 2, 3, 4, 5, 10, 13),
+            __builtin_shufflevector(y, c, 0, 1, 2, 3, 4, 8, 11, 14),
+            __builtin_shufflevector(z, c, 0, 1, 2, 3, 4, 9, 12, 15)};
+#else
+    const Lane x = __builtin_shufflevector(a, b, 0, 3, 6, -1);
+    const Lane y = __builtin_shufflevector(a, b, 1, 4, 7, -1);
+    const Lane z = __builtin_shufflevector(a, b, 2, 5, -1, -1);
+    return {__builtin_shufflevector(x, c, 0, 1, 2, 5), __builtin_shufflevector(y, c, 0, 1, 2, 6),
+            __builtin_shufflevector(z, c, 0, 1, 4, 7)};
+#endif
+}
+
+inline void store_triples(double* rows, const ThreeLanes& v) {
+    const auto& [x, y, z] = v;
+#ifdef __AVX512F__
+    const Lane a = __builtin_shufflevector(x, y, 0, 8, -1, 1, 9, -1, 2, 10);
+    const Lane b = __builtin_shufflevector(x, y, -1, 3, 11, -1, 4, 12, -1, 5);
+    const Lane c = __builtin_shufflevector(x, y, 13, -1, 6, 14, -1, 7, 15, -1);
+    store_lane(rows, __builtin_shufflevector(a, z, 0, 1, 8, 3, 4, 9, 6, 7));
+    store_lane(rows + lane_count, __builtin_shufflevector(b, z, 10, 1, 2, 11, 4, 5, 12, 7));
+    store_lane(rows + 2 * lane_count, __builtin_shufflevector(c, z, 0, 13, 2, 3, 14, 5, 6, 15));
+#else
+    const Lane a = __builtin_shufflevector(x, y, 0, 4, -1, 1);
+    const Lane b = __builtin_shufflevector(x, y, 5, -1, 2, 6);
+    const Lane c = __builtin_shufflevector(x, y, -1, 3, 7, -1);
+    store_lane(rows, __builtin_shufflevector(a, z, 0, 1, 4, 3));
+    store_lane(rows + lane_count, __builtin_shufflevector(b, z, 0, 5, 2, 3));
+    store_lane(rows + 2 * lane_count, __builtin_shufflevector(c, z, 6, 1, 2, 7));
+#endif
 }
 
 } // namespace bris

@@ -187,11 +187,6 @@ void refresh_pairs(World& world) {
     const auto refreshed = bodies.column<RefreshedAt>();
     const Poses poses(bodies);
     for (Row b = 0; b < bodies.size(); ++b) refreshed[b] = poses[b];
-    if (bodies.has<Axes>()) {
-        const auto axes = bodies.column<Axes>();
-        const auto orientation = bodies.column<Orientation>();
-        for (Row b = 0; b < bodies.size(); ++b) axes[b] = orientation[b].toRotationMatrix();
-    }
 
     detail::find_sphere_pairs(world, settings.outer_skin);
     if (world.has<PlanePairs>()) detail::find_plane_pairs(world, settings.outer_skin);
@@ -240,7 +235,6 @@ void add_lists(World& world, bool history, ListSettings settings) {
     bodies.add<RefreshedAt>();
     bodies.add<Force>();
     bodies.add<Torque>();
-    if (bodies.has<Orientation>()) bodies.add<Axes>();
     world.table<Spheres>().add<ListedSlot>();
     Table& listed = world.table<Listed>();
     listed.add<ListedBall>();

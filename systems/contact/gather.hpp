@@ -10,15 +10,26 @@ namespace bris {
 
 namespace detail {
 
-struct Wrench {
-    Quad force{}, torque{};
-    // a record of a pair that does not touch is all zero, and adding +0 changes no bit of a sum
-    // that began with +0
-    void add(const ForceRow& record, Quad centre, double sign) {
-        const Quad f = sign * load(&record.fx);
-        force += f;
-        torque += cross(load(&record.px) - centre, f);
+/// Sums force and torque of records about a centre. A record of a pair that does not touch is all
+/// zero, and adding +0 changes no bit of a sum that began with +0.
+class WrenchSum {
+public:
+    explicit WrenchSum(const Vec3& centre) : centre_{centre.x(), centre.y(), centre.z(), 0} {}
+    void add(const ForceRow& record) {
+        const Quad f = load(&record.fx), arm = load(&record.px) - centre_;
+        force_ += f;
+        turned_torque_ += turned_cross(arm, f);
     }
+    /// What was added acts on the partners: rounding is the same for both signs.
+    void reverse() {
+        force_ = -force_;
+        turned_torque_ = -turned_torque_;
+    }
+    Vec3 force() const { return {force_[0], force_[1], force_[2]}; }
+    Vec3 torque() const { return {turned_torque_[1], turned_torque_[2], turned_torque_[0]}; }
+
+private:
+    Quad centre_, force_{}, turned_torque_{};
 };
 
 } // namespace detail
@@ -39,13 +50,12 @@ void gather(Rows<Bodies, const Position, Force, Torque> bodies,
         const Row incident = index.incident_first[b], incident_end = index.incident_first[b + 1];
         const Row owned = index.owned_first[b], owned_end = index.owned_first[b + 1];
         if (incident == incident_end && owned == owned_end) continue;
-        const Vec3& x = position[b];
-        const Quad centre{x.x(), x.y(), x.z(), 0};
-        detail::Wrench sum;
-        for (Row k = incident; k < incident_end; ++k) sum.add(record[index.incident[k]], centre, -1);
-        for (Row k = owned; k < owned_end; ++k) sum.add(record[k], centre, 1);
-        force[b] += Vec3(sum.force[0], sum.force[1], sum.force[2]);
-        torque[b] += Vec3(sum.torque[0], sum.torque[1], sum.torque[2]);
+        detail::WrenchSum sum(position[b]);
+        for (Row k = incident; k < incident_end; ++k) sum.add(record[index.incident[k]]);
+        sum.reverse();
+        for (Row k = owned; k < owned_end; ++k) sum.add(record[k]);
+        force[b] += sum.force();
+        torque[b] += sum.torque();
     }
 }
 

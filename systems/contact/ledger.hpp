@@ -18,8 +18,11 @@ void book_friction(Rows<Bodies, FrictionWork> bodies, Rows<typename Pairs::Near,
     if (index.size() == 0) return;
     double* work = bodies.template column<FrictionWork>();
     const double* slip = near.template column<SlipWork>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b)
-        for (Row k = index.owned_first[b]; k < index.owned_first[b + 1]; ++k) work[b] += slip[k];
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        double sum = work[b]; // a local: the columns might overlap for all the compiler knows
+        for (Row k = index.owned_first[b], last = index.owned_first[b + 1]; k < last; ++k) sum += slip[k];
+        work[b] = sum;
+    }
 }
 
 } // namespace bris

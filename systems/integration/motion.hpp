@@ -22,7 +22,7 @@ void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const
 
 /// The same, booking the work that damping takes from each body (second order in dt).
 void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin,
-                        const AngularMomentum, const InertialMass, const InertialInertia, const Axes, Force,
+                        const AngularMomentum, const InertialMass, const InertialInertia, const Orientation, Force,
                         Torque, DampingWork> bodies,
                    const LocalDamping& damping, const Clock& clock);
 
@@ -47,7 +47,7 @@ void turn_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia
 /// turned (Magnus expansion with Simpson weights), or the midpoint rule where the angle is below
 /// 1e-4 rad and the difference below 1e-12 rad. Orientation stays a unit quaternion.
 void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, AngularMomentum, Spin,
-               StepSpin, Orientation, Axes> bodies,
+               StepSpin, Orientation> bodies,
           const Clock& clock);
 
 /// Of which time the velocities in the packed rows are. Undamped laws need the displacement of the
@@ -60,7 +60,7 @@ enum class VelocityTime { last_step, now };
 using PlacedSpheres = Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration,
                            const InertialMass, const MotionOf, const SphereInertia>;
 using PlacedBodies = Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration, const Spin,
-                          const StepSpin, const Axes, const InertialMass, const MotionOf>;
+                          const StepSpin, const Orientation, const InertialMass, const MotionOf>;
 
 /// Packed rows of single spheres, at the new positions.
 template <VelocityTime time>
@@ -68,7 +68,7 @@ void place_spheres(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> l
 template <> void place_spheres<VelocityTime::last_step>(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
 template <> void place_spheres<VelocityTime::now>(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
 
-/// Packed rows of the listed spheres of clumps: one rotation matrix a body.
+/// Packed rows of the listed spheres of clumps: each linear in the sphere's place in its body.
 template <VelocityTime time>
 void place(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
 template <> void place<VelocityTime::last_step>(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
@@ -77,11 +77,11 @@ template <> void place<VelocityTime::now>(PlacedBodies bodies, Rows<Listed, cons
 /// Spins of the listed spheres; only friction wants them.
 template <VelocityTime time>
 void place_turns(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                 Rows<Listed, const ListedBall, Turn> listed);
+                 Rows<Listed, Turn> listed);
 template <> void place_turns<VelocityTime::last_step>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                 Rows<Listed, const ListedBall, Turn> listed);
+                 Rows<Listed, Turn> listed);
 template <> void place_turns<VelocityTime::now>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                 Rows<Listed, const ListedBall, Turn> listed);
+                 Rows<Listed, Turn> listed);
 
 /// Bound on how far any point of a body has gone since the last prune.
 void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies);

@@ -1,4 +1,4 @@
-#include "engine/lanes.hpp"
+#include "engine/lane_math.hpp"
 #include "systems/integration/motion.hpp"
 
 namespace bris {
@@ -8,28 +8,33 @@ namespace {
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
 
 // Angular momentum in the body's axes of a free body: dL/dt = L x w, w = L / I.
-Vec3 rate(const Vec3& momentum, const Vec3& inverse_inertia) {
-    return momentum.cross(momentum.cwiseProduct(inverse_inertia));
+Vec3Lanes rate(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia) {
+    return cross(momentum, scaled(momentum, inverse_inertia));
 }
 
-Vec3 advance(const Vec3& momentum, const Vec3& inverse, double dt) { // classical Runge-Kutta
-    const Vec3 a = rate(momentum, inverse), b = rate(momentum + 0.5 * dt * a, inverse),
-               c = rate(momentum + 0.5 * dt * b, inverse), d = rate(momentum + dt * c, inverse);
+Vec3Lanes advance(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia, double dt) { // classical Runge-Kutta
+    const Vec3Lanes a = rate(momentum, inverse_inertia), b = rate(momentum + 0.5 * dt * a, inverse_inertia),
+                    c = rate(momentum + 0.5 * dt * b, inverse_inertia), d = rate(momentum + dt * c, inverse_inertia);
     return momentum + dt / 6 * (a + 2 * b + 2 * c + d);
 }
 
 /// Rotation vector, in the body's axes, of the free motion over dt.
-Vec3 rotation_of_step(const Vec3& momentum, const Vec3& inverse, double dt) {
-    const Vec3 spin = momentum.cwiseProduct(inverse);
-    if (spin.squaredNorm() * dt * dt < 1e-8)
-        return dt * (momentum + 0.5 * dt * rate(momentum, inverse)).cwiseProduct(inverse);
-    const Vec3 half = advance(momentum, inverse, 0.5 * dt), full = advance(half, inverse, 0.5 * dt);
-    const Vec3 middle = half.cwiseProduct(inverse), last = full.cwiseProduct(inverse);
-    return dt / 6 * (spin + 4 * middle + last) + dt * dt / 12 * spin.cross(last);
+Vec3Lanes rotation_of_step(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia, double dt) {
+    const Vec3Lanes spin = scaled(momentum, inverse_inertia);
+    const Vec3Lanes midpoint = dt * scaled(momentum + 0.5 * dt * rate(momentum, inverse_inertia), inverse_inertia);
+    const LaneMask large = dot(spin, spin) * (dt * dt) >= 1e-8;
+    if (bits(large) == 0) return midpoint;
+    const Vec3Lanes half = advance(momentum, inverse_inertia, 0.5 * dt), full = advance(half, inverse_inertia, 0.5 * dt);
+    const Vec3Lanes middle = scaled(half, inverse_inertia), last = scaled(full, inverse_inertia);
+    const Vec3Lanes magnus = dt / 6 * (spin + 4 * middle + last) + dt * dt / 12 * cross(spin, last);
+    return select(large, magnus, midpoint);
 }
 
 // one step of Newton towards norm 1: rounding leaves it within 1e-15
-void renormalise(Quat& q) { q.coeffs() *= 0.5 * (3 - q.squaredNorm()); }
+QuatLanes renormalised(const QuatLanes& q) {
+    const Lane scale = 0.5 * (3.0 - squared_norm(q));
+    return {scale * q.x, scale * q.y, scale * q.z, scale * q.w};
+}
 
 } // namespace
 
@@ -41,16 +46,18 @@ void turn_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia
     Vec3* momentum = bodies.column<AngularMomentum>();
     Vec3* spin = bodies.column<Spin>();
     Vec3* step_spin = bodies.column<StepSpin>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        if (motion[b] != free_motion) continue;
-        momentum[b] += clock.dt * torque[b];
-        spin[b] = (momentum[b] + 0.5 * clock.dt * torque[b]) / inertia[b];
-        step_spin[b] = momentum[b] / inertia[b];
-    }
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const LaneMask free = equal(motion, rows, free_motion);
+        const Lane inverse_inertia = 1.0 / load(inertia, rows);
+        const Vec3Lanes before = load(momentum, rows), t = load(torque, rows), after = before + clock.dt * t;
+        store(momentum, rows, select(free, after, before));
+        store(spin, rows, select(free, inverse_inertia * (after + 0.5 * clock.dt * t), load(spin, rows)));
+        store(step_spin, rows, select(free, inverse_inertia * after, load(step_spin, rows)));
+    });
 }
 
 void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, AngularMomentum, Spin,
-               StepSpin, Orientation, Axes> bodies,
+               StepSpin, Orientation> bodies,
           const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* torque = bodies.column<Torque>();
@@ -59,25 +66,52 @@ void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, Angu
     Vec3* spin = bodies.column<Spin>();
     Vec3* step_spin = bodies.column<StepSpin>();
     Quat* orientation = bodies.column<Orientation>();
-    Mat3* axes = bodies.column<Axes>();
     const double dt = clock.dt, per_second = 1 / dt;
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        if (motion[b] != free_motion) continue;
-        momentum[b] += dt * torque[b];
-        const Vec3 local = axes[b].transpose() * momentum[b];
-        const Vec3 inverse = inertia[b].cwiseInverse();
-        const Vec3 rotation = rotation_of_step(local, inverse, dt);
-        step_spin[b] = axes[b] * (rotation * per_second); // a rotation's axis is the same in both frames
-        Quat q = orientation[b] * exponential_map(rotation);
-        renormalise(q);
-        orientation[b] = q;
-        axes[b] = q.toRotationMatrix();
-        const Vec3 now = axes[b].transpose() * (momentum[b] + 0.5 * dt * torque[b]);
-        spin[b] = axes[b] * now.cwiseProduct(inverse);
-    }
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const LaneMask free = equal(motion, rows, free_motion);
+        if (bits(free) == 0) return;
+        // driven bodies may have no inertia, and do not turn
+        const Vec3Lanes inverse_inertia = select(free, inverse(load(inertia, rows)), Vec3Lanes{});
+        const Vec3Lanes before = load(momentum, rows), t = load(torque, rows), after = before + dt * t;
+        const QuatLanes from = load(orientation, rows);
+        const AxesLanes axes = axes_of(from);
+        const Vec3Lanes rotation = rotation_of_step(to_body(axes, after), inverse_inertia, dt);
+        const QuatLanes to = renormalised(from * exponential_map(rotation));
+        const AxesLanes turned = axes_of(to);
+        const Vec3Lanes now = scaled(to_body(turned, after + 0.5 * dt * t), inverse_inertia);
+        store(momentum, rows, select(free, after, before));
+        // a rotation's axis is the same in both frames
+        store(step_spin, rows, select(free, to_world(axes, per_second * rotation), load(step_spin, rows)));
+        store(spin, rows, select(free, to_world(turned, now), load(spin, rows)));
+        store(orientation, rows, select(free, to, from));
+    });
 }
 
 namespace {
+
+/// The packed row of a body's sphere is at_centre + x along_x + y along_y + z along_z, with (x, y, z) its
+/// place in the body's axes, and its radius added.
+struct PlacedFrame { PlaceRow at_centre, along_x, along_y, along_z; };
+using PlacedFrames = std::array<PlacedFrame, lane_count>;
+
+void put(PlacedFrames& frames, PlaceRow PlacedFrame::* row, const Vec3Lanes& place, const Vec3Lanes& velocity,
+         const Lane& inverse_mass) {
+    const auto frame = [&](int q) -> PlaceRow& { return frames[static_cast<std::size_t>(q)].*row; };
+    store_rows(transpose({place.x, place.y, place.z, Lane{}}), lane_count, [&](int q) { return &frame(q).x; });
+    store_rows(transpose({velocity.x, velocity.y, velocity.z, inverse_mass}), lane_count,
+               [&](int q) { return &frame(q).vx; });
+}
+
+void place_balls(const PlacedFrame& frame, const Ball* ball, Row count, PlaceRow* place) {
+    const auto line = [](const PlaceRow& row) { return *reinterpret_cast<const Line*>(&row); };
+    const Line centre = line(frame.at_centre), x = line(frame.along_x), y = line(frame.along_y), z = line(frame.along_z);
+    constexpr Line radius{0, 0, 0, 1, 0, 0, 0, 0};
+    for (Row k = 0; k < count; ++k) {
+        const Ball& o = ball[k];
+        const Line arm = o.centre.x() * x + o.centre.y() * y + o.centre.z() * z;
+        *reinterpret_cast<Line*>(&place[k]) = centre + (arm + o.radius * radius);
+    }
+}
 
 // velocities of the last step (of the half step before the positions) or of the positions' own time
 void place_at(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, double since_velocity, const Vec3* spin) {
@@ -85,37 +119,48 @@ void place_at(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed,
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* acceleration = bodies.column<Acceleration>();
-    const Mat3* axes = bodies.column<Axes>();
+    const Quat* orientation = bodies.column<Orientation>();
     const double* mass = bodies.column<InertialMass>();
     const auto* motion = bodies.column<MotionOf>();
     const Ball* ball = listed.column<ListedBall>();
     PlaceRow* place = listed.column<Place>();
-    const auto quad = [](const Vec3& v, double last) { return Quad{v.x(), v.y(), v.z(), last}; };
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        if (run[b].listed == 0) continue;
-        const Mat3& a = axes[b];
-        const Quad ex{a(0, 0), a(1, 0), a(2, 0), 0}, ey{a(0, 1), a(1, 1), a(2, 1), 0},
-            ez{a(0, 2), a(1, 2), a(2, 2), 0};
-        const Quad x = quad(position[b], 0), w = quad(spin[b], 0);
-        const Quad v = quad(velocity[b] + since_velocity * acceleration[b],
-                            motion[b] == free_motion ? 1 / mass[b] : 0);
-        for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k) {
-            const Ball& o = ball[k];
-            const Quad arm = o.centre.x() * ex + o.centre.y() * ey + o.centre.z() * ez;
-            store(&place[k].x, x + arm + Quad{0, 0, 0, o.radius});
-            store(&place[k].vx, v + cross(w, arm));
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        PlacedFrames frames;
+        const LaneMask free = equal(motion, rows, free_motion);
+        const Lane inverse_mass = free ? 1.0 / load(mass, rows) : Lane{};
+        const Vec3Lanes v = load(velocity, rows) + since_velocity * load(acceleration, rows);
+        const Vec3Lanes w = load(spin, rows);
+        const AxesLanes axes = axes_of(load(orientation, rows));
+        put(frames, &PlacedFrame::at_centre, load(position, rows), v, inverse_mass);
+        put(frames, &PlacedFrame::along_x, axes.x, cross(w, axes.x), Lane{});
+        put(frames, &PlacedFrame::along_y, axes.y, cross(w, axes.y), Lane{});
+        put(frames, &PlacedFrame::along_z, axes.z, cross(w, axes.z), Lane{});
+        for (std::size_t k = 0; k < static_cast<std::size_t>(rows.count); ++k) {
+            const SphereRun& r = run[rows.first + k];
+            place_balls(frames[k], ball + r.first_listed, r.listed, place + r.first_listed);
         }
+    });
+}
+
+void place_turns_at(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies, Rows<Listed, Turn> listed,
+                    const Vec3* spin) {
+    const auto* run = bodies.column<SpheresOf>();
+    TurnRow* turn = listed.column<Turn>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        const Quad w{spin[b].x(), spin[b].y(), spin[b].z(), 0};
+        for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k) store(&turn[k].x, w);
     }
 }
 
-void place_turns_at(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                    Rows<Listed, const ListedBall, Turn> listed, const Vec3* spin) {
-    const auto* run = bodies.column<SpheresOf>();
-    const Ball* ball = listed.column<ListedBall>();
-    TurnRow* turn = listed.column<Turn>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b)
-        for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k)
-            turn[k] = {spin[b].x(), spin[b].y(), spin[b].z(), ball[k].radius};
+struct PoseLanes { Vec3Lanes position; QuatLanes orientation; };
+
+PoseLanes load(const Pose* column, LaneRows rows) {
+    static_assert(sizeof(Pose) == 7 * sizeof(double));
+    return read_rows<7>(column->position.data(), rows, [](const double* at) {
+        const auto x = transpose(load_rows([&](int k) { return at + 7 * k; }));
+        const auto q = transpose(load_rows([&](int k) { return at + 7 * k + 3; }));
+        return PoseLanes{{x[0], x[1], x[2]}, {q[0], q[1], q[2], q[3]}};
+    });
 }
 
 } // namespace
@@ -130,12 +175,12 @@ void place<VelocityTime::now>(PlacedBodies bodies, Rows<Listed, const ListedBall
 }
 template <>
 void place_turns<VelocityTime::last_step>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                                          Rows<Listed, const ListedBall, Turn> listed) {
+                                          Rows<Listed, Turn> listed) {
     place_turns_at(bodies, listed, bodies.column<StepSpin>());
 }
 template <>
 void place_turns<VelocityTime::now>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                                    Rows<Listed, const ListedBall, Turn> listed) {
+                                    Rows<Listed, Turn> listed) {
     place_turns_at(bodies, listed, bodies.column<Spin>());
 }
 
@@ -146,8 +191,14 @@ void measure_travel_and_turn(Rows<Bodies, const Position, const Orientation, con
     const Pose* from = bodies.column<PrunedAt>();
     const double* radius = bodies.column<BoundingRadius>();
     double* travel = bodies.column<Travel>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b)
-        travel[b] = travel_bound(position[b], orientation[b], from[b], radius[b]);
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        // travel_bound of each body
+        const PoseLanes was = load(from, rows);
+        const Vec3Lanes gone = load(position, rows) - was.position;
+        const QuatLanes q = load(orientation, rows);
+        const Lane turned = min(squared_norm(q - was.orientation), squared_norm(q + was.orientation));
+        store(travel, rows, sqrt(dot(gone, gone)) + 2.0 * load(radius, rows) * sqrt(turned));
+    });
 }
 
 } // namespace bris

@@ -1,3 +1,4 @@
+#include "engine/lane_math.hpp"
 #include "systems/integration/motion.hpp"
 
 namespace bris {
@@ -6,16 +7,14 @@ namespace {
 
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
 
-double damped(double force, double velocity, double fraction) {
-    // without branches: the signs are as good as random
-    const double drive = force * velocity;
-    const int sign = static_cast<int>(drive > 0) - static_cast<int>(drive < 0);
-    return force * (1 - fraction * sign);
+Lane damped(const Lane& force, const Lane& velocity, double fraction) {
+    const Lane drive = force * velocity, none = lanes(1);
+    return force * (drive > 0.0 ? lanes(1 - fraction) : (drive < 0.0 ? lanes(1 + fraction) : none));
 }
 
-Vec3 damped(const Vec3& force, const Vec3& velocity, double fraction) {
-    return {damped(force.x(), velocity.x(), fraction), damped(force.y(), velocity.y(), fraction),
-            damped(force.z(), velocity.z(), fraction)};
+Vec3Lanes damped(const Vec3Lanes& force, const Vec3Lanes& velocity, double fraction) {
+    return {damped(force.x, velocity.x, fraction), damped(force.y, velocity.y, fraction),
+            damped(force.z, velocity.z, fraction)};
 }
 
 } // namespace
@@ -23,10 +22,10 @@ Vec3 damped(const Vec3& force, const Vec3& velocity, double fraction) {
 void clear_forces(Rows<Bodies, Force, Torque> bodies) {
     Vec3* force = bodies.column<Force>();
     Vec3* torque = bodies.column<Torque>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        force[b].setZero();
-        torque[b].setZero();
-    }
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        store(force, rows, Vec3Lanes{});
+        store(torque, rows, Vec3Lanes{});
+    });
 }
 
 void weigh(Rows<Bodies, const Mass, Force> bodies, const Gravity& gravity) {
@@ -43,16 +42,17 @@ void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const
     const Vec3* spin = bodies.column<Spin>();
     Vec3* force = bodies.column<Force>();
     Vec3* torque = bodies.column<Torque>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        if (motion[b] != free_motion) continue;
-        const Vec3 now = velocity[b] + (0.5 * clock.dt) * acceleration[b];
-        force[b] = damped(force[b], now, damping.fraction);
-        torque[b] = damped(torque[b], spin[b], damping.fraction);
-    }
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const LaneMask free = equal(motion, rows, free_motion);
+        const Vec3Lanes now = load(velocity, rows) + (0.5 * clock.dt) * load(acceleration, rows);
+        const Vec3Lanes f = load(force, rows), t = load(torque, rows);
+        store(force, rows, select(free, damped(f, now, damping.fraction), f));
+        store(torque, rows, select(free, damped(t, load(spin, rows), damping.fraction), t));
+    });
 }
 
 void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin,
-                        const AngularMomentum, const InertialMass, const InertialInertia, const Axes, Force,
+                        const AngularMomentum, const InertialMass, const InertialInertia, const Orientation, Force,
                         Torque, DampingWork> bodies,
                    const LocalDamping& damping, const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
@@ -64,20 +64,27 @@ void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Accelerati
     Vec3* torque = bodies.column<Torque>();
     const Vec3* momentum = bodies.column<AngularMomentum>();
     const Vec3* inertia = bodies.column<InertialInertia>();
-    const Mat3* axes = bodies.column<Axes>();
+    const Quat* orientation = bodies.column<Orientation>();
     double* work = bodies.column<DampingWork>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        if (motion[b] != free_motion) continue;
-        const Vec3 now = velocity[b] + (0.5 * clock.dt) * acceleration[b];
-        const Vec3 f = damped(force[b], now, damping.fraction), t = damped(torque[b], spin[b], damping.fraction);
+    const double dt = clock.dt, half_step = 0.5 * dt;
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const LaneMask free = equal(motion, rows, free_motion);
+        if (bits(free) == 0) return;
+        const Vec3Lanes v = load(velocity, rows), now = v + half_step * load(acceleration, rows);
+        const Vec3Lanes f_before = load(force, rows), t_before = load(torque, rows);
+        const Vec3Lanes f = damped(f_before, now, damping.fraction);
+        const Vec3Lanes t = damped(t_before, load(spin, rows), damping.fraction);
         // means of before and after the kick: the work that the leapfrog itself does
-        const Vec3 mean_velocity = velocity[b] + (0.5 * clock.dt / mass[b]) * f;
-        const Vec3 mean_momentum = axes[b].transpose() * (momentum[b] + (0.5 * clock.dt) * t);
-        const Vec3 mean_spin = axes[b] * mean_momentum.cwiseQuotient(inertia[b]);
-        work[b] += clock.dt * ((force[b] - f).dot(mean_velocity) + (torque[b] - t).dot(mean_spin));
-        force[b] = f;
-        torque[b] = t;
-    }
+        const Vec3Lanes mean_velocity = v + (half_step / load(mass, rows)) * f;
+        const AxesLanes axes = axes_of(load(orientation, rows));
+        const Vec3Lanes mean_momentum = to_body(axes, load(momentum, rows) + half_step * t);
+        const Vec3Lanes mean_spin = to_world(axes, scaled(mean_momentum, inverse(load(inertia, rows))));
+        const Lane taken = dt * (dot(f_before - f, mean_velocity) + dot(t_before - t, mean_spin));
+        const Lane before = load(work, rows);
+        store(work, rows, free ? before + taken : before);
+        store(force, rows, select(free, f, f_before));
+        store(torque, rows, select(free, t, t_before));
+    });
 }
 
 void book_boundary_work(Rows<Bodies, const MotionOf, const Force, const Velocity, const DriveVelocity,
@@ -102,16 +109,17 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
     Vec3* velocity = bodies.column<Velocity>();
     Vec3* acceleration = bodies.column<Acceleration>();
     Vec3* position = bodies.column<Position>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        if (motion[b] == free_motion) {
-            acceleration[b] = force[b] / mass[b];
-            velocity[b] += clock.dt * acceleration[b];
-        } else {
-            acceleration[b].setZero();
-            velocity[b] = drive[b];
-        }
-        position[b] += clock.dt * velocity[b];
-    }
+    const Vec3Lanes at_rest{};
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const LaneMask free = equal(motion, rows, free_motion);
+        const Lane m = load(mass, rows);
+        const Vec3Lanes f = load(force, rows);
+        const Vec3Lanes a = select(free, {f.x / m, f.y / m, f.z / m}, at_rest);
+        const Vec3Lanes v = select(free, load(velocity, rows) + clock.dt * a, load(drive, rows));
+        store(acceleration, rows, a);
+        store(velocity, rows, v);
+        store(position, rows, load(position, rows) + clock.dt * v);
+    });
 }
 
 namespace {

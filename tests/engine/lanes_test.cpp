@@ -44,6 +44,17 @@ TEST_SUITE("engine/lanes") {
         }
     }
 
+    TEST_CASE("triples are taken apart into x, y and z, and put together again") {
+        Random random(7, 0);
+        std::array<double, 3 * width> rows, stored{};
+        for (double& number : rows) number = random.uniform(-1, 1);
+        const ThreeLanes v = load_triples(rows.data());
+        for (std::size_t q = 0; q < width; ++q)
+            for (std::size_t c = 0; c < 3; ++c) CHECK(v[c][q] == rows[3 * q + c]);
+        store_triples(stored.data(), v);
+        CHECK(stored == rows);
+    }
+
     TEST_CASE("row sums add pairs first, in every lane the same") {
         const Numbers rows = random_rows(3);
         const Lane sums = row_sums(loaded(rows));
