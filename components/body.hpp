@@ -13,7 +13,7 @@ enum class Motion : std::uint32_t {
     free,       ///< forces
     fixed,      ///< nobody
     prescribed, ///< its DriveVelocity, set by a procedure
-    servo       ///< its DriveVelocity, set by a servo
+    servo       ///< a system of systems/servo; its DriveVelocity is zero
 };
 
 struct BodyId          : State<EntityId> { static constexpr auto name = "id", unit = ""; static constexpr bool is_key = true; };

@@ -18,10 +18,12 @@ struct MembraneSurface {
     const double* radius; ///< by element
     int rings, sectors;
     double ring_height;
+    double cosine, sine;  ///< of the angle from a sector to the next
 
     MembraneSurface(const Membrane& membrane, const double* element_radius)
         : outward(membrane.outward.data()), radius(element_radius), rings(static_cast<int>(membrane.rings)),
-          sectors(static_cast<int>(membrane.sectors)), ring_height(membrane.ring_height) {}
+          sectors(static_cast<int>(membrane.sectors)), ring_height(membrane.ring_height),
+          cosine(outward[0].dot(outward[1])), sine(outward[0].x() * outward[1].y() - outward[0].y() * outward[1].x()) {}
 
     /// The ring whose middle is at or below height z; -1 and less below the first.
     int ring_below(double z) const { return static_cast<int>(std::floor(z / ring_height - 0.5)); }
@@ -31,6 +33,17 @@ struct MembraneSurface {
         return static_cast<Row>(std::clamp(ring, 0, rings - 1) * sectors + sector);
     }
     double radius_at(int ring, int sector) const { return radius[element(ring, sector)]; }
+
+    /// Distance from the axis at `share` of the way from the middle of a ring to that of the next.
+    double radius_between(int ring, double share, int sector) const {
+        return (1 - share) * radius_at(ring, sector) + share * radius_at(ring + 1, sector);
+    }
+    /// Width (m) of a sector there, between the planes of the sectors beside it; negative if they hide it.
+    double exposed_width(int ring, double share, int sector) const {
+        const double before = radius_between(ring, share, sector > 0 ? sector - 1 : sectors - 1),
+                     after = radius_between(ring, share, sector + 1 < sectors ? sector + 1 : 0);
+        return (before + after - 2 * radius_between(ring, share, sector) * cosine) / sine;
+    }
 
     struct Nearest {
         double distance;      ///< m, from the surface to the centre; negative behind it

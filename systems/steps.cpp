@@ -55,6 +55,7 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         system("steer_membrane", steer_membrane),
         system("book_membrane_work again", book_membrane_work),
         system("steer_platen", steer_platen),
+        system("book_platen_work", book_platen_work),
         system("place_planes", place_planes),
         system("place_facets", place_facets),
         // stop on what cannot be

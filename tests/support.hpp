@@ -183,7 +183,7 @@ inline void add_tube(World& world, const TubeSettings& s, std::uint32_t material
     membrane.largest_step = 1e-4 * s.radius;
     add_membrane(world, std::move(membrane), s.radius, material);
     const EntityId bottom = add_boundary(world, Vec3::Zero(), material);
-    const EntityId top = add_boundary(world, Vec3(0, 0, s.height), material, Motion::prescribed);
+    const EntityId top = add_boundary(world, Vec3(0, 0, s.height), material, Motion::servo);
     add_plane(world, bottom, Vec3::Zero(), Vec3(0, 0, 1));
     Platen platen;
     platen.plane = add_plane(world, top, Vec3::Zero(), Vec3(0, 0, -1));

@@ -14,7 +14,7 @@ constexpr std::uint64_t orientation_stream = 1001;
 
 void add_platens(World& world, const SpecimenSettings& s, Specimen& specimen) {
     specimen.bottom = add_boundary(world, Vec3::Zero(), specimen.platen_material, Motion::fixed, s.radius);
-    specimen.top = add_boundary(world, Vec3(0, 0, 3 * s.height), specimen.platen_material, Motion::prescribed, s.radius);
+    specimen.top = add_boundary(world, Vec3(0, 0, 1.5 * s.height), specimen.platen_material, Motion::servo, s.radius);
     add_plane(world, specimen.bottom, Vec3::Zero(), Vec3(0, 0, 1));
     Platen platen;
     platen.plane = add_plane(world, specimen.top, Vec3::Zero(), Vec3(0, 0, -1));

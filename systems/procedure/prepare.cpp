@@ -289,7 +289,6 @@ void TriaxialTest::start_shear() {
     state.drift = largest;
     platen.controlled = false;
     platen.speed = 0;
-    world.column<Bodies, DriveVelocity>()[row_of_body(world, specimen.top)].setZero();
     state.phase = TriaxialPhase::shear;
     state.stage = 0;
     state.phase_steps = 0;

@@ -143,7 +143,7 @@ void TriaxialTest::move_platen() {
         platen.speed = mean * (1 - std::cos(2 * pi * (k + 0.5) / parts));
         run(steps);
     }
-    platen.speed = 0; // set at the end of a step: one more carries the last of the move
+    platen.speed = 0;
 }
 
 void TriaxialTest::shear() {

@@ -10,59 +10,40 @@ namespace {
 
 constexpr double least_area = 1e-3; // of a ring's height: below it the platen has passed the ring
 
-double width_at(const MembraneSurface& s, int ring, int sector) {
-    const auto at = [&](int k) { return s.radius_at(ring, (k + s.sectors) % s.sectors); };
-    return exposed_width(at(sector), at(sector - 1), at(sector + 1), 2 * pi / s.sectors);
-}
-
-double polygon_area_between(const MembraneSurface& s, int ring, double share) {
-    const double angle = 2 * pi / s.sectors;
-    const auto at = [&](int k) {
-        const int sector = (k + s.sectors) % s.sectors;
-        return (1 - share) * s.radius_at(ring, sector) + share * s.radius_at(ring + 1, sector);
-    };
+double area_at(const MembraneSurface& s, int ring, double share) {
     double area = 0;
-    for (int k = 0; k < s.sectors; ++k) area += 0.5 * at(k) * exposed_width(at(k), at(k - 1), at(k + 1), angle);
+    for (int k = 0; k < s.sectors; ++k)
+        area += 0.5 * s.radius_between(ring, share, k) * s.exposed_width(ring, share, k);
     return area;
 }
+
+/// The part between the middles of two rings that lies between z = 0 and `top`, in rings' heights from
+/// the lower middle; the ends reach down to 0 and up to any top.
+struct Part {
+    double from, to;
+    Part(const MembraneSurface& s, int ring, double top) {
+        const double above = ring + 1 < s.rings ? std::min(top, s.middle(ring + 1)) : top;
+        from = (std::max(0.0, s.middle(ring)) - s.middle(ring)) / s.ring_height;
+        to = std::max(from, (above - s.middle(ring)) / s.ring_height);
+    }
+};
 
 } // namespace
 
-double exposed_width(double own, double before, double after, double angle) {
-    return (before + after - 2 * own * std::cos(angle)) / std::sin(angle);
-}
-
-double polygon_area(std::span<const double> radius) {
-    const std::size_t n = radius.size();
-    const double angle = 2 * pi / static_cast<double>(n);
-    double area = 0;
-    for (std::size_t s = 0; s < n; ++s)
-        area += 0.5 * radius[s] * exposed_width(radius[s], radius[(s + n - 1) % n], radius[(s + 1) % n], angle);
-    return area;
-}
-
-double ServoMotion::next(double speed, double force, double touching) const {
-    constexpr double safety = 0.9; // mass = stiffness * (dt / safety)^2, as of scaled bodies
-    if (touching > stiffness) {
-        speed *= stiffness / touching; // momentum stays
-        stiffness = touching;
-    }
-    const double driven = force * speed > 0 ? 1 - damping : force * speed < 0 ? 1 + damping : 1;
-    const double step = speed * dt + safety * safety * driven * force / stiffness;
-    return std::clamp(step, -largest_step, largest_step) / dt;
+double ring_area(const Membrane& membrane, const double* radius, std::size_t ring) {
+    return area_at({membrane, radius}, static_cast<int>(ring), 0);
 }
 
 void measure_areas(const Membrane& membrane, const double* radius, double top, double* area) {
     const MembraneSurface s(membrane, radius);
     std::fill_n(area, s.rings * s.sectors, 0.0);
-    // from middle to middle; widths and shares are linear in height
     for (int ring = -1; ring < s.rings; ++ring) {
-        const double from = std::max(0.0, s.middle(ring)), to = std::min(top, ring + 1 < s.rings ? s.middle(ring + 1) : top);
-        if (!(to > from)) continue;
-        const double a = (from - s.middle(ring)) / s.ring_height, b = (to - s.middle(ring)) / s.ring_height;
-        const double one = b - a, t = (b * b - a * a) / 2, tt = (b * b * b - a * a * a) / 3;
+        const Part p(s, ring, top);
+        const double one = p.to - p.from, t = (p.to * p.to - p.from * p.from) / 2,
+                     tt = (p.to * p.to * p.to - p.from * p.from * p.from) / 3;
+        // widths and shares are linear in height
         for (int sector = 0; sector < s.sectors; ++sector) {
-            const double width = width_at(s, ring, sector), wider = width_at(s, ring + 1, sector) - width;
+            const double width = s.exposed_width(ring, 0, sector), wider = s.exposed_width(ring, 1, sector) - width;
             const double upper = s.ring_height * (width * t + wider * tt);
             area[s.element(ring + 1, sector)] += upper;
             area[s.element(ring, sector)] += s.ring_height * (width * one + wider * t) - upper;
@@ -74,14 +55,24 @@ double membrane_volume(const Membrane& membrane, const double* radius, double to
     const MembraneSurface s(membrane, radius);
     double volume = 0;
     for (int ring = -1; ring < s.rings; ++ring) {
-        const double from = std::max(0.0, s.middle(ring)), to = std::min(top, ring + 1 < s.rings ? s.middle(ring + 1) : top);
-        if (!(to > from)) continue;
-        const double a = (from - s.middle(ring)) / s.ring_height, b = (to - s.middle(ring)) / s.ring_height;
+        const Part p(s, ring, top);
         // the area is quadratic in height, for which Simpson's rule is exact
-        volume += (to - from) / 6 * (polygon_area_between(s, ring, a) + 4 * polygon_area_between(s, ring, 0.5 * (a + b)) +
-                                     polygon_area_between(s, ring, b));
+        volume += (p.to - p.from) * s.ring_height / 6 *
+                  (area_at(s, ring, p.from) + 4 * area_at(s, ring, 0.5 * (p.from + p.to)) + area_at(s, ring, p.to));
     }
     return volume;
+}
+
+double ServoMotion::next(double speed, double force, double touching) {
+    constexpr double safety = 0.9; // mass = stiffness * (dt / safety)^2, as of scaled bodies
+    if (touching > stiffness) {
+        speed *= stiffness / touching; // momentum stays
+        stiffness = touching;
+    }
+    // damping at the time of the force: half a step on from the speed
+    const double kick = safety * safety * force / stiffness, now = speed * dt + 0.5 * kick;
+    const double driven = force * now > 0 ? 1 - damping : force * now < 0 ? 1 + damping : 1;
+    return std::clamp(speed * dt + driven * kick, -largest_step, largest_step) / dt;
 }
 
 void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
@@ -142,7 +133,7 @@ void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, con
         const bool passed = on < least_area * membrane.ring_height * radius[g * group] && g * group >= membrane.sectors;
         membrane.pressure[g] = passed ? membrane.target_pressure : force / on;
         // one contact an element is the floor
-        const ServoMotion servo{membrane.stiffness[g], membrane.damping, membrane.largest_step, clock.dt};
+        ServoMotion servo{membrane.stiffness[g], membrane.damping, membrane.largest_step, clock.dt};
         const double next = servo.next(speed[g * group], force - membrane.target_pressure * on,
                                        std::max(stiffness, static_cast<double>(group) * membrane.contact_stiffness));
         for (std::size_t e = g * group; e < (g + 1) * group; ++e) {

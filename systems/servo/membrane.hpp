@@ -39,7 +39,7 @@ struct ServoMotion {
     double& stiffness; ///< N/m, the largest so far: a wall must not get lighter where it loses contacts
     double damping, largest_step, dt;
     /// Speed (m/s) one step on, for a resultant force (N) and the stiffness that touches now.
-    double next(double speed, double force, double touching) const;
+    double next(double speed, double force, double touching);
 };
 
 /// Area (m2) on which each element presses below the height `top`: the derivative of the volume with
@@ -49,12 +49,7 @@ void measure_areas(const Membrane& membrane, const double* radius, double top, d
 /// Volume (m3) inside a membrane between z = 0 and `top`.
 double membrane_volume(const Membrane& membrane, const double* radius, double top);
 
-/// Width (m) of a side of a polygon between the sides beside it, which are turned by `angle` (rad)
-/// and lie at the distances `before` and `after` from the axis; `own` is the side's own distance.
-/// Negative if they hide it.
-double exposed_width(double own, double before, double after, double angle);
-
-/// Area (m2) of the polygon whose sides lie at `radius` from the axis, sectors of equal angle.
-double polygon_area(std::span<const double> radius);
+/// Area (m2) of the polygon of a ring.
+double ring_area(const Membrane& membrane, const double* radius, std::size_t ring);
 
 } // namespace bris

@@ -11,10 +11,18 @@
 
 namespace bris {
 
-/// Drives the top platen: at its given speed, or, where `controlled`, so that the grains' force on it
-/// approaches target pressure times the mean area inside the membrane, by the rule of the membrane.
-void steer_platen(Rows<Planes, const HostRow> planes, Rows<Bodies, const Force, DriveVelocity> bodies,
+/// Moves the top platen (Motion::servo) by one step: at its given speed, or, where `controlled`, by its
+/// balance of forces, the grains' push against the target pressure on the mean area inside the
+/// membrane (ServoMotion). It moves by the forces of this very step: a speed that comes a step late
+/// would feed its oscillation.
+void steer_platen(Rows<Planes, const HostRow> planes,
+                  Rows<Bodies, const Force, const PrunedAt, Position, Velocity, Travel> bodies,
                   Rows<Elements, const ElementRadius> elements, Platen& platen, const Membrane& membrane,
                   const NearIndex<PlanePairs>& index, const Clock& clock);
+
+/// Books the half of the platen's work that belongs to its new speed; book_boundary_work books the
+/// other at the speed of the last step.
+void book_platen_work(Rows<Planes, const HostRow> planes, Rows<Bodies, const Force, const Velocity, BoundaryWork> bodies,
+                      const Platen& platen, const Clock& clock);
 
 } // namespace bris

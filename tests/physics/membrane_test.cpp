@@ -10,21 +10,21 @@ using namespace bris::testing;
 
 namespace {
 
-/// A surface of `rings` x 12 elements of uneven radii.
+/// A surface of `rings` x `sectors` elements of uneven radii.
 struct Uneven {
     Membrane membrane;
     std::vector<double> radius;
-    Uneven(unsigned rings, double spread, bool by_ring, std::uint64_t stream) {
+    Uneven(unsigned rings, double spread, bool by_ring, std::uint64_t stream, unsigned sectors = 12) {
         membrane.rings = rings;
-        membrane.sectors = 12;
+        membrane.sectors = sectors;
         membrane.ring_height = 0.076;
-        for (unsigned k = 0; k < 12; ++k) {
-            const double angle = 2 * pi * (k + 0.5) / 12;
+        for (unsigned k = 0; k < sectors; ++k) {
+            const double angle = 2 * pi * (k + 0.5) / sectors;
             membrane.outward.push_back({std::cos(angle), std::sin(angle), 0});
         }
         Random random(77, stream);
-        for (unsigned e = 0; e < 12 * rings; ++e)
-            radius.push_back(by_ring && e % 12 != 0 ? radius.back() : 0.15 * random.uniform(1 - spread, 1 + spread));
+        for (unsigned e = 0; e < sectors * rings; ++e)
+            radius.push_back(by_ring && e % sectors != 0 ? radius.back() : 0.15 * random.uniform(1 - spread, 1 + spread));
     }
     MembraneSurface surface() const { return {membrane, radius.data()}; }
 };
@@ -32,47 +32,37 @@ struct Uneven {
 } // namespace
 
 TEST_SUITE("physics/membrane") {
-    TEST_CASE("the exposed width of a side is that of the polygon") {
-        for (const int n : {3, 4, 12, 96}) {
-            const double angle = 2 * pi / n;
-            CHECK(exposed_width(0.7, 0.7, 0.7, angle) == doctest::Approx(2 * 0.7 * std::tan(pi / n)).epsilon(1e-12));
+    TEST_CASE("the exposed width of a side is that of the polygon, and negative where its neighbours hide it") {
+        for (const unsigned n : {3u, 4u, 12u, 96u}) {
+            const Uneven even(1, 0, true, 1, n);
+            CHECK(even.surface().exposed_width(0, 0, 0) == doctest::Approx(2 * 0.15 * std::tan(pi / n)).epsilon(1e-12));
+            CHECK(ring_area(even.membrane, even.radius.data(), 0) == doctest::Approx(n * 0.15 * 0.15 * std::tan(pi / n)).epsilon(1e-12));
         }
-        // a rectangle of half sides 2 and 3: each side is as wide as the other two are apart
-        CHECK(exposed_width(2, 3, 3, pi / 2) == doctest::Approx(6).epsilon(1e-12));
-        CHECK(exposed_width(3, 2, 1, pi / 2) == doctest::Approx(3).epsilon(1e-12));
-        // neighbours that come in front of a side hide it
-        CHECK(exposed_width(2, 1, 1, pi / 6) < 0);
-        // a side that its neighbours just hide: they meet at its plane
-        CHECK(std::abs(exposed_width(1, std::cos(pi / 6), std::cos(pi / 6), pi / 6)) < 1e-14);
+        Uneven box(1, 0, true, 1, 4);
+        box.radius = {2, 3, 1, 5}; // (2 + 1) x (3 + 5)
+        CHECK(box.surface().exposed_width(0, 0, 0) == doctest::Approx(8).epsilon(1e-12));
+        CHECK(box.surface().exposed_width(0, 0, 3) == doctest::Approx(3).epsilon(1e-12));
+        CHECK(ring_area(box.membrane, box.radius.data(), 0) == doctest::Approx(24).epsilon(1e-12));
+        Uneven hidden(1, 0, true, 1);
+        hidden.radius[5] = 0.3;
+        CHECK(hidden.surface().exposed_width(0, 0, 5) < 0);
+        // neighbours that just hide a side meet at its plane
+        hidden.radius[5] = 0.15 / std::cos(pi / 6);
+        CHECK(std::abs(hidden.surface().exposed_width(0, 0, 5)) < 1e-14);
     }
 
-    TEST_CASE("the polygon's area is exact for regular polygons and for rectangles") {
-        for (const std::size_t n : {3u, 8u, 12u}) {
-            const std::vector<double> radius(n, 0.15);
-            const double angle = pi / static_cast<double>(n);
-            CHECK(polygon_area(radius) == doctest::Approx(static_cast<double>(n) * 0.15 * 0.15 * std::tan(angle)).epsilon(1e-12));
-        }
-        const std::vector<double> rectangle{2, 3, 1, 5}; // (2 + 1) x (3 + 5)
-        CHECK(polygon_area(rectangle) == doctest::Approx(24).epsilon(1e-12));
-    }
-
-    TEST_CASE("the polygon's area follows from its corners whatever the radii") {
-        Random random(31, 0);
-        for (int run = 0; run < 20; ++run) {
-            const std::size_t n = 12;
-            const double angle = 2 * pi / n;
-            std::vector<double> radius(n);
-            for (double& r : radius) r = random.uniform(0.97, 1.03);
-            const auto direction = [&](std::size_t k) { return Vec3(std::cos(angle * static_cast<double>(k)), std::sin(angle * static_cast<double>(k)), 0); };
-            std::vector<Vec3> corner(n); // where side k meets side k + 1
-            for (std::size_t k = 0; k < n; ++k) {
-                const Vec3 a = direction(k), b = direction(k + 1);
-                const double det = a.x() * b.y() - a.y() * b.x(), ra = radius[k], rb = radius[(k + 1) % n];
+    TEST_CASE("a ring's area follows from the corners of its polygon whatever the radii") {
+        for (std::uint64_t run = 0; run < 20; ++run) {
+            const Uneven uneven(1, 0.03, false, 100 + run);
+            std::vector<Vec3> corner(12); // where side k meets side k + 1
+            for (std::size_t k = 0; k < 12; ++k) {
+                const Vec3 &a = uneven.membrane.outward[k], &b = uneven.membrane.outward[(k + 1) % 12];
+                const double det = a.x() * b.y() - a.y() * b.x(), ra = uneven.radius[k], rb = uneven.radius[(k + 1) % 12];
                 corner[k] = Vec3(ra * b.y() - rb * a.y(), rb * a.x() - ra * b.x(), 0) / det;
             }
             double shoelace = 0;
-            for (std::size_t k = 0; k < n; ++k) shoelace += 0.5 * corner[k].cross(corner[(k + 1) % n]).z();
-            CHECK(polygon_area(radius) == doctest::Approx(shoelace).epsilon(1e-12));
+            for (std::size_t k = 0; k < 12; ++k) shoelace += 0.5 * corner[k].cross(corner[(k + 1) % 12]).z();
+            CHECK(ring_area(uneven.membrane, uneven.radius.data(), 0) == doctest::Approx(shoelace).epsilon(1e-12));
         }
     }
 
