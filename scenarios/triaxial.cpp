@@ -91,7 +91,7 @@ Scene make_scene(const Triaxial& t, const Common& common) {
     const double solids = s.sample.solid_volume + sensor_rocks * s.smart_rock.volume;
     s.specimen.radius = radius_for(solids, t.initial_porosity, s.specimen.sectors);
     s.specimen.height = 4 * s.specimen.radius;
-    s.poses = smart_rock_poses(s.specimen, s.smart_rock.bounding_radius);
+    s.poses = smart_rock_poses({s.specimen.radius, s.specimen.height, s.smart_rock.bounding_radius}, common.seed);
     return s;
 }
 

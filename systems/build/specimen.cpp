@@ -10,7 +10,7 @@ namespace bris {
 
 namespace {
 
-constexpr std::uint64_t orientation_stream = 1001;
+constexpr std::uint64_t orientation_stream = 1002;
 
 void add_platens(World& world, const SpecimenSettings& s, Specimen& specimen) {
     specimen.bottom = add_boundary(world, Vec3::Zero(), specimen.platen_material, Motion::fixed, s.radius);
@@ -22,27 +22,6 @@ void add_platens(World& world, const SpecimenSettings& s, Specimen& specimen) {
 }
 
 } // namespace
-
-std::vector<SmartRockPose> smart_rock_poses(const SpecimenSettings& s, double bounding_radius) {
-    std::vector<SmartRockPose> poses;
-    Random random(s.seed, orientation_stream);
-    const double beside = s.radius - 1.02 * bounding_radius;
-    // a rock fills its bounding sphere along its longest axis only
-    require(beside >= 1.8 * bounding_radius,
-            "specimen: expected room for two sensor rocks beside each other, found a radius of " +
-                std::to_string(s.radius) + " m for rocks of " + std::to_string(bounding_radius) + " m; try more bodies");
-    const auto put = [&](double height, unsigned around) {
-        poses.push_back({{0, 0, height * s.height}, random.rotation()});
-        for (unsigned k = 0; k < around; ++k) {
-            const double angle = 2 * pi * k / 3;
-            poses.push_back({{beside * std::cos(angle), beside * std::sin(angle), height * s.height}, random.rotation()});
-        }
-    };
-    put(0.25, 1);
-    put(0.5, 3);
-    put(0.75, 3);
-    return poses;
-}
 
 double radius_for(double solid_volume, double porosity, unsigned sectors) {
     // polygon area n tan(pi/n) R^2, height 4 R
@@ -70,7 +49,7 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
                                                  pose.position.cwiseProduct(Vec3(1, 1, s.looseness)),
                                                  pose.orientation, specimen.rock_material, Motion::prescribed));
     specimen.scale.assign(poses.size(), 1.0);
-    Random random(s.seed, orientation_stream + 1);
+    Random random(s.seed, orientation_stream);
     for (const RockChoice& choice : rocks) {
         specimen.scale.push_back(choice.sieve / clumps[choice.clump].sieve);
         const Clump clump = scaled(clumps[choice.clump], specimen.scale.back());

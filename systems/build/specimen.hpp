@@ -3,6 +3,7 @@
 #include "components/clump.hpp"
 #include "engine/world.hpp"
 #include "systems/build/grading.hpp"
+#include "systems/build/sensor_rocks.hpp"
 
 #include <vector>
 
@@ -23,12 +24,6 @@ struct SpecimenSettings {
     std::uint64_t seed = 1;
 };
 
-/// A sensor rock's place and attitude before the test.
-struct SmartRockPose {
-    Vec3 position;
-    Quat orientation;
-};
-
 /// Which bodies are what.
 struct Specimen {
     static constexpr auto name = "specimen";
@@ -41,11 +36,6 @@ struct Specimen {
     std::vector<Clump> clumps;  ///< the library; a body's ShapeOf is its place here
     std::vector<double> scale;  ///< of each body id, from the library's size to full size
 };
-
-/// Ten sensor rocks at the interfaces of four lifts (inventory T4): at a quarter of the height one in
-/// the centre and one beside the membrane; at the half and three quarters one in the centre and
-/// three beside the membrane at 120 degrees. Orientations are drawn from the seed.
-std::vector<SmartRockPose> smart_rock_poses(const SpecimenSettings& settings, double bounding_radius);
 
 /// Radius (m) of a specimen twice as high as wide that holds this volume of solids (m3) at the given
 /// porosity, measured in the polygon.

@@ -1,0 +1,66 @@
+#include "systems/build/sensor_rocks.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/random.hpp"
+
+#include <fmt/format.h>
+
+#include <array>
+
+namespace bris {
+
+namespace {
+
+constexpr std::uint64_t orientation_stream = 1001;
+
+} // namespace
+
+std::vector<SmartRockPose> smart_rock_poses(const SensorRoom& room, std::uint64_t seed) {
+    std::vector<SmartRockPose> poses;
+    Random random(seed, orientation_stream);
+    const double beside = room.radius - 1.02 * room.bounding_radius;
+    // a rock fills its bounding sphere along its longest axis only
+    require(beside >= 1.8 * room.bounding_radius,
+            fmt::format("specimen: expected room for two sensor rocks beside each other, found a radius of {:g} m for "
+                        "rocks of {:g} m; try more bodies", room.radius, room.bounding_radius));
+    const auto put = [&](double height, unsigned around) {
+        poses.push_back({{0, 0, height * room.height}, random.rotation()});
+        for (unsigned k = 0; k < around; ++k) {
+            const double angle = 2 * pi * k / 3;
+            poses.push_back({{beside * std::cos(angle), beside * std::sin(angle), height * room.height}, random.rotation()});
+        }
+    };
+    put(0.25, 1);
+    put(0.5, 3);
+    put(0.75, 3);
+    return poses;
+}
+
+std::vector<SmartRockPose> read_smart_rock_poses(const std::filesystem::path& csv, const SensorRoom& room) {
+    const CsvTable table = read_csv(csv);
+    std::array<std::vector<double>, 7> columns;
+    const std::array<const char*, 7> names{"x_over_radius", "y_over_radius", "z_over_height", "qw", "qx", "qy", "qz"};
+    for (std::size_t c = 0; c < columns.size(); ++c) columns[c] = table.column(names[c]);
+    require(!table.rows.empty(), csv.string() + ": expected a line for each sensor rock, found none");
+    std::vector<SmartRockPose> poses;
+    for (std::size_t r = 0; r < table.rows.size(); ++r) {
+        const auto where = fmt::format("{}:{}: ", csv.string(), table.lines[r]);
+        const Vec3 x(columns[0][r] * room.radius, columns[1][r] * room.radius, columns[2][r] * room.height);
+        const double away = std::hypot(x.x(), x.y());
+        require(away + 0.9 * room.bounding_radius <= room.radius && x.z() > 0 && x.z() < room.height,
+                where + fmt::format("expected a sensor rock inside the mould (radius {:g} m, height {:g} m), found one of "
+                                    "radius {:g} m at ({:g}, {:g}, {:g}) m",
+                                    room.radius, room.height, room.bounding_radius, x.x(), x.y(), x.z()));
+        const Quat q(columns[3][r], columns[4][r], columns[5][r], columns[6][r]);
+        require(std::abs(q.norm() - 1) < 1e-3, where + fmt::format("expected a unit quaternion, found one of length {:g}", q.norm()));
+        for (std::size_t k = 0; k < poses.size(); ++k)
+            require((poses[k].position - x).norm() >= 1.6 * room.bounding_radius,
+                    where + fmt::format("expected sensor rocks clear of each other, found it {:g} m from that of line {}",
+                                        (poses[k].position - x).norm(), table.lines[k]));
+        poses.push_back({x, q.normalized()});
+    }
+    return poses;
+}
+
+} // namespace bris
