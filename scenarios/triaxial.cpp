@@ -49,6 +49,8 @@ struct Triaxial {
         option("initial_porosity", initial_porosity, "", "that sets the size of the mould", within(0.2, 0.7));
         option("compaction_friction", test.compaction_friction, "", "between rocks while the specimen is made", at_least(0));
         option("compaction_pressure", test.compaction_pressure, "Pa", "of the platen while the specimen is made", above(0));
+        option("vibration", test.vibration, "", "speed of a rock while the specimen is made: of its bounding radius in a step", within(1e-6, 1e-3));
+        option("longest_compaction", test.longest_compaction, "", "steps, beyond which the porosity is not reached", at_least(1));
         option("servo_per_element", specimen.per_element, "", "each membrane element on its own, else each ring");
         option.group("material");
         option("density", specimen.density, "kg/m3", "of the rocks", above(0));

@@ -122,7 +122,7 @@ std::string TriaxialTest::description() const {
     const std::string where = fmt::format("{:.0f} kPa, ", settings_.confining_pressure / 1e3);
     switch (s.phase) {
     case TriaxialPhase::fill: return where + fmt::format("filling lift {} of {}", s.lift + 1, settings_.lifts);
-    case TriaxialPhase::compact: return where + "compacting";
+    case TriaxialPhase::compact: return where + fmt::format("compacting, core porosity {:.3f}", s.prepared_porosity);
     case TriaxialPhase::consolidate: return where + "consolidating";
     case TriaxialPhase::shear:
         return where + fmt::format("axial strain {:.2f} %, q {:.0f} kPa, step {}",

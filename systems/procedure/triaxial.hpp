@@ -12,17 +12,19 @@ struct TriaxialSettings {
     double confining_pressure = 55e3;
     double stage_strain = 1e-4;
     double final_axial_strain = 0.08;
-    double porosity = 0.37;             ///< of the core
+    double porosity = 0.32;             ///< of the core
     double porosity_tolerance = 0.005;
     double friction = 0.7;              ///< real one, from consolidation on
     double compaction_friction = 0.0;
-    double compaction_pressure = 400e3; ///< at which compaction gives up
+    double compaction_pressure = 1e6;   ///< of the top platen on the vibrated rocks
+    double vibration = 2.5e-4;          ///< speed of a rock while compacted: of its bounding radius in a step
     double tolerance = 1e-3;            ///< unbalanced force ratio of an equilibrium
     double pressure_tolerance = 0.01;   ///< of each ring's pressure, relative
-    double damping = 0.7;               ///< local, from compaction on
+    double damping = 0.7;               ///< local, but for compaction
     unsigned lifts = 4;
     unsigned move_steps = 60;           ///< over which the platen moves in a stage
     unsigned longest_stage = 20000;     ///< steps, beyond which an equilibrium has stalled
+    unsigned longest_compaction = 60000; ///< steps, beyond which the porosity is not reached
     double safety = 0.9;                ///< of the stable step in mass scaling
     bool gravity = false;               ///< keep weight during the test
 };
@@ -113,6 +115,7 @@ public:
 private:
     void start_lift();
     void fill();
+    void start_compaction();
     void compact();
     void start_consolidation();
     void consolidate();
