@@ -3,6 +3,7 @@
 
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
@@ -30,6 +31,8 @@ struct Triaxial {
     SpecimenSettings specimen;
     TriaxialSettings test;
     double initial_porosity = 0.37;
+    std::string sensor_shape = "rock_01";
+    std::filesystem::path sensor_poses;
     unsigned frame_stages = 10;
 
     void describe(auto& option) {
@@ -51,6 +54,8 @@ struct Triaxial {
         option("compaction_pressure", test.compaction_pressure, "Pa", "of the platen while the specimen is made", above(0));
         option("vibration", test.vibration, "", "speed of a rock while the specimen is made: of its bounding radius in a step", within(1e-6, 1e-3));
         option("longest_compaction", test.longest_compaction, "", "steps, beyond which the porosity is not reached", at_least(1));
+        option("sensor_shape", sensor_shape, "", "a clump of assets/clumps, as cube");
+        option("sensor_poses", sensor_poses, "", "CSV file of the sensor rocks' poses; without it ten between the lifts");
         option("servo_per_element", specimen.per_element, "", "each membrane element on its own, else each ring");
         option.group("material");
         option("density", specimen.density, "kg/m3", "of the rocks", above(0));
@@ -67,8 +72,6 @@ struct Triaxial {
 
 namespace {
 
-constexpr unsigned sensor_rocks = 10;
-
 /// The specimen's parts; the same for every pressure.
 struct Scene {
     std::vector<Clump> clumps;
@@ -83,17 +86,22 @@ Scene make_scene(const Triaxial& t, const Common& common) {
     const std::filesystem::path assets = BRIS_ASSETS;
     Scene s;
     s.clumps = read_clumps(assets / "clumps");
+    const auto sensor = std::find_if(s.clumps.begin(), s.clumps.end(), [&](const Clump& c) { return c.name == t.sensor_shape; });
+    require(sensor != s.clumps.end(), "--sensor-shape: expected a clump of assets/clumps, found \"" + t.sensor_shape + "\"");
+    s.smart_rock = scaled(*sensor, t.specimen.smartrock_size / sensor->sieve);
     std::erase_if(s.clumps, [](const Clump& c) { return c.name == "cube"; });
     s.grading = read_grading(assets / "gradings" / (t.grading + ".csv"));
-    s.sample = sample_rocks(s.grading, s.clumps, t.bodies - sensor_rocks, common.seed);
+    const std::size_t sensors = t.sensor_poses.empty() ? 10 : read_csv(t.sensor_poses).rows.size();
+    require(sensors < t.bodies, fmt::format("--bodies: expected more than the {} sensor rocks, found {}", sensors, t.bodies));
+    s.sample = sample_rocks(s.grading, s.clumps, t.bodies - sensors, common.seed);
     s.specimen = t.specimen;
     s.specimen.seed = common.seed;
     s.specimen.friction = t.test.friction;
-    s.smart_rock = scaled(s.clumps.front(), s.specimen.smartrock_size / s.clumps.front().sieve);
-    const double solids = s.sample.solid_volume + sensor_rocks * s.smart_rock.volume;
+    const double solids = s.sample.solid_volume + static_cast<double>(sensors) * s.smart_rock.volume;
     s.specimen.radius = radius_for(solids, t.initial_porosity, s.specimen.sectors);
     s.specimen.height = 4 * s.specimen.radius;
-    s.poses = smart_rock_poses({s.specimen.radius, s.specimen.height, s.smart_rock.bounding_radius}, common.seed);
+    const SensorRoom room{s.specimen.radius, s.specimen.height, s.smart_rock.bounding_radius};
+    s.poses = t.sensor_poses.empty() ? smart_rock_poses(room, common.seed) : read_smart_rock_poses(t.sensor_poses, room);
     return s;
 }
 
@@ -123,34 +131,64 @@ std::vector<NamedValue> settings_of(const Common& common, double pressure) {
     return settings;
 }
 
+double seconds_since(std::chrono::steady_clock::time_point began) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+}
+
+constexpr auto specimen_file = "specimen.ckpt.h5", test_file = "triaxial.ckpt.h5";
+
+/// What the tests of a run share.
+struct Shared {
+    const Triaxial& settings;
+    const Common& common;
+    const Scene& scene;
+    Progress& progress;
+    std::mutex files;               ///< HDF5 and gnuplot: one at a time
+    double preparation_wall = 0;    ///< s
+    std::uint64_t preparation_steps = 0;
+};
+
 /// One test at one pressure: runs it and keeps what is to be shown of it.
 class Test {
 public:
-    Test(const Triaxial& t, const Common& common, const Scene& scene, double pressure, std::filesystem::path out,
-         std::mutex& files, unsigned threads)
-        : common_(common), scene_(scene), settings_(t.test), out_(std::move(out)), files_(files),
-          frame_stages_(t.frame_stages), simulation_(make_simulation(scene, threads, common)),
-          test_(simulation_, settings_at(t, pressure)),
-          keeper_({out_ / "triaxial.ckpt.h5", common.scenario, settings_of(common, pressure)}) {
-        settings_.confining_pressure = pressure;
+    Test(Shared& shared, double pressure, std::filesystem::path out, unsigned threads, const char* checkpoint = test_file)
+        : shared_(shared), settings_(settings_at(shared.settings, pressure)), out_(std::move(out)),
+          simulation_(make_simulation(shared.scene, threads, shared.common)), test_(simulation_, settings_),
+          keeper_({out_ / checkpoint, shared.common.scenario, settings_of(shared.common, pressure)}) {
         std::filesystem::create_directories(out_);
     }
 
-    /// Makes the specimen, up to where the pressure begins to matter.
-    void prepare(Progress& progress) {
-        while (test_.state().phase < TriaxialPhase::consolidate) advance(progress, 0);
-    }
-    Archive snapshot() const { return simulation_.snapshot(); }
+    /// Goes on from a state, or from a checkpoint of this test (`may_differ`: settings that did not matter yet).
     void restore(const Archive& state) { simulation_.restore(state); }
+    void resume_from(const std::filesystem::path& file, std::initializer_list<std::string_view> may_differ = {}) {
+        resume(simulation_, file, shared_.common.scenario, settings_of(shared_.common, settings_.confining_pressure), may_differ);
+    }
 
-    void run(Progress& progress, unsigned slot) {
+    /// Makes the specimen, up to where the pressure begins to matter.
+    Archive prepare() {
+        const auto began = std::chrono::steady_clock::now();
+        while (test_.state().phase < TriaxialPhase::consolidate) advance(0);
+        shared_.preparation_wall = seconds_since(began);
+        shared_.preparation_steps = clock().step;
+        keeper_.save(simulation_);
+        return simulation_.snapshot();
+    }
+
+    void run(unsigned slot) {
         const auto began = std::chrono::steady_clock::now();
         const std::uint64_t first_step = clock().step;
-        while (test_.state().phase != TriaxialPhase::done) {
-            advance(progress, slot);
-            record();
+        first_point_ = recorded_ = test_.state().points.size();
+        try {
+            while (test_.state().phase != TriaxialPhase::done) {
+                advance(slot);
+                record();
+            }
+        } catch (...) { // what there is of the curve is not lost
+            const std::lock_guard lock(shared_.files);
+            if (!test_.state().points.empty()) write_curve(out_ / "curve.csv", test_.state().points);
+            throw;
         }
-        wall_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+        wall_ = seconds_since(began);
         steps_ = clock().step - first_step;
         finish();
     }
@@ -162,32 +200,33 @@ public:
 private:
     const Clock& clock() const { return simulation_.world().resource<Clock>(); }
 
-    void advance(Progress& progress, unsigned slot) {
+    void advance(unsigned slot) {
         try {
             test_.advance();
         } catch (const SimulationError& error) {
-            const std::lock_guard lock(files_);
+            const std::lock_guard lock(shared_.files);
             throw SimulationError(fmt::format("{}; state in {}", error.what(), keeper_.save_stopped(simulation_).string()));
         }
-        progress.report(slot, test_.fraction(), test_.description());
-        const std::lock_guard lock(files_);
+        shared_.progress.report(slot, test_.fraction(), test_.description());
+        const std::lock_guard lock(shared_.files);
         keeper_.attend(simulation_);
     }
 
     void record();
     void finish();
+    /// A file of the whole test, or of the part since it was resumed.
+    std::filesystem::path file(const std::string& name, const char* extension) const {
+        return out_ / (first_point_ == 0 ? name + extension : fmt::format("{}_from_stage_{}{}", name, first_point_, extension));
+    }
 
-    const Common& common_;
-    const Scene& scene_;
+    Shared& shared_;
     TriaxialSettings settings_;
     std::filesystem::path out_;
-    std::mutex& files_;
-    unsigned frame_stages_;
     Simulation simulation_;
     TriaxialTest test_;
     std::unique_ptr<FrameWriter> frames_;
     std::vector<View> views_;
-    std::size_t recorded_ = 0; // points
+    std::size_t first_point_ = 0, recorded_ = 0;
     double wall_ = 0;
     std::uint64_t steps_ = 0;
     CheckpointKeeper keeper_;
@@ -199,14 +238,13 @@ void Test::record() {
     recorded_ = points.size();
     const std::size_t stage = points.size() - 1;
     const auto stages = static_cast<std::size_t>(std::llround(settings_.final_axial_strain / settings_.stage_strain));
-    const std::lock_guard lock(files_);
-    if (!frames_) {
-        const std::string name = common_.resume.empty() ? "triaxial" : fmt::format("triaxial_from_stage_{}", stage);
-        frames_ = std::make_unique<FrameWriter>(out_ / (name + ".vtkhdf"), common_.settings);
-    }
-    const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
-    if (stage % frame_stages_ != 0 && !shown) return;
     const World& world = simulation_.world();
+    const std::lock_guard lock(shared_.files);
+    if (stage == 0) write_sensor_drift(out_ / "sensor_rocks.csv", world);
+    if (!frames_)
+        frames_ = std::make_unique<FrameWriter>(file("triaxial", ".vtkhdf"), settings_of(shared_.common, settings_.confining_pressure));
+    const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
+    if (stage % shared_.settings.frame_stages != 0 && !shown) return;
     const BodyFrame frame = frame_of_bodies(world);
     frames_->add(frame);
     if (!shown) return;
@@ -220,11 +258,12 @@ void Test::record() {
 }
 
 void Test::finish() {
-    const std::lock_guard lock(files_);
+    const std::lock_guard lock(shared_.files);
+    keeper_.save(simulation_);
     write_curve(out_ / "curve.csv", test_.state().points);
     frames_.reset();
     draw_curves(out_ / "curves.png", {{name_of(settings_.confining_pressure), &test_.state().points}});
-    draw_picture(out_ / "specimen.png", views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
+    if (!views_.empty()) draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
     summary().write(out_ / "summary.json");
 }
 
@@ -237,16 +276,19 @@ Summary Test::summary() const {
     summary.add("core_porosity_after_compaction", s.prepared_porosity);
     summary.add("global_porosity", s.global_porosity);
     summary.add("height_m", s.height);
-    summary.add("diameter_m", 2 * scene_.specimen.radius);
-    summary.add("diameter_over_largest_rock", 2 * scene_.specimen.radius / scene_.grading.sieves.front().size);
+    summary.add("diameter_m", 2 * shared_.scene.specimen.radius);
+    summary.add("diameter_over_largest_rock", 2 * shared_.scene.specimen.radius / shared_.scene.grading.sieves.front().size);
     summary.add("sensor_rock_drift_m", s.drift);
+    summary.add("sensor_rock_turn_deg", s.turn * 180 / pi);
     summary.add("coordination_number", s.points.back().coordination);
     summary.add("stages", s.stage);
     summary.add("steps", steps_);
     summary.add("wall_time_s", wall_);
     summary.add("time_per_step_s", wall_ / static_cast<double>(std::max<std::uint64_t>(1, steps_)));
+    summary.add("preparation_steps", shared_.preparation_steps);
+    summary.add("preparation_wall_time_s", shared_.preparation_wall);
     summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
-    for (const NamedValue& entry : common_.settings)
+    for (const NamedValue& entry : shared_.common.settings)
         if (entry.key != "confining_pressure_Pa") summary.add(entry); // this test's own stands above
     return summary;
 }
@@ -266,63 +308,106 @@ void print_table(const std::vector<Summary>& results) {
     table.print("triaxial");
 }
 
+void check(const Triaxial& t) {
+    const double stages = t.test.final_axial_strain / t.test.stage_strain;
+    require(stages > 0.999 && std::abs(stages - std::round(stages)) < 1e-6 * stages,
+            fmt::format("--final-axial-strain: expected a multiple of --stage-strain, found {:g} and {:g}",
+                        t.test.final_axial_strain, t.test.stage_strain));
+    std::vector<std::string> names;
+    for (const double pressure : t.confining_pressure) names.push_back(name_of(pressure));
+    std::sort(names.begin(), names.end());
+    const auto twice = std::adjacent_find(names.begin(), names.end());
+    require(twice == names.end(), "--confining-pressure: expected different pressures, found twice " + (twice == names.end() ? "" : *twice));
+}
+
+void print_specimen(const Triaxial& t, const Scene& scene) {
+    fmt::print("{}", describe(scene.sample, sieve_back(scene.sample.rocks, scene.clumps, scene.grading, scene.sample.truncated_fraction)));
+    fmt::print("specimen: {} rocks, diameter {:.1f} mm, height about {:.0f} mm, D/d_max {:.2f}\n", t.bodies,
+               2e3 * scene.specimen.radius, 1e3 * scene.specimen.height,
+               2 * scene.specimen.radius / scene.grading.sieves.front().size);
+}
+
+/// The specimen of all tests: made now, or as far as `checkpoint` has it, from there.
+Archive make_specimen(Shared& shared, const std::filesystem::path& checkpoint) {
+    Test first(shared, shared.settings.confining_pressure.front(), shared.common.out, shared.common.threads, specimen_file);
+    if (!checkpoint.empty()) first.resume_from(checkpoint, {"confining_pressure_Pa"});
+    return first.prepare();
+}
+
+/// What --resume names: nothing, a specimen, one test, or the directory of a run.
+struct Resume {
+    std::filesystem::path specimen, test, directory;
+    Resume(const std::filesystem::path& path, std::size_t tests) {
+        if (std::filesystem::is_directory(path)) {
+            directory = path;
+            if (std::filesystem::exists(path / specimen_file)) specimen = path / specimen_file;
+            require(!specimen.empty(), fmt::format("--resume: expected {} in '{}', found none", specimen_file, path.string()));
+        } else if (path.filename() == specimen_file) {
+            specimen = path;
+        } else if (!path.empty()) {
+            test = path;
+            require(tests == 1, fmt::format("--resume: expected one --confining-pressure for one test's checkpoint, found {}; "
+                                            "a run of several goes on from its directory", tests));
+        }
+    }
+    /// The checkpoint of the test whose results go into a folder of the run; empty: begins with the specimen.
+    std::filesystem::path test_in(const std::filesystem::path& folder) const {
+        if (directory.empty()) return test;
+        const auto file = directory / folder / test_file;
+        return std::filesystem::exists(file) ? file : std::filesystem::path();
+    }
+};
+
+void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& done) {
+    std::vector<Summary> results;
+    std::vector<TestCurve> curves;
+    const auto& pressures = shared.settings.confining_pressure;
+    for (std::size_t k = 0; k < done.size(); ++k) {
+        results.push_back(done[k]->summary());
+        curves.push_back({name_of(pressures[k]), &done[k]->state().points});
+    }
+    print_table(results);
+    if (done.size() == 1) return;
+    draw_curves(shared.common.out / "curves.png", curves);
+    Summary all;
+    for (std::size_t k = 0; k < done.size(); ++k)
+        for (const NamedValue& entry : results[k].entries()) {
+            if (entry.key == "stage_strain") break; // settings from here on
+            NamedValue named = entry;
+            named.key = name_of(pressures[k]) + "_" + entry.key;
+            all.add(named);
+        }
+    all.add(shared.common.settings);
+    all.write(shared.common.out / "summary.json");
+}
+
 void run(const Triaxial& t, const Common& common) {
     const Scene scene = make_scene(t, common);
     if (common.explain) {
         fmt::print("{}", make_simulation(scene, 1, common).schedule().explain());
         return;
     }
-    const double stages = t.test.final_axial_strain / t.test.stage_strain;
-    require(stages > 0.999 && std::abs(stages - std::round(stages)) < 1e-6 * stages,
-            fmt::format("--final-axial-strain: expected a multiple of --stage-strain, found {:g} and {:g}",
-                        t.test.final_axial_strain, t.test.stage_strain));
-    require(common.resume.empty() || t.confining_pressure.size() == 1,
-            "--resume: expected one --confining-pressure, found " + std::to_string(t.confining_pressure.size()));
-    fmt::print("{}", describe(scene.sample, sieve_back(scene.sample.rocks, scene.clumps, scene.grading, scene.sample.truncated_fraction)));
-    fmt::print("specimen: {} rocks, diameter {:.1f} mm, height about {:.0f} mm, D/d_max {:.2f}\n", t.bodies,
-               2e3 * scene.specimen.radius, 1e3 * scene.specimen.height,
-               2 * scene.specimen.radius / scene.grading.sieves.front().size);
+    check(t);
+    print_specimen(t, scene);
     const std::size_t tests = t.confining_pressure.size();
     const unsigned at_once = std::max(1u, std::min<unsigned>(common.threads, static_cast<unsigned>(tests)));
     const unsigned threads = std::max(1u, common.threads / at_once);
     Progress progress(static_cast<unsigned>(tests), common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
-    std::mutex files;
-    Archive prepared;
-    if (common.resume.empty()) { // one specimen for all
-        Test first(t, common, scene, t.confining_pressure.front(), common.out, files, common.threads);
-        first.prepare(progress);
-        prepared = first.snapshot();
-    } else {
-        Simulation any = make_simulation(scene, 1, common);
-        prepared = resume(any, common.resume, common.scenario, settings_of(common, t.confining_pressure.front())).state;
-    }
+    Shared shared{t, common, scene, progress, {}};
+    const Resume from(common.resume, tests);
+    const Archive specimen = from.test.empty() ? make_specimen(shared, from.specimen) : Archive{};
     std::vector<std::unique_ptr<Test>> done(tests);
     run_ensemble(tests, at_once, [&](std::size_t k) {
         const double pressure = t.confining_pressure[k];
-        const auto out = tests == 1 ? common.out : common.out / name_of(pressure);
-        done[k] = std::make_unique<Test>(t, common, scene, pressure, out, files, threads);
-        done[k]->restore(prepared);
-        done[k]->run(progress, static_cast<unsigned>(k));
+        const std::filesystem::path folder = tests == 1 ? "" : name_of(pressure);
+        done[k] = std::make_unique<Test>(shared, pressure, common.out / folder, threads);
+        const auto checkpoint = from.test_in(folder);
+        if (checkpoint.empty()) done[k]->restore(specimen);
+        else done[k]->resume_from(checkpoint);
+        done[k]->run(static_cast<unsigned>(k));
     });
     progress.pause();
-    std::vector<Summary> results;
-    std::vector<TestCurve> curves;
-    for (const auto& test : done) results.push_back(test->summary());
-    for (std::size_t k = 0; k < tests; ++k) curves.push_back({name_of(t.confining_pressure[k]), &done[k]->state().points});
-    print_table(results);
-    if (tests > 1) {
-        draw_curves(common.out / "curves.png", curves);
-        Summary all;
-        for (std::size_t k = 0; k < tests; ++k)
-            for (const NamedValue& entry : results[k].entries()) {
-                NamedValue named = entry;
-                named.key = name_of(t.confining_pressure[k]) + "_" + entry.key;
-                if (entry.key == "stage_strain") break; // settings from here on
-                all.add(named);
-            }
-        all.add(common.settings);
-        all.write(common.out / "summary.json");
-    }
+    write_all(shared, done);
     fmt::print("results in {}\n", common.out.string());
 }
 

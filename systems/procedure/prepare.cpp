@@ -244,6 +244,17 @@ void stop_rocks(World& world) {
 
 } // namespace
 
+std::vector<SensorDrift> sensor_drift(const World& world) {
+    const auto& specimen = world.resource<Specimen>();
+    std::vector<SensorDrift> all;
+    for (std::size_t i = 0; i < specimen.smart_rocks.size(); ++i) {
+        const Row r = row_of_body(world, specimen.smart_rocks[i]);
+        all.push_back({specimen.smart_rocks[i], given_position(world, i), world.column<Bodies, Position>()[r],
+                       world.column<Bodies, Orientation>()[r].angularDistance(specimen.smart_rock_poses[i].orientation)});
+    }
+    return all;
+}
+
 // A lift is grown in place between the lifts below and the top platen, without friction (inventory
 // T8: pouring alone does not reach the porosity).
 void TriaxialTest::start_lift() {
@@ -385,16 +396,14 @@ void TriaxialTest::start_shear() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
     auto& platen = world.resource<Platen>();
-    const auto& specimen = world.resource<Specimen>();
     state.height = platen_height(world);
     state.volume = specimen_volume(world);
     state.global_porosity = 1 - solid_volume(world, {2 * membrane_radius(world), 0, state.height}, 240) / state.volume;
     state.core_porosity = porosity(world, core(world, state.height), 240);
-    double largest = 0;
-    const auto position = world.column<Bodies, Position>();
-    for (std::size_t i = 0; i < specimen.smart_rocks.size(); ++i)
-        largest = std::max(largest, (position[row_of_body(world, specimen.smart_rocks[i])] - given_position(world, i)).norm());
-    state.drift = largest;
+    for (const SensorDrift& d : sensor_drift(world)) {
+        state.drift = std::max(state.drift, (d.now - d.given).norm());
+        state.turn = std::max(state.turn, d.turn);
+    }
     platen.controlled = false;
     platen.speed = 0;
     state.phase = TriaxialPhase::shear;

@@ -17,9 +17,8 @@ namespace bris {
 
 void TriaxialState::save(Archive& archive) const {
     const std::array<std::uint64_t, 4> counts{static_cast<std::uint64_t>(phase), lift, stage, phase_steps};
-    const std::array<double, 6> numbers{height, volume, drift, core_porosity, global_porosity, prepared_porosity};
     archive.put("triaxial/counts", std::span<const std::uint64_t>(counts));
-    archive.put("triaxial/numbers", std::span<const double>(numbers));
+    put_fields(archive, "triaxial/numbers", fields(*this));
     std::vector<double> curve, rings;
     for (TriaxialPoint p : points) {
         p.visit([&](auto&&, auto&&, double value) { curve.push_back(value); });
@@ -31,17 +30,11 @@ void TriaxialState::save(Archive& archive) const {
 
 void TriaxialState::load(const Archive& archive) {
     const auto counts = archive.get<std::uint64_t>("triaxial/counts");
-    const auto n = archive.get<double>("triaxial/numbers");
     phase = static_cast<TriaxialPhase>(counts.at(0));
     lift = counts.at(1);
     stage = counts.at(2);
     phase_steps = counts.at(3);
-    height = n.at(0);
-    volume = n.at(1);
-    drift = n.at(2);
-    core_porosity = n.at(3);
-    global_porosity = n.at(4);
-    prepared_porosity = n.at(5);
+    get_fields(archive, "triaxial/numbers", fields(*this));
     const auto curve = archive.get<double>("triaxial/curve");
     const auto rings = archive.get<double>("triaxial/ring_radius");
     std::size_t numbers = 0;

@@ -4,6 +4,8 @@
 #include "systems/build/specimen.hpp"
 
 #include <string>
+#include <tuple>
+#include <vector>
 
 namespace bris {
 
@@ -89,11 +91,24 @@ struct TriaxialState {
     double drift = 0;                 ///< m, largest of a sensor rock from its given position to the start of shearing
     double core_porosity = 0, global_porosity = 0; ///< at the start of shearing
     double prepared_porosity = 0;     ///< of the core, at the end of compaction
+    double turn = 0;                  ///< rad, largest of a sensor rock, likewise
     std::vector<TriaxialPoint> points; ///< one at the start of shearing, one at the end of each stage
 
+    static auto fields(auto& self) {
+        return std::tie(self.height, self.volume, self.drift, self.turn, self.core_porosity, self.global_porosity,
+                        self.prepared_porosity);
+    }
     void save(Archive& archive) const;
     void load(const Archive& archive);
 };
+
+/// A sensor rock's way from its given pose, in a specimen of the present height, to where it is.
+struct SensorDrift {
+    EntityId body;
+    Vec3 given, now; ///< m
+    double turn;     ///< rad
+};
+std::vector<SensorDrift> sensor_drift(const World& world);
 
 /// Volume (m3) inside the membrane's polygons and the platens.
 double specimen_volume(const World& world);

@@ -128,20 +128,31 @@ void write_curve(const std::filesystem::path& csv, const std::vector<TriaxialPoi
     write_csv(csv, names, rows, {"a line at the start of shearing and at the end of each stage; compression positive"}, 9);
 }
 
+void write_sensor_drift(const std::filesystem::path& csv, const World& world) {
+    std::vector<std::vector<double>> rows;
+    for (const SensorDrift& d : sensor_drift(world))
+        rows.push_back({static_cast<double>(d.body), d.given.x(), d.given.y(), d.given.z(), d.now.x(), d.now.y(), d.now.z(),
+                        (d.now - d.given).norm(), d.turn * 180 / pi});
+    write_csv(csv, {"id", "given_x_m", "given_y_m", "given_z_m", "x_m", "y_m", "z_m", "drift_m", "turn_deg"}, rows,
+              {"sensor rocks at the start of shearing, against the poses they were given"}, 9);
+}
+
 bool draw_curves(const std::filesystem::path& png, const std::vector<TestCurve>& tests) {
     Plot q{"Deviatoric stress", "axial strain (%)", "q (kPa)", {}};
     Plot volume{"Volumetric strain (compression positive)", "axial strain (%)", "volumetric strain (%)", {}};
     Plot rings{"Radial strain of the rings at the end", "radial strain, widening positive (%)", "ring, from below", {}};
-    Plot energy{"Energy since the start of shearing", "axial strain (%)", "J", {}};
+    Plot energy{"Work of the boundaries; dots: stored + friction + damping", "axial strain (%)", "J", {}};
     for (const TestCurve& test : tests) {
         Curve stress{test.label, {}, {}}, strain{test.label, {}, {}}, profile{test.label, {}, {}};
-        Curve work{test.label + " boundary work", {}, {}}, lost{test.label + " stored + friction + damping", {}, {}};
+        Curve work{test.label, {}, {}}, lost{"", {}, {}, Curve::Style::points};
         const TriaxialPoint& first = test.points->front();
         for (const TriaxialPoint& p : *test.points) {
-            for (Curve* c : {&stress, &strain, &work, &lost}) c->x.push_back(100 * p.axial_strain);
+            for (Curve* c : {&stress, &strain, &work}) c->x.push_back(100 * p.axial_strain);
             stress.y.push_back(p.deviatoric_stress / 1e3);
             strain.y.push_back(100 * p.volumetric_strain);
             work.y.push_back(p.boundary_work + p.scaling_work - first.boundary_work - first.scaling_work);
+            if ((&p - &first) % 20 != 0) continue; // dots on the line
+            lost.x.push_back(100 * p.axial_strain);
             lost.y.push_back(p.stored + p.friction_work + p.damping_work - first.stored - first.friction_work -
                              first.damping_work);
         }

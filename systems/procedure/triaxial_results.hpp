@@ -34,6 +34,9 @@ std::vector<NamedValue> describe(const TriaxialProperties& properties);
 /// One line for each point, rings included. Throws OutputError.
 void write_curve(const std::filesystem::path& csv, const std::vector<TriaxialPoint>& points);
 
+/// One line for each sensor rock: its given and its present pose. Throws OutputError.
+void write_sensor_drift(const std::filesystem::path& csv, const World& world);
+
 /// A named curve of one test.
 struct TestCurve {
     std::string label;
