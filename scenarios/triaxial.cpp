@@ -157,6 +157,7 @@ public:
     }
 
     const TriaxialState& state() const { return test_.state(); }
+    std::uint64_t steps_taken() const { return clock().step; }
     Simulation& simulation() { return simulation_; }
     Summary summary() const;
 
@@ -291,8 +292,13 @@ void run(const Triaxial& t, const Common& common) {
     Archive prepared;
     if (common.resume.empty()) { // one specimen for all
         Test first(t, common, scene, t.confining_pressure.front(), common.out, files, common.threads);
+        const auto began = std::chrono::steady_clock::now();
         first.prepare(progress);
         prepared = first.snapshot();
+        const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - began;
+        progress.pause();
+        fmt::print("specimen prepared: core porosity {:.4f} after {} steps, {:.1f} s\n", first.state().prepared_porosity,
+                   first.steps_taken(), wall.count());
     } else {
         Simulation any = make_simulation(scene, 1, common);
         prepared = resume(any, common.resume, common.scenario, settings_of(common, t.confining_pressure.front())).state;
