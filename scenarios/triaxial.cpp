@@ -171,6 +171,9 @@ public:
         shared_.preparation_wall = seconds_since(began);
         shared_.preparation_steps = clock().step;
         keeper_.save(simulation_);
+        shared_.progress.pause();
+        fmt::print("specimen prepared: core porosity {:.4f}, {} steps, {:.1f} s\n", test_.state().prepared_porosity,
+                   shared_.preparation_steps, shared_.preparation_wall);
         return simulation_.snapshot();
     }
 

@@ -26,7 +26,7 @@ struct TriaxialSettings {
     unsigned lifts = 4;
     unsigned move_steps = 60;           ///< over which the platen moves in a stage
     unsigned longest_stage = 20000;     ///< steps, beyond which an equilibrium has stalled
-    unsigned longest_compaction = 60000; ///< steps, beyond which the porosity is not reached
+    unsigned longest_compaction = 150000; ///< steps, beyond which the porosity is not reached
     double safety = 0.9;                ///< of the stable step in mass scaling
     bool gravity = false;               ///< keep weight during the test
 };
