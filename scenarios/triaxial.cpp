@@ -137,6 +137,11 @@ double seconds_since(std::chrono::steady_clock::time_point began) {
 
 constexpr auto specimen_file = "specimen.ckpt.h5", test_file = "triaxial.ckpt.h5";
 
+/// Settings that do not matter yet while a specimen is made: one specimen serves for many tests.
+const std::initializer_list<std::string_view> of_the_test_alone{
+    "confining_pressure_Pa", "stage_strain", "final_axial_strain", "tolerance", "pressure_tolerance",
+    "friction", "gravity", "move_steps", "frame_stages"};
+
 /// What the tests of a run share.
 struct Shared {
     const Triaxial& settings;
@@ -333,7 +338,7 @@ void print_specimen(const Triaxial& t, const Scene& scene) {
 /// The specimen of all tests: made now, or as far as `checkpoint` has it, from there.
 Archive make_specimen(Shared& shared, const std::filesystem::path& checkpoint) {
     Test first(shared, shared.settings.confining_pressure.front(), shared.common.out, shared.common.threads, specimen_file);
-    if (!checkpoint.empty()) first.resume_from(checkpoint, {"confining_pressure_Pa"});
+    if (!checkpoint.empty()) first.resume_from(checkpoint, of_the_test_alone);
     return first.prepare();
 }
 

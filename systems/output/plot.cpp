@@ -55,14 +55,16 @@ std::string style_of(const Curve& curve, std::size_t i) {
 std::string panel(const Plot& plot, std::size_t number) {
     std::string text;
     std::string curves;
+    std::size_t colour = 0; // what is not in the key goes with the curve before it
     for (std::size_t i = 0; i < plot.curves.size(); ++i) {
         const Curve& curve = plot.curves[i];
+        if (i > 0 && !curve.label.empty()) ++colour;
         const std::string block = fmt::format("$curve_{}_{}", number, i);
         if (!append_block(text, block, curve, plot)) continue;
         const std::string title =
             curve.label.empty() ? "notitle" : "title " + gnuplot_quoted(curve.label);
         curves += fmt::format("{}{} using 1:2 {} {}", curves.empty() ? "" : ", ", block,
-                              style_of(curve, i), title);
+                              style_of(curve, colour), title);
     }
     text += fmt::format("set title {} font ',12'\nset xlabel {}\nset ylabel {}\n",
                         gnuplot_quoted(plot.title), gnuplot_quoted(plot.x_label),

@@ -9,7 +9,7 @@ namespace bris {
 /// A line of a plot; points for what was measured elsewhere. NaN leaves a gap.
 struct Curve {
     enum class Style { line, dashed, points };
-    std::string label = ""; ///< empty: not in the key
+    std::string label = ""; ///< empty: not in the key, in the colour of the curve before it
     std::vector<double> x = {};
     std::vector<double> y = {};
     Style style = Style::line;
