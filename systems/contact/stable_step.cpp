@@ -6,7 +6,6 @@
 #include "components/pair.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
-#include "engine/ordering.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -16,7 +15,6 @@ namespace bris {
 namespace {
 
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
-constexpr double least_contacts = 6; // a rock is held by six or more
 
 void add(BodyStiffness& sum, const LawRow& law, const Vec3& arm, const Vec3& normal) {
     sum.translation += std::max(law.kn, law.ks);
@@ -101,70 +99,6 @@ double stable_step_of_first_contact(const World& world) {
         largest = std::max(largest, std::max(kn, ks) / mass[b] + turning / least[b]);
     }
     return largest > 0 ? 2 / std::sqrt(2 * largest) : std::numeric_limits<double>::infinity();
-}
-
-MassScaling scale_masses(World& world, double dt, double safety, bool only_raise) {
-    auto stiffness = body_stiffness(world);
-    Table& bodies = world.table<Bodies>();
-    const auto motion = bodies.column<MotionOf>();
-    const auto mass = bodies.column<Mass>();
-    const auto inertial = bodies.column<InertialMass>();
-    const auto inertia = bodies.column<Inertia>();
-    const auto inertial_inertia = bodies.column<InertialInertia>();
-    const auto velocity = bodies.column<Velocity>();
-    const auto momentum = bodies.column<AngularMomentum>();
-    const auto spin = bodies.column<Spin>();
-    const auto work = bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
-    auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the rows
-    std::erase_if(rows, [&](Row b) { return motion[b] != free_motion; });
-
-    // contacts come at any time: as many of the stiffest kind as hold a rock are always counted
-    double one = 0, true_mass = 0, stiffness_sum = 0;
-    for (const LawRow& law : world.resource<Materials>().pairs) one = std::max({one, law.kn, law.ks});
-    const auto radius = bodies.column<BoundingRadius>();
-    for (const Row b : rows) {
-        BodyStiffness& k = stiffness[b];
-        k.translation = std::max(k.translation, least_contacts * one);
-        k.rotation = std::max(k.rotation, least_contacts * 0.25 * one * radius[b] * radius[b]);
-        stiffness_sum += k.translation;
-        true_mass += mass[b];
-    }
-    MassScaling result;
-    // K/m = K_rotation/I = (safety / dt)^2, from dt = safety * 2 / sqrt(2 (K/m + K_rotation/I))
-    result.dt = dt > 0 ? dt : safety * std::sqrt(true_mass / stiffness_sum);
-    result.smallest_factor = std::numeric_limits<double>::infinity();
-    const double factor = result.dt * result.dt / (safety * safety);
-    for (const Row b : rows) {
-        double m = factor * stiffness[b].translation;
-        double i = factor * stiffness[b].rotation / inertia[b].minCoeff();
-        if (only_raise) {
-            m = std::max(m, inertial[b]);
-            i = std::max(i, inertial_inertia[b].x() / inertia[b].x());
-        }
-        // velocities and angular momenta stay: the kinetic energy does not
-        if (!work.empty()) {
-            const double turning = 0.5 * momentum[b].dot(spin[b]), before = inertial_inertia[b].x() / inertia[b].x();
-            work[b] += 0.5 * (m - inertial[b]) * velocity[b].squaredNorm() + turning * (before / i - 1);
-        }
-        inertial[b] = m;
-        inertial_inertia[b] = i * inertia[b];
-        result.total_mass += m;
-        result.largest_factor = std::max(result.largest_factor, m / mass[b]);
-        result.smallest_factor = std::min(result.smallest_factor, m / mass[b]);
-    }
-    return result;
-}
-
-void unscale_masses(World& world) {
-    Table& bodies = world.table<Bodies>();
-    std::copy_n(bodies.column<Mass>().begin(), bodies.size(), bodies.column<InertialMass>().begin());
-    std::copy_n(bodies.column<Inertia>().begin(), bodies.size(), bodies.column<InertialInertia>().begin());
-    const auto motion = bodies.column<MotionOf>();
-    for (std::size_t b = 0; b < bodies.size(); ++b)
-        if (motion[b] != free_motion) {
-            bodies.column<InertialMass>()[b] = 1;
-            bodies.column<InertialInertia>()[b] = Vec3::Ones();
-        }
 }
 
 } // namespace bris

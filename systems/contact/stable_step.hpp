@@ -24,21 +24,4 @@ double stable_step(const World& world);
 /// steps of a scene in which nothing touches yet.
 double stable_step_of_first_contact(const World& world);
 
-/// What mass scaling did.
-struct MassScaling {
-    double dt = 0;             ///< s
-    double total_mass = 0;     ///< kg, scaled, of free bodies
-    double largest_factor = 0; ///< of scaled to true mass
-    double smallest_factor = 0;
-};
-
-/// Gives every free body the inertial mass and inertia with which the step `dt` is `safety` times its
-/// stable step; for quasi-static runs (equilibria do not depend on mass). A body
-/// counts at least six contacts, for those that may come. With dt = 0 the step is chosen so that the total mass
-/// stays the true one. Scaled masses never shrink if `only_raise`. Weight keeps the true mass.
-MassScaling scale_masses(World& world, double dt, double safety, bool only_raise);
-
-/// Puts the true masses back.
-void unscale_masses(World& world);
-
 } // namespace bris

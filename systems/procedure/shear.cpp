@@ -5,7 +5,7 @@
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
 #include "systems/build/scene.hpp"
-#include "systems/contact/stable_step.hpp"
+#include "systems/contact/mass_scaling.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/procedure/triaxial.hpp"
@@ -120,6 +120,8 @@ TriaxialPoint TriaxialTest::measure_point() const {
     p.unbalanced = q.unbalanced_ratio;
     p.coordination = q.coordination;
     p.stored = q.elastic_energy;
+    if (settings_.gravity)
+        for (const Row r : rows) p.stored -= bodies.column<Mass>()[r] * world.resource<Gravity>().value.dot(bodies.column<Position>()[r]);
     p.kinetic = q.kinetic_energy;
     p.boundary_work = sum_by_id(rows, bodies.column<BoundaryWork>());
     p.friction_work = sum_by_id(rows, bodies.column<FrictionWork>());

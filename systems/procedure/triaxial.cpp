@@ -4,7 +4,7 @@
 #include "components/kinds.hpp"
 #include "components/material.hpp"
 #include "components/settings.hpp"
-#include "systems/contact/stable_step.hpp"
+#include "systems/contact/mass_scaling.hpp"
 #include "systems/output/balance.hpp"
 #include "components/platen.hpp"
 #include "components/membrane.hpp"

@@ -48,7 +48,7 @@ struct TriaxialPoint {
     double coordination = 0;           ///< touching rocks per rock
     double inertial_number = 0;        ///< -, strain rate of the move * mean size * sqrt(density / mean stress), scaled masses
     double boundary_work = 0, friction_work = 0, damping_work = 0, scaling_work = 0; ///< J, since the specimen was begun
-    double stored = 0, kinetic = 0;    ///< J, now
+    double stored = 0, kinetic = 0;    ///< J, now: elastic, and of weight if it acts
     double steps = 0;                  ///< of this stage
     std::vector<double> ring_radius;   ///< m, mean of the ring's elements
 

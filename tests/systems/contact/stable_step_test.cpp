@@ -140,37 +140,4 @@ TEST_SUITE("contact/stable_step") {
             CHECK(stable_step_of_first_contact(sim.world()) >= 0.4 * limit);
         }
     }
-
-    TEST_CASE("scaled masses make the wanted step safe, keep weight, and can be undone") {
-        World world = bed({.grains = Grains::clumps, .bodies = 30});
-        const std::vector<double> weight(world.column<Bodies, Mass>().begin(), world.column<Bodies, Mass>().end());
-        Simulation sim = start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
-        sim.advance(2500);
-        REQUIRE(std::isfinite(stable_step(sim.world())));
-        const double dt = 5e-4, safety = 0.8;
-        const MassScaling done = scale_masses(sim.world(), dt, safety, false);
-        CHECK(done.dt == dt);
-        // dt is `safety` of the stable step of the body that needs it most
-        CHECK(stable_step(sim.world()) >= dt / safety * (1 - 1e-12));
-        for (const EntityId b : {0u, 7u, 29u}) CHECK(of<Mass>(sim, b) == weight[b]);
-        double total = 0;
-        for (EntityId b = 0; b < 30; ++b) total += of<InertialMass>(sim, b);
-        CHECK(done.total_mass == doctest::Approx(total).epsilon(1e-13));
-        unscale_masses(sim.world());
-        for (const EntityId b : {0u, 7u, 29u}) {
-            CHECK(of<InertialMass>(sim, b) == weight[b]);
-            CHECK(of<InertialInertia>(sim, b) == of<Inertia>(sim, b));
-        }
-    }
-
-    TEST_CASE("with the step left open, the scaled masses add up to the true ones") {
-        Simulation sim = start(bed({.grains = Grains::clumps, .bodies = 30}), {.dt = 2e-5, .law = LawName::linear_viscous});
-        sim.advance(2500);
-        double total = 0;
-        for (EntityId b = 0; b < 30; ++b) total += of<Mass>(sim, b);
-        const MassScaling done = scale_masses(sim.world(), 0, 0.8, false);
-        CHECK(done.total_mass == doctest::Approx(total).epsilon(1e-12));
-        CHECK(done.smallest_factor < 1);
-        CHECK(done.largest_factor > 1);
-    }
 }

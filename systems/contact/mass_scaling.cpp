@@ -1,0 +1,73 @@
+#include "systems/contact/mass_scaling.hpp"
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/material.hpp"
+#include "engine/ordering.hpp"
+#include "systems/contact/stable_step.hpp"
+
+#include <algorithm>
+#include <limits>
+
+namespace bris {
+
+namespace {
+
+constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
+constexpr double least_contacts = 6; // a rock is held by six or more
+
+} // namespace
+
+MassScaling scale_masses(World& world, double dt, double safety, bool only_raise) {
+    auto stiffness = body_stiffness(world);
+    Table& bodies = world.table<Bodies>();
+    const auto motion = bodies.column<MotionOf>();
+    const auto mass = bodies.column<Mass>();
+    const auto inertial = bodies.column<InertialMass>();
+    const auto inertia = bodies.column<Inertia>();
+    const auto inertial_inertia = bodies.column<InertialInertia>();
+    const auto velocity = bodies.column<Velocity>();
+    const auto momentum = bodies.column<AngularMomentum>();
+    const auto spin = bodies.column<Spin>();
+    const auto work = bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
+    auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the rows
+    std::erase_if(rows, [&](Row b) { return motion[b] != free_motion; });
+
+    // contacts come at any time: as many of the stiffest kind as hold a rock are always counted
+    double one = 0, true_mass = 0, stiffness_sum = 0;
+    for (const LawRow& law : world.resource<Materials>().pairs) one = std::max({one, law.kn, law.ks});
+    const auto radius = bodies.column<BoundingRadius>();
+    for (const Row b : rows) {
+        BodyStiffness& k = stiffness[b];
+        k.translation = std::max(k.translation, least_contacts * one);
+        k.rotation = std::max(k.rotation, least_contacts * 0.25 * one * radius[b] * radius[b]);
+        stiffness_sum += k.translation;
+        true_mass += mass[b];
+    }
+    MassScaling result;
+    // K/m = K_rotation/I = (safety / dt)^2, from dt = safety * 2 / sqrt(2 (K/m + K_rotation/I))
+    result.dt = dt > 0 ? dt : safety * std::sqrt(true_mass / stiffness_sum);
+    result.smallest_factor = std::numeric_limits<double>::infinity();
+    const double factor = result.dt * result.dt / (safety * safety);
+    for (const Row b : rows) {
+        double m = factor * stiffness[b].translation;
+        double i = factor * stiffness[b].rotation / inertia[b].minCoeff();
+        if (only_raise) {
+            m = std::max(m, inertial[b]);
+            i = std::max(i, inertial_inertia[b].x() / inertia[b].x());
+        }
+        // velocities and spins stay: the kinetic energy does not
+        const double turning = i * inertia[b].x() / inertial_inertia[b].x();
+        if (!work.empty())
+            work[b] += 0.5 * (m - inertial[b]) * velocity[b].squaredNorm() + 0.5 * (turning - 1) * momentum[b].dot(spin[b]);
+        momentum[b] *= turning;
+        inertial[b] = m;
+        inertial_inertia[b] = i * inertia[b];
+        result.total_mass += m;
+        result.largest_factor = std::max(result.largest_factor, m / mass[b]);
+        result.smallest_factor = std::min(result.smallest_factor, m / mass[b]);
+    }
+    return result;
+}
+
+} // namespace bris

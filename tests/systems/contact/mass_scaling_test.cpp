@@ -1,0 +1,62 @@
+#include "systems/contact/mass_scaling.hpp"
+
+#include "systems/contact/stable_step.hpp"
+#include "tests/support.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+using namespace bris::testing;
+
+namespace {
+
+/// Kinetic energy (J) of the velocities and momenta as they are stored, without the half step to now.
+double kinetic(Simulation& sim) {
+    double sum = 0;
+    for (EntityId b = 0; b < 30; ++b)
+        sum += 0.5 * of<InertialMass>(sim, b) * of<Velocity>(sim, b).squaredNorm() + 0.5 * of<AngularMomentum>(sim, b).dot(of<Spin>(sim, b));
+    return sum;
+}
+
+} // namespace
+
+TEST_SUITE("contact/mass_scaling") {
+    TEST_CASE("scaled masses make the wanted step safe, keep weight, and book the energy that they bring") {
+        World world = bed({.grains = Grains::clumps, .bodies = 30});
+        const std::vector<double> weight(world.column<Bodies, Mass>().begin(), world.column<Bodies, Mass>().end());
+        Simulation sim = start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+        sim.world().table<Bodies>().add<ScalingWork>();
+        sim.advance(300); // still falling
+        const double before = kinetic(sim);
+        REQUIRE(std::isfinite(stable_step(sim.world())));
+        const double dt = 5e-4, safety = 0.8;
+        const MassScaling done = scale_masses(sim.world(), dt, safety, false);
+        CHECK(done.dt == dt);
+        // dt is `safety` of the stable step of the body that needs it most
+        CHECK(stable_step(sim.world()) >= dt / safety * (1 - 1e-12));
+        for (const EntityId b : {0u, 7u, 29u}) CHECK(of<Mass>(sim, b) == weight[b]);
+        double total = 0;
+        for (EntityId b = 0; b < 30; ++b) total += of<InertialMass>(sim, b);
+        CHECK(done.total_mass == doctest::Approx(total).epsilon(1e-13));
+        double booked = 0;
+        for (EntityId b = 0; b < 30; ++b) booked += of<ScalingWork>(sim, b);
+        CHECK(kinetic(sim) - before == doctest::Approx(booked).epsilon(1e-9));
+        CHECK(std::abs(booked) > 1e-9);
+        for (const EntityId b : {0u, 7u, 29u}) { // spin is what the new momentum says
+            const Vec3 local = of<Orientation>(sim, b).conjugate() * of<AngularMomentum>(sim, b);
+            CHECK((of<Orientation>(sim, b) * Vec3(local.cwiseQuotient(of<InertialInertia>(sim, b))) - of<Spin>(sim, b)).norm() <
+                  0.1 * of<Spin>(sim, b).norm()); // half a step apart
+        }
+    }
+
+    TEST_CASE("with the step left open, the scaled masses add up to the true ones") {
+        Simulation sim = start(bed({.grains = Grains::clumps, .bodies = 30}), {.dt = 2e-5, .law = LawName::linear_viscous});
+        sim.advance(2500);
+        double total = 0;
+        for (EntityId b = 0; b < 30; ++b) total += of<Mass>(sim, b);
+        const MassScaling done = scale_masses(sim.world(), 0, 0.8, false);
+        CHECK(done.total_mass == doctest::Approx(total).epsilon(1e-12));
+        CHECK(done.smallest_factor < 1);
+        CHECK(done.largest_factor > 1);
+    }
+}
