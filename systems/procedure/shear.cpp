@@ -8,6 +8,7 @@
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/quantities.hpp"
+#include "systems/procedure/specimen_state.hpp"
 #include "systems/procedure/triaxial.hpp"
 #include "systems/output/porosity.hpp"
 #include "systems/output/contacts.hpp"
@@ -71,12 +72,6 @@ double sum_by_id(const std::vector<Row>& rows, std::span<const double> values) {
 }
 
 } // namespace
-
-double specimen_volume(const World& world) {
-    const Row host = world.column<Planes, HostRow>()[world.resource<Platen>().plane];
-    return membrane_volume(world.resource<Membrane>(), world.column<Elements, ElementRadius>().data(),
-                           world.column<Bodies, Position>()[host].z());
-}
 
 TriaxialPoint TriaxialTest::measure_point() const {
     const World& world = simulation_.world();

@@ -102,17 +102,6 @@ struct TriaxialState {
     void load(const Archive& archive);
 };
 
-/// A sensor rock's way from its given pose, in a specimen of the present height, to where it is.
-struct SensorDrift {
-    EntityId body;
-    Vec3 given, now; ///< m
-    double turn;     ///< rad
-};
-std::vector<SensorDrift> sensor_drift(const World& world);
-
-/// Volume (m3) inside the membrane's polygons and the platens.
-double specimen_volume(const World& world);
-
 /// Runs a triaxial test block by block, so that it can be watched, saved and stopped anywhere.
 class TriaxialTest {
 public:

@@ -4,6 +4,7 @@
 #include "engine/math.hpp"
 #include "engine/options.hpp"
 #include "systems/output/plot.hpp"
+#include "systems/procedure/specimen_state.hpp"
 
 #include <algorithm>
 

@@ -1,0 +1,47 @@
+#include "systems/procedure/specimen_state.hpp"
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/material.hpp"
+#include "components/membrane.hpp"
+#include "systems/build/scene.hpp"
+#include "systems/servo/membrane.hpp"
+
+namespace bris {
+
+double membrane_radius(const World& world) { return world.column<Elements, ElementRadius>().front(); }
+
+double platen_height(const World& world) {
+    return world.column<Bodies, Position>()[row_of_body(world, world.resource<Specimen>().top)].z();
+}
+
+double specimen_volume(const World& world) {
+    return membrane_volume(world.resource<Membrane>(), world.column<Elements, ElementRadius>().data(), platen_height(world));
+}
+
+CylinderRegion core(const World& world) {
+    const double wall = membrane_radius(world), top = platen_height(world);
+    return {0.6 * wall, 0.25 * top, 0.75 * top};
+}
+
+void set_friction(World& world, double friction) {
+    auto& materials = world.resource<Materials>();
+    const auto& specimen = world.resource<Specimen>();
+    materials.list[specimen.rock_material].friction = friction;
+    materials.list[specimen.platen_material].friction = friction;
+    materials.mix();
+}
+
+std::vector<SensorDrift> sensor_drift(const World& world) {
+    const auto& specimen = world.resource<Specimen>();
+    const Vec3 scale(1, 1, platen_height(world) / specimen.height);
+    std::vector<SensorDrift> all;
+    for (std::size_t i = 0; i < specimen.smart_rocks.size(); ++i) {
+        const Row r = row_of_body(world, specimen.smart_rocks[i]);
+        all.push_back({specimen.smart_rocks[i], specimen.smart_rock_poses[i].position.cwiseProduct(scale), world.column<Bodies, Position>()[r],
+                       world.column<Bodies, Orientation>()[r].angularDistance(specimen.smart_rock_poses[i].orientation)});
+    }
+    return all;
+}
+
+} // namespace bris

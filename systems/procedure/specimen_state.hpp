@@ -1,0 +1,33 @@
+#pragma once
+
+#include "systems/build/specimen.hpp"
+#include "systems/output/porosity.hpp"
+
+namespace bris {
+
+// What a specimen is like now.
+
+/// Radius (m) of the circle inside the membrane while all its elements stand at one.
+double membrane_radius(const World& world);
+
+/// Height (m) of the top platen.
+double platen_height(const World& world);
+
+/// Volume (m3) inside the membrane and the platens.
+double specimen_volume(const World& world);
+
+/// Where porosity is measured: 0.6 of the radius, the middle half of the height.
+CylinderRegion core(const World& world);
+
+/// Friction of rock on rock and rock on platen.
+void set_friction(World& world, double friction);
+
+/// A sensor rock's way from its given pose, in a specimen of the present height, to where it is.
+struct SensorDrift {
+    EntityId body;
+    Vec3 given, now; ///< m
+    double turn;     ///< rad
+};
+std::vector<SensorDrift> sensor_drift(const World& world);
+
+} // namespace bris
