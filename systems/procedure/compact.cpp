@@ -22,6 +22,7 @@ namespace bris {
 namespace {
 
 constexpr double growth_per_step = 2e-4;         // relative, of exchanged rocks
+constexpr double squeezing_limit = 1e-2;         // overlap, of a rock's bounding radius, at which it waits for room
 constexpr std::uint64_t compaction_block = 50;   // steps between exchanges
 constexpr std::uint64_t porosity_steps = 250;    // between measurements
 constexpr std::uint64_t exchange_steps = 2000;   // with exchanges, then as many without, in which rocks grow full
@@ -138,7 +139,7 @@ void TriaxialTest::compact() {
     const bool wanted = std::abs(state.prepared_porosity + swelling - settings_.porosity) <= 0.5 * settings_.porosity_tolerance;
     const bool exchanging = state.phase_steps / exchange_steps % 2 == 0;
     if (!wanted && exchanging) exchange_rocks(world, state.phase_steps, rocks.size() / 20);
-    const bool full = grow_rocks(world, rocks, 1 + growth_per_step * compaction_block, 1);
+    const bool full = grow_rocks(world, rocks, 1 + growth_per_step * compaction_block, squeezing_limit);
     if (measured && wanted && full) return start_consolidation();
     if (state.phase_steps < settings_.longest_compaction) return;
     throw SimulationError(fmt::format(
