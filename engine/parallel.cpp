@@ -56,11 +56,11 @@ void detail::run_chunks(std::size_t chunks, ChunkBody body, void* context) {
 #else
 
 struct Threads::Arena {
-    // more threads than cores may be asked for, to test that nothing depends on their number
-    explicit Arena(unsigned count)
-        : allowed(tbb::global_control::max_allowed_parallelism, std::max(count, all_cores())),
-          arena(static_cast<int>(count)) {}
-    tbb::global_control allowed;
+    explicit Arena(unsigned count) : arena(static_cast<int>(count)) {
+        // more threads than cores may be asked for, to test that nothing depends on their number; once
+        // for the process, since of several limits the least would hold
+        static const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 4096);
+    }
     tbb::task_arena arena;
 };
 

@@ -91,6 +91,20 @@ TEST_SUITE("physics/membrane") {
         CHECK(push == doctest::Approx(pressure * 0.1 * 8 * 2 * wall * std::tan(pi / 8)).epsilon(1e-6));
     }
 
+    TEST_CASE("a servo wall comes to rest on a spring, and gets no lighter where it loses contact") {
+        for (const double stiffness : {1.0, 0.01}) { // of what the wall has touched before: a soft mode
+            double most = 0, speed = 0, x = 0, held = 1;
+            ServoMotion servo{most, 0.7, 1, 1e-3};
+            for (int k = 0; k < 400; ++k) {
+                if (k == 5) held = 0.2; // contacts that are lost
+                speed = servo.next(speed, 1 - stiffness * 1e4 * x, 1e4 * held);
+                x += speed * 1e-3;
+            }
+            CHECK(most == 1e4);
+            CHECK(x * stiffness * 1e4 == doctest::Approx(1).epsilon(stiffness == 1 ? 1e-9 : 1e-3));
+        }
+    }
+
     TEST_CASE("a membrane that is not active stands still, or goes on at its given speed") {
         World world = make_world(Grains::spheres);
         const auto material = add_material(world, contact_material(1e5));
