@@ -49,6 +49,13 @@ struct Force           : Derived<Vec3> { static constexpr auto name = "force", u
 struct Torque          : Derived<Vec3> { static constexpr auto name = "torque", unit = "N m"; };           // about Position
 struct Travel          : Derived<double> { static constexpr auto name = "travel", unit = "m"; };           // bound, since the last prune
 
+/// What a touching contact reads of a body in one cache line: velocity of its centre, inverse inertial mass
+/// (0 if driven), spin; and the centre itself, from which the velocity of any of its points follows.
+struct alignas(64) MotionRow { double vx, vy, vz, inverse_mass, spin_x, spin_y, spin_z, unused; };
+struct alignas(32) CentreRow { double x, y, z, unused; };
+struct RigidMotion     : Derived<MotionRow> { static constexpr auto name = "rigid_motion", unit = "m/s, 1/kg, rad/s"; };
+struct CentreOf        : Derived<CentreRow> { static constexpr auto name = "centre", unit = "m"; };        // kept only for clumps
+
 /// Where a body's spheres stand: all of them, and the listed ones.
 struct SphereRun { Row first = 0, count = 0, first_listed = 0, listed = 0; };
 struct SpheresOf       : Derived<SphereRun> { static constexpr auto name = "spheres_of", unit = ""; };

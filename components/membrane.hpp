@@ -5,6 +5,7 @@
 #include "engine/entity.hpp"
 #include "engine/math.hpp"
 
+#include <array>
 #include <tuple>
 #include <vector>
 
@@ -27,6 +28,13 @@ struct RefreshedRadius: Derived<double> { static constexpr auto name = "refreshe
 /// upper one of which takes `share` of its radial force.
 struct Foot { double share; Row lower, upper; };
 struct FootOf : Derived<Foot> { static constexpr auto name = "foot", unit = ""; };
+
+/// Radii of the rings around each height, by ring below (from -2 to the number of rings) and sector: what
+/// a contact reads of the membrane. Derived; the lists give it its size.
+struct MembraneBands {
+    static constexpr auto name = "membrane_bands";
+    std::vector<std::array<double, 4>> radii;
+};
 
 /// What a servo-driven membrane is made of and aims at. Groups of elements (rings, or single ones)
 /// share one speed.

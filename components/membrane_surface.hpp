@@ -1,11 +1,51 @@
 #pragma once
 
 #include "components/membrane.hpp"
+#include "engine/lanes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 namespace bris {
+
+/// The point of a band nearest to a centre, for one (double) or lane_count of them (Lane).
+template <class Number> struct NearestOnBand {
+    Number distance;      ///< m, from the surface to the centre; negative behind it
+    Number radial, axial; ///< unit normal towards the grains
+    Number strip, share;  ///< on the strip from ring `here` + strip to the next, -1 to 1, that part of the way
+};
+
+/// Searches the strips between four rings one above the other, of the radii `radius`, for a centre at
+/// `out` (m, along the sector's outward direction), `up` above the middle of the second, ring `here`.
+template <class Number>
+NearestOnBand<Number> nearest_on_band(Number out, Number up, const std::array<Number, 4>& radius, double ring_height) {
+    using bris::sqrt, std::sqrt;
+    const Number none{}, one = none + 1.0;
+    Number best = none + std::numeric_limits<double>::infinity(), foot_out = none, foot_up = none;
+    NearestOnBand<Number> n{};
+    for (int k = 0; k < 3; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        const Number from = radius[i], slope = radius[i + 1] - from, above = up - (k - 1) * ring_height;
+        const Number along = ((out - from) * slope + above * ring_height) / (slope * slope + ring_height * ring_height);
+        const Number low = along > none ? along : none, share = low < one ? low : one;
+        const Number a = out - from - share * slope, b = above - share * ring_height, squared = a * a + b * b;
+        const auto nearer = squared < best;
+        best = nearer ? squared : best;
+        foot_out = nearer ? a : foot_out;
+        foot_up = nearer ? b : foot_up;
+        n.share = nearer ? share : n.share;
+        n.strip = nearer ? none + (k - 1.0) : n.strip;
+    }
+    const Number distance = sqrt(best), t = up * (1 / ring_height);
+    const auto inside = out < (one - t) * radius[1] + t * radius[2];
+    const Number side = inside ? one : -one, inverse = side / (distance > 1e-300 ? distance : none + 1e-300);
+    n.distance = side * distance;
+    n.radial = foot_out * inverse;
+    n.axial = foot_up * inverse;
+    return n;
+}
 
 /// The inner surface of a membrane. In each sector it is a band of plane strips, from the middle of
 /// one ring to the middle of the next, upright below the first and above the last: rings of different
@@ -55,33 +95,19 @@ struct MembraneSurface {
     /// nearer than a ring's height.
     Nearest nearest(int sector, double out, double z) const {
         const int here = ring_below(z);
-        double best = 0, foot_out = 0, foot_z = 0;
-        Nearest n{};
-        for (int ring = here - 1; ring <= here + 1; ++ring) {
-            const double from = radius_at(ring, sector), slope = radius_at(ring + 1, sector) - from;
-            const double up = z - middle(ring);
-            const double along = ((out - from) * slope + up * ring_height) / (slope * slope + ring_height * ring_height);
-            const double share = std::clamp(along, 0.0, 1.0);
-            const double a = out - from - share * slope, b = up - share * ring_height, squared = a * a + b * b;
-            if (ring > here - 1 && squared >= best) continue;
-            best = squared;
-            foot_out = a;
-            foot_z = b;
-            n.foot = {share, element(ring, sector), element(ring + 1, sector)};
-        }
-        const double t = (z - middle(here)) / ring_height;
-        const bool inside = out < (1 - t) * radius_at(here, sector) + t * radius_at(here + 1, sector);
-        const double distance = std::sqrt(best), inverse = (inside ? 1 : -1) / std::max(distance, 1e-300);
-        n.distance = inside ? distance : -distance;
-        n.radial = foot_out * inverse;
-        n.axial = foot_z * inverse;
-        return n;
+        const auto n = nearest_on_band<double>(out, z - middle(here), radii_around(here, sector), ring_height);
+        return {n.distance, n.radial, n.axial, foot(here + static_cast<int>(n.strip), sector, n.share)};
+    }
+    /// On the strip from a ring to the next, `share` of the way.
+    Foot foot(int ring, int sector, double share) const { return {share, element(ring, sector), element(ring + 1, sector)}; }
+    /// Of the ring below, ring `here` and the two rings above it.
+    std::array<double, 4> radii_around(int here, int sector) const {
+        return {radius_at(here - 1, sector), radius_at(here, sector), radius_at(here + 1, sector), radius_at(here + 2, sector)};
     }
     /// No point of the band within a ring's height of z is nearer to the axis.
     double least_radius(int sector, double z) const {
         const int here = ring_below(z);
-        return std::min(std::min(radius_at(here - 1, sector), radius_at(here, sector)),
-                        std::min(radius_at(here + 1, sector), radius_at(here + 2, sector)));
+        return std::ranges::min(radii_around(here, sector));
     }
 };
 

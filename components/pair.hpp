@@ -55,6 +55,7 @@ template <class Pairs> struct NearIndex {
     std::vector<Row> owned_first;    ///< bodies + 1
     std::vector<Row> incident_first; ///< bodies + 1
     std::vector<Row> incident;
+    bool centred = false;            ///< every sphere stands in the centre of its body: single spheres
     std::vector<std::uint8_t> touching; ///< bit k of byte g: near row group * g + k
     std::vector<Row> too_deep;          ///< per chunk, a near row beyond the overlap limit, or no_row
 

@@ -39,6 +39,14 @@ inline Lane sqrt(Lane a) {
     return a;
 #endif
 }
+inline Lane floor(Lane a) {
+#ifdef __AVX512F__
+    return _mm512_maskz_roundscale_pd(0xff, a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
+#else
+    for (int k = 0; k < lane_count; ++k) a[k] = std::floor(a[k]);
+    return a;
+#endif
+}
 inline Lane min(Lane a, Lane b) { return a < b ? a : b; }
 inline Lane max(Lane a, Lane b) { return a > b ? a : b; }
 
@@ -121,6 +129,15 @@ template <class RowOf> FourLanes load_rows(RowOf&& row_of) {
 #endif
     }
     return rows;
+}
+
+/// The same four numbers for each of the rows that load_rows lays side by side.
+inline Lane in_each_row(Quad a) {
+#ifdef __AVX512F__
+    return detail::join(a, a);
+#else
+    return a;
+#endif
 }
 
 /// 4x4 transposes inside the lanes: rows to columns and columns to rows.

@@ -3,7 +3,6 @@
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/collide.hpp"
 #include "systems/contact/gather.hpp"
-#include "systems/contact/ledger.hpp"
 #include "systems/guard.hpp"
 #include "systems/integration/motion.hpp"
 #include "systems/servo/membrane.hpp"
@@ -13,6 +12,10 @@ namespace bris {
 
 namespace {
 
+template <class Pairs> System gather_of(const char* name, bool ledger) {
+    return required(ledger ? row_local(name, gather_and_book<Pairs>) : row_local(name, gather<Pairs>));
+}
+
 template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
     const auto due = lists_are_due;
     return {
@@ -21,7 +24,6 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         when(due, system("prune_pairs", prune_pairs)),
         when(due, row_local("place_spheres again", place_spheres<time>)),
         when(due, row_local("place again", place<time>)),
-        when(due, row_local("place_turns again", place_turns<time>)),
         when(due, system("place_planes again", place_planes)),
         when(due, system("place_facets again", place_facets)),
         // forces of pairs
@@ -32,13 +34,10 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         // forces on bodies, and their motion: one pass over the rows
         row_local("clear_forces", clear_forces),
         row_local("weigh", weigh),
-        row_local("gather_spheres", gather<SpherePairs>),
-        row_local("gather_facets", gather<FacetPairs>),
-        row_local("gather_planes", gather<PlanePairs>),
+        gather_of<SpherePairs>("gather_spheres", ledger),
+        gather_of<FacetPairs>("gather_facets", ledger),
+        gather_of<PlanePairs>("gather_planes", ledger),
         row_local("gather_membrane", gather<MembranePairs>),
-        row_local("book_friction", book_friction<SpherePairs>),
-        row_local("book_facet_friction", book_friction<FacetPairs>),
-        row_local("book_plane_friction", book_friction<PlanePairs>),
         row_local("book_boundary_work", book_boundary_work),
         required(ledger ? row_local("damp_and_book", damp_and_book) : row_local("damp", damp)),
         row_local("integrate", integrate),
@@ -46,7 +45,6 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         row_local("turn", turn),
         row_local("place_spheres", place_spheres<time>),
         row_local("place", place<time>),
-        row_local("place_turns", place_turns<time>),
         row_local("measure_travel", measure_travel),
         row_local("measure_travel_and_turn", measure_travel_and_turn),
         // boundaries

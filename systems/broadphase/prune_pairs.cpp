@@ -1,5 +1,6 @@
 #include "components/boundary.hpp"
 #include "engine/errors.hpp"
+#include "engine/lanes.hpp"
 #include "systems/broadphase/chunk_lists.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "components/membrane_surface.hpp"
@@ -10,9 +11,9 @@ namespace bris {
 
 namespace {
 
-// pairs of one kind whose gap is below the inner skin, body by body; springs of the others are let go
-template <class Pairs, class Gap>
-void make_short_list(World& world, double skin, Gap&& gap) {
+// pairs of one kind within the inner skin, body by body; springs of the others are let go. `near_bits`
+// says by bits which of up to lane_count candidates are
+template <class Pairs, class Near> void list_near(World& world, Near&& near_bits) {
     Table& pairs = world.table<Pairs>();
     const auto rows = pairs.column<PairRows>();
     const auto& candidates = world.resource<detail::Candidates<Pairs>>().first;
@@ -20,11 +21,14 @@ void make_short_list(World& world, double skin, Gap&& gap) {
     auto& index = world.resource<NearIndex<Pairs>>();
     detail::ChunkLists<NearEntry> found;
     found.collect(candidates.size() - 1, index.owned_first, [&](std::vector<NearEntry>& list, Row b) {
-        for (Row p = candidates[b]; p < candidates[b + 1]; ++p) {
-            if (gap(rows[p]) < skin)
+        for (Row first = candidates[b], last = candidates[b + 1]; first < last; first += lane_count) {
+            const unsigned count = std::min<unsigned>(lane_count, last - first), now = near_bits(&rows[first], count);
+            for (Row p = first; spring != nullptr && p < first + count; ++p)
+                if (((now >> (p - first)) & 1) == 0 && Spring::keep(spring[p])) spring[p] = {};
+            for (unsigned rest = now; rest != 0; rest &= rest - 1) {
+                const Row p = first + static_cast<Row>(__builtin_ctz(rest));
                 list.push_back({rows[p].sphere, rows[p].other, p, rows[p].law});
-            else if (spring != nullptr)
-                spring[p] = {};
+            }
         }
     });
     Table& near = world.table<typename Pairs::Near>();
@@ -37,7 +41,35 @@ void make_short_list(World& world, double skin, Gap&& gap) {
     index.touching.assign((count + index.group - 1) / index.group, index.group == 1 ? 1 : 0xff);
     if (index.group > 1 && count % index.group != 0)
         index.touching.back() = static_cast<std::uint8_t>((1u << (count % index.group)) - 1);
+    index.centred = world.table<Bodies>().has<SphereInertia>();
     index.too_deep.assign((count + 1023) / 1024, no_row);
+}
+
+template <class Pairs, class Gap> void make_short_list(World& world, double skin, Gap&& gap) {
+    list_near<Pairs>(world, [&](const PairPlaces* rows, unsigned count) {
+        unsigned now = 0;
+        for (unsigned k = 0; k < count; ++k) now |= (gap(rows[k]) < skin ? 1u : 0u) << k;
+        return now;
+    });
+}
+
+// of spheres: the one list that is long enough for lanes
+void list_near_spheres(World& world, double skin, const std::vector<Vec3>& centre) {
+    const auto ball = world.column<Spheres, LocalBall>();
+    std::vector<PlaceRow> place(centre.size());
+    for (std::size_t k = 0; k < place.size(); ++k) place[k] = {centre[k].x(), centre[k].y(), centre[k].z(), ball[k].radius};
+    const Lane sign = in_each_row(Quad{-1, -1, -1, 1}), reach = in_each_row(Quad{0, 0, 0, skin});
+    list_near<SpherePairs>(world, [&](const PairPlaces* rows, unsigned count) {
+        const auto row = [&](int q) -> const PairPlaces& { return rows[std::min(static_cast<unsigned>(q), count - 1)]; };
+        const auto own = load_rows([&](int q) { return &place[row(q).sphere].x; });
+        const auto other = load_rows([&](int q) { return &place[row(q).other].x; });
+        FourLanes squares;
+        for (std::size_t q = 0; q < 4; ++q) {
+            const Lane d = own[q] + sign * other[q] + reach;
+            squares[q] = d * d * -sign;
+        }
+        return bits(row_sums(squares) < 0.0) & ((1u << count) - 1);
+    });
 }
 
 // who is a partner in which near rows; owners come by row, so each list is put in order of their ids
@@ -86,12 +118,16 @@ void list_spheres(World& world) {
     Table& listed = world.table<Listed>();
     listed.resize(static_cast<std::size_t>(std::count(slot.begin(), slot.end(), Row{0})));
     const auto listed_ball = listed.column<ListedBall>();
+    const auto listed_body = listed.column<ListedBody>();
+    const auto runs = world.column<Bodies, SpheresOf>();
     Row next = 0;
-    for (SphereRun& run : world.column<Bodies, SpheresOf>()) {
+    for (Row b = 0; b < runs.size(); ++b) {
+        SphereRun& run = runs[b];
         run.first_listed = next;
         for (Row k = run.first; k < run.first + run.count; ++k)
             if (slot[k] == 0) {
                 listed_ball[next] = ball[k];
+                listed_body[next] = b;
                 slot[k] = next++;
             }
         run.listed = next - run.first_listed;
@@ -127,9 +163,7 @@ void prune_pairs(World& world) {
     Table& bodies = world.table<Bodies>();
     const auto centre = detail::sphere_centres(world);
     const auto ball = world.column<Spheres, LocalBall>();
-    make_short_list<SpherePairs>(world, skin, [&](const PairPlaces& p) {
-        return (centre[p.sphere] - centre[p.other]).norm() - ball[p.sphere].radius - ball[p.other].radius;
-    });
+    list_near_spheres(world, skin, centre);
     make_incidence<SpherePairs>(world);
     const auto position = bodies.column<Position>();
     if (world.has<PlanePairs>()) {
@@ -166,9 +200,13 @@ void prune_pairs(World& world) {
         make_short_list<MembranePairs>(world, skin, [&](const PairPlaces& p) {
             const Vec3& x = centre[p.sphere];
             const double out = x.dot(membrane.outward[p.other]);
-            return surface.nearest(static_cast<int>(p.other), out, x.z()).distance - ball[p.sphere].radius;
+            const auto sector = static_cast<int>(p.other);
+            const double reach = ball[p.sphere].radius + skin;
+            if (out + reach <= surface.least_radius(sector, x.z())) return skin; // most, and dearer to know exactly
+            return surface.nearest(sector, out, x.z()).distance - ball[p.sphere].radius;
         });
         make_incidence<MembranePairs>(world);
+        world.resource<MembraneBands>().radii.resize((membrane.rings + 3) * membrane.sectors);
         std::ranges::copy(world.column<Elements, ElementRadius>(), world.column<Elements, PrunedRadius>().begin());
     }
     list_spheres(world);

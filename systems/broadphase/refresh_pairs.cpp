@@ -235,17 +235,20 @@ void add_lists(World& world, bool history, ListSettings settings) {
     bodies.add<RefreshedAt>();
     bodies.add<Force>();
     bodies.add<Torque>();
+    bodies.add<RigidMotion>();
+    bodies.add<CentreOf>();
     world.table<Spheres>().add<ListedSlot>();
     Table& listed = world.table<Listed>();
     listed.add<ListedBall>();
+    listed.add<ListedBody>();
     listed.add<Place>();
-    if (history) listed.add<Turn>();
     add_pair_tables<SpherePairs>(world, history);
     if (world.has<Planes>()) add_pair_tables<PlanePairs>(world, history);
     if (world.has<Facets>()) add_pair_tables<FacetPairs>(world, history);
     if (world.has<Elements>()) {
         add_pair_tables<MembranePairs>(world, false); // without friction
         world.table<NearMembrane>().add<FootOf>();
+        world.add_resource<MembraneBands>();
     }
     world.add_resource(settings);
     world.add_resource<ListState>();

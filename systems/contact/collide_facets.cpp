@@ -19,15 +19,14 @@ using detail::TileTarget;
 constexpr std::size_t facets_per_run = 64; // of one body near one sphere; the prune checks it
 
 struct Surfaces {
-    const PlaceRow* place;
-    const TurnRow* turn;
+    detail::Movers movers;
     const FacetPlaceRow* facets;
     const PairNames* names;
     double deepest;
 };
 
 Nearest nearest(const Surfaces& s, const NearEntry& near) {
-    const PlaceRow& p = s.place[near.owner];
+    const PlaceRow& p = s.movers.place[near.owner];
     const Vec3 centre(p.x, p.y, p.z);
     const FacetPlaceRow& facet = s.facets[near.other];
     Nearest n = detail::nearest_on_mesh_facet(facet, centre);
@@ -39,7 +38,7 @@ Nearest nearest(const Surfaces& s, const NearEntry& near) {
 bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Nearest> run,
                  std::size_t first, std::size_t k) {
     const Nearest& mine = run[k];
-    const double radius = s.place[to.near[first + k].owner].radius, close = 1e-9 * radius;
+    const double radius = s.movers.place[to.near[first + k].owner].radius, close = 1e-9 * radius;
     for (std::size_t j = 0; j < run.size(); ++j) {
         if (j == k || run[j].feature == Feature::none) continue;
         if (run[j].feature == Feature::face) {
@@ -86,7 +85,7 @@ std::uint64_t collide_sphere_with_body(const Surfaces& s, const TileTarget& to, 
     std::array<Nearest, facets_per_run> found;
     for (std::size_t row = first; row < last; ++row) found[row - first] = nearest(s, to.near[row]);
     const std::span<const Nearest> run(found.data(), last - first);
-    const double radius = s.place[to.near[first].owner].radius;
+    const double radius = s.movers.place[to.near[first].owner].radius;
     std::uint64_t touching = 0;
     for (std::size_t k = 0; k < run.size(); ++k) {
         if (run[k].feature == Feature::none) continue;
@@ -106,7 +105,7 @@ std::uint64_t collide_sphere_with_body(const Surfaces& s, const TileTarget& to, 
 template <class Law>
 void collide_chunk(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index,
                    std::size_t chunk, std::size_t first, std::size_t last) {
-    detail::ScalarTile<Law> tile(to, s.place, s.turn);
+    detail::ScalarTile<Law> tile(to, s.movers);
     const std::size_t end = index.size();
     const auto same_run = [&](std::size_t a, std::size_t b) {
         const PairNames &x = s.names[to.near[a].pair], &y = s.names[to.near[b].pair];
@@ -139,11 +138,11 @@ template <class Law> void run_chunks(const Surfaces& s, const TileTarget& to, Ne
 
 template <class Law, class... Ledger>
 void collide(Rows<NearFacets, const NearPair, PairForce, Ledger...> near,
-             Rows<Listed, const Place, const Turn> listed,
+             detail::ListedSpheres listed, detail::MovingBodies bodies,
              Rows<Facets, const FacetPlace> facets,
              Rows<FacetPairs, const PairKey, Spring> pairs, NearIndex<FacetPairs>& index,
              const Materials& materials, const Limits& limits, const Clock& clock) {
-    run_chunks<Law>({listed.column<Place>(), listed.column<Turn>(), facets.column<FacetPlace>(),
+    run_chunks<Law>({{listed, bodies, index}, facets.column<FacetPlace>(),
                      pairs.column<PairKey>(), limits.overlap},
                     {near.template column<NearPair>(), pairs.column<Spring>(), near.template column<PairForce>(), detail::ledger_of(near),
                      materials.pairs.data(), materials.pairs.size() == 1, clock.dt},
@@ -151,12 +150,12 @@ void collide(Rows<NearFacets, const NearPair, PairForce, Ledger...> near,
 }
 
 void collide_frictionless(Rows<NearFacets, const NearPair, PairForce> near,
-                          Rows<Listed, const Place> listed,
+                          detail::ListedSpheres listed, detail::MovingBodies bodies,
                           Rows<Facets, const FacetPlace> facets,
                           Rows<FacetPairs, const PairKey> pairs, NearIndex<FacetPairs>& index,
                           const Materials& materials, const Limits& limits, const Clock& clock) {
     run_chunks<LinearFrictionless>(
-        {listed.column<Place>(), nullptr, facets.column<FacetPlace>(),
+        {{listed, bodies, index}, facets.column<FacetPlace>(),
          pairs.column<PairKey>(), limits.overlap},
         {near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr, materials.pairs.data(),
          materials.pairs.size() == 1, clock.dt},

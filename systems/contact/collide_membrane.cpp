@@ -14,32 +14,84 @@ using detail::TileTarget;
 
 struct Band {
     MembraneSurface surface;
-    const PlaceRow* place;
+    const std::array<double, 4>* radii; // MembraneBands
+    detail::Movers movers;
     const double* speed; // by element
     Foot* foot;          // by near row
     double deepest;
 };
 
+// rings beyond the ends repeat the last: bands end two rings below the first and one above the last
+constexpr int lowest_ring = -2;
+
+void lay_out_bands(const MembraneSurface& surface, MembraneBands& bands) {
+    std::size_t k = 0;
+    for (int here = lowest_ring; here <= surface.rings; ++here)
+        for (int sector = 0; sector < surface.sectors; ++sector) bands.radii[k++] = surface.radii_around(here, sector);
+}
+
+/// Centres of lane_count near rows against the bands of their sectors.
+struct Found {
+    unsigned touching; // bit k: lane k
+    Lane here, radius, outward_x, outward_y;
+    NearestOnBand<Lane> nearest;
+};
+
+Found find_touching(const Band& band, const NearEntry* near) {
+    const double height = band.surface.ring_height;
+    const auto c = transpose(load_rows([&](int q) { return &band.movers.place[near[q].owner].x; }));
+    Found f;
+    f.radius = c[3];
+    f.here = floor(c[2] * (1 / height) - 0.5);
+    // what is not a number finds some band, and does not touch it
+    const Lane row = min(max(f.here, lanes(lowest_ring)), lanes(band.surface.rings)) - static_cast<double>(lowest_ring);
+    const auto radii = transpose(load_rows([&](int q) {
+        return band.radii[static_cast<int>(row[q]) * band.surface.sectors + static_cast<int>(near[q].other)].data();
+    }));
+    for (int q = 0; q < lane_count; ++q) {
+        f.outward_x[q] = band.surface.outward[near[q].other].x();
+        f.outward_y[q] = band.surface.outward[near[q].other].y();
+    }
+    const Lane out = c[0] * f.outward_x + c[1] * f.outward_y;
+    const Lane least = min(min(radii[0], radii[1]), min(radii[2], radii[3]));
+    f.touching = bits(out + f.radius >= least);
+    if (f.touching == 0) return f;
+    f.nearest = nearest_on_band<Lane>(out, c[2] - (f.here + 0.5) * height, radii, height);
+    f.touching &= bits(f.nearest.distance < f.radius);
+    return f;
+}
+
+template <class Law>
+void add_touching(const Found& f, unsigned touching, const Band& band, const TileTarget& to, Row first,
+                  detail::ScalarTile<Law>& tile, Row& too_deep) {
+    for (; touching != 0; touching &= touching - 1) {
+        const int k = __builtin_ctz(touching);
+        const Row row = first + static_cast<Row>(k);
+        const double distance = f.nearest.distance[k], radial = f.nearest.radial[k];
+        if (f.radius[k] - distance > band.deepest * f.radius[k]) too_deep = row;
+        const Foot foot = band.surface.foot(static_cast<int>(f.here[k] + f.nearest.strip[k]),
+                                            static_cast<int>(to.near[row].other), f.nearest.share[k]);
+        band.foot[row] = foot;
+        const double speed = (1 - foot.share) * band.speed[foot.lower] + foot.share * band.speed[foot.upper];
+        const Vec3 outward(f.outward_x[k], f.outward_y[k], 0);
+        tile.add(row, Vec3(radial * outward.x(), radial * outward.y(), f.nearest.axial[k]), distance, speed * outward);
+    }
+}
+
 template <class Law>
 void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePairs>& index, std::size_t chunk,
                    std::size_t first, std::size_t last) {
-    detail::ScalarTile<Law> tile(to, band.place, nullptr);
+    detail::ScalarTile<Law> tile(to, band.movers);
     for (std::size_t group = first; group < last; group += 8) {
+        const unsigned valid = last - group < 8 ? (1u << (last - group)) - 1 : 0xff;
         unsigned now = 0;
-        for (std::size_t k = group; k < std::min(group + 8, last); ++k) {
-            const auto row = static_cast<Row>(k);
-            const PlaceRow& p = band.place[to.near[row].owner];
-            const auto sector = static_cast<int>(to.near[row].other);
-            const Vec3& outward = band.surface.outward[sector];
-            const double out = p.x * outward.x() + p.y * outward.y();
-            if (out + p.radius < band.surface.least_radius(sector, p.z)) continue;
-            const auto n = band.surface.nearest(sector, out, p.z);
-            if (!(n.distance < p.radius)) continue;
-            now |= 1u << (k - group);
-            if (p.radius - n.distance > band.deepest * p.radius) index.too_deep[chunk] = row;
-            band.foot[row] = n.foot;
-            const double speed = (1 - n.foot.share) * band.speed[n.foot.lower] + n.foot.share * band.speed[n.foot.upper];
-            tile.add(row, Vec3(n.radial * outward.x(), n.radial * outward.y(), n.axial), n.distance, speed * outward);
+        for (unsigned lane = 0; lane < 8; lane += lane_count) {
+            const auto row = static_cast<Row>(group) + lane;
+            const Found found = find_touching(band, to.near + row);
+            const unsigned touching = found.touching & (valid >> lane);
+            if (touching == 0) continue;
+            add_touching(found, touching, band, to, row, tile, index.too_deep[chunk]);
+            now |= touching << lane;
         }
         detail::book(to, index, group, now);
     }
@@ -48,12 +100,15 @@ void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePai
 
 // a membrane has no friction, whatever the law between grains
 template <class Law>
-void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf> near, Rows<Listed, const Place> listed,
-             Rows<Elements, const ElementRadius, const ElementSpeed> elements, NearIndex<MembranePairs>& index,
-             const Membrane& membrane, const Materials& materials, const Limits& limits, const Clock& clock) {
+void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf> near, detail::ListedSpheres listed,
+             detail::MovingBodies bodies, Rows<Elements, const ElementRadius, const ElementSpeed> elements,
+             NearIndex<MembranePairs>& index, MembraneBands& bands, const Membrane& membrane, const Materials& materials,
+             const Limits& limits, const Clock& clock) {
     const TileTarget to{near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr,
                         materials.pairs.data(), materials.pairs.size() == 1, clock.dt};
-    const Band band{{membrane, elements.column<ElementRadius>()}, listed.column<Place>(), elements.column<ElementSpeed>(),
+    const MembraneSurface surface(membrane, elements.column<ElementRadius>());
+    lay_out_bands(surface, bands);
+    const Band band{surface, bands.radii.data(), {listed, bodies, index}, elements.column<ElementSpeed>(),
                     near.column<FootOf>(), limits.overlap};
     for_chunks(index.size(), detail::near_rows_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
         collide_chunk<Law>(to, band, index, chunk, first, last);

@@ -10,17 +10,17 @@ namespace bris {
 
 namespace {
 
+using detail::Movers;
 using detail::TileTarget;
 
 template <class Law>
-void collide_chunk(const TileTarget& to, const PlaceRow* place, const TurnRow* turn,
-                   const PlanePlaceRow* planes, NearIndex<PlanePairs>& index, double deepest,
-                   std::size_t chunk, std::size_t first, std::size_t last) {
-    detail::ScalarTile<Law> tile(to, place, turn);
+void collide_chunk(const TileTarget& to, const Movers& movers, const PlanePlaceRow* planes,
+                   NearIndex<PlanePairs>& index, double deepest, std::size_t chunk, std::size_t first, std::size_t last) {
+    detail::ScalarTile<Law> tile(to, movers);
     for (std::size_t group = first; group < last; group += 8) {
         unsigned now = 0;
         for (std::size_t row = group; row < std::min(group + 8, last); ++row) {
-            const PlaceRow& p = place[to.near[row].owner];
+            const PlaceRow& p = movers.place[to.near[row].owner];
             const PlanePlaceRow& plane = planes[to.near[row].other];
             const double distance = (Vec3(p.x, p.y, p.z) - plane.point).dot(plane.normal);
             if (!(distance < p.radius)) continue;
@@ -34,31 +34,31 @@ void collide_chunk(const TileTarget& to, const PlaceRow* place, const TurnRow* t
 }
 
 template <class Law>
-void run(const TileTarget& to, const PlaceRow* place, const TurnRow* turn, const PlanePlaceRow* planes,
+void run(const TileTarget& to, const Movers& movers, const PlanePlaceRow* planes,
          NearIndex<PlanePairs>& index, const Limits& limits) {
     for_chunks(index.size(), detail::near_rows_per_chunk,
                [&](std::size_t chunk, std::size_t first, std::size_t last) {
-                   collide_chunk<Law>(to, place, turn, planes, index, limits.overlap, chunk, first, last);
+                   collide_chunk<Law>(to, movers, planes, index, limits.overlap, chunk, first, last);
                });
 }
 
 template <class Law, class... Ledger>
 void collide(Rows<NearPlanes, const NearPair, PairForce, Ledger...> near,
-             Rows<Listed, const Place, const Turn> listed, Rows<Planes, const PlanePlace> planes,
+             detail::ListedSpheres listed, detail::MovingBodies bodies, Rows<Planes, const PlanePlace> planes,
              Rows<PlanePairs, Spring> pairs, NearIndex<PlanePairs>& index, const Materials& materials,
              const Limits& limits, const Clock& clock) {
     run<Law>({near.template column<NearPair>(), pairs.column<Spring>(), near.template column<PairForce>(), detail::ledger_of(near),
               materials.pairs.data(), materials.pairs.size() == 1, clock.dt},
-             listed.column<Place>(), listed.column<Turn>(), planes.column<PlanePlace>(), index, limits);
+             {listed, bodies, index}, planes.column<PlanePlace>(), index, limits);
 }
 
 void collide_frictionless(Rows<NearPlanes, const NearPair, PairForce> near,
-                          Rows<Listed, const Place> listed, Rows<Planes, const PlanePlace> planes,
+                          detail::ListedSpheres listed, detail::MovingBodies bodies, Rows<Planes, const PlanePlace> planes,
                           NearIndex<PlanePairs>& index, const Materials& materials,
                           const Limits& limits, const Clock& clock) {
     run<LinearFrictionless>({near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr,
                              materials.pairs.data(), materials.pairs.size() == 1, clock.dt},
-                            listed.column<Place>(), nullptr, planes.column<PlanePlace>(), index, limits);
+                            {listed, bodies, index}, planes.column<PlanePlace>(), index, limits);
 }
 
 } // namespace

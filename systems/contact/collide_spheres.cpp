@@ -9,11 +9,12 @@ namespace bris {
 
 namespace {
 
+using detail::Movers;
 using detail::TileTarget;
 
 // bit k: near pair k of this group of lane_count touches
 unsigned touching_lanes(const NearEntry* near, const PlaceRow* place) {
-    const Lane sign = lane_count == 8 ? Lane{-1, -1, -1, 1, -1, -1, -1, 1} : Lane{-1, -1, -1, 1};
+    const Lane sign = in_each_row(Quad{-1, -1, -1, 1});
     const Lane metric = -sign;
     const auto own = load_rows([&](int q) { return &place[near[q].owner].x; });
     const auto other = load_rows([&](int q) { return &place[near[q].other].x; });
@@ -26,22 +27,38 @@ unsigned touching_lanes(const NearEntry* near, const PlaceRow* place) {
 }
 
 struct Tile {
-    const PlaceRow* place;
-    const TurnRow* turn;
+    Movers movers;
     double deepest; // of the mean radius
 
     template <class Law>
     bool operator()(const TileTarget& to, const Row* rows, int count) const {
-        const auto own_rows = [&](int q) { return to.near[rows[q]].owner; };
-        const auto other_rows = [&](int q) { return to.near[rows[q]].other; };
-        const auto a = transpose(load_rows([&](int q) { return &place[own_rows(q)].x; }));
-        const auto b = transpose(load_rows([&](int q) { return &place[other_rows(q)].x; }));
-        const auto va = load_rows([&](int q) { return &place[own_rows(q)].vx; });
-        const auto vb = load_rows([&](int q) { return &place[other_rows(q)].vx; });
-        const Lane sign = lane_count == 8 ? Lane{-1, -1, -1, 1, -1, -1, -1, 1} : Lane{-1, -1, -1, 1};
-        const auto u = transpose({va[0] + sign * vb[0], va[1] + sign * vb[1], va[2] + sign * vb[2],
-                                  va[3] + sign * vb[3]});
-
+        alignas(64) std::array<Row, lane_count> own, other; // bodies
+        for (std::size_t q = 0; q < lane_count; ++q) {
+            own[q] = movers.body[to.near[rows[q]].owner];
+            other[q] = movers.body[to.near[rows[q]].other];
+        }
+        const auto rows_of = [](const auto* table, const auto& bodies, auto member) {
+            return load_rows([&](int q) { return &(table[bodies[static_cast<std::size_t>(q)]].*member); });
+        };
+        const auto a = transpose(load_rows([&](int q) { return &movers.place[to.near[rows[q]].owner].x; }));
+        const auto b = transpose(load_rows([&](int q) { return &movers.place[to.near[rows[q]].other].x; }));
+        const auto va = rows_of(movers.motion, own, &MotionRow::vx);
+        const auto vb = rows_of(movers.motion, other, &MotionRow::vx);
+        const Lane sign = in_each_row(Quad{-1, -1, -1, 1});
+        auto u = transpose({va[0] + sign * vb[0], va[1] + sign * vb[1], va[2] + sign * vb[2],
+                            va[3] + sign * vb[3]});
+        const auto wa = transpose(rows_of(movers.motion, own, &MotionRow::spin_x));
+        const auto wb = transpose(rows_of(movers.motion, other, &MotionRow::spin_x));
+        if (movers.centre != nullptr) {
+            // from velocities of the bodies to those of the spheres' centres
+            const auto xa = transpose(rows_of(movers.centre, own, &CentreRow::x));
+            const auto xb = transpose(rows_of(movers.centre, other, &CentreRow::x));
+            const Lane ax = a[0] - xa[0], ay = a[1] - xa[1], az = a[2] - xa[2];
+            const Lane bx = b[0] - xb[0], by = b[1] - xb[1], bz = b[2] - xb[2];
+            u[0] += (wa[1] * az - wa[2] * ay) - (wb[1] * bz - wb[2] * by);
+            u[1] += (wa[2] * ax - wa[0] * az) - (wb[2] * bx - wb[0] * bz);
+            u[2] += (wa[0] * ay - wa[1] * ax) - (wb[0] * by - wb[1] * bx);
+        }
         const Lane dx = a[0] - b[0], dy = a[1] - b[1], dz = a[2] - b[2], reach = a[3] + b[3];
         const Lane distance = max(sqrt(dx * dx + dy * dy + dz * dz), lanes(1e-300));
         const Lane inverse = lanes(1) / distance;
@@ -59,8 +76,6 @@ struct Tile {
         c.uz = u[2];
         c.twist = lanes(0);
         if constexpr (Law::has_history) {
-            const auto wa = transpose(load_rows([&](int q) { return &turn[own_rows(q)].x; }));
-            const auto wb = transpose(load_rows([&](int q) { return &turn[other_rows(q)].x; }));
             const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1],
                        wz = arm_a * wa[2] + arm_b * wb[2];
             Lane mx = c.nx, my = c.ny, mz = c.nz;
@@ -96,8 +111,8 @@ void collide_chunk(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs
     alignas(64) std::array<Row, detail::near_rows_per_chunk + 8> touching;
     std::size_t count = 0;
     for (std::size_t group = first; group < last; group += 8) {
-        unsigned now = touching_lanes(to.near + group, tile.place);
-        if constexpr (lane_count == 4) now |= touching_lanes(to.near + group + 4, tile.place) << 4;
+        unsigned now = touching_lanes(to.near + group, tile.movers.place);
+        if constexpr (lane_count == 4) now |= touching_lanes(to.near + group + 4, tile.movers.place) << 4;
         if (last - group < 8) now &= (1u << (last - group)) - 1;
         std::uint8_t& flags = index.touching[group / 8];
         detail::forget(to, static_cast<Row>(group), flags & ~now);
@@ -124,22 +139,19 @@ void run(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs>& index, 
 
 template <class Law, class... Ledger>
 void collide(Rows<NearSpheres, const NearPair, PairForce, Ledger...> near,
-             Rows<Listed, const Place, const Turn> listed, Rows<SpherePairs, Spring> pairs,
-             NearIndex<SpherePairs>& index, const Materials& materials, const Limits& limits,
-             const Clock& clock) {
+             detail::ListedSpheres listed, detail::MovingBodies bodies, Rows<SpherePairs, Spring> pairs,
+             NearIndex<SpherePairs>& index, const Materials& materials, const Limits& limits, const Clock& clock) {
     const TileTarget to{near.template column<NearPair>(), pairs.column<Spring>(), near.template column<PairForce>(), detail::ledger_of(near),
                         materials.pairs.data(),  materials.pairs.size() == 1, clock.dt};
-    run<Law>(to, {listed.column<Place>(), listed.column<Turn>(), limits.overlap}, index,
-             index.size());
+    run<Law>(to, {{listed, bodies, index}, limits.overlap}, index, index.size());
 }
 
 void collide_frictionless(Rows<NearSpheres, const NearPair, PairForce> near,
-                          Rows<Listed, const Place> listed, NearIndex<SpherePairs>& index,
+                          detail::ListedSpheres listed, detail::MovingBodies bodies, NearIndex<SpherePairs>& index,
                           const Materials& materials, const Limits& limits, const Clock& clock) {
     const TileTarget to{near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr,
                         materials.pairs.data(),  materials.pairs.size() == 1, clock.dt};
-    run<LinearFrictionless>(to, {listed.column<Place>(), nullptr, limits.overlap}, index,
-                            index.size());
+    run<LinearFrictionless>(to, {{listed, bodies, index}, limits.overlap}, index, index.size());
 }
 
 } // namespace

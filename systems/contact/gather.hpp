@@ -32,6 +32,28 @@ private:
     Quad centre_, force_{}, turned_torque_{};
 };
 
+/// Sums the records of each body; where there is a ledger, the slip work of the pairs that it owns too.
+template <class Pairs>
+void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torque, const ForceRow* record,
+                 const NearIndex<Pairs>& index, const double* slip, double* friction) {
+    for (Row b = bodies.first; b < bodies.last; ++b) {
+        const Row incident = index.incident_first[b], incident_end = index.incident_first[b + 1];
+        const Row owned = index.owned_first[b], owned_end = index.owned_first[b + 1];
+        if (incident == incident_end && owned == owned_end) continue;
+        WrenchSum sum(position[b]);
+        for (Row k = incident; k < incident_end; ++k) sum.add(record[index.incident[k]]);
+        sum.reverse();
+        double work = friction != nullptr ? friction[b] : 0;
+        for (Row k = owned; k < owned_end; ++k) {
+            sum.add(record[k]);
+            if (friction != nullptr) work += slip[k];
+        }
+        force[b] += sum.force();
+        torque[b] += sum.torque();
+        if (friction != nullptr) friction[b] = work;
+    }
+}
+
 } // namespace detail
 
 /// Adds the forces of the pairs of one kind to their bodies, boundaries included, and their torques
@@ -42,21 +64,20 @@ template <class Pairs>
 void gather(Rows<Bodies, const Position, Force, Torque> bodies,
             Rows<typename Pairs::Near, const PairForce> near, const NearIndex<Pairs>& index) {
     if (index.size() == 0) return;
-    const Vec3* position = bodies.template column<Position>();
-    Vec3* force = bodies.template column<Force>();
-    Vec3* torque = bodies.template column<Torque>();
-    const ForceRow* record = near.template column<PairForce>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        const Row incident = index.incident_first[b], incident_end = index.incident_first[b + 1];
-        const Row owned = index.owned_first[b], owned_end = index.owned_first[b + 1];
-        if (incident == incident_end && owned == owned_end) continue;
-        detail::WrenchSum sum(position[b]);
-        for (Row k = incident; k < incident_end; ++k) sum.add(record[index.incident[k]]);
-        sum.reverse();
-        for (Row k = owned; k < owned_end; ++k) sum.add(record[k]);
-        force[b] += sum.force();
-        torque[b] += sum.torque();
-    }
+    detail::gather_rows(RowRange{bodies.first(), bodies.last()}, bodies.template column<Position>(),
+                        bodies.template column<Force>(), bodies.template column<Torque>(),
+                        near.template column<PairForce>(), index, nullptr, nullptr);
+}
+
+/// The same, and adds the work that friction took in this step to the owners of the pairs, in their order.
+template <class Pairs>
+void gather_and_book(Rows<Bodies, const Position, Force, Torque, FrictionWork> bodies,
+                     Rows<typename Pairs::Near, const PairForce, const SlipWork> near, const NearIndex<Pairs>& index) {
+    if (index.size() == 0) return;
+    detail::gather_rows(RowRange{bodies.first(), bodies.last()}, bodies.template column<Position>(),
+                        bodies.template column<Force>(), bodies.template column<Torque>(),
+                        near.template column<PairForce>(), index, near.template column<SlipWork>(),
+                        bodies.template column<FrictionWork>());
 }
 
 } // namespace bris

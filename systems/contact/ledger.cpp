@@ -1,5 +1,9 @@
 #include "systems/contact/ledger.hpp"
 
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/pair.hpp"
+
 namespace bris {
 
 void add_ledger(World& world) {

@@ -10,28 +10,32 @@ namespace bris::detail {
 /// lane_count at a time.
 template <class Law> class ScalarTile {
 public:
-    ScalarTile(const TileTarget& to, const PlaceRow* place, const TurnRow* turn)
-        : to_(to), place_(place), turn_(turn) {}
+    ScalarTile(const TileTarget& to, const Movers& movers) : to_(to), movers_(movers) {}
 
     /// A sphere touches a surface at `distance` from its centre along `normal` (unit, from the
     /// surface to the sphere); the surface moves with `velocity`.
     void add(Row near_row, const Vec3& normal, double distance, const Vec3& velocity) {
-        const PlaceRow& p = place_[to_.near[near_row].owner];
+        const Row slot = to_.near[near_row].owner;
+        const PlaceRow& p = movers_.place[slot];
+        const Row owner = movers_.body[slot];
+        const MotionRow& body = movers_.motion[owner];
         const auto k = static_cast<std::size_t>(count_++);
         const double overlap = p.radius - distance, arm = p.radius - 0.5 * overlap;
-        const Vec3 v = Vec3(p.vx, p.vy, p.vz) - velocity;
-        Vec3 u = v;
+        const Vec3 centre(p.x, p.y, p.z), spin(body.spin_x, body.spin_y, body.spin_z);
+        Vec3 u = Vec3(body.vx, body.vy, body.vz) - velocity;
+        if (movers_.centre != nullptr) {
+            const CentreRow& x = movers_.centre[owner];
+            u += spin.cross(centre - Vec3(x.x, x.y, x.z));
+        }
         double twist = 0;
         if constexpr (Law::has_history) {
-            const TurnRow& w = turn_[to_.near[near_row].owner];
-            const Vec3 spin(w.x, w.y, w.z);
             u -= arm * spin.cross(normal);
             twist = 0.5 * spin.dot(normal);
         }
-        const Vec3 point = Vec3(p.x, p.y, p.z) - arm * normal;
+        const Vec3 point = centre - arm * normal;
         rows_[k] = near_row;
         const std::array<double, fields> values{normal.x(), normal.y(), normal.z(), overlap, u.x(), u.y(),
-                                                u.z(), twist, p.inverse_mass, point.x(), point.y(),
+                                                u.z(), twist, body.inverse_mass, point.x(), point.y(),
                                                 point.z()};
         for (std::size_t i = 0; i < fields; ++i) values_[i][k] = values[i];
         if (count_ == lane_count) flush();
@@ -53,8 +57,7 @@ public:
 private:
     static constexpr std::size_t fields = 12;
     TileTarget to_;
-    const PlaceRow* place_;
-    const TurnRow* turn_;
+    Movers movers_;
     int count_ = 0;
     std::array<Row, lane_count> rows_{};
     alignas(64) std::array<std::array<double, lane_count>, fields> values_{};

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "components/body.hpp"
 #include "components/material.hpp"
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
@@ -17,6 +18,21 @@ struct TileTarget {
     const LawRow* laws;
     bool one_law; ///< all pairs have the coefficients of laws[0]
     double dt;
+};
+
+using ListedSpheres = Rows<Listed, const Place, const ListedBody>;
+using MovingBodies = Rows<Bodies, const RigidMotion, const CentreOf>;
+
+/// What contacts read of spheres, by slot, and of their bodies.
+struct Movers {
+    const PlaceRow* place;
+    const Row* body;
+    const MotionRow* motion; ///< by body, as the centre
+    const CentreRow* centre; ///< null if every sphere stands in the centre of its body
+    template <class Pairs>
+    Movers(const ListedSpheres& listed, const MovingBodies& bodies, const NearIndex<Pairs>& index)
+        : place(listed.column<Place>()), body(listed.column<ListedBody>()), motion(bodies.column<RigidMotion>()),
+          centre(index.centred ? nullptr : bodies.column<CentreOf>()) {}
 };
 
 /// Where a system's near rows book slip work: null unless its signature has the column.

@@ -50,38 +50,28 @@ void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, Angu
                StepSpin, Orientation> bodies,
           const Clock& clock);
 
-/// Of which time the velocities in the packed rows are. Undamped laws need the displacement of the
+/// Of which time the velocities that contacts read are. Undamped laws need the displacement of the
 /// last step, which is the leapfrog's own velocity times dt: a spring moved with velocities predicted
 /// from the last acceleration grows by (omega dt)^4 / 8 a step. Dashpots need velocities of the time
 /// of the positions, or damping is of first order.
 enum class VelocityTime { last_step, now };
 
 // A scene of single spheres is told from one of clumps by its column SphereInertia.
-using PlacedSpheres = Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration,
-                           const InertialMass, const MotionOf, const SphereInertia>;
+using PlacedSpheres = Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration, const Spin,
+                           const StepSpin, const InertialMass, const MotionOf, const SphereInertia, RigidMotion>;
 using PlacedBodies = Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration, const Spin,
-                          const StepSpin, const Orientation, const InertialMass, const MotionOf>;
+                          const StepSpin, const Orientation, const InertialMass, const MotionOf, RigidMotion, CentreOf>;
+using PlacedBalls = Rows<Listed, const ListedBall, Place>;
 
-/// Packed rows of single spheres, at the new positions.
-template <VelocityTime time>
-void place_spheres(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
-template <> void place_spheres<VelocityTime::last_step>(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
-template <> void place_spheres<VelocityTime::now>(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
+/// What contacts read, at the new positions: motion of each body, places of its listed spheres.
+template <VelocityTime time> void place_spheres(PlacedSpheres bodies, PlacedBalls listed, const Clock& clock);
+template <> void place_spheres<VelocityTime::last_step>(PlacedSpheres bodies, PlacedBalls listed, const Clock& clock);
+template <> void place_spheres<VelocityTime::now>(PlacedSpheres bodies, PlacedBalls listed, const Clock& clock);
 
-/// Packed rows of the listed spheres of clumps: each linear in the sphere's place in its body.
-template <VelocityTime time>
-void place(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
-template <> void place<VelocityTime::last_step>(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
-template <> void place<VelocityTime::now>(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock);
-
-/// Spins of the listed spheres; only friction wants them.
-template <VelocityTime time>
-void place_turns(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                 Rows<Listed, Turn> listed);
-template <> void place_turns<VelocityTime::last_step>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                 Rows<Listed, Turn> listed);
-template <> void place_turns<VelocityTime::now>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                 Rows<Listed, Turn> listed);
+/// The same for clumps, and their centres.
+template <VelocityTime time> void place(PlacedBodies bodies, PlacedBalls listed, const Clock& clock);
+template <> void place<VelocityTime::last_step>(PlacedBodies bodies, PlacedBalls listed, const Clock& clock);
+template <> void place<VelocityTime::now>(PlacedBodies bodies, PlacedBalls listed, const Clock& clock);
 
 /// Bound on how far any point of a body has gone since the last prune.
 void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies);

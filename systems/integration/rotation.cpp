@@ -89,32 +89,27 @@ void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, Angu
 
 namespace {
 
-/// The packed row of a body's sphere is at_centre + x along_x + y along_y + z along_z, with (x, y, z) its
-/// place in the body's axes, and its radius added.
-struct PlacedFrame { PlaceRow at_centre, along_x, along_y, along_z; };
+/// The place of a body's sphere is centre + x along_x + y along_y + z along_z, with (x, y, z) its place in
+/// the body's axes, and its radius added.
+struct PlacedFrame { Quad centre, along_x, along_y, along_z; };
 using PlacedFrames = std::array<PlacedFrame, lane_count>;
 
-void put(PlacedFrames& frames, PlaceRow PlacedFrame::* row, const Vec3Lanes& place, const Vec3Lanes& velocity,
-         const Lane& inverse_mass) {
-    const auto frame = [&](int q) -> PlaceRow& { return frames[static_cast<std::size_t>(q)].*row; };
-    store_rows(transpose({place.x, place.y, place.z, Lane{}}), lane_count, [&](int q) { return &frame(q).x; });
-    store_rows(transpose({velocity.x, velocity.y, velocity.z, inverse_mass}), lane_count,
-               [&](int q) { return &frame(q).vx; });
+void put(PlacedFrames& frames, Quad PlacedFrame::* row, const Vec3Lanes& v) {
+    store_rows(transpose({v.x, v.y, v.z, Lane{}}), lane_count,
+               [&](int q) { return reinterpret_cast<double*>(&(frames[static_cast<std::size_t>(q)].*row)); });
 }
 
 void place_balls(const PlacedFrame& frame, const Ball* ball, Row count, PlaceRow* place) {
-    const auto line = [](const PlaceRow& row) { return *reinterpret_cast<const Line*>(&row); };
-    const Line centre = line(frame.at_centre), x = line(frame.along_x), y = line(frame.along_y), z = line(frame.along_z);
-    constexpr Line radius{0, 0, 0, 1, 0, 0, 0, 0};
+    constexpr Quad radius{0, 0, 0, 1};
     for (Row k = 0; k < count; ++k) {
         const Ball& o = ball[k];
-        const Line arm = o.centre.x() * x + o.centre.y() * y + o.centre.z() * z;
-        *reinterpret_cast<Line*>(&place[k]) = centre + (arm + o.radius * radius);
+        const Quad arm = o.centre.x() * frame.along_x + o.centre.y() * frame.along_y + o.centre.z() * frame.along_z;
+        store(&place[k].x, frame.centre + (arm + o.radius * radius));
     }
 }
 
 // velocities of the last step (of the half step before the positions) or of the positions' own time
-void place_at(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, double since_velocity, const Vec3* spin) {
+void place_at(PlacedBodies bodies, PlacedBalls listed, double since_velocity, const Vec3* spin) {
     const auto* run = bodies.column<SpheresOf>();
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
@@ -122,34 +117,31 @@ void place_at(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed,
     const Quat* orientation = bodies.column<Orientation>();
     const double* mass = bodies.column<InertialMass>();
     const auto* motion = bodies.column<MotionOf>();
+    MotionRow* row = bodies.column<RigidMotion>();
+    CentreRow* centre = bodies.column<CentreOf>();
     const Ball* ball = listed.column<ListedBall>();
     PlaceRow* place = listed.column<Place>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        PlacedFrames frames;
         const LaneMask free = equal(motion, rows, free_motion);
         const Lane inverse_mass = free ? 1.0 / load(mass, rows) : Lane{};
+        const Vec3Lanes x = load(position, rows), w = load(spin, rows);
         const Vec3Lanes v = load(velocity, rows) + since_velocity * load(acceleration, rows);
-        const Vec3Lanes w = load(spin, rows);
+        const auto mine = [&](int q) -> MotionRow& { return row[rows.first + static_cast<Row>(q)]; };
+        store_rows(transpose({x.x, x.y, x.z, Lane{}}), rows.count,
+                   [&](int q) { return &centre[rows.first + static_cast<Row>(q)].x; });
+        store_rows(transpose({v.x, v.y, v.z, inverse_mass}), rows.count, [&](int q) { return &mine(q).vx; });
+        store_rows(transpose({w.x, w.y, w.z, Lane{}}), rows.count, [&](int q) { return &mine(q).spin_x; });
+        PlacedFrames frames;
         const AxesLanes axes = axes_of(load(orientation, rows));
-        put(frames, &PlacedFrame::at_centre, load(position, rows), v, inverse_mass);
-        put(frames, &PlacedFrame::along_x, axes.x, cross(w, axes.x), Lane{});
-        put(frames, &PlacedFrame::along_y, axes.y, cross(w, axes.y), Lane{});
-        put(frames, &PlacedFrame::along_z, axes.z, cross(w, axes.z), Lane{});
+        put(frames, &PlacedFrame::centre, x);
+        put(frames, &PlacedFrame::along_x, axes.x);
+        put(frames, &PlacedFrame::along_y, axes.y);
+        put(frames, &PlacedFrame::along_z, axes.z);
         for (std::size_t k = 0; k < static_cast<std::size_t>(rows.count); ++k) {
             const SphereRun& r = run[rows.first + k];
             place_balls(frames[k], ball + r.first_listed, r.listed, place + r.first_listed);
         }
     });
-}
-
-void place_turns_at(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies, Rows<Listed, Turn> listed,
-                    const Vec3* spin) {
-    const auto* run = bodies.column<SpheresOf>();
-    TurnRow* turn = listed.column<Turn>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        const Quad w{spin[b].x(), spin[b].y(), spin[b].z(), 0};
-        for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k) store(&turn[k].x, w);
-    }
 }
 
 struct PoseLanes { Vec3Lanes position; QuatLanes orientation; };
@@ -165,23 +157,11 @@ PoseLanes load(const Pose* column, LaneRows rows) {
 
 } // namespace
 
-template <>
-void place<VelocityTime::last_step>(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock&) {
+template <> void place<VelocityTime::last_step>(PlacedBodies bodies, PlacedBalls listed, const Clock&) {
     place_at(bodies, listed, 0, bodies.column<StepSpin>());
 }
-template <>
-void place<VelocityTime::now>(PlacedBodies bodies, Rows<Listed, const ListedBall, Place> listed, const Clock& clock) {
+template <> void place<VelocityTime::now>(PlacedBodies bodies, PlacedBalls listed, const Clock& clock) {
     place_at(bodies, listed, 0.5 * clock.dt, bodies.column<Spin>());
-}
-template <>
-void place_turns<VelocityTime::last_step>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                                          Rows<Listed, Turn> listed) {
-    place_turns_at(bodies, listed, bodies.column<StepSpin>());
-}
-template <>
-void place_turns<VelocityTime::now>(Rows<Bodies, const SpheresOf, const Spin, const StepSpin> bodies,
-                                    Rows<Listed, Turn> listed) {
-    place_turns_at(bodies, listed, bodies.column<Spin>());
 }
 
 void measure_travel_and_turn(Rows<Bodies, const Position, const Orientation, const PrunedAt,

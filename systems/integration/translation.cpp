@@ -124,35 +124,33 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
 
 namespace {
 
-void place_spheres_at(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed, double since_velocity) {
+void place_spheres_at(PlacedSpheres bodies, PlacedBalls listed, double since_velocity, const Vec3* spin) {
     const auto* run = bodies.column<SpheresOf>();
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* acceleration = bodies.column<Acceleration>();
     const double* mass = bodies.column<InertialMass>();
     const auto* motion = bodies.column<MotionOf>();
+    MotionRow* row = bodies.column<RigidMotion>();
     const Ball* ball = listed.column<ListedBall>();
     PlaceRow* place = listed.column<Place>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         const Vec3 v = velocity[b] + since_velocity * acceleration[b];
-        const Vec3& x = position[b];
+        const Vec3 x = position[b], w = spin[b]; // copies: the columns might overlap for all the compiler knows
         const double inverse = motion[b] == free_motion ? 1 / mass[b] : 0;
+        row[b] = {v.x(), v.y(), v.z(), inverse, w.x(), w.y(), w.z(), 0};
         for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k)
-            place[k] = {x.x(), x.y(), x.z(), ball[k].radius, v.x(), v.y(), v.z(), inverse};
+            place[k] = {x.x(), x.y(), x.z(), ball[k].radius};
     }
 }
 
 } // namespace
 
-template <>
-void place_spheres<VelocityTime::last_step>(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed,
-                                            const Clock&) {
-    place_spheres_at(bodies, listed, 0);
+template <> void place_spheres<VelocityTime::last_step>(PlacedSpheres bodies, PlacedBalls listed, const Clock&) {
+    place_spheres_at(bodies, listed, 0, bodies.column<StepSpin>());
 }
-template <>
-void place_spheres<VelocityTime::now>(PlacedSpheres bodies, Rows<Listed, const ListedBall, Place> listed,
-                                      const Clock& clock) {
-    place_spheres_at(bodies, listed, 0.5 * clock.dt);
+template <> void place_spheres<VelocityTime::now>(PlacedSpheres bodies, PlacedBalls listed, const Clock& clock) {
+    place_spheres_at(bodies, listed, 0.5 * clock.dt, bodies.column<Spin>());
 }
 
 void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies) {
