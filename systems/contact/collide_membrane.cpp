@@ -1,9 +1,9 @@
 #include "components/kinds.hpp"
+#include "components/membrane_surface.hpp"
 #include "components/settings.hpp"
 #include "engine/parallel.hpp"
 #include "systems/contact/collide.hpp"
 #include "systems/contact/laws/linear.hpp"
-#include "components/membrane_surface.hpp"
 #include "systems/contact/scalar_tile.hpp"
 
 namespace bris {
