@@ -293,8 +293,10 @@ Summary Test::summary() const {
     summary.add("steps", steps_);
     summary.add("wall_time_s", wall_);
     summary.add("time_per_step_s", wall_ / static_cast<double>(std::max<std::uint64_t>(1, steps_)));
-    summary.add("preparation_steps", shared_.preparation_steps);
-    summary.add("preparation_wall_time_s", shared_.preparation_wall);
+    if (shared_.preparation_steps > 0) { // made in this run
+        summary.add("preparation_steps", shared_.preparation_steps);
+        summary.add("preparation_wall_time_s", shared_.preparation_wall);
+    }
     summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
     for (const NamedValue& entry : shared_.common.settings)
         if (entry.key != "confining_pressure_Pa") summary.add(entry); // this test's own stands above
