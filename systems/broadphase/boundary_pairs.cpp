@@ -1,7 +1,7 @@
 #include "components/boundary.hpp"
 #include "components/material.hpp"
-#include "systems/broadphase/carry_over.hpp"
 #include "components/membrane_surface.hpp"
+#include "systems/broadphase/carry_over.hpp"
 
 #include <algorithm>
 #include <limits>

@@ -1,9 +1,9 @@
 #include "components/boundary.hpp"
+#include "components/membrane_surface.hpp"
 #include "engine/errors.hpp"
 #include "engine/lanes.hpp"
 #include "systems/broadphase/chunk_lists.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "components/membrane_surface.hpp"
 
 #include <algorithm>
 
@@ -206,7 +206,6 @@ void prune_pairs(World& world) {
             return surface.nearest(sector, out, x.z()).distance - ball[p.sphere].radius;
         });
         make_incidence<MembranePairs>(world);
-        world.resource<MembraneBands>().radii.resize((membrane.rings + 3) * membrane.sectors);
         std::ranges::copy(world.column<Elements, ElementRadius>(), world.column<Elements, PrunedRadius>().begin());
     }
     list_spheres(world);

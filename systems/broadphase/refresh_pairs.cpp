@@ -15,13 +15,9 @@ namespace {
 void find_runs(World& world) {
     Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
     const auto run = bodies.column<SpheresOf>();
-    const auto id = bodies.column<BodyId>();
     const auto parent = spheres.column<ParentId>();
-    std::vector<Row> row_of(bodies.size());
-    for (Row b = 0; b < bodies.size(); ++b) {
-        run[b] = {};
-        row_of[id[b]] = b;
-    }
+    const auto row_of = rows_by_id(bodies.column<BodyId>());
+    for (SphereRun& r : run) r = {};
     for (Row s = 0; s < spheres.size(); ++s) {
         SphereRun& r = run[row_of[parent[s]]];
         if (r.count++ == 0) r.first = s;

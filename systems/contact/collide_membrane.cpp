@@ -25,6 +25,7 @@ struct Band {
 constexpr int lowest_ring = -2;
 
 void lay_out_bands(const MembraneSurface& surface, MembraneBands& bands) {
+    bands.radii.resize(static_cast<std::size_t>((surface.rings + 1 - lowest_ring) * surface.sectors)); // the same every step
     std::size_t k = 0;
     for (int here = lowest_ring; here <= surface.rings; ++here)
         for (int sector = 0; sector < surface.sectors; ++sector) bands.radii[k++] = surface.radii_around(here, sector);

@@ -3,6 +3,7 @@
 #include "components/body.hpp"
 #include "components/boundary.hpp"
 #include "components/kinds.hpp"
+#include "components/membrane_surface.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
 #include "engine/errors.hpp"
@@ -10,7 +11,6 @@
 #include "engine/io/csv.hpp"
 #include "engine/options.hpp"
 #include "engine/ordering.hpp"
-#include "components/membrane_surface.hpp"
 #include "systems/output/contacts.hpp"
 
 #include <fmt/format.h>

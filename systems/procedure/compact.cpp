@@ -23,7 +23,7 @@ namespace {
 
 constexpr double growth_per_step = 2e-4;         // relative, of exchanged rocks
 constexpr double squeezing_limit = 1e-2;         // overlap, of a rock's bounding radius, at which it waits for room
-constexpr std::uint64_t compaction_block = 50;   // steps between exchanges
+constexpr std::uint64_t compaction_block = 50;   // steps at one energy, and between exchanges
 constexpr std::uint64_t porosity_steps = 250;    // between measurements
 constexpr std::uint64_t exchange_steps = 2000;   // with exchanges, then as many without, in which rocks grow full
 constexpr double swelling = 0.002;               // of the core porosity, from the compaction pressure to a test's
@@ -114,8 +114,9 @@ void TriaxialTest::start_compaction() {
     world.resource<LocalDamping>().fraction = 0; // the vibration's energy is set block by block
     Random random(specimen.seed, vibration_stream);
     const double speed = vibration_speed(world, settings_.vibration);
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     for (const EntityId id : specimen.rocks)
-        world.column<Bodies, Velocity>()[row_of_body(world, id)] = speed * random.normal() * random.direction();
+        world.column<Bodies, Velocity>()[rows[id]] = speed * random.normal() * random.direction();
     state.prepared_porosity = 1;
     state.phase = TriaxialPhase::compact;
     state.phase_steps = 0;
