@@ -39,7 +39,7 @@ struct NearEntry { Row owner, other, pair, law; };
 struct NearPair : Derived<NearEntry> { static constexpr auto name = "near", unit = ""; };
 
 /// What a pair does to its owner now: force (the partner gets the opposite), overlap, the point where
-/// it acts, normal force. All zero if the pair does not touch.
+/// it acts, normal force. Means nothing unless the pair touches.
 struct alignas(64) ForceRow { double fx, fy, fz, overlap, px, py, pz, normal_force; };
 struct PairForce : Derived<ForceRow> { static constexpr auto name = "force", unit = "N, m"; };
 
@@ -58,9 +58,23 @@ template <class Pairs> struct NearIndex {
     bool centred = false;            ///< every sphere stands in the centre of its body: single spheres
     std::vector<std::uint8_t> touching; ///< bit k of byte g: near row group * g + k
     std::vector<Row> too_deep;          ///< per chunk, a near row beyond the overlap limit, or no_row
+    std::vector<Row> contact;           ///< touching near rows of a body, from first_contact(body) on
+    std::vector<Row> contact_end;       ///< bodies
+    std::vector<std::uint8_t> listed;   ///< `touching` when `contact` was made
 
     std::size_t size() const { return owned_first.empty() ? 0 : owned_first.back(); }
     bool touches(Row near) const { return ((touching[near / group] >> (near % group)) & 1) != 0; }
+
+    /// Calls visit(near row, whether the body is the partner) for the touching pairs of a body: first those in
+    /// which it is the partner, then those it owns, each by ascending id of the other. All sums over a
+    /// body's contacts go in this order, so their bits depend on nothing but the state.
+    template <class Visit> void for_contacts_of(Row body, Visit&& visit) const {
+        for (Row k = first_contact(body); k < contact_end[body]; ++k)
+            visit(contact[k] & ~as_partner, (contact[k] & as_partner) != 0);
+    }
+
+    static constexpr Row as_partner = Row{1} << 31; ///< of an entry of `contact`
+    Row first_contact(Row body) const { return incident_first[body] + owned_first[body]; }
 };
 
 } // namespace bris

@@ -14,6 +14,7 @@ struct ListedSlot : Derived<Row>    { static constexpr auto name = "slot", unit 
 /// What every near pair reads of a sphere: half a cache line.
 struct alignas(32) PlaceRow { double x, y, z, radius; };
 
+struct SpherePlace : Derived<PlaceRow> { static constexpr auto name = "place", unit = "m"; };   // of all, when lists are made
 struct Place      : Derived<PlaceRow> { static constexpr auto name = "place", unit = "m"; };
 struct ListedBody : Derived<Row>      { static constexpr auto name = "body", unit = ""; };
 struct ListedBall : Derived<Ball>     { static constexpr auto name = "ball", unit = "m"; };

@@ -21,7 +21,7 @@ std::uint64_t mix(std::uint64_t h, const std::byte* data, std::size_t size) {
         h = mix(h, word);
     }
     std::uint64_t tail = 0;
-    std::memcpy(&tail, data, size);
+    if (size > 0) std::memcpy(&tail, data, size);
     return mix(h, tail + size);
 }
 

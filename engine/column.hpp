@@ -10,6 +10,10 @@
 
 namespace bris {
 
+/// Whether both are the same type. All of BRIS is one binary, in which a type has one name at one address;
+/// std's == would compare the texts of those that differ.
+inline bool same_type(std::type_index a, std::type_index b) { return a.name() == b.name(); }
+
 /// One component of every row of a table: plain bytes, 64-byte aligned, zero on growth. Values are
 /// moved with memcpy, so a component's value must be plain data.
 class Column {

@@ -10,7 +10,7 @@ Table::Table(const Table& other) : name_(other.name_), size_(other.size_) {
 
 Column* Table::find(std::type_index component) {
     for (auto& column : columns_)
-        if (column->type().component == component) return column.get();
+        if (same_type(column->type().component, component)) return column.get();
     return nullptr;
 }
 

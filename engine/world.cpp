@@ -10,7 +10,7 @@ World::World(const World& other) {
 
 Table* World::find_table(std::type_index kind) {
     for (auto& named : tables_)
-        if (named.kind == kind) return named.table.get();
+        if (same_type(named.kind, kind)) return named.table.get();
     return nullptr;
 }
 
@@ -20,7 +20,7 @@ const Table* World::find_table(std::type_index kind) const {
 
 World::HeldBase* World::find_resource(std::type_index type) {
     for (auto& held : resources_)
-        if (held->type == type) return held.get();
+        if (same_type(held->type, type)) return held.get();
     return nullptr;
 }
 

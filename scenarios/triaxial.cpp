@@ -110,7 +110,7 @@ Simulation make_simulation(const Scene& s, unsigned threads, const Common& commo
     add_lists(world, true);
     add_ledger(world);
     world.add_resource<TriaxialState>();
-    Simulation simulation(std::move(world), steps(LawName::linear, true), threads, {.serial = common.serial, .timed = true});
+    Simulation simulation(std::move(world), steps(LawName::linear, true), threads, {.serial = common.serial});
     simulation.on_restore(forget_lists);
     return simulation;
 }

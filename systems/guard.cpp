@@ -1,5 +1,7 @@
 #include "systems/guard.hpp"
 
+#include "engine/lane_math.hpp"
+
 #include <fmt/format.h>
 
 #include <limits>
@@ -10,10 +12,31 @@ namespace {
 
 std::string point(const Vec3& x) { return fmt::format("({:g}, {:g}, {:g})", x.x(), x.y(), x.z()); }
 
+LaneMask at_least(const Vec3Lanes& a, const Vec3& low) { return (a.x >= low.x()) & (a.y >= low.y()) & (a.z >= low.z()); }
+
+bool all_well(WatchedBodies bodies, const Limits& limits) {
+    const double* travel = bodies.column<Travel>();
+    const Vec3* velocity = bodies.column<Velocity>();
+    const Vec3* position = bodies.column<Position>();
+    const auto* motion = bodies.column<MotionOf>();
+    const double limit = limits.speed * limits.speed;
+    const Vec3Lanes none{};
+    bool well = true;
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const Vec3Lanes x = load(position, rows), v = load(velocity, rows);
+        const LaneMask driven = ~equal(motion, rows, static_cast<std::uint32_t>(Motion::free));
+        const LaneMask inside = at_least(x, limits.low) & at_least(none - x, -limits.high);
+        const unsigned all = (1u << rows.count) - 1, here = bits((load(travel, rows) < std::numeric_limits<double>::infinity()) &
+                                                                  (dot(v, v) <= limit) & (driven | inside));
+        well = well && (here & all) == all;
+    });
+    return well;
+}
+
 } // namespace
 
-void guard_motion(Rows<Bodies, const BodyId, const MotionOf, const Travel, const Position, const Velocity> bodies,
-                  const Limits& limits, Health& health) {
+void guard_motion(WatchedBodies bodies, const Limits& limits, Health& health) {
+    if (all_well(bodies, limits)) return;
     const double* travel = bodies.column<Travel>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* position = bodies.column<Position>();

@@ -9,11 +9,12 @@
 
 namespace bris {
 
+using WatchedBodies = Rows<Bodies, const BodyId, const MotionOf, const Travel, const Position, const Velocity>;
+
 /// Watches every step: positions that are not numbers, bodies faster than the limit, free bodies that
 /// have left the box of the scene. Notes the first offender in Health; the simulation then stops with
 /// step, time and a checkpoint.
-void guard_motion(Rows<Bodies, const BodyId, const MotionOf, const Travel, const Position, const Velocity> bodies,
-                  const Limits& limits, Health& health);
+void guard_motion(WatchedBodies bodies, const Limits& limits, Health& health);
 
 /// Overlaps beyond the limit, found by the contact kernels. One system a pair kind.
 template <class Pairs>

@@ -3,6 +3,7 @@
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/collide.hpp"
 #include "systems/contact/gather.hpp"
+#include "systems/contact/list_contacts.hpp"
 #include "systems/guard.hpp"
 #include "systems/integration/motion.hpp"
 #include "systems/servo/membrane.hpp"
@@ -31,6 +32,11 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         required(collide_facets(law, ledger)),
         required(collide_planes(law, ledger)),
         required(collide_membrane(law)),
+        // who touches whom now
+        system("list_sphere_contacts", list_contacts<SpherePairs>),
+        system("list_facet_contacts", list_contacts<FacetPairs>),
+        system("list_plane_contacts", list_contacts<PlanePairs>),
+        system("list_membrane_contacts", list_contacts<MembranePairs>),
         // forces on bodies, and their motion: one pass over the rows
         row_local("clear_forces", clear_forces),
         row_local("weigh", weigh),

@@ -21,9 +21,8 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
     const auto run = bodies.column<SpheresOf>();
     const auto id = bodies.column<BodyId>();
     const auto material = bodies.column<MaterialOf>();
-    const auto ball = world.table<Spheres>().column<LocalBall>();
+    const auto place = world.column<Spheres, SpherePlace>();
     const auto& materials = world.resource<Materials>();
-    const std::vector<Vec3> centre = sphere_centres(world);
     ChunkLists<Candidate> found;
     std::vector<Row> first;
     found.collect(bodies.size(), first, [&](std::vector<Candidate>& list, Row b) {
@@ -33,7 +32,7 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
             if (!near_body(b, e)) continue;
             const std::uint32_t law = materials.pair(material[b], material[host[e]]);
             for (Row k = run[b].first; k < run[b].first + run[b].count; ++k)
-                if (near_sphere(centre[k], ball[k].radius, e))
+                if (near_sphere(centre_of(place[k]), place[k].radius, e))
                     list.push_back({{id[b], id[host[e]], k - run[b].first, part[e]}, {k, e, host[e], law}});
         }
         std::sort(list.begin() + static_cast<std::ptrdiff_t>(begin), list.end(),

@@ -1,7 +1,7 @@
 #include "components/boundary.hpp"
 #include "components/membrane_surface.hpp"
+#include "components/near_spheres.hpp"
 #include "engine/errors.hpp"
-#include "engine/lanes.hpp"
 #include "systems/broadphase/chunk_lists.hpp"
 #include "systems/broadphase/lists.hpp"
 
@@ -43,6 +43,7 @@ template <class Pairs, class Near> void list_near(World& world, Near&& near_bits
         index.touching.back() = static_cast<std::uint8_t>((1u << (count % index.group)) - 1);
     index.centred = world.table<Bodies>().has<SphereInertia>();
     index.too_deep.assign((count + 1023) / 1024, no_row);
+    index.listed.assign(index.touching.size(), 0);
 }
 
 template <class Pairs, class Gap> void make_short_list(World& world, double skin, Gap&& gap) {
@@ -54,21 +55,12 @@ template <class Pairs, class Gap> void make_short_list(World& world, double skin
 }
 
 // of spheres: the one list that is long enough for lanes
-void list_near_spheres(World& world, double skin, const std::vector<Vec3>& centre) {
-    const auto ball = world.column<Spheres, LocalBall>();
-    std::vector<PlaceRow> place(centre.size());
-    for (std::size_t k = 0; k < place.size(); ++k) place[k] = {centre[k].x(), centre[k].y(), centre[k].z(), ball[k].radius};
-    const Lane sign = in_each_row(Quad{-1, -1, -1, 1}), reach = in_each_row(Quad{0, 0, 0, skin});
+void list_near_spheres(World& world, double skin) {
+    const auto place = world.column<Spheres, SpherePlace>();
     list_near<SpherePairs>(world, [&](const PairPlaces* rows, unsigned count) {
         const auto row = [&](int q) -> const PairPlaces& { return rows[std::min(static_cast<unsigned>(q), count - 1)]; };
-        const auto own = load_rows([&](int q) { return &place[row(q).sphere].x; });
-        const auto other = load_rows([&](int q) { return &place[row(q).other].x; });
-        FourLanes squares;
-        for (std::size_t q = 0; q < 4; ++q) {
-            const Lane d = own[q] + sign * other[q] + reach;
-            squares[q] = d * d * -sign;
-        }
-        return bits(row_sums(squares) < 0.0) & ((1u << count) - 1);
+        return near_lanes([&](int q) -> const PlaceRow& { return place[row(q).sphere]; },
+                          [&](int q) -> const PlaceRow& { return place[row(q).other]; }, skin) & ((1u << count) - 1);
     });
 }
 
@@ -87,6 +79,9 @@ template <class Pairs> void make_incidence(World& world) {
     std::vector<Row> next(index.incident_first.begin(), index.incident_first.end());
     for (std::size_t k = 0; k < count; ++k)
         index.incident[next[rows[entry[k].pair].partner_body]++] = static_cast<Row>(k);
+    index.contact.resize(2 * count);
+    index.contact_end.resize(bodies); // of nobody yet
+    for (Row b = 0; b < bodies; ++b) index.contact_end[b] = index.first_contact(b);
     for_chunks(bodies, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t b = begin; b < end; ++b)
             // rows of one owner are in order already: ties keep theirs
@@ -161,17 +156,17 @@ void prune_pairs(World& world) {
     auto& state = world.resource<ListState>();
     const double skin = world.resource<ListSettings>().inner_skin;
     Table& bodies = world.table<Bodies>();
-    const auto centre = detail::sphere_centres(world);
-    const auto ball = world.column<Spheres, LocalBall>();
-    list_near_spheres(world, skin, centre);
+    detail::locate_spheres(world);
+    const auto place = world.column<Spheres, SpherePlace>();
+    list_near_spheres(world, skin);
     make_incidence<SpherePairs>(world);
     const auto position = bodies.column<Position>();
     if (world.has<PlanePairs>()) {
         const auto shape = world.column<Planes, LocalPlane>();
         make_short_list<PlanePairs>(world, skin, [&](const PairPlaces& p) {
             const PlaneShape& plane = shape[p.other];
-            return (centre[p.sphere] - position[p.partner_body] - plane.point).dot(plane.normal) -
-                   ball[p.sphere].radius;
+            return (detail::centre_of(place[p.sphere]) - position[p.partner_body] - plane.point).dot(plane.normal) -
+                   place[p.sphere].radius;
         });
         make_incidence<PlanePairs>(world);
     }
@@ -186,10 +181,10 @@ void prune_pairs(World& world) {
         }
         // the distance to the facet's box and to its plane are both lower bounds
         make_short_list<FacetPairs>(world, skin, [&](const PairPlaces& p) {
-            const Vec3 x = centre[p.sphere] - position[p.partner_body];
+            const Vec3 x = detail::centre_of(place[p.sphere]) - position[p.partner_body];
             const double height = std::abs((x - shape[p.other].corners[0]).dot(normal[p.other]));
-            if (height - ball[p.sphere].radius >= skin) return skin;
-            return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) - ball[p.sphere].radius;
+            if (height - place[p.sphere].radius >= skin) return skin;
+            return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) - place[p.sphere].radius;
         });
         make_incidence<FacetPairs>(world);
         check_facet_runs(world);
@@ -198,12 +193,12 @@ void prune_pairs(World& world) {
         const auto& membrane = world.resource<Membrane>();
         const MembraneSurface surface(membrane, world.column<Elements, ElementRadius>().data());
         make_short_list<MembranePairs>(world, skin, [&](const PairPlaces& p) {
-            const Vec3& x = centre[p.sphere];
+            const Vec3 x = detail::centre_of(place[p.sphere]);
             const double out = x.dot(membrane.outward[p.other]);
             const auto sector = static_cast<int>(p.other);
-            const double reach = ball[p.sphere].radius + skin;
+            const double reach = place[p.sphere].radius + skin;
             if (out + reach <= surface.least_radius(sector, x.z())) return skin; // most, and dearer to know exactly
-            return surface.nearest(sector, out, x.z()).distance - ball[p.sphere].radius;
+            return surface.nearest(sector, out, x.z()).distance - place[p.sphere].radius;
         });
         make_incidence<MembranePairs>(world);
         std::ranges::copy(world.column<Elements, ElementRadius>(), world.column<Elements, PrunedRadius>().begin());

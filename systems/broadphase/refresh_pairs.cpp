@@ -2,6 +2,7 @@
 #include "components/material.hpp"
 #include "components/membrane.hpp"
 #include "engine/ordering.hpp"
+#include "engine/parallel.hpp"
 #include "systems/broadphase/lists.hpp"
 
 #include <algorithm>
@@ -137,20 +138,23 @@ void tune_skins(const World& world, ListSettings& settings, const ListState& sta
 
 namespace detail {
 
-std::vector<Vec3> sphere_centres(const World& world) {
-    const Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
+void locate_spheres(World& world) {
+    const Table& bodies = world.table<Bodies>();
+    Table& spheres = world.table<Spheres>();
     const auto run = bodies.column<SpheresOf>();
-    const auto position = bodies.column<Position>();
+    const Poses poses(bodies);
     const auto ball = spheres.column<LocalBall>();
-    const Quat* orientation = bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr;
-    std::vector<Vec3> centres(spheres.size());
-    for (Row b = 0; b < bodies.size(); ++b) {
-        Mat3 axes = Mat3::Identity();
-        if (orientation != nullptr) axes = orientation[b].toRotationMatrix();
-        for (Row k = run[b].first; k < run[b].first + run[b].count; ++k)
-            centres[k] = position[b] + axes * ball[k].centre;
-    }
-    return centres;
+    const auto place = spheres.column<SpherePlace>();
+    for_chunks(bodies.size(), 256, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (auto b = static_cast<Row>(begin); b < end; ++b) {
+            const Pose pose = poses[b];
+            const Mat3 axes = pose.orientation.toRotationMatrix();
+            for (Row k = run[b].first; k < run[b].first + run[b].count; ++k) {
+                const Vec3 x = pose.position + axes * ball[k].centre;
+                place[k] = {x.x(), x.y(), x.z(), ball[k].radius};
+            }
+        }
+    });
 }
 
 } // namespace detail
@@ -184,6 +188,7 @@ void refresh_pairs(World& world) {
     const Poses poses(bodies);
     for (Row b = 0; b < bodies.size(); ++b) refreshed[b] = poses[b];
 
+    detail::locate_spheres(world);
     detail::find_sphere_pairs(world, settings.outer_skin);
     if (world.has<PlanePairs>()) detail::find_plane_pairs(world, settings.outer_skin);
     if (world.has<FacetPairs>()) detail::find_facet_pairs(world, settings.outer_skin);
@@ -234,6 +239,7 @@ void add_lists(World& world, bool history, ListSettings settings) {
     bodies.add<RigidMotion>();
     bodies.add<CentreOf>();
     world.table<Spheres>().add<ListedSlot>();
+    world.table<Spheres>().add<SpherePlace>();
     Table& listed = world.table<Listed>();
     listed.add<ListedBall>();
     listed.add<ListedBody>();

@@ -1,4 +1,5 @@
 #include "components/material.hpp"
+#include "components/near_spheres.hpp"
 #include "systems/broadphase/carry_over.hpp"
 
 #include <algorithm>
@@ -78,45 +79,65 @@ struct Scene {
     std::span<const EntityId> id;
     std::span<const std::uint32_t> motion, material;
     std::span<const SphereRun> run;
-    std::span<const Ball> ball;
-    const std::vector<Vec3>& centre;
+    std::span<const PlaceRow> place;
     const Materials& materials;
     double skin;
 };
 
-// spheres of body a that reach into the bounding sphere of body b
-void near_spheres(const Scene& s, Row a, Row b, std::vector<Row>& found) {
-    found.clear();
-    for (Row k = s.run[a].first; k < s.run[a].first + s.run[a].count; ++k) {
-        const double reach = s.ball[k].radius + s.radius[b] + s.skin;
-        if ((s.centre[k] - s.position[b]).squaredNorm() < reach * reach) found.push_back(k);
+/// Spheres of one body, their places side by side.
+struct Cluster {
+    std::vector<Row> row;
+    std::vector<PlaceRow> place;
+};
+
+// calls visit(k) for those of `count` places that are within the skin of `one`
+template <class Visit>
+void visit_near(const PlaceRow& one, const PlaceRow* place, Row count, double skin, Visit&& visit) {
+    for (Row first = 0; first < count; first += lane_count) {
+        const Row here = std::min<Row>(lane_count, count - first);
+        const unsigned now = near_lanes([&](int) -> const PlaceRow& { return one; },
+                                        [&](int q) -> const PlaceRow& { return place[first + std::min(static_cast<Row>(q), here - 1)]; }, skin);
+        for (unsigned rest = now & ((1u << here) - 1); rest != 0; rest &= rest - 1)
+            visit(first + static_cast<Row>(__builtin_ctz(rest)));
     }
 }
 
+// spheres of body a that reach into the bounding sphere of body b
+void near_spheres(const Scene& s, Row a, Row b, Cluster& found) {
+    found.row.clear();
+    found.place.clear();
+    const Vec3& x = s.position[b];
+    const SphereRun& run = s.run[a];
+    visit_near({x.x(), x.y(), x.z(), s.radius[b]}, &s.place[run.first], run.count, s.skin, [&](Row k) {
+        found.row.push_back(run.first + k);
+        found.place.push_back(s.place[run.first + k]);
+    });
+}
+
 struct Scratch {
-    std::vector<Row> partners, own, other;
+    std::vector<Row> partners;
+    Cluster own, other;
 };
 
 void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector<Candidate>& list) {
+    const Cluster &own = scratch.own, &other = scratch.other;
     near_spheres(s, a, b, scratch.own);
     near_spheres(s, b, a, scratch.other);
     const std::uint32_t law = s.materials.pair(s.material[a], s.material[b]);
-    for (const Row i : scratch.own)
-        for (const Row j : scratch.other) {
-            const double reach = s.ball[i].radius + s.ball[j].radius + s.skin;
-            if ((s.centre[i] - s.centre[j]).squaredNorm() < reach * reach)
-                list.push_back({{s.id[a], s.id[b], i - s.run[a].first, j - s.run[b].first}, {i, j, b, law}});
-        }
+    for (std::size_t k = 0; k < own.row.size(); ++k)
+        visit_near(own.place[k], other.place.data(), static_cast<Row>(other.row.size()), s.skin, [&](Row m) {
+            const Row i = own.row[k], j = other.row[m];
+            list.push_back({{s.id[a], s.id[b], i - s.run[a].first, j - s.run[b].first}, {i, j, b, law}});
+        });
 }
 
 } // namespace
 
 void find_sphere_pairs(World& world, double skin) {
     Table& bodies = world.table<Bodies>();
-    const std::vector<Vec3> centres = sphere_centres(world);
     const Scene s{bodies.column<Position>(), bodies.column<BoundingRadius>(), bodies.column<BodyId>(),
                   bodies.column<MotionOf>(), bodies.column<MaterialOf>(), bodies.column<SpheresOf>(),
-                  world.table<Spheres>().column<LocalBall>(), centres, world.resource<Materials>(), skin};
+                  world.column<Spheres, SpherePlace>(), world.resource<Materials>(), skin};
     std::vector<Row> rows;
     double largest = 0;
     for (Row b = 0; b < bodies.size(); ++b)

@@ -1,4 +1,5 @@
 #include "components/kinds.hpp"
+#include "components/near_spheres.hpp"
 #include "components/settings.hpp"
 #include "engine/parallel.hpp"
 #include "systems/contact/collide.hpp"
@@ -14,16 +15,8 @@ using detail::TileTarget;
 
 // bit k: near pair k of this group of lane_count touches
 unsigned touching_lanes(const NearEntry* near, const PlaceRow* place) {
-    const Lane sign = in_each_row(Quad{-1, -1, -1, 1});
-    const Lane metric = -sign;
-    const auto own = load_rows([&](int q) { return &place[near[q].owner].x; });
-    const auto other = load_rows([&](int q) { return &place[near[q].other].x; });
-    FourLanes squares;
-    for (std::size_t q = 0; q < 4; ++q) {
-        const Lane d = own[q] + sign * other[q];
-        squares[q] = d * d * metric;
-    }
-    return bits(row_sums(squares) < 0.0);
+    return near_lanes([&](int q) -> const PlaceRow& { return place[near[q].owner]; },
+                      [&](int q) -> const PlaceRow& { return place[near[q].other]; }, 0);
 }
 
 struct Tile {

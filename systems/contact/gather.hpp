@@ -10,20 +10,15 @@ namespace bris {
 
 namespace detail {
 
-/// Sums force and torque of records about a centre. A record of a pair that does not touch is all
-/// zero, and adding +0 changes no bit of a sum that began with +0.
+/// Sums force and torque of records about a centre.
 class WrenchSum {
 public:
     explicit WrenchSum(const Vec3& centre) : centre_{centre.x(), centre.y(), centre.z(), 0} {}
-    void add(const ForceRow& record) {
-        const Quad f = load(&record.fx), arm = load(&record.px) - centre_;
+    /// `sign` 1 for the owner, -1 for the partner of the pair.
+    void add(const ForceRow& record, double sign) {
+        const Quad f = sign * load(&record.fx), arm = load(&record.px) - centre_;
         force_ += f;
         turned_torque_ += turned_cross(arm, f);
-    }
-    /// What was added acts on the partners: rounding is the same for both signs.
-    void reverse() {
-        force_ = -force_;
-        turned_torque_ = -turned_torque_;
     }
     Vec3 force() const { return {force_[0], force_[1], force_[2]}; }
     Vec3 torque() const { return {turned_torque_[1], turned_torque_[2], turned_torque_[0]}; }
@@ -37,17 +32,13 @@ template <class Pairs>
 void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torque, const ForceRow* record,
                  const NearIndex<Pairs>& index, const double* slip, double* friction) {
     for (Row b = bodies.first; b < bodies.last; ++b) {
-        const Row incident = index.incident_first[b], incident_end = index.incident_first[b + 1];
-        const Row owned = index.owned_first[b], owned_end = index.owned_first[b + 1];
-        if (incident == incident_end && owned == owned_end) continue;
+        if (index.first_contact(b) == index.contact_end[b]) continue;
         WrenchSum sum(position[b]);
-        for (Row k = incident; k < incident_end; ++k) sum.add(record[index.incident[k]]);
-        sum.reverse();
         double work = friction != nullptr ? friction[b] : 0;
-        for (Row k = owned; k < owned_end; ++k) {
-            sum.add(record[k]);
-            if (friction != nullptr) work += slip[k];
-        }
+        index.for_contacts_of(b, [&](Row k, bool as_partner) {
+            sum.add(record[k], as_partner ? -1 : 1);
+            if (friction != nullptr && !as_partner) work += slip[k];
+        });
         force[b] += sum.force();
         torque[b] += sum.torque();
         if (friction != nullptr) friction[b] = work;
@@ -57,9 +48,7 @@ void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torqu
 } // namespace detail
 
 /// Adds the forces of the pairs of one kind to their bodies, boundaries included, and their torques
-/// about the centre of mass. Each body sums its own records: first those in which it is the
-/// partner, then those it owns, each by ascending id of the other; so the bits depend on nothing
-/// but the state.
+/// about the centre of mass. Each body sums its own records, in the order of its contacts.
 template <class Pairs>
 void gather(Rows<Bodies, const Position, Force, Torque> bodies,
             Rows<typename Pairs::Near, const PairForce> near, const NearIndex<Pairs>& index) {

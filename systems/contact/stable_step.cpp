@@ -33,17 +33,14 @@ template <class Pairs> void add_pairs(const World& world, std::vector<BodyStiffn
     const auto& laws = world.resource<Materials>().pairs;
     // body by body: each adds its own contacts in the order of the force sums, the same bits always
     const auto add_one = [&](Row body, Row k) {
-        if (!index.touches(k)) return;
         const Vec3 point(force[k].px, force[k].py, force[k].pz);
         // the contact point lies on the normal through the centre of the owner's sphere
         const PlaceRow& p = place[entry[k].owner];
         add(all[body], laws[rows[entry[k].pair].law], point - position[body],
             (Vec3(p.x, p.y, p.z) - point).normalized());
     };
-    for (Row b = 0; b < all.size(); ++b) {
-        for (Row k = index.incident_first[b]; k < index.incident_first[b + 1]; ++k) add_one(b, index.incident[k]);
-        for (Row k = index.owned_first[b]; k < index.owned_first[b + 1]; ++k) add_one(b, k);
-    }
+    for (Row b = 0; b < all.size(); ++b)
+        index.for_contacts_of(b, [&](Row k, bool) { add_one(b, k); });
 }
 
 /// Least principal moment, by row; scaled (inertial) or true.

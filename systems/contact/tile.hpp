@@ -74,14 +74,10 @@ void apply_law(const TileTarget& to, const Row* rows, int count, const ContactLa
         for (int q = 0; q < count; ++q) to.slip_work[rows[q]] = f.slip_work[q];
 }
 
-/// Clears the springs and records of the pairs of one group that have come apart.
+/// Clears the springs of the pairs of one group that have come apart.
 inline void forget(const TileTarget& to, Row first, unsigned apart) {
-    for (; apart != 0; apart &= apart - 1) {
-        const Row row = first + static_cast<Row>(__builtin_ctz(apart));
-        to.force[row] = {};
-        if (to.slip_work != nullptr) to.slip_work[row] = 0;
-        if (to.spring != nullptr) to.spring[to.near[row].pair] = {};
-    }
+    if (to.spring == nullptr) return;
+    for (; apart != 0; apart &= apart - 1) to.spring[to.near[first + static_cast<Row>(__builtin_ctz(apart))].pair] = {};
 }
 
 inline constexpr std::size_t near_rows_per_chunk = 1024; // a multiple of NearIndex::group

@@ -23,20 +23,14 @@ template <class Pairs> void add_pairs(const World& world, std::vector<Sum>& sums
     const auto& index = world.resource<NearIndex<Pairs>>();
     if (index.size() == 0) return;
     const auto force = world.column<typename Pairs::Near, PairForce>();
-    const auto add = [&](Sum& sum, Row k, double sign) {
-        if (!index.touches(k)) return;
-        const Vec3 f(force[k].fx, force[k].fy, force[k].fz);
-        sum.resultant += sign * f;
-        sum.total += f.norm();
-        ++sum.contacts;
-    };
-    for (Row b = 0; b < sums.size(); ++b) {
-        for (Row i = index.incident_first[b]; i < index.incident_first[b + 1]; ++i)
-            add(sums[b], index.incident[i], -1);
-        for (Row k = index.owned_first[b]; k < index.owned_first[b + 1]; ++k) add(sums[b], k, 1);
-    }
-    for (Row k = 0; k < index.size(); ++k) 
-        if (index.touches(k)) ++balance.contacts;
+    for (Row b = 0; b < sums.size(); ++b)
+        index.for_contacts_of(b, [&](Row k, bool as_partner) {
+            const Vec3 f(force[k].fx, force[k].fy, force[k].fz);
+            sums[b].resultant += as_partner ? -f : f;
+            sums[b].total += f.norm();
+            ++sums[b].contacts;
+            if (!as_partner) ++balance.contacts;
+        });
 }
 
 } // namespace

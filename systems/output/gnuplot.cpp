@@ -30,7 +30,7 @@ private:
 };
 
 bool send(std::FILE* to, std::string_view text) {
-    return std::fwrite(text.data(), 1, text.size(), to) == text.size();
+    return text.empty() || std::fwrite(text.data(), 1, text.size(), to) == text.size();
 }
 
 bool complain(const std::filesystem::path& png, const char* why) {

@@ -34,9 +34,10 @@ template <class... Columns> void swap_rows(World& world, Row a, Row b) {
 }
 
 /// A squeezed rock and one of the same shape, a little smaller, that is squeezed less change places,
-/// with all their motion; the larger one starts with the smaller one's size and has to grow. `tries`
-/// pairs are drawn. The set of rocks, and so the grading, stays what it is.
-void exchange_rocks(World& world, std::uint64_t draw, std::size_t tries) {
+/// with all their motion; the larger one starts with the smaller one's size and has to grow. A
+/// rock that finds no room to grow gives its place back in the same way. `tries` pairs are drawn,
+/// `only_stuck`: of which only such rocks are taken. The set of rocks, and so the grading, stays what it is.
+void exchange_rocks(World& world, std::uint64_t draw, std::size_t tries, bool only_stuck) {
     constexpr double least_ratio = 0.9; // of sizes
     const auto& specimen = world.resource<Specimen>();
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
@@ -53,12 +54,12 @@ void exchange_rocks(World& world, std::uint64_t draw, std::size_t tries) {
         const Row small = rows[order[i]], large = rows[order[i + 1]];
         const double ratio = specimen.scale[order[i]] / specimen.scale[order[i + 1]];
         if (shape[small] != shape[large] || ratio < least_ratio || squeezed[large] <= squeezed[small]) continue;
-        if (growth[small] < 1 || growth[large] < 1) continue;
+        if (growth[small] < 1 || growth[large] < ratio || (only_stuck && growth[large] == 1)) continue;
         swap_rows<Position, Orientation, Velocity, Acceleration, AngularMomentum, Spin, StepSpin, InertialMass,
                   InertialInertia>(world, small, large);
         growth[large] = ratio;
+        invalidate_lists(world);
     }
-    invalidate_lists(world);
 }
 
 /// The speed (m/s) at which vibrated rocks move: `vibration` of their mean bounding radius in a step.
@@ -139,7 +140,7 @@ void TriaxialTest::compact() {
     // an exchange leaves rocks that must grow yet: only when all are full does a porosity count
     const bool wanted = std::abs(state.prepared_porosity + swelling - settings_.porosity) <= 0.5 * settings_.porosity_tolerance;
     const bool exchanging = state.phase_steps / exchange_steps % 2 == 0;
-    if (!wanted && exchanging) exchange_rocks(world, state.phase_steps, rocks.size() / 20);
+    if (exchanging) exchange_rocks(world, state.phase_steps, rocks.size() / 20, wanted);
     const bool full = grow_rocks(world, rocks, 1 + growth_per_step * compaction_block, squeezing_limit);
     if (measured && wanted && full) return start_consolidation();
     if (state.phase_steps < settings_.longest_compaction) return;

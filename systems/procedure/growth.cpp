@@ -18,12 +18,9 @@ template <class Pairs> void note_overlaps(const World& world, std::span<double> 
     if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
     const auto force = world.column<typename Pairs::Near, PairForce>();
-    for (Row b = 0; b < largest.size(); ++b) {
-        for (Row i = index.incident_first[b]; i < index.incident_first[b + 1]; ++i)
-            largest[b] = std::max(largest[b], force[index.incident[i]].overlap);
-        for (Row k = index.owned_first[b]; k < index.owned_first[b + 1]; ++k)
-            largest[b] = std::max(largest[b], force[k].overlap);
-    }
+    if (index.size() == 0) return;
+    for (Row b = 0; b < largest.size(); ++b)
+        index.for_contacts_of(b, [&](Row k, bool) { largest[b] = std::max(largest[b], force[k].overlap); });
 }
 
 } // namespace

@@ -86,17 +86,14 @@ void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
     const NearEntry* entry = near.column<NearPair>();
     const ForceRow* force = near.column<PairForce>();
     const Foot* foot = near.column<FootOf>();
-    // by ascending id of the grains, as all sums of forces
-    for (Row i = index.incident_first[membrane.body_row]; i < index.incident_first[membrane.body_row + 1]; ++i) {
-        const Row k = index.incident[i];
-        if (!index.touches(k)) continue;
+    index.for_contacts_of(membrane.body_row, [&](Row k, bool) {
         const Vec3& outward = membrane.outward[entry[k].other];
         const double radial = -(force[k].fx * outward.x() + force[k].fy * outward.y());
         push[foot[k].lower] += (1 - foot[k].share) * radial;
         push[foot[k].upper] += foot[k].share * radial;
         hold[foot[k].lower] += 1 - foot[k].share;
         hold[foot[k].upper] += foot[k].share;
-    }
+    });
 }
 
 void book_membrane_work(Rows<Bodies, BoundaryWork> bodies, Rows<Elements, const ElementPush, const ElementSpeed> elements,

@@ -16,8 +16,7 @@ void steer_platen(Rows<Planes, const HostRow> planes,
     platen.pressure = push / area;
     if (platen.controlled) {
         double stiffness = platen.contact_stiffness;
-        for (Row k = index.incident_first[host]; k < index.incident_first[host + 1]; ++k)
-            if (index.touches(index.incident[k])) stiffness += platen.contact_stiffness;
+        stiffness += platen.contact_stiffness * (index.contact_end[host] - index.first_contact(host));
         ServoMotion servo{platen.stiffness, platen.damping, platen.largest_step, clock.dt};
         platen.speed = servo.next(platen.speed, platen.target_pressure * area - push, stiffness);
     }

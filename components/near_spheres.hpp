@@ -1,0 +1,22 @@
+#pragma once
+
+#include "components/sphere.hpp"
+#include "engine/lanes.hpp"
+
+namespace bris {
+
+/// Bit q is set where spheres own(q) and other(q), rows of places, are less than `skin` (m) apart; for
+/// q < lane_count.
+template <class Own, class Other> unsigned near_lanes(Own&& own, Other&& other, double skin) {
+    const Lane sign = in_each_row(Quad{-1, -1, -1, 1}), reach = in_each_row(Quad{0, 0, 0, skin});
+    const auto a = load_rows([&](int q) { return &own(q).x; });
+    const auto b = load_rows([&](int q) { return &other(q).x; });
+    FourLanes squares; // of the distance along each axis, less that of the reach
+    for (std::size_t q = 0; q < 4; ++q) {
+        const Lane d = a[q] + sign * b[q] + reach;
+        squares[q] = d * d * -sign;
+    }
+    return bits(row_sums(squares) < 0.0);
+}
+
+} // namespace bris
