@@ -33,10 +33,8 @@ struct LocalDamping {
     static constexpr bool is_state = true;
     double fraction = 0.7;
 
-    void save(Archive& archive) const {
-        archive.put("local_damping", std::span<const double>(&fraction, 1));
-    }
-    void load(const Archive& archive) { fraction = archive.get<double>("local_damping").at(0); }
+    void save(Archive& archive) const { put_fields(archive, "local_damping", std::tie(fraction)); }
+    void load(const Archive& archive) { get_fields(archive, "local_damping", std::tie(fraction)); }
 };
 
 /// How the pair lists are kept. No choice here can change a bit of the result.
@@ -67,15 +65,8 @@ struct Limits {
     Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity()); ///< m, no free body may leave this box
     Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
 
-    void save(Archive& archive) const {
-        const std::array<double, 2> numbers{overlap, speed};
-        archive.put("limits", std::span<const double>(numbers));
-    }
-    void load(const Archive& archive) {
-        const auto numbers = archive.get<double>("limits");
-        overlap = numbers.at(0);
-        speed = numbers.at(1);
-    }
+    void save(Archive& archive) const { put_fields(archive, "limits", std::tie(overlap, speed)); }
+    void load(const Archive& archive) { get_fields(archive, "limits", std::tie(overlap, speed)); }
 };
 
 } // namespace bris

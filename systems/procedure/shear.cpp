@@ -1,5 +1,4 @@
 #include "components/body.hpp"
-#include "components/kinds.hpp"
 #include "components/material.hpp"
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
@@ -11,7 +10,7 @@
 #include "systems/procedure/specimen_state.hpp"
 #include "systems/procedure/triaxial.hpp"
 #include "systems/output/porosity.hpp"
-#include "systems/output/contacts.hpp"
+#include "systems/output/stress.hpp"
 #include "systems/servo/membrane.hpp"
 #include "systems/servo/platen.hpp"
 
@@ -22,31 +21,6 @@
 namespace bris {
 
 namespace {
-
-struct Tensor {
-    double axial = 0, radial = 0;
-    void add(const Vec3& force, const Vec3& branch) {
-        axial += force.z() * branch.z();
-        radial += 0.5 * (force.x() * branch.x() + force.y() * branch.y());
-    }
-};
-
-// contact forces times branch vectors, and boundary forces times their places; not yet divided by V
-template <class Pairs>
-void add_stress(const World& world, const std::vector<Row>& rows, Tensor& contact, Tensor& boundary) {
-    const auto position = world.column<Bodies, Position>();
-    const auto motion = world.column<Bodies, MotionOf>();
-    for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
-        const Vec3 force(p.force.fx, p.force.fy, p.force.fz), point(p.force.px, p.force.py, p.force.pz);
-        const Row owner = rows[p.names.owner], partner = rows[p.names.partner];
-        if (motion[partner] == static_cast<std::uint32_t>(Motion::free)) {
-            contact.add(force, position[owner] - position[partner]);
-        } else {
-            contact.add(force, position[owner] - point);
-            boundary.add(force, -point);
-        }
-    }
-}
 
 // strain rate * d * sqrt(density / mean stress), with the masses that move: d of the mean rock by mass
 double inertial_number(const World& world, const std::vector<Row>& rows, double rate, double stress) {
@@ -104,12 +78,11 @@ TriaxialPoint TriaxialTest::measure_point() const {
     p.axial_strain = s.height > 0 ? 1 - top / s.height : 0;
     p.volumetric_strain = s.volume > 0 ? 1 - volume / s.volume : 0;
 
-    Tensor contact, boundary;
-    for_each_kind_of_pair([&]<class Pairs>() { add_stress<Pairs>(world, rows, contact, boundary); });
-    p.contact_axial = contact.axial / volume;
-    p.contact_radial = contact.radial / volume;
-    p.boundary_axial = boundary.axial / volume;
-    p.boundary_radial = boundary.radial / volume;
+    const Stresses stresses = measure_stresses(world);
+    p.contact_axial = stresses.contact.axial / volume;
+    p.contact_radial = stresses.contact.radial / volume;
+    p.boundary_axial = stresses.boundary.axial / volume;
+    p.boundary_radial = stresses.boundary.radial / volume;
 
     const Quantities q = measure(world);
     p.unbalanced = q.unbalanced_ratio;

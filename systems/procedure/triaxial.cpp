@@ -6,6 +6,7 @@
 #include "components/settings.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/output/balance.hpp"
+#include "systems/output/stress.hpp"
 #include "components/platen.hpp"
 #include "components/membrane.hpp"
 
@@ -93,7 +94,9 @@ bool TriaxialTest::is_in_equilibrium() const {
     };
     if (std::any_of(membrane.pressure.begin(), membrane.pressure.end(), off)) return false;
     const auto& platen = world.resource<Platen>();
-    return !platen.controlled || !off(platen.pressure);
+    if (platen.controlled && off(platen.pressure)) return false;
+    // small forces left on many rocks weigh more in the stress of a large specimen
+    return measure_stresses(world).mismatch() <= settings_.pressure_tolerance;
 }
 
 double TriaxialTest::fraction() const {

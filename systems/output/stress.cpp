@@ -1,0 +1,54 @@
+#include "systems/output/stress.hpp"
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/settings.hpp"
+#include "engine/ordering.hpp"
+#include "systems/output/contacts.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+void add(AxisymmetricStress& sum, const Vec3& force, const Vec3& branch) {
+    sum.axial += force.z() * branch.z();
+    sum.radial += 0.5 * (force.x() * branch.x() + force.y() * branch.y());
+}
+
+template <class Pairs> void add_pairs(const World& world, const std::vector<Row>& rows, Stresses& s) {
+    const auto position = world.column<Bodies, Position>();
+    const auto motion = world.column<Bodies, MotionOf>();
+    for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
+        const Vec3 force(p.force.fx, p.force.fy, p.force.fz), point(p.force.px, p.force.py, p.force.pz);
+        const Row owner = rows[p.names.owner], partner = rows[p.names.partner];
+        if (motion[partner] == static_cast<std::uint32_t>(Motion::free)) {
+            add(s.contact, force, position[owner] - position[partner]);
+        } else {
+            add(s.contact, force, position[owner] - point);
+            add(s.boundary, force, -point);
+        }
+    }
+}
+
+} // namespace
+
+double Stresses::mismatch() const {
+    return std::max(std::abs(contact.axial / boundary.axial - 1), std::abs(contact.radial / boundary.radial - 1));
+}
+
+Stresses measure_stresses(const World& world) {
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    Stresses s;
+    for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, rows, s); });
+    if (!world.has_resource<Gravity>()) return s;
+    const auto motion = world.column<Bodies, MotionOf>();
+    for (const Row r : rows)
+        if (motion[r] == static_cast<std::uint32_t>(Motion::free))
+            add(s.boundary, world.column<Bodies, Mass>()[r] * world.resource<Gravity>().value, -world.column<Bodies, Position>()[r]);
+    return s;
+}
+
+} // namespace bris
