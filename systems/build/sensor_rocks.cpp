@@ -14,19 +14,24 @@ namespace {
 
 constexpr std::uint64_t orientation_stream = 1001;
 
+// distance from the axis of those that stand beside the membrane
+double places_beside(const SensorRoom& room) { return room.radius - 1.02 * room.bounding_radius; }
+
 } // namespace
 
-std::vector<SmartRockPose> smart_rock_poses(const SensorRoom& room, std::uint64_t seed) {
+std::size_t smart_rock_count(const SensorRoom& room) {
+    // a rock fills its bounding sphere along its longest axis only, so 1.8 of its radii keep two apart
+    const double beside = places_beside(room);
+    return beside >= 1.8 * room.bounding_radius ? 10 : std::sqrt(3.0) * beside >= 1.8 * room.bounding_radius ? 7 : 3;
+}
+
+std::vector<SmartRockPose> smart_rock_poses(const SensorRoom& room, std::uint64_t seed, std::size_t count) {
     std::vector<SmartRockPose> poses;
     Random random(seed, orientation_stream);
-    const double beside = room.radius - 1.02 * room.bounding_radius;
-    // a rock fills its bounding sphere along its longest axis only
-    require(beside >= 1.8 * room.bounding_radius,
-            fmt::format("specimen: expected room for two sensor rocks beside each other, found a radius of {:g} m for "
-                        "rocks of {:g} m; try more bodies", room.radius, room.bounding_radius));
+    const double beside = places_beside(room);
     const auto put = [&](double height, unsigned around) {
-        poses.push_back({{0, 0, height * room.height}, random.rotation()});
-        for (unsigned k = 0; k < around; ++k) {
+        if (count != 7) poses.push_back({{0, 0, height * room.height}, random.rotation()});
+        for (unsigned k = 0; count != 3 && k < around; ++k) {
             const double angle = 2 * pi * k / 3;
             poses.push_back({{beside * std::cos(angle), beside * std::sin(angle), height * room.height}, random.rotation()});
         }

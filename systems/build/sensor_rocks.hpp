@@ -19,11 +19,14 @@ struct SensorRoom {
     double radius, height, bounding_radius;
 };
 
+/// How many of the ten sensor rocks of smart_rock_poses a mould has room for: 10, or 7 without those in the
+/// centre, or 3 without those beside the membrane.
+std::size_t smart_rock_count(const SensorRoom& room);
+
 /// Ten sensor rocks at the interfaces of four lifts (inventory T4): at a quarter of the height one in
 /// the centre and one beside the membrane; at the half and three quarters one in the centre and
-/// three beside the membrane at 120 degrees. Orientations are drawn from the seed. Throws InputError if
-/// the mould is too small.
-std::vector<SmartRockPose> smart_rock_poses(const SensorRoom& room, std::uint64_t seed);
+/// three beside the membrane at 120 degrees; or 7 or 3 of them. Orientations are drawn from the seed.
+std::vector<SmartRockPose> smart_rock_poses(const SensorRoom& room, std::uint64_t seed, std::size_t count);
 
 /// The poses of a CSV file, a line for each sensor rock: x_over_radius, y_over_radius, z_over_height,
 /// qw, qx, qy, qz (a unit quaternion, principal axes to world). Throws InputError with file:line.

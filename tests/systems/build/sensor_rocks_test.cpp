@@ -31,14 +31,26 @@ bool has(const std::string& text, const std::string& part) { return text.find(pa
 
 TEST_SUITE("build/sensor_rocks") {
     TEST_CASE("ten sensor rocks stand at the interfaces of the lifts, clear of each other and of the membrane") {
-        const auto poses = smart_rock_poses(room, 1);
+        const auto poses = smart_rock_poses(room, 1, smart_rock_count(room));
         REQUIRE(poses.size() == 10);
         for (std::size_t a = 0; a < poses.size(); ++a) {
             CHECK(poses[a].position.head<2>().norm() + room.bounding_radius <= room.radius);
             CHECK(poses[a].orientation.norm() == doctest::Approx(1).epsilon(1e-14));
             for (std::size_t b = 0; b < a; ++b) CHECK((poses[a].position - poses[b].position).norm() > 1.7 * room.bounding_radius);
         }
-        CHECK_THROWS_AS(smart_rock_poses({0.06, 0.24, 0.03}, 1), InputError);
+    }
+
+    TEST_CASE("a smaller mould gets the seven beside the membrane or the three in the centre, clear of each other") {
+        for (const double radius : {0.046, 0.058, 0.063, 0.075, 0.083, 0.086}) {
+            const SensorRoom small{radius, 4 * radius, 0.03};
+            const auto poses = smart_rock_poses(small, 1, smart_rock_count(small));
+            CAPTURE(radius);
+            CHECK(poses.size() == (radius < 0.062 ? 3 : radius < 0.0846 ? 7 : 10));
+            for (std::size_t a = 0; a < poses.size(); ++a) {
+                CHECK(poses[a].position.head<2>().norm() + small.bounding_radius <= small.radius);
+                for (std::size_t b = 0; b < a; ++b) CHECK((poses[a].position - poses[b].position).norm() > 1.5 * small.bounding_radius);
+            }
+        }
     }
 
     TEST_CASE("given poses are read as they stand, relative to the mould") {

@@ -26,7 +26,7 @@ Simulation small_test(unsigned threads, ListSettings lists = {}, ScheduleSetting
     const Clump smart = scaled(clumps[0], 0.02);
     s.radius = radius_for(sample.solid_volume + 10 * smart.volume, 0.42, s.sectors);
     s.height = 4 * s.radius;
-    World world = make_triaxial_world(s, clumps, smart, sample.rocks, smart_rock_poses({s.radius, s.height, smart.bounding_radius}, s.seed));
+    World world = make_triaxial_world(s, clumps, smart, sample.rocks, smart_rock_poses({s.radius, s.height, smart.bounding_radius}, s.seed, 10));
     add_lists(world, true, lists);
     add_ledger(world);
     world.add_resource<TriaxialState>();
