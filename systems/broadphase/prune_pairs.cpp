@@ -79,7 +79,7 @@ template <class Pairs> void make_incidence(World& world) {
     std::vector<Row> next(index.incident_first.begin(), index.incident_first.end());
     for (std::size_t k = 0; k < count; ++k)
         index.incident[next[rows[entry[k].pair].partner_body]++] = static_cast<Row>(k);
-    index.contact.resize(2 * count + 4); // some more, for those who look ahead
+    index.contact.resize(2 * count + index.look_ahead);
     index.contact_end.resize(bodies); // of nobody yet
     for (Row b = 0; b < bodies; ++b) index.contact_end[b] = index.first_contact(b);
     for_chunks(bodies, 256, [&](std::size_t, std::size_t begin, std::size_t end) {

@@ -32,9 +32,10 @@ template <class Pairs>
 void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torque, const ForceRow* record,
                  const NearIndex<Pairs>& index, const double* slip, double* friction) {
     for (Row b = bodies.first; b < bodies.last; ++b) {
-        if (b + 4 < bodies.last) // records lie where the pairs lie: called for in time, mostly all of a body
-            for (Row k = 0; k < 4; ++k)
-                __builtin_prefetch(&record[index.contact[index.first_contact(b + 4) + k] & ~index.as_partner]);
+        // records lie where the owners' pairs lie: the first few of a body to come are called for in time
+        if (const Row coming = b + 4; coming < bodies.last)
+            for (Row k = 0; k < index.look_ahead; ++k)
+                __builtin_prefetch(&record[index.contact[index.first_contact(coming) + k] & ~index.as_partner]);
         if (index.first_contact(b) == index.contact_end[b]) continue;
         WrenchSum sum(position[b]);
         double work = friction != nullptr ? friction[b] : 0;
