@@ -46,6 +46,9 @@ struct PairForce : Derived<ForceRow> { static constexpr auto name = "force", uni
 /// Work that friction takes in this step, only where an energy ledger is kept.
 struct SlipWork : Derived<double> { static constexpr auto name = "slip_work", unit = "J"; };
 
+/// Near rows that one task works on: a multiple of NearIndex::group.
+inline constexpr std::size_t near_rows_per_chunk = 1024;
+
 /// Who is near whom, body by body. Near rows of an owner stand together; `incident` lists the near
 /// rows in which a body is the partner, by ascending id of the owner.
 template <class Pairs> struct NearIndex {

@@ -35,8 +35,6 @@ void forget_lists(World& world);
 
 namespace detail {
 
-/// Brings SpherePlace up to date.
-void locate_spheres(World& world);
 inline Vec3 centre_of(const PlaceRow& p) { return {p.x, p.y, p.z}; }
 
 /// Candidate of a pair table before it gets its row.

@@ -42,7 +42,7 @@ template <class Pairs, class Near> void list_near(World& world, Near&& near_bits
     if (index.group > 1 && count % index.group != 0)
         index.touching.back() = static_cast<std::uint8_t>((1u << (count % index.group)) - 1);
     index.centred = world.table<Bodies>().has<SphereInertia>();
-    index.too_deep.assign((count + 1023) / 1024, no_row);
+    index.too_deep.assign((count + near_rows_per_chunk - 1) / near_rows_per_chunk, no_row);
     index.listed.assign(index.touching.size(), 0);
 }
 
@@ -156,7 +156,6 @@ void prune_pairs(World& world) {
     auto& state = world.resource<ListState>();
     const double skin = world.resource<ListSettings>().inner_skin;
     Table& bodies = world.table<Bodies>();
-    detail::locate_spheres(world);
     const auto place = world.column<Spheres, SpherePlace>();
     list_near_spheres(world, skin);
     make_incidence<SpherePairs>(world);

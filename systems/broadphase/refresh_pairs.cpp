@@ -134,10 +134,7 @@ void tune_skins(const World& world, ListSettings& settings, const ListState& sta
     settings.outer_skin = std::clamp(settings.outer_skin, 2 * settings.inner_skin, settings.largest_skin);
 }
 
-} // namespace
-
-namespace detail {
-
+/// Brings SpherePlace up to date.
 void locate_spheres(World& world) {
     const Table& bodies = world.table<Bodies>();
     Table& spheres = world.table<Spheres>();
@@ -157,7 +154,7 @@ void locate_spheres(World& world) {
     });
 }
 
-} // namespace detail
+} // namespace
 
 bool lists_are_due(const World& world) {
     if (world.resource<ListState>().stale) return true;
@@ -174,7 +171,7 @@ void refresh_pairs(World& world) {
     if (!state.stale) {
         tune_skins(world, settings, state);
         const double gone = 2 * largest_travel(world);
-        if (gone + settings.inner_skin <= state.candidate_skin) return; // the candidates still serve
+        if (gone + settings.inner_skin <= state.candidate_skin) return locate_spheres(world); // the candidates still serve
     }
     find_runs(world);
     choose_skins(world, settings);
@@ -188,7 +185,7 @@ void refresh_pairs(World& world) {
     const Poses poses(bodies);
     for (Row b = 0; b < bodies.size(); ++b) refreshed[b] = poses[b];
 
-    detail::locate_spheres(world);
+    locate_spheres(world);
     detail::find_sphere_pairs(world, settings.outer_skin);
     if (world.has<PlanePairs>()) detail::find_plane_pairs(world, settings.outer_skin);
     if (world.has<FacetPairs>()) detail::find_facet_pairs(world, settings.outer_skin);

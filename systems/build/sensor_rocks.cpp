@@ -29,9 +29,10 @@ std::vector<SmartRockPose> smart_rock_poses(const SensorRoom& room, std::uint64_
     std::vector<SmartRockPose> poses;
     Random random(seed, orientation_stream);
     const double beside = places_beside(room);
+    const bool in_the_centre = count != 7, at_the_membrane = count != 3;
     const auto put = [&](double height, unsigned around) {
-        if (count != 7) poses.push_back({{0, 0, height * room.height}, random.rotation()});
-        for (unsigned k = 0; count != 3 && k < around; ++k) {
+        if (in_the_centre) poses.push_back({{0, 0, height * room.height}, random.rotation()});
+        for (unsigned k = 0; at_the_membrane && k < around; ++k) {
             const double angle = 2 * pi * k / 3;
             poses.push_back({{beside * std::cos(angle), beside * std::sin(angle), height * room.height}, random.rotation()});
         }

@@ -130,7 +130,7 @@ void collide_chunk(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs
 }
 
 template <class Law> void run_chunks(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index) {
-    for_chunks(index.size(), detail::near_rows_per_chunk,
+    for_chunks(index.size(), near_rows_per_chunk,
                [&](std::size_t chunk, std::size_t first, std::size_t last) {
                    collide_chunk<Law>(s, to, index, chunk, first, last);
                });

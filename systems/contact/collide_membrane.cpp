@@ -111,7 +111,7 @@ void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf> near, detail:
     lay_out_bands(surface, bands);
     const Band band{surface, bands.radii.data(), {listed, bodies, index}, elements.column<ElementSpeed>(),
                     near.column<FootOf>(), limits.overlap};
-    for_chunks(index.size(), detail::near_rows_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
+    for_chunks(index.size(), near_rows_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
         collide_chunk<Law>(to, band, index, chunk, first, last);
     });
 }

@@ -36,7 +36,7 @@ void collide_chunk(const TileTarget& to, const Movers& movers, const PlanePlaceR
 template <class Law>
 void run(const TileTarget& to, const Movers& movers, const PlanePlaceRow* planes,
          NearIndex<PlanePairs>& index, const Limits& limits) {
-    for_chunks(index.size(), detail::near_rows_per_chunk,
+    for_chunks(index.size(), near_rows_per_chunk,
                [&](std::size_t chunk, std::size_t first, std::size_t last) {
                    collide_chunk<Law>(to, movers, planes, index, limits.overlap, chunk, first, last);
                });

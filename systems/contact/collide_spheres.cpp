@@ -101,7 +101,7 @@ struct Tile {
 template <class Law>
 void collide_chunk(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs>& index,
                    std::size_t chunk, std::size_t first, std::size_t last) {
-    alignas(64) std::array<Row, detail::near_rows_per_chunk + 8> touching;
+    alignas(64) std::array<Row, near_rows_per_chunk + 8> touching;
     std::size_t count = 0;
     for (std::size_t group = first; group < last; group += 8) {
         unsigned now = touching_lanes(to.near + group, tile.movers.place);
@@ -124,7 +124,7 @@ void collide_chunk(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs
 
 template <class Law>
 void run(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs>& index, std::size_t near_rows) {
-    for_chunks(near_rows, detail::near_rows_per_chunk,
+    for_chunks(near_rows, near_rows_per_chunk,
                [&](std::size_t chunk, std::size_t first, std::size_t last) {
                    collide_chunk<Law>(to, tile, index, chunk, first, last);
                });

@@ -80,6 +80,4 @@ inline void forget(const TileTarget& to, Row first, unsigned apart) {
     for (; apart != 0; apart &= apart - 1) to.spring[to.near[first + static_cast<Row>(__builtin_ctz(apart))].pair] = {};
 }
 
-inline constexpr std::size_t near_rows_per_chunk = 1024; // a multiple of NearIndex::group
-
 } // namespace bris::detail

@@ -37,11 +37,10 @@ template <class... Columns> void swap_rows(World& world, Row a, Row b) {
 /// with all their motion; the larger one starts with the smaller one's size and has to grow. A
 /// rock that finds no room to grow gives its place back in the same way. `tries` pairs are drawn,
 /// `only_stuck`: of which only such rocks are taken. The set of rocks, and so the grading, stays what it is.
-void exchange_rocks(World& world, std::uint64_t draw, std::size_t tries, bool only_stuck) {
+void exchange_rocks(World& world, std::span<const double> squeezed, std::uint64_t draw, std::size_t tries, bool only_stuck) {
     constexpr double least_ratio = 0.9; // of sizes
     const auto& specimen = world.resource<Specimen>();
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
-    const auto squeezed = largest_overlaps(world);
     const auto shape = world.column<Bodies, ShapeOf>();
     const auto growth = world.column<Bodies, Growth>();
     std::vector<EntityId> order = specimen.rocks; // by shape, then size: partners are neighbours
@@ -140,8 +139,9 @@ void TriaxialTest::compact() {
     // an exchange leaves rocks that must grow yet: only when all are full does a porosity count
     const bool wanted = std::abs(state.prepared_porosity + swelling - settings_.porosity) <= 0.5 * settings_.porosity_tolerance;
     const bool exchanging = state.phase_steps / exchange_steps % 2 == 0;
-    if (exchanging) exchange_rocks(world, state.phase_steps, rocks.size() / 20, wanted);
-    const bool full = grow_rocks(world, rocks, 1 + growth_per_step * compaction_block, squeezing_limit);
+    const auto squeezed = largest_overlaps(world);
+    if (exchanging) exchange_rocks(world, squeezed, state.phase_steps, rocks.size() / 20, wanted);
+    const bool full = grow_rocks(world, rocks, squeezed, 1 + growth_per_step * compaction_block, squeezing_limit);
     if (measured && wanted && full) return start_consolidation();
     if (state.phase_steps < settings_.longest_compaction) return;
     throw SimulationError(fmt::format(

@@ -106,7 +106,7 @@ void TriaxialTest::fill() {
     if (state.lift == 0 && state.phase_steps == 0) start_lift();
     run(growth_block);
     const bool grown = grow_rocks(world, rocks_of_lift(world.resource<Specimen>(), state.lift, settings_.lifts),
-                                  1 + growth_per_step * growth_block, squeezing_limit);
+                                  largest_overlaps(world), 1 + growth_per_step * growth_block, squeezing_limit);
     if (!grown && state.phase_steps > 10 * settings_.longest_stage)
         throw SimulationError(fmt::format("filling: lift {} of {} has no room for its rocks after {} steps; "
                                           "try more rocks or a higher initial porosity",

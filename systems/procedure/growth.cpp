@@ -48,8 +48,7 @@ void resize_rocks(World& world, std::span<const EntityId> rocks) {
     invalidate_lists(world);
 }
 
-bool grow_rocks(World& world, std::span<const EntityId> rocks, double factor, double limit) {
-    const auto squeezed = largest_overlaps(world);
+bool grow_rocks(World& world, std::span<const EntityId> rocks, std::span<const double> squeezed, double factor, double limit) {
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto growth = world.column<Bodies, Growth>();
     const auto radius = world.column<Bodies, BoundingRadius>();
