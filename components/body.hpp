@@ -41,6 +41,8 @@ struct Growth          : State<double> { static constexpr auto name = "growth", 
 
 // the energy ledger of a body, since the start; columns that are only there if somebody asks
 struct FrictionWork    : State<double> { static constexpr auto name = "friction_work", unit = "J"; };      // taken in the pairs it owns
+struct ViscousWork     : State<double> { static constexpr auto name = "viscous_work", unit = "J"; };       // likewise, by dashpots
+struct RollingWork     : State<double> { static constexpr auto name = "rolling_work", unit = "J"; };       // likewise, by rolling and twisting
 struct DampingWork     : State<double> { static constexpr auto name = "damping_work", unit = "J"; };       // taken by local damping
 struct ScalingWork     : State<double> { static constexpr auto name = "scaling_work", unit = "J"; };       // put in when masses are scaled in motion
 struct BoundaryWork    : State<double> { static constexpr auto name = "boundary_work", unit = "J"; };      // a driven body's, on the grains
@@ -49,10 +51,13 @@ struct Force           : Derived<Vec3> { static constexpr auto name = "force", u
 struct Torque          : Derived<Vec3> { static constexpr auto name = "torque", unit = "N m"; };           // about Position
 struct Travel          : Derived<double> { static constexpr auto name = "travel", unit = "m"; };           // bound, since the last prune
 
-/// What a touching contact reads of a body in one cache line: velocity of its centre, inverse inertial mass
-/// (0 if driven), spin; and the centre itself, from which the velocity of any of its points follows.
+/// What a touching contact reads of a body in one cache line: velocity of its centre over the last step, inverse
+/// inertial mass (0 if driven), spin over the last step; and the centre itself, from which the velocity of any of its points follows.
 struct alignas(64) MotionRow { double vx, vy, vz, inverse_mass, spin_x, spin_y, spin_z, unused; };
 struct alignas(32) CentreRow { double x, y, z, unused; };
+/// What dashpots need besides: from the velocities of the last step's middle to those of its end.
+struct alignas(64) KickRow { double vx, vy, vz, unused, spin_x, spin_y, spin_z, unused_too; };
+struct Kick            : Derived<KickRow> { static constexpr auto name = "kick", unit = "m/s, rad/s"; };   // only for laws with dashpots
 struct RigidMotion     : Derived<MotionRow> { static constexpr auto name = "rigid_motion", unit = "m/s, 1/kg, rad/s"; };
 struct CentreOf        : Derived<CentreRow> { static constexpr auto name = "centre", unit = "m"; };        // kept only for clumps
 

@@ -21,12 +21,19 @@ struct PairNames {
 };
 struct PairKey : State<PairNames, std::uint32_t> { static constexpr auto name = "key", unit = ""; static constexpr bool is_key = true; };
 
-/// Stretch of the tangential spring, world frame, half a step ahead of the positions. Zero if the
-/// pair does not touch, so that being a candidate leaves no trace.
-struct alignas(32) SpringRow { double x, y, z, unused; };
+/// Stretch of the tangential spring, world frame, and the tangent stiffness that it was last used with
+/// (1 for linear laws). Zero if the pair does not touch, so that being a candidate leaves no trace.
+struct alignas(32) SpringRow { double x, y, z, stiffness; };
 struct Spring : State<SpringRow> {
     static constexpr auto name = "spring", unit = "m";
-    static bool keep(const SpringRow& s) { return s.x != 0 || s.y != 0 || s.z != 0; }
+    static bool keep(const SpringRow& s) { return s.stiffness != 0; }
+};
+
+/// Stretch of the rolling spring, world frame, and of the twisting spring: displacements of the surfaces.
+struct alignas(32) RollRow { double x, y, z, twist; };
+struct Roll : State<RollRow> {
+    static constexpr auto name = "roll", unit = "m";
+    static bool keep(const RollRow& r) { return r.x != 0 || r.y != 0 || r.z != 0 || r.twist != 0; }
 };
 
 /// Rows behind the names: spheres, or sphere and facet or plane; and the row of the partner body.
@@ -43,8 +50,14 @@ struct NearPair : Derived<NearEntry> { static constexpr auto name = "near", unit
 struct alignas(64) ForceRow { double fx, fy, fz, overlap, px, py, pz, normal_force; };
 struct PairForce : Derived<ForceRow> { static constexpr auto name = "force", unit = "N, m"; };
 
-/// Work that friction takes in this step, only where an energy ledger is kept.
-struct SlipWork : Derived<double> { static constexpr auto name = "slip_work", unit = "J"; };
+/// What rolling and twisting resistance do to the owner now (the partner gets the opposite).
+struct alignas(32) TorqueRow { double x, y, z, unused; };
+struct PairTorque : Derived<TorqueRow> { static constexpr auto name = "torque", unit = "N m"; };
+
+/// What a pair takes in this step, only where an energy ledger is kept: sliding friction (and what a Mindlin
+/// spring gives up), dashpots, resistance to rolling and twisting.
+struct alignas(32) WorkRow { double friction, viscous, rolling, unused; };
+struct PairWork : Derived<WorkRow> { static constexpr auto name = "work", unit = "J"; };
 
 /// Near rows that one task works on: a multiple of NearIndex::group.
 inline constexpr std::size_t near_rows_per_chunk = 1024;

@@ -53,7 +53,7 @@ World make_scene(const Settle& settings, std::uint64_t seed) {
     SphereBed bed = settings.bed;
     bed.seed = seed;
     World world = make_sphere_bed(bed);
-    add_lists(world, true);
+    add_lists(world, LawName::linear_viscous);
     return world;
 }
 

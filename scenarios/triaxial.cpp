@@ -117,7 +117,7 @@ Scene make_scene(const Triaxial& t, const Common& common) {
 
 Simulation make_simulation(const Scene& s, unsigned threads, const Common& common) {
     World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rock, s.sample.rocks, s.poses);
-    add_lists(world, true);
+    add_lists(world, LawName::linear);
     add_ledger(world);
     world.add_resource<TriaxialState>();
     Simulation simulation(std::move(world), steps(LawName::linear, true), threads, {.serial = common.serial});

@@ -13,18 +13,23 @@ namespace bris {
 
 namespace {
 
-template <class Pairs> System gather_of(const char* name, bool ledger) {
-    return required(ledger ? row_local(name, gather_and_book<Pairs>) : row_local(name, gather<Pairs>));
+template <class Pairs> System gather_of(const char* name, LawName law, bool ledger) {
+    if (has_rolling(law))
+        return required(ledger ? row_local(name, gather_and_book<Pairs, PairTorque>) : row_local(name, gather<Pairs, PairTorque>));
+    return required(ledger && has_springs(law) ? row_local(name, gather_and_book<Pairs>) : row_local(name, gather<Pairs>));
 }
 
-template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
+} // namespace
+
+StepList steps(LawName law, bool ledger) {
     const auto due = lists_are_due;
     return {
         // rarely: new lists, then everything placed anew
         when(due, system("refresh_pairs", refresh_pairs)),
         when(due, system("prune_pairs", prune_pairs)),
-        when(due, row_local("place_spheres again", place_spheres<time>)),
-        when(due, row_local("place again", place<time>)),
+        when(due, row_local("place_spheres again", place_spheres)),
+        when(due, row_local("place again", place)),
+        when(due, row_local("place_kicks again", place_kicks)),
         when(due, system("place_planes again", place_planes)),
         when(due, system("place_facets again", place_facets)),
         // forces of pairs
@@ -40,17 +45,18 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         // forces on bodies, and their motion: one pass over the rows
         row_local("clear_forces", clear_forces),
         row_local("weigh", weigh),
-        gather_of<SpherePairs>("gather_spheres", ledger),
-        gather_of<FacetPairs>("gather_facets", ledger),
-        gather_of<PlanePairs>("gather_planes", ledger),
+        gather_of<SpherePairs>("gather_spheres", law, ledger),
+        gather_of<FacetPairs>("gather_facets", law, ledger),
+        gather_of<PlanePairs>("gather_planes", law, ledger),
         row_local("gather_membrane", gather<MembranePairs>),
         row_local("book_boundary_work", book_boundary_work),
         required(ledger ? row_local("damp_and_book", damp_and_book) : row_local("damp", damp)),
         row_local("integrate", integrate),
         row_local("turn_spheres", turn_spheres),
         row_local("turn", turn),
-        row_local("place_spheres", place_spheres<time>),
-        row_local("place", place<time>),
+        row_local("place_spheres", place_spheres),
+        row_local("place", place),
+        row_local("place_kicks", place_kicks),
         row_local("measure_travel", measure_travel),
         row_local("measure_travel_and_turn", measure_travel_and_turn),
         // boundaries
@@ -69,13 +75,6 @@ template <VelocityTime time> StepList steps_with(LawName law, bool ledger) {
         system("guard_planes", guard_overlap<PlanePairs>),
         system("guard_membrane", guard_overlap<MembranePairs>),
     };
-}
-
-} // namespace
-
-StepList steps(LawName law, bool ledger) {
-    return law == LawName::linear_viscous ? steps_with<VelocityTime::now>(law, ledger)
-                                          : steps_with<VelocityTime::last_step>(law, ledger);
 }
 
 } // namespace bris

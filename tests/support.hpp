@@ -36,19 +36,7 @@ inline std::uint32_t add_material(World& world, const Material& material) {
 
 /// A material of which two partners have a contact of stiffness `kn`, `ks` (they act in series).
 inline Material contact_material(double kn, double ks = 0, double friction = 0, double density = 2600) {
-    return {"grain", density, 2 * kn, 2 * ks, friction, 0, 0};
-}
-
-/// Spin of a free body, with the angular momentum that goes with it.
-inline void set_spin(World& world, EntityId body, const Vec3& spin) {
-    of<Spin>(world, body) = spin;
-    if (world.table<Bodies>().has<SphereInertia>()) {
-        of<AngularMomentum>(world, body) = of<SphereInertia>(world, body) * spin;
-    } else {
-        const Quat& q = of<Orientation>(world, body);
-        const Vec3 local = q.conjugate() * spin;
-        of<AngularMomentum>(world, body) = q * Vec3(local.cwiseProduct(of<InertialInertia>(world, body)));
-    }
+    return {.name = "grain", .density = density, .normal_stiffness = 2 * kn, .shear_stiffness = 2 * ks, .friction = friction};
 }
 
 struct RunSettings {
@@ -62,7 +50,7 @@ struct RunSettings {
 /// Adds the lists and the steps to a scene that is complete.
 inline Simulation start(World world, const RunSettings& s) {
     world.resource<Clock>().dt = s.dt;
-    add_lists(world, s.law != LawName::linear_frictionless, s.lists);
+    add_lists(world, s.law, s.lists);
     Simulation simulation(std::move(world), steps(s.law), s.threads, s.schedule);
     simulation.on_restore(invalidate_lists);
     return simulation;
@@ -139,7 +127,8 @@ inline World bed(const BedSettings& s) {
     material.normal_damping = 1500;
     material.shear_damping = 750;
     const auto grain = add_material(world, material);
-    const auto wall = add_material(world, {"wall", 0, 4e5, 1e5, 0.3, 1000, 500});
+    const auto wall = add_material(world, {.name = "wall", .normal_stiffness = 4e5, .shear_stiffness = 1e5, .friction = 0.3,
+                                           .normal_damping = 1000, .shear_damping = 500});
     const int n = static_cast<int>(std::ceil(std::cbrt(s.bodies * 0.5)));
     const double pitch = 0.0187;
     Random random(s.seed, 7);

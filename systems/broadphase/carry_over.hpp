@@ -5,49 +5,64 @@
 
 namespace bris::detail {
 
-/// Springs of a pair table by name, kept while the table is made anew.
-class KeptSprings {
+/// History of a pair table (Spring or Roll) by name, kept while the table is made anew.
+template <class History> class Kept {
 public:
-    /// Takes the stretched springs of the table; `bodies`: number of body ids.
-    KeptSprings(const Table& table, std::size_t bodies) {
-        if (!table.has<Spring>()) return;
+    /// Takes what is worth keeping; `bodies`: number of body ids.
+    Kept(const Table& table, std::size_t bodies) {
+        if (!table.has<History>()) return;
         const auto names = table.column<PairKey>();
-        const auto springs = table.column<Spring>();
+        const auto values = table.column<History>();
         first_.assign(bodies + 1, 0);
         for (std::size_t r = 0; r < table.size(); ++r)
-            if (Spring::keep(springs[r])) ++first_[names[r].owner + 1];
+            if (History::keep(values[r])) ++first_[names[r].owner + 1];
         for (std::size_t b = 0; b < bodies; ++b) first_[b + 1] += first_[b];
         kept_.resize(first_.back());
         std::vector<Row> next(first_.begin(), first_.end());
         // pairs of one owner stand together and in order, so each owner's run stays in order
         for (std::size_t r = 0; r < table.size(); ++r)
-            if (Spring::keep(springs[r])) kept_[next[names[r].owner]++] = {names[r], springs[r]};
+            if (History::keep(values[r])) kept_[next[names[r].owner]++] = {names[r], values[r]};
     }
 
-    /// Spring of the pair of that name, or zero. `cursor` starts at first(owner) and is moved on by
+    /// History of the pair of that name, or zero. `cursor` starts at first(owner) and is moved on by
     /// calls in ascending order.
-    SpringRow find(const PairNames& names, Row& cursor) const {
+    typename History::Value find(const PairNames& names, Row& cursor) const {
         const Row end = first_[names.owner + 1];
         while (cursor < end && kept_[cursor].names < names) ++cursor;
-        if (cursor < end && kept_[cursor].names == names) return kept_[cursor].spring;
+        if (cursor < end && kept_[cursor].names == names) return kept_[cursor].value;
         return {};
     }
     Row first(EntityId owner) const { return first_[owner]; }
 
 private:
-    struct Kept {
+    struct Entry {
         PairNames names;
-        SpringRow spring;
+        typename History::Value value;
     };
     std::vector<Row> first_; // by owner's id
-    std::vector<Kept> kept_;
+    std::vector<Entry> kept_;
 };
+
+/// Gives the new rows of a table what was kept of the old ones.
+template <class History> void give_back(Table& table, const Kept<History>& kept, const std::vector<Row>& first) {
+    if (!table.has<History>()) return;
+    const auto names = table.column<PairKey>();
+    const auto values = table.column<History>();
+    for_chunks(first.size() - 1, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+            if (first[b] == first[b + 1]) continue;
+            Row cursor = kept.first(names[first[b]].owner);
+            for (Row r = first[b]; r < first[b + 1]; ++r) values[r] = kept.find(names[r], cursor);
+        }
+    });
+}
 
 /// Makes the rows of a pair table from candidates collected body by body, springs carried over.
 template <class Pairs>
 void replace_pairs(World& world, const ChunkLists<Candidate>& found, const std::vector<Row>& first) {
     Table& table = world.table<Pairs>();
-    const KeptSprings kept(table, world.table<Bodies>().size());
+    const Kept<Spring> springs(table, world.table<Bodies>().size());
+    const Kept<Roll> rolls(table, world.table<Bodies>().size());
     table.resize(0);
     table.resize(found.size());
     const auto names = table.column<PairKey>();
@@ -57,15 +72,8 @@ void replace_pairs(World& world, const ChunkLists<Candidate>& found, const std::
         rows[place] = c.rows;
     });
     world.resource<Candidates<Pairs>>().first = first;
-    if (!table.has<Spring>()) return;
-    const auto springs = table.column<Spring>();
-    for_chunks(first.size() - 1, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b) {
-            if (first[b] == first[b + 1]) continue;
-            Row cursor = kept.first(names[first[b]].owner);
-            for (Row r = first[b]; r < first[b + 1]; ++r) springs[r] = kept.find(names[r], cursor);
-        }
-    });
+    give_back(table, springs, first);
+    give_back(table, rolls, first);
 }
 
 } // namespace bris::detail

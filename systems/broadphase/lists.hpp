@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/material.hpp"
 #include "components/pair.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
@@ -22,8 +23,8 @@ void refresh_pairs(World& world);
 void prune_pairs(World& world);
 
 /// Adds what the lists need to a scene whose bodies, spheres and boundaries are all there.
-/// `history`: the law has tangential springs.
-void add_lists(World& world, bool history, ListSettings settings = {});
+/// The law says which columns pairs have; the same law is to be given to `steps`.
+void add_lists(World& world, LawName law, ListSettings settings = {});
 
 /// Tells the lists that bodies were moved, added or changed by hand: they are made anew before the
 /// next step.

@@ -18,13 +18,17 @@ template <class Pairs, class Near> void list_near(World& world, Near&& near_bits
     const auto rows = pairs.column<PairRows>();
     const auto& candidates = world.resource<detail::Candidates<Pairs>>().first;
     SpringRow* spring = pairs.has<Spring>() ? pairs.column<Spring>().data() : nullptr;
+    RollRow* roll = pairs.has<Roll>() ? pairs.column<Roll>().data() : nullptr;
     auto& index = world.resource<NearIndex<Pairs>>();
     detail::ChunkLists<NearEntry> found;
     found.collect(candidates.size() - 1, index.owned_first, [&](std::vector<NearEntry>& list, Row b) {
         for (Row first = candidates[b], last = candidates[b + 1]; first < last; first += lane_count) {
             const unsigned count = std::min<unsigned>(lane_count, last - first), now = near_bits(&rows[first], count);
             for (Row p = first; spring != nullptr && p < first + count; ++p)
-                if (((now >> (p - first)) & 1) == 0 && Spring::keep(spring[p])) spring[p] = {};
+                if (((now >> (p - first)) & 1) == 0 && Spring::keep(spring[p])) {
+                    spring[p] = {};
+                    if (roll != nullptr) roll[p] = {};
+                }
             for (unsigned rest = now; rest != 0; rest &= rest - 1) {
                 const Row p = first + static_cast<Row>(__builtin_ctz(rest));
                 list.push_back({rows[p].sphere, rows[p].other, p, rows[p].law});

@@ -211,21 +211,23 @@ void forget_lists(World& world) {
 
 namespace {
 
-template <class Pairs> void add_pair_tables(World& world, bool history) {
+template <class Pairs> void add_pair_tables(World& world, LawName law) {
     Table& pairs = world.table<Pairs>();
     pairs.add<PairKey>();
     pairs.add<PairRows>();
-    if (history) pairs.add<Spring>();
+    if (has_springs(law)) pairs.add<Spring>();
+    if (has_rolling(law)) pairs.add<Roll>();
     Table& near = world.table<typename Pairs::Near>();
     near.add<NearPair>();
     near.add<PairForce>();
+    if (has_rolling(law)) near.add<PairTorque>();
     world.add_resource<NearIndex<Pairs>>();
     world.add_resource<detail::Candidates<Pairs>>();
 }
 
 } // namespace
 
-void add_lists(World& world, bool history, ListSettings settings) {
+void add_lists(World& world, LawName law, ListSettings settings) {
     Table& bodies = world.table<Bodies>();
     bodies.add<SpheresOf>();
     bodies.add<Travel>();
@@ -235,21 +237,23 @@ void add_lists(World& world, bool history, ListSettings settings) {
     bodies.add<Torque>();
     bodies.add<RigidMotion>();
     bodies.add<CentreOf>();
+    if (has_dashpots(law)) bodies.add<Kick>();
     world.table<Spheres>().add<ListedSlot>();
     world.table<Spheres>().add<SpherePlace>();
     Table& listed = world.table<Listed>();
     listed.add<ListedBall>();
     listed.add<ListedBody>();
     listed.add<Place>();
-    add_pair_tables<SpherePairs>(world, history);
-    if (world.has<Planes>()) add_pair_tables<PlanePairs>(world, history);
-    if (world.has<Facets>()) add_pair_tables<FacetPairs>(world, history);
+    add_pair_tables<SpherePairs>(world, law);
+    if (world.has<Planes>()) add_pair_tables<PlanePairs>(world, law);
+    if (world.has<Facets>()) add_pair_tables<FacetPairs>(world, law);
     if (world.has<Elements>()) {
-        add_pair_tables<MembranePairs>(world, false); // without friction
+        add_pair_tables<MembranePairs>(world, LawName::linear_frictionless); // whatever the law between grains
         world.table<NearMembrane>().add<FootOf>();
         world.add_resource<MembraneBands>();
     }
     world.add_resource(settings);
+    world.add_resource(ContactLaw{law});
     world.add_resource<ListState>();
 }
 

@@ -183,6 +183,19 @@ Row row_of_body(const World& world, EntityId body) {
     throw InputError("no body has the id " + std::to_string(body));
 }
 
+void set_spin(World& world, EntityId body, const Vec3& spin) {
+    Table& bodies = world.table<Bodies>();
+    const Row row = row_of_body(world, body);
+    bodies.column<Spin>()[row] = bodies.column<StepSpin>()[row] = spin;
+    if (bodies.has<SphereInertia>()) {
+        bodies.column<AngularMomentum>()[row] = bodies.column<SphereInertia>()[row] * spin;
+    } else {
+        const Quat& q = bodies.column<Orientation>()[row];
+        const Vec3 local = q.conjugate() * spin;
+        bodies.column<AngularMomentum>()[row] = q * Vec3(local.cwiseProduct(bodies.column<InertialInertia>()[row]));
+    }
+}
+
 EntityId add_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material) {
     const EntityId host = add_boundary(world, Vec3::Zero(), material);
     for (int a = 0; a < 3; ++a) {

@@ -42,6 +42,9 @@ void add_membrane(World& world, Membrane membrane, double radius, std::uint32_t 
 /// Row of a body now.
 Row row_of_body(const World& world, EntityId body);
 
+/// Spin of a body, rad/s, with the angular momentum that goes with it. A boundary that turns keeps its shape.
+void set_spin(World& world, EntityId body, const Vec3& spin);
+
 /// A box of six planes on one fixed body, grains inside.
 EntityId add_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material);
 

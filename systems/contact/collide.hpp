@@ -1,14 +1,14 @@
 #pragma once
 
 #include "engine/system.hpp"
-#include "systems/contact/laws/law.hpp"
+#include "components/material.hpp"
 
 namespace bris {
 
-// With `ledger`, the work that friction takes is booked for each near pair (undamped laws).
+// With `ledger`, the work that friction, dashpots and rolling take is booked for each near pair.
 
 /// Finds which near pairs of spheres touch and writes their forces; moves their springs on. Each
-/// pair writes only itself. Reads packed rows; velocities and positions are of one time.
+/// pair writes only itself. Reads packed rows.
 System collide_spheres(LawName law, bool ledger);
 
 /// The same for spheres against facets: contacts are reduced to one for each feature of a body (face

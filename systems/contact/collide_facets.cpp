@@ -3,10 +3,10 @@
 #include "engine/parallel.hpp"
 #include "systems/contact/collide.hpp"
 #include "systems/contact/facet_geometry.hpp"
-#include "systems/contact/laws/linear.hpp"
 #include "systems/contact/scalar_tile.hpp"
 
 #include <span>
+#include <utility>
 
 namespace bris {
 
@@ -75,6 +75,7 @@ void hand_over_springs(const TileTarget& to, std::span<const Nearest> run, std::
         if (heir == run.size()) return;
         spring_of(heir) = spring_of(d);
         spring_of(d) = {};
+        if (to.roll != nullptr) to.roll[to.near[first + heir].pair] = std::exchange(to.roll[to.near[first + d].pair], {});
     }
 }
 
@@ -97,7 +98,8 @@ std::uint64_t collide_sphere_with_body(const Surfaces& s, const TileTarget& to, 
         const auto k = static_cast<std::size_t>(__builtin_ctzll(rest));
         const auto row = static_cast<Row>(first + k);
         if (radius - run[k].distance > s.deepest * radius) too_deep = row;
-        tile.add(row, run[k].normal, run[k].distance, s.facets[to.near[row].other].velocity);
+        const SurfaceMotion& motion = s.facets[to.near[row].other].motion;
+        tile.add(row, run[k].normal, run[k].distance, motion.at(run[k].point), motion.spin);
     }
     return touching;
 }
@@ -136,42 +138,23 @@ template <class Law> void run_chunks(const Surfaces& s, const TileTarget& to, Ne
                });
 }
 
-template <class Law, class... Ledger>
-void collide(Rows<NearFacets, const NearPair, PairForce, Ledger...> near,
-             detail::ListedSpheres listed, detail::MovingBodies bodies,
-             Rows<Facets, const FacetPlace> facets,
-             Rows<FacetPairs, const PairKey, Spring> pairs, NearIndex<FacetPairs>& index,
-             const Materials& materials, const Limits& limits, const Clock& clock) {
-    run_chunks<Law>({{listed, bodies, index}, facets.column<FacetPlace>(),
-                     pairs.column<PairKey>(), limits.overlap},
-                    {near.template column<NearPair>(), pairs.column<Spring>(), near.template column<PairForce>(), detail::ledger_of(near),
-                     materials.pairs.data(), materials.pairs.size() == 1, clock.dt},
-                    index);
-}
-
-void collide_frictionless(Rows<NearFacets, const NearPair, PairForce> near,
-                          detail::ListedSpheres listed, detail::MovingBodies bodies,
-                          Rows<Facets, const FacetPlace> facets,
-                          Rows<FacetPairs, const PairKey> pairs, NearIndex<FacetPairs>& index,
-                          const Materials& materials, const Limits& limits, const Clock& clock) {
-    run_chunks<LinearFrictionless>(
-        {{listed, bodies, index}, facets.column<FacetPlace>(),
-         pairs.column<PairKey>(), limits.overlap},
-        {near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr, materials.pairs.data(),
-         materials.pairs.size() == 1, clock.dt},
-        index);
-}
+template <class Law, class Near, class Pairs> struct Collide;
+template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
+    static void facets(Rows<NearFacets, const NearPair, PairForce, Near...> near, detail::ListedSpheres listed,
+                       detail::MovingBodies<Law> bodies, Rows<Facets, const FacetPlace> places,
+                       Rows<FacetPairs, const PairKey, Pairs...> pairs, NearIndex<FacetPairs>& index, const Materials& materials,
+                       const Limits& limits, const Clock& clock) {
+        run_chunks<Law>({{listed, bodies, index}, places.template column<FacetPlace>(), pairs.template column<PairKey>(), limits.overlap},
+                        detail::target_of<Law>(near, pairs, materials, clock), index);
+    }
+};
 
 } // namespace
 
 System collide_facets(LawName law, bool ledger) {
-    constexpr auto name = "collide_facets";
-    switch (law) {
-    case LawName::linear: return ledger ? system(name, collide<Linear, SlipWork>) : system(name, collide<Linear>);
-    case LawName::linear_viscous: return system(name, collide<LinearViscous>);
-    case LawName::linear_frictionless: break;
-    }
-    return system(name, collide_frictionless);
+    return with_law(law, ledger, []<class Law, class Near, class Pairs>() {
+        return system("collide_facets", Collide<Law, Near, Pairs>::facets);
+    });
 }
 
 } // namespace bris

@@ -3,7 +3,6 @@
 #include "components/settings.hpp"
 #include "engine/parallel.hpp"
 #include "systems/contact/collide.hpp"
-#include "systems/contact/laws/linear.hpp"
 #include "systems/contact/scalar_tile.hpp"
 
 namespace bris {
@@ -75,7 +74,7 @@ void add_touching(const Found& f, unsigned touching, const Band& band, const Til
         band.foot[row] = foot;
         const double speed = (1 - foot.share) * band.speed[foot.lower] + foot.share * band.speed[foot.upper];
         const Vec3 outward(f.outward_x[k], f.outward_y[k], 0);
-        tile.add(row, Vec3(radial * outward.x(), radial * outward.y(), f.nearest.axial[k]), distance, speed * outward);
+        tile.add(row, Vec3(radial * outward.x(), radial * outward.y(), f.nearest.axial[k]), distance, speed * outward, Vec3::Zero());
     }
 }
 
@@ -102,11 +101,10 @@ void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePai
 // a membrane has no friction, whatever the law between grains
 template <class Law>
 void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf> near, detail::ListedSpheres listed,
-             detail::MovingBodies bodies, Rows<Elements, const ElementRadius, const ElementSpeed> elements,
+             detail::MovingBodies<Law> bodies, Rows<Elements, const ElementRadius, const ElementSpeed> elements,
              NearIndex<MembranePairs>& index, MembraneBands& bands, const Membrane& membrane, const Materials& materials,
              const Limits& limits, const Clock& clock) {
-    const TileTarget to{near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr,
-                        materials.pairs.data(), materials.pairs.size() == 1, clock.dt};
+    const TileTarget to = detail::target_of<Law>(near, Rows<MembranePairs>({}, 0, {}), materials, clock);
     const MembraneSurface surface(membrane, elements.column<ElementRadius>());
     lay_out_bands(surface, bands);
     const Band band{surface, bands.radii.data(), {listed, bodies, index}, elements.column<ElementSpeed>(),
@@ -120,8 +118,9 @@ void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf> near, detail:
 
 System collide_membrane(LawName law) {
     constexpr auto name = "collide_membrane";
-    if (law == LawName::linear_viscous) return system(name, collide<LinearViscousFrictionless>);
-    return system(name, collide<LinearFrictionless>);
+    if (is_hertz(law))
+        return has_dashpots(law) ? system(name, collide<Law<HertzNormal, Dashpots, Frictionless>>) : system(name, collide<HertzFrictionless>);
+    return has_dashpots(law) ? system(name, collide<Law<LinearNormal, Dashpots, Frictionless>>) : system(name, collide<LinearFrictionless>);
 }
 
 } // namespace bris

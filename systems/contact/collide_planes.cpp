@@ -3,7 +3,6 @@
 #include "components/settings.hpp"
 #include "engine/parallel.hpp"
 #include "systems/contact/collide.hpp"
-#include "systems/contact/laws/linear.hpp"
 #include "systems/contact/scalar_tile.hpp"
 
 namespace bris {
@@ -22,11 +21,12 @@ void collide_chunk(const TileTarget& to, const Movers& movers, const PlanePlaceR
         for (std::size_t row = group; row < std::min(group + 8, last); ++row) {
             const PlaceRow& p = movers.place[to.near[row].owner];
             const PlanePlaceRow& plane = planes[to.near[row].other];
-            const double distance = (Vec3(p.x, p.y, p.z) - plane.point).dot(plane.normal);
+            const Vec3 centre(p.x, p.y, p.z);
+            const double distance = (centre - plane.point).dot(plane.normal);
             if (!(distance < p.radius)) continue;
             now |= 1u << (row - group);
             if (p.radius - distance > deepest * p.radius) index.too_deep[chunk] = static_cast<Row>(row);
-            tile.add(static_cast<Row>(row), plane.normal, distance, plane.velocity);
+            tile.add(static_cast<Row>(row), plane.normal, distance, plane.motion.at(centre - distance * plane.normal), plane.motion.spin);
         }
         detail::book(to, index, group, now);
     }
@@ -42,35 +42,22 @@ void run(const TileTarget& to, const Movers& movers, const PlanePlaceRow* planes
                });
 }
 
-template <class Law, class... Ledger>
-void collide(Rows<NearPlanes, const NearPair, PairForce, Ledger...> near,
-             detail::ListedSpheres listed, detail::MovingBodies bodies, Rows<Planes, const PlanePlace> planes,
-             Rows<PlanePairs, Spring> pairs, NearIndex<PlanePairs>& index, const Materials& materials,
-             const Limits& limits, const Clock& clock) {
-    run<Law>({near.template column<NearPair>(), pairs.column<Spring>(), near.template column<PairForce>(), detail::ledger_of(near),
-              materials.pairs.data(), materials.pairs.size() == 1, clock.dt},
-             {listed, bodies, index}, planes.column<PlanePlace>(), index, limits);
-}
-
-void collide_frictionless(Rows<NearPlanes, const NearPair, PairForce> near,
-                          detail::ListedSpheres listed, detail::MovingBodies bodies, Rows<Planes, const PlanePlace> planes,
-                          NearIndex<PlanePairs>& index, const Materials& materials,
-                          const Limits& limits, const Clock& clock) {
-    run<LinearFrictionless>({near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr,
-                             materials.pairs.data(), materials.pairs.size() == 1, clock.dt},
-                            {listed, bodies, index}, planes.column<PlanePlace>(), index, limits);
-}
+template <class Law, class Near, class Pairs> struct Collide;
+template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
+    static void planes(Rows<NearPlanes, const NearPair, PairForce, Near...> near, detail::ListedSpheres listed,
+                       detail::MovingBodies<Law> bodies, Rows<Planes, const PlanePlace> places, Rows<PlanePairs, Pairs...> pairs,
+                       NearIndex<PlanePairs>& index, const Materials& materials, const Limits& limits, const Clock& clock) {
+        run<Law>(detail::target_of<Law>(near, pairs, materials, clock), {listed, bodies, index}, places.column<PlanePlace>(), index,
+                 limits);
+    }
+};
 
 } // namespace
 
 System collide_planes(LawName law, bool ledger) {
-    constexpr auto name = "collide_planes";
-    switch (law) {
-    case LawName::linear: return ledger ? system(name, collide<Linear, SlipWork>) : system(name, collide<Linear>);
-    case LawName::linear_viscous: return system(name, collide<LinearViscous>);
-    case LawName::linear_frictionless: break;
-    }
-    return system(name, collide_frictionless);
+    return with_law(law, ledger, []<class Law, class Near, class Pairs>() {
+        return system("collide_planes", Collide<Law, Near, Pairs>::planes);
+    });
 }
 
 } // namespace bris

@@ -3,7 +3,6 @@
 #include "components/settings.hpp"
 #include "engine/parallel.hpp"
 #include "systems/contact/collide.hpp"
-#include "systems/contact/laws/linear.hpp"
 #include "systems/contact/tile.hpp"
 
 namespace bris {
@@ -42,10 +41,11 @@ struct Tile {
                             va[3] + sign * vb[3]});
         const auto wa = transpose(rows_of(movers.motion, own, &MotionRow::spin_x));
         const auto wb = transpose(rows_of(movers.motion, other, &MotionRow::spin_x));
+        FourLanes xa = a, xb = b; // centres of the bodies
         if (movers.centre != nullptr) {
             // from velocities of the bodies to those of the spheres' centres
-            const auto xa = transpose(rows_of(movers.centre, own, &CentreRow::x));
-            const auto xb = transpose(rows_of(movers.centre, other, &CentreRow::x));
+            xa = transpose(rows_of(movers.centre, own, &CentreRow::x));
+            xb = transpose(rows_of(movers.centre, other, &CentreRow::x));
             const Lane ax = a[0] - xa[0], ay = a[1] - xa[1], az = a[2] - xa[2];
             const Lane bx = b[0] - xb[0], by = b[1] - xb[1], bz = b[2] - xb[2];
             u[0] += (wa[1] * az - wa[2] * ay) - (wb[1] * bz - wb[2] * by);
@@ -61,36 +61,41 @@ struct Tile {
         c.nz = dz * inverse;
         c.overlap = max(reach - distance, lanes(0));
         c.inverse_mass = u[3];
+        if constexpr (Law::Normal::varying || Law::has_rolling) c.radius = a[3] * b[3] / reach;
         // the contact point lies in the middle of the overlap
         const Lane half = 0.5 * c.overlap, arm_a = a[3] - half, arm_b = b[3] - half;
         const Lane px = b[0] + c.nx * arm_b, py = b[1] + c.ny * arm_b, pz = b[2] + c.nz * arm_b;
-        c.ux = u[0];
-        c.uy = u[1];
-        c.uz = u[2];
-        c.twist = lanes(0);
+        if constexpr (Law::has_dashpots) {
+            const auto ka = transpose(rows_of(movers.kick, own, &KickRow::vx)), kb = transpose(rows_of(movers.kick, other, &KickRow::vx));
+            const auto ta = transpose(rows_of(movers.kick, own, &KickRow::spin_x)), tb = transpose(rows_of(movers.kick, other, &KickRow::spin_x));
+            const Lane ax = px - xa[0], ay = py - xa[1], az = pz - xa[2];
+            const Lane bx = px - xb[0], by = py - xb[1], bz = pz - xb[2];
+            const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1], wz = arm_a * wa[2] + arm_b * wb[2];
+            c.vx = u[0] - (wy * c.nz - wz * c.ny) + (ka[0] - kb[0]) + (ta[1] * az - ta[2] * ay) - (tb[1] * bz - tb[2] * by);
+            c.vy = u[1] - (wz * c.nx - wx * c.nz) + (ka[1] - kb[1]) + (ta[2] * ax - ta[0] * az) - (tb[2] * bx - tb[0] * bz);
+            c.vz = u[2] - (wx * c.ny - wy * c.nx) + (ka[2] - kb[2]) + (ta[0] * ay - ta[1] * ax) - (tb[0] * by - tb[1] * bx);
+        }
+        if constexpr (Law::has_rolling) {
+            c.wx = wa[0] - wb[0];
+            c.wy = wa[1] - wb[1];
+            c.wz = wa[2] - wb[2];
+        }
         if constexpr (Law::has_history) {
             const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1],
                        wz = arm_a * wa[2] + arm_b * wb[2];
-            Lane mx = c.nx, my = c.ny, mz = c.nz;
-            if constexpr (!Law::damped) {
-                // velocities of the last step belong to its middle, and so does this normal: or the
-                // approach of the pair would leak into its shear (Vyas et al. 2025)
-                const double half_step = 0.5 * to.dt;
-                mx = dx - half_step * u[0];
-                my = dy - half_step * u[1];
-                mz = dz - half_step * u[2];
-                const Lane scale = lanes(1) / max(sqrt(mx * mx + my * my + mz * mz), lanes(1e-300));
-                mx *= scale;
-                my *= scale;
-                mz *= scale;
-                const Lane approach = u[0] * mx + u[1] * my + u[2] * mz;
-                c.ux -= approach * mx;
-                c.uy -= approach * my;
-                c.uz -= approach * mz;
-            }
-            c.ux -= wy * mz - wz * my;
-            c.uy -= wz * mx - wx * mz;
-            c.uz -= wx * my - wy * mx;
+            // velocities of the last step belong to its middle, and so does this normal: or the
+            // approach of the pair would leak into its shear (Vyas et al. 2025)
+            const double half_step = 0.5 * to.step.dt;
+            Lane mx = dx - half_step * u[0], my = dy - half_step * u[1], mz = dz - half_step * u[2];
+            const Lane scale = lanes(1) / max(sqrt(mx * mx + my * my + mz * mz), lanes(1e-300));
+            mx *= scale;
+            my *= scale;
+            mz *= scale;
+            const Lane approach = u[0] * mx + u[1] * my + u[2] * mz;
+            c.closing = -approach;
+            c.ux = u[0] - approach * mx - (wy * mz - wz * my);
+            c.uy = u[1] - approach * my - (wz * mx - wx * mz);
+            c.uz = u[2] - approach * mz - (wx * my - wy * mx);
             c.twist = 0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
         }
         detail::apply_law<Law>(to, rows, count, c, px, py, pz);
@@ -130,33 +135,22 @@ void run(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs>& index, 
                });
 }
 
-template <class Law, class... Ledger>
-void collide(Rows<NearSpheres, const NearPair, PairForce, Ledger...> near,
-             detail::ListedSpheres listed, detail::MovingBodies bodies, Rows<SpherePairs, Spring> pairs,
-             NearIndex<SpherePairs>& index, const Materials& materials, const Limits& limits, const Clock& clock) {
-    const TileTarget to{near.template column<NearPair>(), pairs.column<Spring>(), near.template column<PairForce>(), detail::ledger_of(near),
-                        materials.pairs.data(),  materials.pairs.size() == 1, clock.dt};
-    run<Law>(to, {{listed, bodies, index}, limits.overlap}, index, index.size());
-}
-
-void collide_frictionless(Rows<NearSpheres, const NearPair, PairForce> near,
-                          detail::ListedSpheres listed, detail::MovingBodies bodies, NearIndex<SpherePairs>& index,
-                          const Materials& materials, const Limits& limits, const Clock& clock) {
-    const TileTarget to{near.column<NearPair>(), nullptr, near.column<PairForce>(), nullptr,
-                        materials.pairs.data(),  materials.pairs.size() == 1, clock.dt};
-    run<LinearFrictionless>(to, {{listed, bodies, index}, limits.overlap}, index, index.size());
-}
+template <class Law, class Near, class Pairs> struct Collide;
+template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
+    static void spheres(Rows<NearSpheres, const NearPair, PairForce, Near...> near, detail::ListedSpheres listed,
+                        detail::MovingBodies<Law> bodies, Rows<SpherePairs, Pairs...> pairs, NearIndex<SpherePairs>& index,
+                        const Materials& materials, const Limits& limits, const Clock& clock) {
+        run<Law>(detail::target_of<Law>(near, pairs, materials, clock), {{listed, bodies, index}, limits.overlap}, index,
+                 index.size());
+    }
+};
 
 } // namespace
 
 System collide_spheres(LawName law, bool ledger) {
-    constexpr auto name = "collide_spheres";
-    switch (law) {
-    case LawName::linear: return ledger ? system(name, collide<Linear, SlipWork>) : system(name, collide<Linear>);
-    case LawName::linear_viscous: return system(name, collide<LinearViscous>);
-    case LawName::linear_frictionless: break;
-    }
-    return system(name, collide_frictionless);
+    return with_law(law, ledger, []<class Law, class Near, class Pairs>() {
+        return system("collide_spheres", Collide<Law, Near, Pairs>::spheres);
+    });
 }
 
 } // namespace bris

@@ -9,12 +9,14 @@ namespace bris {
 void add_ledger(World& world) {
     Table& bodies = world.table<Bodies>();
     bodies.add<FrictionWork>();
+    bodies.add<ViscousWork>();
+    bodies.add<RollingWork>();
     bodies.add<DampingWork>();
     bodies.add<ScalingWork>();
     bodies.add<BoundaryWork>();
     for_each_kind_of_pair([&]<class Pairs>() {
         if (world.has<Pairs>() && world.table<Pairs>().template has<Spring>())
-            world.table<typename Pairs::Near>().template add<SlipWork>();
+            world.table<typename Pairs::Near>().template add<PairWork>();
     });
 }
 

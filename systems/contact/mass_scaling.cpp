@@ -35,7 +35,7 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
 
     // contacts come at any time: as many of the stiffest kind as hold a rock are always counted
     double one = 0, true_mass = 0, stiffness_sum = 0;
-    for (const LawRow& law : world.resource<Materials>().pairs) one = std::max({one, law.kn, law.ks});
+    for (const LawRow& law : world.resource<Materials>().linear_pairs) one = std::max({one, law.kn, law.ks});
     const auto radius = bodies.column<BoundingRadius>();
     for (const Row b : rows) {
         BodyStiffness& k = stiffness[b];

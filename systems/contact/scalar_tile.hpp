@@ -13,31 +13,39 @@ public:
     ScalarTile(const TileTarget& to, const Movers& movers) : to_(to), movers_(movers) {}
 
     /// A sphere touches a surface at `distance` from its centre along `normal` (unit, from the
-    /// surface to the sphere); the surface moves with `velocity`.
-    void add(Row near_row, const Vec3& normal, double distance, const Vec3& velocity) {
+    /// surface to the sphere); the surface moves with `velocity` at the contact point, and turns with `turning`.
+    void add(Row near_row, const Vec3& normal, double distance, const Vec3& velocity, const Vec3& turning) {
         const Row slot = to_.near[near_row].owner;
         const PlaceRow& p = movers_.place[slot];
         const Row owner = movers_.body[slot];
         const MotionRow& body = movers_.motion[owner];
         const auto k = static_cast<std::size_t>(count_++);
         const double overlap = p.radius - distance, arm = p.radius - 0.5 * overlap;
-        const Vec3 centre(p.x, p.y, p.z), spin(body.spin_x, body.spin_y, body.spin_z);
-        Vec3 u = Vec3(body.vx, body.vy, body.vz) - velocity;
+        const Vec3 centre(p.x, p.y, p.z), spin(body.spin_x, body.spin_y, body.spin_z), point = centre - arm * normal;
+        Vec3 u = Vec3(body.vx, body.vy, body.vz) - velocity, middle = centre; // of the body
         if (movers_.centre != nullptr) {
             const CentreRow& x = movers_.centre[owner];
-            u += spin.cross(centre - Vec3(x.x, x.y, x.z));
+            middle = Vec3(x.x, x.y, x.z);
+            u += spin.cross(centre - middle);
         }
-        double twist = 0;
-        if constexpr (Law::has_history) {
-            u -= arm * spin.cross(normal);
-            twist = 0.5 * spin.dot(normal);
-        }
-        const Vec3 point = centre - arm * normal;
         rows_[k] = near_row;
-        const std::array<double, fields> values{normal.x(), normal.y(), normal.z(), overlap, u.x(), u.y(),
-                                                u.z(), twist, body.inverse_mass, point.x(), point.y(),
-                                                point.z()};
-        for (std::size_t i = 0; i < fields; ++i) values_[i][k] = values[i];
+        put(k, normal_at, normal);
+        put(k, point_at, point);
+        values_[overlap_at][k] = overlap;
+        values_[inverse_mass_at][k] = body.inverse_mass;
+        values_[radius_at][k] = p.radius;
+        if constexpr (Law::has_history) {
+            values_[closing_at][k] = -u.dot(normal);
+            u -= arm * spin.cross(normal);
+            values_[twist_at][k] = 0.5 * (spin + turning).dot(normal);
+            put(k, sliding_at, u);
+        }
+        if constexpr (Law::has_dashpots) {
+            const KickRow& kick = movers_.kick[owner];
+            const Vec3 more(kick.spin_x, kick.spin_y, kick.spin_z);
+            put(k, velocity_at, u + Vec3(kick.vx, kick.vy, kick.vz) + more.cross(point - middle));
+        }
+        if constexpr (Law::has_rolling) put(k, spin_at, spin - turning);
         if (count_ == lane_count) flush();
     }
 
@@ -49,13 +57,39 @@ public:
             for (auto& field : values_) field[k] = field[0];
         }
         const auto lane = [&](std::size_t i) { return *reinterpret_cast<const Lane*>(values_[i].data()); };
-        const ContactLanes c{lane(0), lane(1), lane(2), lane(3), lane(4), lane(5), lane(6), lane(7), lane(8)};
-        apply_law<Law>(to_, rows_.data(), count_, c, lane(9), lane(10), lane(11));
+        ContactLanes c{lane(normal_at),       lane(normal_at + 1), lane(normal_at + 2), lane(overlap_at),
+                       lane(inverse_mass_at), lane(radius_at)};
+        if constexpr (Law::has_history) {
+            c.ux = lane(sliding_at);
+            c.uy = lane(sliding_at + 1);
+            c.uz = lane(sliding_at + 2);
+            c.closing = lane(closing_at);
+            c.twist = lane(twist_at);
+        }
+        if constexpr (Law::has_dashpots) {
+            c.vx = lane(velocity_at);
+            c.vy = lane(velocity_at + 1);
+            c.vz = lane(velocity_at + 2);
+        }
+        if constexpr (Law::has_rolling) {
+            c.wx = lane(spin_at);
+            c.wy = lane(spin_at + 1);
+            c.wz = lane(spin_at + 2);
+        }
+        apply_law<Law>(to_, rows_.data(), count_, c, lane(point_at), lane(point_at + 1), lane(point_at + 2));
         count_ = 0;
     }
 
 private:
-    static constexpr std::size_t fields = 12;
+    // rows of values_: vectors take three
+    enum : std::size_t {
+        normal_at = 0, point_at = 3, sliding_at = 6, velocity_at = 9, spin_at = 12,
+        overlap_at = 15, inverse_mass_at, radius_at, closing_at, twist_at, fields
+    };
+    void put(std::size_t lane, std::size_t at, const Vec3& v) {
+        for (int i = 0; i < 3; ++i) values_[at + static_cast<std::size_t>(i)][lane] = v[i];
+    }
+
     TileTarget to_;
     Movers movers_;
     int count_ = 0;

@@ -4,24 +4,46 @@
 #include "components/material.hpp"
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
+#include "engine/clock.hpp"
 #include "engine/rows.hpp"
-#include "systems/contact/laws/law.hpp"
+#include "systems/contact/laws/composed.hpp"
 
 namespace bris::detail {
 
-/// What the kernels of the three pair kinds share: where the coefficients, springs and records are.
+/// What the kernels of all pair kinds share: where coefficients, springs and records are. Null: the law, or the
+/// scene, has none.
 struct TileTarget {
     const NearEntry* near;
-    SpringRow* spring; ///< null if the law has no history
+    SpringRow* spring;
+    RollRow* roll;
     ForceRow* force;
-    double* slip_work; ///< null if no ledger is kept
+    TorqueRow* torque;
+    WorkRow* work;
     const LawRow* laws;
+    const RollingRow* rolling_laws;
     bool one_law; ///< all pairs have the coefficients of laws[0]
-    double dt;
+    LawStep step;
 };
 
+template <class C, class K, class... Cs> auto* column_or_null(const Rows<K, Cs...>& rows) {
+    if constexpr ((std::is_same_v<Cs, C> || ...)) return rows.template column<C>();
+    else return static_cast<typename C::Value*>(nullptr);
+}
+
+template <class Law, class NearRows, class PairRowsOf>
+TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const Materials& materials, const Clock& clock) {
+    WorkRow* work = column_or_null<PairWork>(near);
+    const auto& laws = Law::Normal::varying ? materials.hertz_pairs : materials.linear_pairs;
+    return {near.template column<NearPair>(),  column_or_null<Spring>(pairs),    column_or_null<Roll>(pairs),
+            near.template column<PairForce>(), column_or_null<PairTorque>(near), work,
+            laws.data(),                       materials.rolling_pairs.data(),   laws.size() == 1,
+            {materials.policy, clock.dt, work != nullptr}};
+}
+
 using ListedSpheres = Rows<Listed, const Place, const ListedBody>;
-using MovingBodies = Rows<Bodies, const RigidMotion, const CentreOf>;
+template <class Law>
+using MovingBodies = std::conditional_t<Law::has_dashpots, Rows<Bodies, const RigidMotion, const CentreOf, const Kick>,
+                                        Rows<Bodies, const RigidMotion, const CentreOf>>;
 
 /// What contacts read of spheres, by slot, and of their bodies.
 struct Movers {
@@ -29,55 +51,71 @@ struct Movers {
     const Row* body;
     const MotionRow* motion; ///< by body, as the centre
     const CentreRow* centre; ///< null if every sphere stands in the centre of its body
-    template <class Pairs>
-    Movers(const ListedSpheres& listed, const MovingBodies& bodies, const NearIndex<Pairs>& index)
-        : place(listed.column<Place>()), body(listed.column<ListedBody>()), motion(bodies.column<RigidMotion>()),
-          centre(index.centred ? nullptr : bodies.column<CentreOf>()) {}
-};
+    const KickRow* kick;     ///< null if the law has no dashpots
+    template <class MovingRows, class Pairs>
+    Movers(const ListedSpheres& listed, const MovingRows& bodies, const NearIndex<Pairs>& index)
+        : place(listed.column<Place>()), body(listed.column<ListedBody>()), motion(bodies.template column<RigidMotion>()),
+          centre(index.centred ? nullptr : bodies.template column<CentreOf>()), kick(kick_of(bodies)) {}
 
-/// Where a system's near rows book slip work: null unless its signature has the column.
-template <class K, class... Cs> double* ledger_of(const Rows<K, Cs...>& near) {
-    if constexpr ((std::is_same_v<Cs, SlipWork> || ...)) return near.template column<SlipWork>();
-    else return nullptr;
-}
+private:
+    template <class... Cs> static const KickRow* kick_of(const Rows<Bodies, Cs...>& bodies) {
+        if constexpr ((std::is_same_v<Cs, const Kick> || ...)) return bodies.template column<Kick>();
+        else return nullptr;
+    }
+};
 
 inline CoefficientLanes coefficients(const TileTarget& to, const Row* rows) {
     if (to.one_law) {
         const LawRow& k = to.laws[0];
-        return {lanes(k.kn), lanes(k.ks), lanes(k.friction), lanes(k.normal_damping),
-                lanes(k.shear_damping)};
+        return {lanes(k.kn),         lanes(k.ks),           lanes(k.friction),   lanes(k.normal_rate),
+                lanes(k.shear_rate), lanes(k.normal_ratio), lanes(k.shear_ratio)};
     }
     const auto first = transpose(load_rows([&](int q) { return &to.laws[to.near[rows[q]].law].kn; }));
-    const auto rest =
-        transpose(load_rows([&](int q) { return &to.laws[to.near[rows[q]].law].shear_damping; }));
-    return {first[0], first[1], first[2], first[3], rest[0]};
+    const auto rest = transpose(load_rows([&](int q) { return &to.laws[to.near[rows[q]].law].shear_rate; }));
+    return {first[0], first[1], first[2], first[3], rest[0], rest[1], rest[2]};
 }
 
 /// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid rows),
 /// and writes their springs and records.
 template <class Law>
-void apply_law(const TileTarget& to, const Row* rows, int count, const ContactLanes& c, Lane px,
-               Lane py, Lane pz) {
+void apply_law(const TileTarget& to, const Row* rows, int count, const ContactLanes& c, Lane px, Lane py, Lane pz) {
+    const auto pair_of = [&](int q) { return to.near[rows[q]].pair; };
     SpringLanes spring{};
-    FourLanes stored;
+    RollLanes roll{};
+    RollingLanes rolling{};
     if constexpr (Law::has_history) {
-        stored = transpose(load_rows([&](int q) { return &to.spring[to.near[rows[q]].pair].x; }));
-        spring = {stored[0], stored[1], stored[2]};
+        const auto stored = transpose(load_rows([&](int q) { return &to.spring[pair_of(q)].x; }));
+        spring = {stored[0], stored[1], stored[2], stored[3]};
     }
-    const ForceLanes f = Law::force(c, coefficients(to, rows), to.dt, spring);
+    if constexpr (Law::has_rolling) {
+        const auto stored = transpose(load_rows([&](int q) { return &to.roll[pair_of(q)].x; }));
+        roll = {stored[0], stored[1], stored[2], stored[3]};
+        const auto k = transpose(load_rows([&](int q) { return &to.rolling_laws[to.near[rows[q]].law].rolling_friction; }));
+        rolling = {k[0], k[1], k[2], k[3]};
+    }
+    const ForceLanes f = Law::force(c, coefficients(to, rows), rolling, to.step, spring, roll);
     if constexpr (Law::has_history)
-        store_rows(transpose({spring.x, spring.y, spring.z, stored[3]}), count,
-                   [&](int q) { return &to.spring[to.near[rows[q]].pair].x; });
+        store_rows(transpose({spring.x, spring.y, spring.z, spring.stiffness}), count,
+                   [&](int q) { return &to.spring[pair_of(q)].x; });
+    if constexpr (Law::has_rolling) {
+        store_rows(transpose({roll.x, roll.y, roll.z, roll.twist}), count, [&](int q) { return &to.roll[pair_of(q)].x; });
+        store_rows(transpose({f.torque_x, f.torque_y, f.torque_z, Lane{}}), count, [&](int q) { return &to.torque[rows[q]].x; });
+    }
     store_rows(transpose({f.x, f.y, f.z, c.overlap}), count, [&](int q) { return &to.force[rows[q]].fx; });
     store_rows(transpose({px, py, pz, f.normal}), count, [&](int q) { return &to.force[rows[q]].px; });
-    if (to.slip_work != nullptr)
-        for (int q = 0; q < count; ++q) to.slip_work[rows[q]] = f.slip_work[q];
+    if (to.work != nullptr)
+        store_rows(transpose({f.work.friction, f.work.viscous, f.work.rolling, Lane{}}), count,
+                   [&](int q) { return &to.work[rows[q]].friction; });
 }
 
 /// Clears the springs of the pairs of one group that have come apart.
 inline void forget(const TileTarget& to, Row first, unsigned apart) {
     if (to.spring == nullptr) return;
-    for (; apart != 0; apart &= apart - 1) to.spring[to.near[first + static_cast<Row>(__builtin_ctz(apart))].pair] = {};
+    for (; apart != 0; apart &= apart - 1) {
+        const Row pair = to.near[first + static_cast<Row>(__builtin_ctz(apart))].pair;
+        to.spring[pair] = {};
+        if (to.roll != nullptr) to.roll[pair] = {};
+    }
 }
 
 } // namespace bris::detail

@@ -27,9 +27,9 @@ void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Accelerati
                    const LocalDamping& damping, const Clock& clock);
 
 /// Books the work of driven bodies on the grains: the force of this step times the mean of the
-/// displacements before and after it (trapezoidal rule).
-void book_boundary_work(Rows<Bodies, const MotionOf, const Force, const Velocity, const DriveVelocity,
-                             BoundaryWork> bodies,
+/// displacements before and after it (trapezoidal rule), and torque times spin.
+void book_boundary_work(Rows<Bodies, const MotionOf, const Force, const Torque, const Velocity, const DriveVelocity,
+                             const Spin, BoundaryWork> bodies,
                         const Clock& clock);
 
 /// Kick then drift (leapfrog): v(t + dt/2) = v(t - dt/2) + a dt, x(t + dt) = x + v dt. Second order,
@@ -50,28 +50,22 @@ void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, Angu
                StepSpin, Orientation> bodies,
           const Clock& clock);
 
-/// Of which time the velocities that contacts read are. Undamped laws need the displacement of the
-/// last step, which is the leapfrog's own velocity times dt: a spring moved with velocities predicted
-/// from the last acceleration grows by (omega dt)^4 / 8 a step. Dashpots need velocities of the time
-/// of the positions, or damping is of first order.
-enum class VelocityTime { last_step, now };
-
 // A scene of single spheres is told from one of clumps by its column SphereInertia.
-using PlacedSpheres = Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration, const Spin,
-                           const StepSpin, const InertialMass, const MotionOf, const SphereInertia, RigidMotion>;
-using PlacedBodies = Rows<Bodies, const SpheresOf, const Position, const Velocity, const Acceleration, const Spin,
-                          const StepSpin, const Orientation, const InertialMass, const MotionOf, RigidMotion, CentreOf>;
+using PlacedSpheres = Rows<Bodies, const SpheresOf, const Position, const Velocity, const StepSpin, const InertialMass,
+                           const MotionOf, const SphereInertia, RigidMotion>;
+using PlacedBodies = Rows<Bodies, const SpheresOf, const Position, const Velocity, const StepSpin, const Orientation,
+                          const InertialMass, const MotionOf, RigidMotion, CentreOf>;
 using PlacedBalls = Rows<Listed, const ListedBall, Place>;
 
-/// What contacts read, at the new positions: motion of each body, places of its listed spheres.
-template <VelocityTime time> void place_spheres(PlacedSpheres bodies, PlacedBalls listed, const Clock& clock);
-template <> void place_spheres<VelocityTime::last_step>(PlacedSpheres bodies, PlacedBalls listed, const Clock& clock);
-template <> void place_spheres<VelocityTime::now>(PlacedSpheres bodies, PlacedBalls listed, const Clock& clock);
+/// What contacts read, at the new positions: motion of each body over the last step, places of its listed spheres.
+void place_spheres(PlacedSpheres bodies, PlacedBalls listed);
 
 /// The same for clumps, and their centres.
-template <VelocityTime time> void place(PlacedBodies bodies, PlacedBalls listed, const Clock& clock);
-template <> void place<VelocityTime::last_step>(PlacedBodies bodies, PlacedBalls listed, const Clock& clock);
-template <> void place<VelocityTime::now>(PlacedBodies bodies, PlacedBalls listed, const Clock& clock);
+void place(PlacedBodies bodies, PlacedBalls listed);
+
+/// What dashpots read besides: velocities of the time of the positions, predicted with the last acceleration, less
+/// those of the last step. Without them damping is of first order in dt.
+void place_kicks(Rows<Bodies, const Acceleration, const Spin, const StepSpin, Kick> bodies, const Clock& clock);
 
 /// Bound on how far any point of a body has gone since the last prune.
 void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies);
@@ -80,10 +74,10 @@ void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereIne
 void measure_travel_and_turn(Rows<Bodies, const Position, const Orientation, const PrunedAt,
                                   const BoundingRadius, Travel> bodies);
 
-/// Planes and facets follow their hosts.
+/// Planes and facets follow their hosts; a host that turns (Spin) turns the velocity of its surfaces only.
 void place_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePlace> planes,
-                  Rows<Bodies, const Position, const Velocity> bodies);
+                  Rows<Bodies, const Position, const Velocity, const Spin> bodies);
 void place_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPlace> facets,
-                  Rows<Bodies, const Position, const Velocity> bodies);
+                  Rows<Bodies, const Position, const Velocity, const Spin> bodies);
 
 } // namespace bris

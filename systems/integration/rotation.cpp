@@ -108,12 +108,24 @@ void place_balls(const PlacedFrame& frame, const Ball* ball, Row count, PlaceRow
     }
 }
 
-// velocities of the last step (of the half step before the positions) or of the positions' own time
-void place_at(PlacedBodies bodies, PlacedBalls listed, double since_velocity, const Vec3* spin) {
+struct PoseLanes { Vec3Lanes position; QuatLanes orientation; };
+
+PoseLanes load(const Pose* column, LaneRows rows) {
+    static_assert(sizeof(Pose) == 7 * sizeof(double));
+    return read_rows<7>(column->position.data(), rows, [](const double* at) {
+        const auto x = transpose(load_rows([&](int k) { return at + 7 * k; }));
+        const auto q = transpose(load_rows([&](int k) { return at + 7 * k + 3; }));
+        return PoseLanes{{x[0], x[1], x[2]}, {q[0], q[1], q[2], q[3]}};
+    });
+}
+
+} // namespace
+
+void place(PlacedBodies bodies, PlacedBalls listed) {
     const auto* run = bodies.column<SpheresOf>();
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
-    const Vec3* acceleration = bodies.column<Acceleration>();
+    const Vec3* spin = bodies.column<StepSpin>();
     const Quat* orientation = bodies.column<Orientation>();
     const double* mass = bodies.column<InertialMass>();
     const auto* motion = bodies.column<MotionOf>();
@@ -124,8 +136,7 @@ void place_at(PlacedBodies bodies, PlacedBalls listed, double since_velocity, co
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const LaneMask free = equal(motion, rows, free_motion);
         const Lane inverse_mass = free ? 1.0 / load(mass, rows) : Lane{};
-        const Vec3Lanes x = load(position, rows), w = load(spin, rows);
-        const Vec3Lanes v = load(velocity, rows) + since_velocity * load(acceleration, rows);
+        const Vec3Lanes x = load(position, rows), w = load(spin, rows), v = load(velocity, rows);
         const auto mine = [&](int q) -> MotionRow& { return row[rows.first + static_cast<Row>(q)]; };
         store_rows(transpose({x.x, x.y, x.z, Lane{}}), rows.count,
                    [&](int q) { return &centre[rows.first + static_cast<Row>(q)].x; });
@@ -142,26 +153,6 @@ void place_at(PlacedBodies bodies, PlacedBalls listed, double since_velocity, co
             place_balls(frames[k], ball + r.first_listed, r.listed, place + r.first_listed);
         }
     });
-}
-
-struct PoseLanes { Vec3Lanes position; QuatLanes orientation; };
-
-PoseLanes load(const Pose* column, LaneRows rows) {
-    static_assert(sizeof(Pose) == 7 * sizeof(double));
-    return read_rows<7>(column->position.data(), rows, [](const double* at) {
-        const auto x = transpose(load_rows([&](int k) { return at + 7 * k; }));
-        const auto q = transpose(load_rows([&](int k) { return at + 7 * k + 3; }));
-        return PoseLanes{{x[0], x[1], x[2]}, {q[0], q[1], q[2], q[3]}};
-    });
-}
-
-} // namespace
-
-template <> void place<VelocityTime::last_step>(PlacedBodies bodies, PlacedBalls listed, const Clock&) {
-    place_at(bodies, listed, 0, bodies.column<StepSpin>());
-}
-template <> void place<VelocityTime::now>(PlacedBodies bodies, PlacedBalls listed, const Clock& clock) {
-    place_at(bodies, listed, 0.5 * clock.dt, bodies.column<Spin>());
 }
 
 void measure_travel_and_turn(Rows<Bodies, const Position, const Orientation, const PrunedAt,

@@ -87,16 +87,19 @@ void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Accelerati
     });
 }
 
-void book_boundary_work(Rows<Bodies, const MotionOf, const Force, const Velocity, const DriveVelocity,
-                             BoundaryWork> bodies,
+void book_boundary_work(Rows<Bodies, const MotionOf, const Force, const Torque, const Velocity, const DriveVelocity,
+                             const Spin, BoundaryWork> bodies,
                         const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* force = bodies.column<Force>();
     const Vec3* before = bodies.column<Velocity>();
     const Vec3* after = bodies.column<DriveVelocity>();
+    const Vec3* torque = bodies.column<Torque>();
+    const Vec3* spin = bodies.column<Spin>();
     double* work = bodies.column<BoundaryWork>();
     for (Row b = bodies.first(); b < bodies.last(); ++b)
-        if (motion[b] != free_motion) work[b] -= 0.5 * clock.dt * force[b].dot(before[b] + after[b]);
+        if (motion[b] != free_motion)
+            work[b] -= clock.dt * (0.5 * force[b].dot(before[b] + after[b]) + torque[b].dot(spin[b]));
 }
 
 void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, const DriveVelocity, Velocity,
@@ -122,21 +125,18 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
     });
 }
 
-namespace {
-
-void place_spheres_at(PlacedSpheres bodies, PlacedBalls listed, double since_velocity, const Vec3* spin) {
+void place_spheres(PlacedSpheres bodies, PlacedBalls listed) {
     const auto* run = bodies.column<SpheresOf>();
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
-    const Vec3* acceleration = bodies.column<Acceleration>();
+    const Vec3* spin = bodies.column<StepSpin>();
     const double* mass = bodies.column<InertialMass>();
     const auto* motion = bodies.column<MotionOf>();
     MotionRow* row = bodies.column<RigidMotion>();
     const Ball* ball = listed.column<ListedBall>();
     PlaceRow* place = listed.column<Place>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        const Vec3 v = velocity[b] + since_velocity * acceleration[b];
-        const Vec3 x = position[b], w = spin[b]; // copies: the columns might overlap for all the compiler knows
+        const Vec3 x = position[b], v = velocity[b], w = spin[b]; // copies: the columns might overlap for all the compiler knows
         const double inverse = motion[b] == free_motion ? 1 / mass[b] : 0;
         row[b] = {v.x(), v.y(), v.z(), inverse, w.x(), w.y(), w.z(), 0};
         for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k)
@@ -144,13 +144,15 @@ void place_spheres_at(PlacedSpheres bodies, PlacedBalls listed, double since_vel
     }
 }
 
-} // namespace
-
-template <> void place_spheres<VelocityTime::last_step>(PlacedSpheres bodies, PlacedBalls listed, const Clock&) {
-    place_spheres_at(bodies, listed, 0, bodies.column<StepSpin>());
-}
-template <> void place_spheres<VelocityTime::now>(PlacedSpheres bodies, PlacedBalls listed, const Clock& clock) {
-    place_spheres_at(bodies, listed, 0.5 * clock.dt, bodies.column<Spin>());
+void place_kicks(Rows<Bodies, const Acceleration, const Spin, const StepSpin, Kick> bodies, const Clock& clock) {
+    const Vec3* acceleration = bodies.column<Acceleration>();
+    const Vec3* spin = bodies.column<Spin>();
+    const Vec3* step_spin = bodies.column<StepSpin>();
+    KickRow* kick = bodies.column<Kick>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        const Vec3 v = 0.5 * clock.dt * acceleration[b], w = spin[b] - step_spin[b];
+        kick[b] = {v.x(), v.y(), v.z(), 0, w.x(), w.y(), w.z(), 0};
+    }
 }
 
 void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies) {
@@ -162,20 +164,22 @@ void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereIne
 }
 
 void place_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePlace> planes,
-                  Rows<Bodies, const Position, const Velocity> bodies) {
+                  Rows<Bodies, const Position, const Velocity, const Spin> bodies) {
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
+    const Vec3* spin = bodies.column<Spin>();
     const PlaneShape* shape = planes.column<LocalPlane>();
     const Row* host = planes.column<HostRow>();
     PlanePlaceRow* place = planes.column<PlanePlace>();
     for (Row p = planes.first(); p < planes.last(); ++p)
-        place[p] = {position[host[p]] + shape[p].point, shape[p].normal, velocity[host[p]]};
+        place[p] = {position[host[p]] + shape[p].point, shape[p].normal, {velocity[host[p]], spin[host[p]], position[host[p]]}};
 }
 
 void place_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPlace> facets,
-                  Rows<Bodies, const Position, const Velocity> bodies) {
+                  Rows<Bodies, const Position, const Velocity, const Spin> bodies) {
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
+    const Vec3* spin = bodies.column<Spin>();
     const FacetShape* shape = facets.column<LocalFacet>();
     const Row* host = facets.column<HostRow>();
     FacetPlaceRow* place = facets.column<FacetPlace>();
@@ -183,7 +187,7 @@ void place_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPlace> face
         const auto& local = shape[f].corners;
         for (std::size_t k = 0; k < 4; ++k) place[f].corners[k] = position[host[f]] + local[k];
         place[f].normal = (local[1] - local[0]).cross(local[2] - local[0]).normalized();
-        place[f].velocity = velocity[host[f]];
+        place[f].motion = {velocity[host[f]], spin[host[f]], position[host[f]]};
     }
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "components/elasticity.hpp"
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "engine/world.hpp"
@@ -14,7 +15,9 @@ struct TouchingPair {
     PairNames names;
     ForceRow force;
     SpringRow spring;
+    RollRow roll;
     std::uint32_t law;
+    double radius; ///< m, effective
 };
 
 /// All touching pairs of one kind, in the order of their names.
@@ -27,10 +30,14 @@ template <class Pairs> std::vector<TouchingPair> touching_pairs(const World& wor
     const Table& pairs = world.table<Pairs>();
     const auto names = pairs.template column<PairKey>();
     const SpringRow* spring = pairs.template has<Spring>() ? pairs.template column<Spring>().data() : nullptr;
-    for (Row k = 0; k < index.size(); ++k)
-        if (index.touches(k))
-            list.push_back({names[entry[k].pair], force[k],
-                            spring != nullptr ? spring[entry[k].pair] : SpringRow{}, entry[k].law});
+    const RollRow* roll = pairs.template has<Roll>() ? pairs.template column<Roll>().data() : nullptr;
+    const auto place = world.column<Listed, Place>();
+    for (Row k = 0; k < index.size(); ++k) {
+        if (!index.touches(k)) continue;
+        const Row p = entry[k].pair;
+        list.push_back({names[p], force[k], spring != nullptr ? spring[p] : SpringRow{}, roll != nullptr ? roll[p] : RollRow{},
+                        entry[k].law, effective_radius<Pairs>(entry[k], place)});
+    }
     std::sort(list.begin(), list.end(),
               [](const TouchingPair& a, const TouchingPair& b) { return a.names < b.names; });
     return list;

@@ -36,17 +36,18 @@ template <class Pairs> void add_boundary_force(const World& world, const std::ve
 }
 
 template <class Pairs> void add_contacts(const World& world, Quantities& q) {
-    const auto& laws = world.resource<Materials>().pairs;
+    const auto& materials = world.resource<Materials>();
+    const LawName law = world.resource<ContactLaw>().law;
     PairNames last{nobody, nobody, 0, 0};
     for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
         ++q.contacts;
         q.mean_overlap += p.force.overlap;
         q.largest_overlap = std::max(q.largest_overlap, p.force.overlap);
         q.mean_normal_force += p.force.normal_force;
-        const LawRow& k = laws[p.law];
-        const Vec3 normal_and_shear(p.force.fx, p.force.fy, p.force.fz);
-        const double shear2 = std::max(0.0, normal_and_shear.squaredNorm() - p.force.normal_force * p.force.normal_force);
-        q.elastic_energy += 0.5 * k.kn * p.force.overlap * p.force.overlap + (k.ks > 0 ? 0.5 * shear2 / k.ks : 0);
+        const Elasticity e = elasticity(materials.pairs(law)[p.law], is_hertz(law), p.force.overlap, p.radius);
+        const double shear2 = p.spring.x * p.spring.x + p.spring.y * p.spring.y + p.spring.z * p.spring.z;
+        const double roll2 = p.roll.x * p.roll.x + p.roll.y * p.roll.y + p.roll.z * p.roll.z + p.roll.twist * p.roll.twist;
+        q.elastic_energy += e.energy + 0.5 * e.shear * (shear2 + materials.policy.rolling_stiffness_ratio * roll2);
         if (p.names.owner != last.owner || p.names.partner != last.partner) ++q.body_contacts;
         last = p.names;
     }

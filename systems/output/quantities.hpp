@@ -8,7 +8,7 @@ namespace bris {
 /// What a scene looks like mechanically, summed over bodies and contacts in id order.
 struct Quantities {
     double kinetic_energy = 0;       ///< J, at the time of the positions, inertial masses
-    double elastic_energy = 0;       ///< J, normal and tangential springs
+    double elastic_energy = 0;       ///< J, normal, tangential and rolling springs
     double coordination = 0;         ///< touching partners per free body (boundaries count)
     std::size_t contacts = 0;        ///< touching pairs of spheres or of sphere and boundary
     std::size_t body_contacts = 0;   ///< touching pairs of bodies

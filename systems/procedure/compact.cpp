@@ -109,7 +109,7 @@ void TriaxialTest::start_compaction() {
     const auto& materials = world.resource<Materials>();
     platen.controlled = true;
     platen.target_pressure = settings_.compaction_pressure;
-    platen.contact_stiffness = materials.pairs[materials.pair(specimen.rock_material, specimen.platen_material)].kn;
+    platen.contact_stiffness = materials.linear_pairs[materials.pair(specimen.rock_material, specimen.platen_material)].kn;
     platen.largest_step = 2e-5 * specimen.height;
     world.resource<LocalDamping>().fraction = 0; // the vibration's energy is set block by block
     Random random(specimen.seed, vibration_stream);

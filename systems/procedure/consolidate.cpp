@@ -48,7 +48,7 @@ void TriaxialTest::start_consolidation() {
     stop_rocks(world);
     if (settings_.gravity) world.resource<Gravity>().value = Vec3(0, 0, -9.81);
     const double wall_contact =
-        materials.pairs[materials.pair(specimen.rock_material, specimen.membrane_material)].kn;
+        materials.linear_pairs[materials.pair(specimen.rock_material, specimen.membrane_material)].kn;
     membrane.active = platen.controlled = true;
     membrane.contact_stiffness = platen.contact_stiffness = wall_contact;
     membrane.largest_step = platen.largest_step = 2e-6 * top;

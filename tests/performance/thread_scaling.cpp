@@ -54,7 +54,7 @@ World make_scene(unsigned spheres) {
 }
 
 Simulation start(World world, unsigned threads, bool timed) {
-    add_lists(world, true);
+    add_lists(world, LawName::linear_viscous);
     Simulation simulation(std::move(world), steps(LawName::linear_viscous), threads,
                           {.timed = timed});
     simulation.on_restore(invalidate_lists);

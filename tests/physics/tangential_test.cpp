@@ -1,4 +1,4 @@
-#include "systems/contact/laws/linear.hpp"
+#include "systems/contact/laws/composed.hpp"
 #include "tests/support.hpp"
 
 #include <doctest/doctest.h>
@@ -14,10 +14,14 @@ struct Contact {
     SpringLanes spring{};
 
     Vec3 step(const Vec3& normal, double overlap, const Vec3& u, double twist) {
-        const ContactLanes c{lanes(normal.x()), lanes(normal.y()), lanes(normal.z()), lanes(overlap), lanes(u.x()),
-                             lanes(u.y()), lanes(u.z()), lanes(twist), lanes(1)};
-        const CoefficientLanes k{lanes(kn), lanes(ks), lanes(friction), lanes(0), lanes(0)};
-        const ForceLanes f = Linear::force(c, k, dt, spring);
+        ContactLanes c{lanes(normal.x()), lanes(normal.y()), lanes(normal.z()), lanes(overlap), lanes(1), lanes(0.005)};
+        c.ux = lanes(u.x());
+        c.uy = lanes(u.y());
+        c.uz = lanes(u.z());
+        c.twist = lanes(twist);
+        const CoefficientLanes k{lanes(kn), lanes(ks), lanes(friction), lanes(0), lanes(0), lanes(0), lanes(0)};
+        RollLanes no_roll{};
+        const ForceLanes f = Linear::force(c, k, RollingLanes{}, LawStep({}, dt, false), spring, no_roll);
         return {f.x[0], f.y[0], f.z[0]};
     }
 };
@@ -29,7 +33,7 @@ struct Turned { double length, angle; };
 Turned turn_once(const Vec3& axis, const Vec3& normal, const Vec3& stretch, int steps) {
     Contact contact;
     contact.friction = 1e9;
-    contact.spring = {lanes(stretch.x()), lanes(stretch.y()), lanes(stretch.z())};
+    contact.spring = {lanes(stretch.x()), lanes(stretch.y()), lanes(stretch.z()), lanes(1)};
     const double rate = 2 * pi / (steps * contact.dt);
     Vec3 first = Vec3::Zero(), last = Vec3::Zero();
     double worst = 0;

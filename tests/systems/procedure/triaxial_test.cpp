@@ -27,7 +27,7 @@ Simulation small_test(unsigned threads, ListSettings lists = {}, ScheduleSetting
     s.radius = radius_for(sample.solid_volume + 10 * smart.volume, 0.42, s.sectors);
     s.height = 4 * s.radius;
     World world = make_triaxial_world(s, clumps, smart, sample.rocks, smart_rock_poses({s.radius, s.height, smart.bounding_radius}, s.seed, 10));
-    add_lists(world, true, lists);
+    add_lists(world, LawName::linear, lists);
     add_ledger(world);
     world.add_resource<TriaxialState>();
     Simulation simulation(std::move(world), steps(LawName::linear, true), threads, schedule);

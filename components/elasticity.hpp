@@ -1,0 +1,31 @@
+#pragma once
+
+#include "components/kinds.hpp"
+#include "components/material.hpp"
+#include "components/pair.hpp"
+#include "components/sphere.hpp"
+
+#include <cmath>
+#include <span>
+#include <type_traits>
+
+namespace bris {
+
+/// Tangent stiffnesses of one contact, N/m, and the energy of its normal spring, J.
+struct Elasticity { double normal, shear, energy; };
+
+/// `radius`: m, effective radius R*, read by Hertz only.
+inline Elasticity elasticity(const LawRow& k, bool hertz, double overlap, double radius) {
+    if (!hertz) return {k.kn, k.ks, 0.5 * k.kn * overlap * overlap};
+    const double a = std::sqrt(radius * overlap), normal = 2 * k.kn * a;
+    return {normal, 2 * k.ks * a, 4.0 / 15 * normal * overlap * overlap};
+}
+
+/// Effective radius of a near pair: 1 / (1/r + 1/r) of two spheres, r of a sphere against a boundary.
+template <class Pairs> double effective_radius(const NearEntry& near, std::span<const PlaceRow> place) {
+    const double a = place[near.owner].radius;
+    if constexpr (!std::is_same_v<Pairs, SpherePairs>) return a;
+    else return a * place[near.other].radius / (a + place[near.other].radius);
+}
+
+} // namespace bris

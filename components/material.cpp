@@ -1,0 +1,128 @@
+#include "components/material.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+double series(double a, double b) { return a + b > 0 ? a * b / (a + b) : 0; }
+
+double plane_modulus(const Material& m) { return m.young_modulus / (1 - m.poisson_ratio * m.poisson_ratio); }
+double shear_compliance_modulus(const Material& m) { // G / (2 - nu)
+    return m.young_modulus / (2 * (1 + m.poisson_ratio) * (2 - m.poisson_ratio));
+}
+
+// everything that has a value replaces what the mixing rules gave
+void apply(const PairProperties& from, double& friction, double& restitution, RollingRow& rolling) {
+    friction = from.friction.value_or(friction);
+    restitution = from.restitution.value_or(restitution);
+    rolling.rolling_friction = from.rolling_friction.value_or(rolling.rolling_friction);
+    rolling.twisting_friction = from.twisting_friction.value_or(rolling.twisting_friction);
+}
+
+auto fields(auto& m) {
+    return std::tie(m.density, m.normal_stiffness, m.shear_stiffness, m.friction, m.normal_damping, m.shear_damping, m.restitution,
+                    m.young_modulus, m.poisson_ratio, m.rolling_friction, m.twisting_friction);
+}
+auto fields_of_policy(auto& p) {
+    return std::tie(p.tension, p.shear_history, p.shear_dashpot, p.rolling_stiffness_ratio, p.rolling_damping_ratio);
+}
+std::string path_of(std::size_t material) { return "materials/" + std::to_string(material); }
+
+} // namespace
+
+std::uint32_t Materials::add(const Material& material) {
+    list.push_back(material);
+    mix();
+    return static_cast<std::uint32_t>(list.size() - 1);
+}
+
+void Materials::set_pair(std::uint32_t a, std::uint32_t b, const PairProperties& properties) {
+    overrides_.push_back({a, b, properties});
+    mix();
+}
+
+void Materials::mix() {
+    linear_pairs.clear();
+    hertz_pairs.clear();
+    rolling_pairs.clear();
+    for (std::uint32_t i = 0; i < list.size(); ++i)
+        for (std::uint32_t j = 0; j < list.size(); ++j) {
+            const Material &a = list[i], &b = list[j];
+            double friction = std::min(a.friction, b.friction), restitution = std::sqrt(a.restitution * b.restitution);
+            RollingRow rolling{std::min(a.rolling_friction, b.rolling_friction), std::min(a.twisting_friction, b.twisting_friction),
+                               policy.rolling_stiffness_ratio, policy.rolling_damping_ratio};
+            for (const Override& o : overrides_)
+                if ((o.a == i && o.b == j) || (o.a == j && o.b == i)) apply(o.properties, friction, restitution, rolling);
+            const double ratio = 2 * damping_ratio(restitution, policy.tension), shear = policy.shear_dashpot ? ratio : 0;
+            const double hertz = std::sqrt(5.0 / 6); // Tsuji, Tanaka and Ishida (1992)
+            const LawRow linear{series(a.normal_stiffness, b.normal_stiffness), series(a.shear_stiffness, b.shear_stiffness), friction,
+                                0.5 * (a.normal_damping + b.normal_damping), 0.5 * (a.shear_damping + b.shear_damping), ratio, shear, 0};
+            LawRow curved = linear;
+            curved.kn = series(plane_modulus(a), plane_modulus(b));
+            curved.ks = 4 * series(shear_compliance_modulus(a), shear_compliance_modulus(b));
+            curved.normal_ratio = hertz * ratio;
+            curved.shear_ratio = hertz * shear;
+            linear_pairs.push_back(linear);
+            hertz_pairs.push_back(curved);
+            rolling_pairs.push_back(rolling);
+        }
+}
+
+void Materials::save(Archive& archive) const {
+    for (std::size_t i = 0; i < list.size(); ++i) put_fields(archive, path_of(i), fields(list[i]));
+    put_fields(archive, "materials/policy", fields_of_policy(policy));
+    std::vector<double> numbers; // of each pair of its own: a, b, then whether set and what, four times
+    for (const Override& o : overrides_) {
+        numbers.insert(numbers.end(), {static_cast<double>(o.a), static_cast<double>(o.b)});
+        for (const auto& p : {o.properties.friction, o.properties.restitution, o.properties.rolling_friction, o.properties.twisting_friction})
+            numbers.insert(numbers.end(), {p ? 1.0 : 0.0, p.value_or(0)});
+    }
+    archive.put("materials/overrides", std::span<const double>(numbers));
+}
+
+void Materials::load(const Archive& archive) {
+    for (std::size_t i = 0; i < list.size(); ++i) get_fields(archive, path_of(i), fields(list[i]));
+    get_fields(archive, "materials/policy", fields_of_policy(policy));
+    overrides_.clear();
+    const auto numbers = archive.get<double>("materials/overrides");
+    for (std::size_t k = 0; k + 10 <= numbers.size(); k += 10) {
+        const auto value = [&](std::size_t i) {
+            return numbers[k + 2 * i] != 0 ? std::optional(numbers[k + 2 * i + 1]) : std::nullopt;
+        };
+        overrides_.push_back({static_cast<std::uint32_t>(numbers[k]), static_cast<std::uint32_t>(numbers[k + 1]),
+                              {value(1), value(2), value(3), value(4)}});
+    }
+    mix();
+}
+
+double restitution_of(double damping_ratio, Tension tension) {
+    const double b = damping_ratio;
+    if (tension == Tension::allowed) return b < 1 ? std::exp(-pi * b / std::sqrt(1 - b * b)) : 0;
+    if (b < 1) {
+        const double root = std::sqrt(1 - b * b);
+        return std::exp(-b / root * std::atan2(2 * b * root, 2 * b * b - 1));
+    }
+    const double root = std::sqrt(b * b - 1);
+    return root > 0 ? std::exp(-2 * b / root * std::log(b + root)) : std::exp(-2.0);
+}
+
+double damping_ratio(double restitution, Tension tension) {
+    if (restitution >= 1) return 0;
+    if (tension != Tension::calibrated) {
+        if (restitution <= 0) return 1;
+        const double l = std::log(restitution);
+        return -l / std::sqrt(pi * pi + l * l);
+    }
+    double low = 0, high = 1;
+    while (restitution_of(high, tension) > restitution) high *= 2;
+    for (int k = 0; k < 200; ++k) {
+        const double middle = 0.5 * (low + high);
+        (restitution_of(middle, tension) > restitution ? low : high) = middle;
+    }
+    return 0.5 * (low + high);
+}
+
+} // namespace bris

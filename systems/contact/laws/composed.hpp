@@ -1,0 +1,79 @@
+#pragma once
+
+#include "components/pair.hpp"
+#include "systems/contact/laws/damping.hpp"
+#include "systems/contact/laws/normal.hpp"
+#include "systems/contact/laws/rolling.hpp"
+#include "systems/contact/laws/tangential.hpp"
+
+namespace bris {
+
+/// A law is composed, never copied: normal spring, dashpots, tangential part, rolling part.
+template <class NormalPart, class Damping, class Tangential, class Rolling = NoRolling> struct Law {
+    using Normal = NormalPart;
+    static constexpr bool has_history = Tangential::has_history;
+    static constexpr bool has_dashpots = Damping::present;
+    static constexpr bool has_rolling = Rolling::present;
+
+    /// Force and torque on the owner; moves the springs on by one step.
+    static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k, const RollingLanes& rolling, const LawStep& step,
+                            SpringLanes& spring, RollLanes& roll) {
+        const StiffnessLanes stiffness = Normal::stiffness(c, k);
+        ForceLanes f{};
+        f.normal = stiffness.force;
+        if constexpr (has_dashpots) {
+            const Lane vn = c.vx * c.nx + c.vy * c.ny + c.vz * c.nz;
+            f.normal = max(f.normal - Damping::normal(c, k, stiffness) * vn, lanes(step.least_force));
+            if (step.book) f.work.viscous = step.dt * vn * (stiffness.force - f.normal);
+        }
+        f.x = f.normal * c.nx;
+        f.y = f.normal * c.ny;
+        f.z = f.normal * c.nz;
+        if constexpr (has_rolling) {
+            Lane kept = lanes(1);
+            if constexpr (Normal::varying)
+                kept = stiffness.shear > 0.0 ? min(spring.stiffness / stiffness.shear, lanes(1)) : lanes(0);
+            Rolling::torque(c, rolling, step, stiffness, kept, roll, f);
+        }
+        if constexpr (has_history) Tangential::template force<Normal, Damping>(c, k, step, stiffness, spring, f);
+        return f;
+    }
+};
+
+using LinearFrictionless = Law<LinearNormal, NoDamping, Frictionless>;
+using Linear = Law<LinearNormal, NoDamping, CoulombSpring>;
+using LinearViscous = Law<LinearNormal, Dashpots, CoulombSpring>;
+using LinearRolling = Law<LinearNormal, Dashpots, CoulombSpring, RollingSprings>;
+using HertzFrictionless = Law<HertzNormal, NoDamping, Frictionless>;
+using HertzMindlin = Law<HertzNormal, NoDamping, CoulombSpring>;
+using HertzMindlinViscous = Law<HertzNormal, Dashpots, CoulombSpring>;
+using HertzMindlinRolling = Law<HertzNormal, Dashpots, CoulombSpring, RollingSprings>;
+
+template <class...> struct Columns {};
+
+/// Calls make.template operator()<Law, columns of near rows, columns of pairs>() with the law of that name and the
+/// columns that it writes besides the record of force.
+template <class Make> auto with_law(LawName law, bool ledger, Make&& make) {
+    using Springs = Columns<Spring>;
+    using Rolls = Columns<Spring, Roll>;
+    const auto sliding = [&]<class L>() {
+        return ledger ? make.template operator()<L, Columns<PairWork>, Springs>() : make.template operator()<L, Columns<>, Springs>();
+    };
+    const auto rolling = [&]<class L>() {
+        return ledger ? make.template operator()<L, Columns<PairTorque, PairWork>, Rolls>()
+                      : make.template operator()<L, Columns<PairTorque>, Rolls>();
+    };
+    switch (law) {
+    case LawName::linear_frictionless: break;
+    case LawName::linear: return sliding.template operator()<Linear>();
+    case LawName::linear_viscous: return sliding.template operator()<LinearViscous>();
+    case LawName::linear_rolling: return rolling.template operator()<LinearRolling>();
+    case LawName::hertz_frictionless: return make.template operator()<HertzFrictionless, Columns<>, Columns<>>();
+    case LawName::hertz_mindlin: return sliding.template operator()<HertzMindlin>();
+    case LawName::hertz_mindlin_viscous: return sliding.template operator()<HertzMindlinViscous>();
+    case LawName::hertz_mindlin_rolling: return rolling.template operator()<HertzMindlinRolling>();
+    }
+    return make.template operator()<LinearFrictionless, Columns<>, Columns<>>();
+}
+
+} // namespace bris

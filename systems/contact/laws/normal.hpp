@@ -1,0 +1,27 @@
+#pragma once
+
+#include "systems/contact/laws/law.hpp"
+
+namespace bris {
+
+// Normal pieces: elastic force and tangent stiffnesses, on all lanes at once.
+
+/// f = kn * overlap; springs of constant stiffness (Cundall and Strack 1979).
+struct LinearNormal {
+    static constexpr bool varying = false; ///< whether the tangential stiffness changes with the overlap
+    static StiffnessLanes stiffness(const ContactLanes& c, const CoefficientLanes& k) {
+        return {k.kn * c.overlap, k.kn, k.ks};
+    }
+};
+
+/// f = 4/3 E* a overlap with the contact radius a = sqrt(R* overlap) (Hertz 1882); tangent stiffnesses
+/// 2 E* a and, without slip, 8 G* a (Mindlin 1949).
+struct HertzNormal {
+    static constexpr bool varying = true;
+    static StiffnessLanes stiffness(const ContactLanes& c, const CoefficientLanes& k) {
+        const Lane a = sqrt(c.radius * c.overlap), normal = 2.0 * k.kn * a;
+        return {2.0 / 3 * normal * c.overlap, normal, 2.0 * k.ks * a};
+    }
+};
+
+} // namespace bris

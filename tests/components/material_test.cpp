@@ -1,0 +1,56 @@
+#include "components/material.hpp"
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+
+using namespace bris;
+
+TEST_SUITE("components/material") {
+    TEST_CASE("two spheres of glass have the moduli of Hertz and Mindlin") {
+        Materials m;
+        m.add({.name = "glass", .density = 2800, .young_modulus = 4.8e10, .poisson_ratio = 0.2});
+        const LawRow& k = m.hertz_pairs[0];
+        CHECK(k.kn == doctest::Approx(4.8e10 / (2 * (1 - 0.04))).epsilon(1e-14));
+        // 2 (1 - nu) / (2 - nu), accuracy.md 4.1
+        CHECK(k.ks / k.kn == doctest::Approx(0.8 * 2 / 1.8).epsilon(1e-14));
+    }
+
+    TEST_CASE("a force that is cut at zero gives the restitution of the closed form, and a calibrated dashpot undoes it") {
+        // accuracy.md 1b: restitution asked for, found when cut, ratio that restores it
+        const std::array<std::array<double, 3>, 5> rows{{{0.1, 0.25273, 1.24318}, {0.3, 0.39714, 0.49724}, {0.5, 0.55028, 0.25528},
+                                                         {0.8, 0.80810, 0.07436}, {0.98, 0.98008, 0.00646}}};
+        for (const auto& [asked, cut, calibrated] : rows) {
+            const double ratio = damping_ratio(asked, Tension::allowed);
+            CHECK(restitution_of(ratio, Tension::allowed) == doctest::Approx(asked).epsilon(1e-13));
+            CHECK(restitution_of(ratio, Tension::cut) == doctest::Approx(cut).epsilon(1e-5)); // five digits
+            CHECK(damping_ratio(asked, Tension::calibrated) == doctest::Approx(calibrated).epsilon(1e-3));
+            CHECK(restitution_of(damping_ratio(asked, Tension::calibrated), Tension::calibrated) == doctest::Approx(asked).epsilon(1e-12));
+        }
+        CHECK(damping_ratio(1, Tension::calibrated) == 0);
+        CHECK(damping_ratio(0, Tension::allowed) == 1);
+    }
+
+    TEST_CASE("a pair's own properties replace the mixing rules, in both orders, and survive a checkpoint") {
+        Materials m;
+        const auto ball = m.add({.name = "ball", .friction = 0.3, .restitution = 0.81});
+        const auto wall = m.add({.name = "wall", .friction = 0.2, .restitution = 1});
+        CHECK(m.linear_pairs[m.pair(ball, wall)].friction == 0.2);
+        CHECK(m.linear_pairs[m.pair(ball, wall)].normal_ratio == doctest::Approx(2 * damping_ratio(0.9, Tension::allowed)));
+        m.policy.tension = Tension::calibrated;
+        m.set_pair(ball, wall, {.friction = 0.7, .restitution = 0.4});
+        CHECK(m.linear_pairs[m.pair(ball, wall)].friction == 0.7);
+        CHECK(m.linear_pairs[m.pair(wall, ball)].normal_ratio == doctest::Approx(2 * damping_ratio(0.4, Tension::calibrated)));
+        CHECK(m.linear_pairs[m.pair(ball, ball)].friction == 0.3);
+        Archive archive;
+        m.save(archive);
+        Materials other;
+        other.add({.name = "ball"});
+        other.add({.name = "wall"});
+        other.load(archive);
+        CHECK(other.policy.tension == Tension::calibrated);
+        CHECK(other.linear_pairs[other.pair(wall, ball)].friction == 0.7);
+        CHECK(other.linear_pairs[other.pair(ball, ball)].friction == 0.3);
+    }
+}
