@@ -27,7 +27,7 @@ auto fields(auto& m) {
                     m.young_modulus, m.poisson_ratio, m.rolling_friction, m.twisting_friction);
 }
 auto fields_of_policy(auto& p) {
-    return std::tie(p.tension, p.shear_history, p.shear_dashpot, p.rolling_stiffness_ratio, p.rolling_damping_ratio);
+    return std::tie(p.tension, p.shear_history, p.patch, p.shear_dashpot, p.rolling_stiffness_ratio, p.rolling_damping_ratio);
 }
 std::string path_of(std::size_t material) { return "materials/" + std::to_string(material); }
 

@@ -70,10 +70,17 @@ enum class ShearHistory : std::uint32_t {
     total        ///< its force is stiffness times stretch
 };
 
+/// What the spheres of one clump that touch the same partner, a patch, oppose to it.
+enum class PatchStiffness : std::uint32_t {
+    per_sphere, ///< each its whole stiffness: a patch is the stiffer, the more spheres it has
+    shared      ///< each its share by overlap of one stiffness: the same however many spheres stand for the surface
+};
+
 /// Choices that all contacts of a scene share.
 struct ContactPolicy {
     Tension tension = Tension::allowed;
     ShearHistory shear_history = ShearHistory::rescaled;
+    PatchStiffness patch = PatchStiffness::per_sphere; ///< spheres against spheres and planes
     bool shear_dashpot = false;            ///< restitution damps the tangential spring too, by the same ratio of critical
     double rolling_stiffness_ratio = 1;    ///< rolling spring over tangential spring (both at the surface), > 0
     double rolling_damping_ratio = 0;      ///< of critical, while the rolling spring sticks, >= 0

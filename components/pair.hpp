@@ -50,6 +50,9 @@ struct NearPair : Derived<NearEntry> { static constexpr auto name = "near", unit
 struct alignas(64) ForceRow { double fx, fy, fz, overlap, px, py, pz, normal_force; };
 struct PairForce : Derived<ForceRow> { static constexpr auto name = "force", unit = "N, m"; };
 
+/// Share of a near pair in the stiffness of its patch, in (0, 1]; only where patches share one stiffness.
+struct PatchShare : Derived<double> { static constexpr auto name = "share", unit = ""; };
+
 /// What rolling and twisting resistance do to the owner now (the partner gets the opposite).
 struct alignas(32) TorqueRow { double x, y, z, unused; };
 struct PairTorque : Derived<TorqueRow> { static constexpr auto name = "torque", unit = "N m"; };

@@ -4,6 +4,7 @@
 #include "systems/contact/collide.hpp"
 #include "systems/contact/gather.hpp"
 #include "systems/contact/list_contacts.hpp"
+#include "systems/contact/share_patches.hpp"
 #include "systems/guard.hpp"
 #include "systems/integration/motion.hpp"
 #include "systems/servo/membrane.hpp"
@@ -21,8 +22,9 @@ template <class Pairs> System gather_of(const char* name, LawName law, bool ledg
 
 } // namespace
 
-StepList steps(LawName law, bool ledger) {
+StepList steps(LawName law, bool ledger, PatchStiffness patch) {
     const auto due = lists_are_due;
+    const StepChoices choices{ledger, patch};
     return {
         // rarely: new lists, then everything placed anew
         when(due, system("refresh_pairs", refresh_pairs)),
@@ -33,9 +35,11 @@ StepList steps(LawName law, bool ledger) {
         when(due, system("place_planes again", place_planes)),
         when(due, system("place_facets again", place_facets)),
         // forces of pairs
-        required(collide_spheres(law, ledger)),
-        required(collide_facets(law, ledger)),
-        required(collide_planes(law, ledger)),
+        system("share_sphere_patches", share_sphere_patches),
+        system("share_plane_patches", share_plane_patches),
+        required(collide_spheres(law, choices)),
+        required(collide_facets(law, choices)),
+        required(collide_planes(law, choices)),
         required(collide_membrane(law)),
         // who touches whom now
         system("list_sphere_contacts", list_contacts<SpherePairs>),

@@ -8,6 +8,7 @@ namespace bris {
 /// One step of the simulation, in order. The order is the meaning; the schedule may overlap
 /// neighbours that touch nothing in common, and leaves out whatever a scene does not need.
 /// With `ledger`, friction, dashpots, rolling, local damping and the boundaries book their work.
-StepList steps(LawName law, bool ledger = false);
+/// With `patch` shared, so do the patches of clumps (the scene's ContactPolicy says so too).
+StepList steps(LawName law, bool ledger = false, PatchStiffness patch = PatchStiffness::per_sphere);
 
 } // namespace bris

@@ -252,6 +252,10 @@ void add_lists(World& world, LawName law, ListSettings settings) {
         world.table<NearMembrane>().add<FootOf>();
         world.add_resource<MembraneBands>();
     }
+    if (world.resource<Materials>().policy.patch == PatchStiffness::shared) {
+        world.table<NearSpheres>().add<PatchShare>();
+        if (world.has<Planes>()) world.table<NearPlanes>().add<PatchShare>();
+    }
     world.add_resource(settings);
     world.add_resource(ContactLaw{law});
     world.add_resource<ListState>();

@@ -151,8 +151,8 @@ template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<
 
 } // namespace
 
-System collide_facets(LawName law, bool ledger) {
-    return with_law(law, ledger, []<class Law, class Near, class Pairs>() {
+System collide_facets(LawName law, const StepChoices& choices) {
+    return with_law(law, {.ledger = choices.ledger}, []<class Law, class Near, class Pairs>() {
         return system("collide_facets", Collide<Law, Near, Pairs>::facets);
     });
 }

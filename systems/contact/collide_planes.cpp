@@ -54,8 +54,8 @@ template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<
 
 } // namespace
 
-System collide_planes(LawName law, bool ledger) {
-    return with_law(law, ledger, []<class Law, class Near, class Pairs>() {
+System collide_planes(LawName law, const StepChoices& choices) {
+    return with_law(law, choices, []<class Law, class Near, class Pairs>() {
         return system("collide_planes", Collide<Law, Near, Pairs>::planes);
     });
 }

@@ -147,8 +147,8 @@ template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<
 
 } // namespace
 
-System collide_spheres(LawName law, bool ledger) {
-    return with_law(law, ledger, []<class Law, class Near, class Pairs>() {
+System collide_spheres(LawName law, const StepChoices& choices) {
+    return with_law(law, choices, []<class Law, class Near, class Pairs>() {
         return system("collide_spheres", Collide<Law, Near, Pairs>::spheres);
     });
 }

@@ -18,7 +18,10 @@ namespace {
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
 
 /// What one contact opposes to motion: tangent stiffnesses and dashpots.
-struct Stiffness { double normal, shear, rolling, normal_damping, shear_damping; };
+struct Stiffness {
+    double normal, shear, rolling, normal_damping, shear_damping;
+    Stiffness times(double s) const { return {s * normal, s * shear, s * rolling, s * normal_damping, s * shear_damping}; }
+};
 
 void add(BodyStiffness& sum, const Stiffness& k, const Vec3& arm, const Vec3& normal) {
     const double across = arm.cross(normal).squaredNorm(), along = arm.squaredNorm();
@@ -53,6 +56,8 @@ template <class Pairs> void add_pairs(const World& world, std::vector<BodyStiffn
     const auto& materials = world.resource<Materials>();
     const auto inverse_mass = [&](Row b) { return motion[b] == free_motion ? 1 / mass[b] : 0; };
     const double rolling = materials.policy.rolling_stiffness_ratio;
+    const Table& near = world.table<typename Pairs::Near>();
+    const double* share = near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
     // body by body: each adds its own contacts in the order of the force sums, the same bits always
     const auto add_one = [&](Row b, Row k) {
         const Vec3 point(force[k].px, force[k].py, force[k].pz);
@@ -62,8 +67,9 @@ template <class Pairs> void add_pairs(const World& world, std::vector<BodyStiffn
         const double radius = effective_radius<Pairs>(entry[k], place);
         const LawRow& row = materials.pairs(law)[pair.law];
         const double inverse = inverse_mass(body[entry[k].owner]) + inverse_mass(pair.partner_body);
-        add(all[b], stiffness_of(law, row, elasticity(row, is_hertz(law), force[k].overlap, radius), inverse, rolling, radius),
-            point - position[b], (Vec3(p.x, p.y, p.z) - point).normalized());
+        Stiffness k_of = stiffness_of(law, row, elasticity(row, is_hertz(law), force[k].overlap, radius), inverse, rolling, radius);
+        if (share != nullptr) k_of = k_of.times(share[k]);
+        add(all[b], k_of, point - position[b], (Vec3(p.x, p.y, p.z) - point).normalized());
     };
     for (Row b = 0; b < all.size(); ++b)
         index.for_contacts_of(b, [&](Row k, bool) { add_one(b, k); });

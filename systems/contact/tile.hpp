@@ -19,6 +19,7 @@ struct TileTarget {
     ForceRow* force;
     TorqueRow* torque;
     WorkRow* work;
+    const double* share; ///< of near rows, where patches share one stiffness
     const LawRow* laws;
     const RollingRow* rolling_laws;
     bool one_law; ///< all pairs have the coefficients of laws[0]
@@ -26,8 +27,9 @@ struct TileTarget {
 };
 
 template <class C, class K, class... Cs> auto* column_or_null(const Rows<K, Cs...>& rows) {
-    if constexpr ((std::is_same_v<Cs, C> || ...)) return rows.template column<C>();
-    else return static_cast<typename C::Value*>(nullptr);
+    using Value = std::conditional_t<std::is_const_v<C>, const typename C::Value, typename C::Value>;
+    if constexpr ((std::is_same_v<Cs, C> || ...)) return rows.template column<std::remove_const_t<C>>();
+    else return static_cast<Value*>(nullptr);
 }
 
 template <class Law, class NearRows, class PairRowsOf>
@@ -35,7 +37,7 @@ TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const Materi
     WorkRow* work = column_or_null<PairWork>(near);
     const auto& laws = Law::Normal::varying ? materials.hertz_pairs : materials.linear_pairs;
     return {near.template column<NearPair>(),  column_or_null<Spring>(pairs),    column_or_null<Roll>(pairs),
-            near.template column<PairForce>(), column_or_null<PairTorque>(near), work,
+            near.template column<PairForce>(), column_or_null<PairTorque>(near), work, column_or_null<const PatchShare>(near),
             laws.data(),                       materials.rolling_pairs.data(),   laws.size() == 1,
             {materials.policy, clock.dt, work != nullptr}};
 }
@@ -78,7 +80,9 @@ inline CoefficientLanes coefficients(const TileTarget& to, const Row* rows) {
 /// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid rows),
 /// and writes their springs and records.
 template <class Law>
-void apply_law(const TileTarget& to, const Row* rows, int count, const ContactLanes& c, Lane px, Lane py, Lane pz) {
+void apply_law(const TileTarget& to, const Row* rows, int count, ContactLanes& c, Lane px, Lane py, Lane pz) {
+    if (to.share != nullptr)
+        for (int q = 0; q < lane_count; ++q) c.share[q] = to.share[rows[q]];
     const auto pair_of = [&](int q) { return to.near[rows[q]].pair; };
     SpringLanes spring{};
     RollLanes roll{};

@@ -18,6 +18,7 @@ struct TouchingPair {
     RollRow roll;
     std::uint32_t law;
     double radius; ///< m, effective
+    double share;  ///< of the stiffness of its patch
 };
 
 /// All touching pairs of one kind, in the order of their names.
@@ -31,12 +32,14 @@ template <class Pairs> std::vector<TouchingPair> touching_pairs(const World& wor
     const auto names = pairs.template column<PairKey>();
     const SpringRow* spring = pairs.template has<Spring>() ? pairs.template column<Spring>().data() : nullptr;
     const RollRow* roll = pairs.template has<Roll>() ? pairs.template column<Roll>().data() : nullptr;
+    const Table& near = world.table<typename Pairs::Near>();
+    const double* share = near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
     const auto place = world.column<Listed, Place>();
     for (Row k = 0; k < index.size(); ++k) {
         if (!index.touches(k)) continue;
         const Row p = entry[k].pair;
         list.push_back({names[p], force[k], spring != nullptr ? spring[p] : SpringRow{}, roll != nullptr ? roll[p] : RollRow{},
-                        entry[k].law, effective_radius<Pairs>(entry[k], place)});
+                        entry[k].law, effective_radius<Pairs>(entry[k], place), share != nullptr ? share[k] : 1});
     }
     std::sort(list.begin(), list.end(),
               [](const TouchingPair& a, const TouchingPair& b) { return a.names < b.names; });

@@ -47,7 +47,7 @@ template <class Pairs> void add_contacts(const World& world, Quantities& q) {
         const Elasticity e = elasticity(materials.pairs(law)[p.law], is_hertz(law), p.force.overlap, p.radius);
         const double shear2 = p.spring.x * p.spring.x + p.spring.y * p.spring.y + p.spring.z * p.spring.z;
         const double roll2 = p.roll.x * p.roll.x + p.roll.y * p.roll.y + p.roll.z * p.roll.z + p.roll.twist * p.roll.twist;
-        q.elastic_energy += e.energy + 0.5 * e.shear * (shear2 + materials.policy.rolling_stiffness_ratio * roll2);
+        q.elastic_energy += p.share * (e.energy + 0.5 * e.shear * (shear2 + materials.policy.rolling_stiffness_ratio * roll2));
         if (p.names.owner != last.owner || p.names.partner != last.partner) ++q.body_contacts;
         last = p.names;
     }

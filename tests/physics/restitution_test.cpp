@@ -46,21 +46,14 @@ TEST_SUITE("physics/restitution") {
             const double rate = 2 * damping * std::sqrt(1e6 / (2600 * 4.0 / 3 * pi * 1e-6));
             CHECK(closed_form(rate) == doctest::Approx(e).epsilon(1e-12));
             CAPTURE(e);
-            // the dashpot sets in at full force somewhere within a step: the impulse is uncertain by
-            // gamma dt/2 at either end, with gamma t_c = -2 ln e
+            // second order wherever in the step the contact begins and ends: the leapfrog's own error is e (pi/steps)^2
+            // times a number of order one; other codes reach 3.8e-3, 8.6e-4 and 2.1e-4 (accuracy.md 1b)
             for (const double steps : {50.0, 200.0, 1000.0})
-                for (const double phase : {0.1, 0.5, 0.9})
-                    CHECK(std::abs(restitution({rate, steps, phase}) - e) < -2 * std::log(e) / steps * e + 2 / (steps * steps));
-            // the mean over where in the step the contact begins is second order
-            const auto mean_error = [&](double steps) {
-                double sum = 0;
-                for (int k = 0; k < 64; ++k) sum += restitution({rate, steps, (k + 0.5) / 64});
-                return sum / 64 - e;
-            };
-            const double coarse = mean_error(50), fine = mean_error(100);
-            MESSAGE("e = ", e, ": mean error ", coarse, " at t_c/50, ", fine, " at t_c/100, order ", order_of(std::abs(coarse), std::abs(fine)));
-            CHECK(std::abs(coarse) < 5e-3); // what peers reach at t_c/50
-            CHECK(std::abs(fine) < std::abs(coarse));
+                for (const double phase : {0.1, 0.3, 0.5, 0.7, 0.9})
+                    CHECK(std::abs(restitution({rate, steps, phase}) - e) < 3 / (steps * steps));
+            const double coarse = restitution({rate, 200, 0.3}) - e, fine = restitution({rate, 400, 0.3}) - e;
+            MESSAGE("e = ", e, ": error ", coarse, " at t_c/200, ", fine, " at t_c/400, order ", order_of(std::abs(coarse), std::abs(fine)));
+            CHECK(order_of(std::abs(coarse), std::abs(fine)) > 1.8);
         }
     }
 

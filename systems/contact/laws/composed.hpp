@@ -1,6 +1,7 @@
 #pragma once
 
 #include "components/pair.hpp"
+#include "systems/contact/collide.hpp"
 #include "systems/contact/laws/damping.hpp"
 #include "systems/contact/laws/normal.hpp"
 #include "systems/contact/laws/rolling.hpp"
@@ -18,12 +19,15 @@ template <class NormalPart, class Damping, class Tangential, class Rolling = NoR
     /// Force and torque on the owner; moves the springs on by one step.
     static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k, const RollingLanes& rolling, const LawStep& step,
                             SpringLanes& spring, RollLanes& roll) {
-        const StiffnessLanes stiffness = Normal::stiffness(c, k);
+        StiffnessLanes stiffness = Normal::stiffness(c, k);
+        if (step.shared) stiffness = {c.share * stiffness.force, c.share * stiffness.normal, c.share * stiffness.shear};
         ForceLanes f{};
         f.normal = stiffness.force;
         if constexpr (has_dashpots) {
             const Lane vn = c.vx * c.nx + c.vy * c.ny + c.vz * c.nz;
-            f.normal = max(f.normal - Damping::normal(c, k, stiffness) * vn, lanes(step.least_force));
+            Lane dashpot = Damping::normal(c, k, stiffness);
+            if constexpr (has_history) dashpot *= share_of_kick(c, spring.stiffness == 0.0, vn, Normal::damping_onset, step.dt);
+            f.normal = max(f.normal - dashpot * vn, lanes(step.least_force));
             if (step.book) f.work.viscous = step.dt * vn * (stiffness.force - f.normal);
         }
         f.x = f.normal * c.nx;
@@ -31,7 +35,7 @@ template <class NormalPart, class Damping, class Tangential, class Rolling = NoR
         f.z = f.normal * c.nz;
         if constexpr (has_rolling) {
             Lane kept = lanes(1);
-            if constexpr (Normal::varying)
+            if (Normal::varying || step.shared)
                 kept = stiffness.shear > 0.0 ? min(spring.stiffness / stiffness.shear, lanes(1)) : lanes(0);
             Rolling::torque(c, rolling, step, stiffness, kept, roll, f);
         }
@@ -53,27 +57,32 @@ template <class...> struct Columns {};
 
 /// Calls make.template operator()<Law, columns of near rows, columns of pairs>() with the law of that name and the
 /// columns that it writes besides the record of force.
-template <class Make> auto with_law(LawName law, bool ledger, Make&& make) {
+template <class... Share, class Make> auto with_law_and_share(LawName law, bool ledger, Make&& make) {
     using Springs = Columns<Spring>;
     using Rolls = Columns<Spring, Roll>;
     const auto sliding = [&]<class L>() {
-        return ledger ? make.template operator()<L, Columns<PairWork>, Springs>() : make.template operator()<L, Columns<>, Springs>();
+        return ledger ? make.template operator()<L, Columns<PairWork, Share...>, Springs>()
+                      : make.template operator()<L, Columns<Share...>, Springs>();
     };
     const auto rolling = [&]<class L>() {
-        return ledger ? make.template operator()<L, Columns<PairTorque, PairWork>, Rolls>()
-                      : make.template operator()<L, Columns<PairTorque>, Rolls>();
+        return ledger ? make.template operator()<L, Columns<PairTorque, PairWork, Share...>, Rolls>()
+                      : make.template operator()<L, Columns<PairTorque, Share...>, Rolls>();
     };
     switch (law) {
     case LawName::linear_frictionless: break;
     case LawName::linear: return sliding.template operator()<Linear>();
     case LawName::linear_viscous: return sliding.template operator()<LinearViscous>();
     case LawName::linear_rolling: return rolling.template operator()<LinearRolling>();
-    case LawName::hertz_frictionless: return make.template operator()<HertzFrictionless, Columns<>, Columns<>>();
+    case LawName::hertz_frictionless: return make.template operator()<HertzFrictionless, Columns<Share...>, Columns<>>();
     case LawName::hertz_mindlin: return sliding.template operator()<HertzMindlin>();
     case LawName::hertz_mindlin_viscous: return sliding.template operator()<HertzMindlinViscous>();
     case LawName::hertz_mindlin_rolling: return rolling.template operator()<HertzMindlinRolling>();
     }
-    return make.template operator()<LinearFrictionless, Columns<>, Columns<>>();
+    return make.template operator()<LinearFrictionless, Columns<Share...>, Columns<>>();
+}
+template <class Make> auto with_law(LawName law, const StepChoices& choices, Make&& make) {
+    return choices.patch == PatchStiffness::shared ? with_law_and_share<const PatchShare>(law, choices.ledger, make)
+                                                   : with_law_and_share<>(law, choices.ledger, make);
 }
 
 } // namespace bris

@@ -11,7 +11,8 @@ struct ContactLanes {
     Lane nx, ny, nz;      ///< unit normal, from the partner to the owner
     Lane overlap;         ///< m, >= 0
     Lane inverse_mass;    ///< 1/kg, 1/m of the owner + 1/m of the partner
-    Lane radius;          ///< m, 1 / (1/r of the owner + 1/r of the partner)
+    Lane radius{};        ///< m, 1 / (1/r of the owner + 1/r of the partner)
+    Lane share = lanes(1);///< of the stiffness of its patch
     Lane ux{}, uy{}, uz{};///< m/s, velocity at the contact point; tangential laws
     Lane closing{};       ///< m/s, at which the centres approached
     Lane twist{};         ///< rad/s, mean spin about the normal; tangential laws
@@ -39,6 +40,7 @@ struct LawStep {
     double dt;           ///< s
     double least_force;  ///< N, of the normal force: 0 where tension is cut
     double least_ratio, largest_ratio; ///< of spring stretch kept when the stiffness changes (ShearHistory)
+    bool shared;         ///< patches share one stiffness: that of a contact changes
     bool book;           ///< an energy ledger wants the work
 
     LawStep(const ContactPolicy& policy, double step, bool ledger);

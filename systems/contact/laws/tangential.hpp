@@ -47,14 +47,15 @@ struct CoulombSpring {
         SpringLanes old = spring;
         turn_with_pair(c, step.dt, old.x, old.y, old.z);
         Lane kept = lanes(1), moved = lanes(1);
-        if constexpr (Normal::varying) {
+        const bool varying = Normal::varying || step.shared;
+        if (varying) {
             const Lane ratio = stiffness.shear > 0.0 ? spring.stiffness / stiffness.shear : lanes(0);
             kept = min(max(ratio, lanes(step.least_ratio)), lanes(step.largest_ratio));
             moved = 0.5 * (1.0 + kept);
         }
         const SpringLanes trial{kept * old.x + moved * dx, kept * old.y + moved * dy, kept * old.z + moved * dz, stiffness.shear};
         spring = trial;
-        if constexpr (!Normal::varying) spring.stiffness = lanes(1);
+        if (!varying) spring.stiffness = lanes(1);
 
         Lane gx = -stiffness.shear * trial.x, gy = -stiffness.shear * trial.y, gz = -stiffness.shear * trial.z;
         Lane dashpot{}, tx{}, ty{}, tz{};
@@ -85,7 +86,7 @@ struct CoulombSpring {
         }
         if (step.book) {
             f.work.friction = sliding_work(stiffness.shear, kept, old, trial, spring);
-            if constexpr (Normal::varying) f.work.friction += work_of_change(stiffness.shear, kept, old, trial);
+            if (varying) f.work.friction += work_of_change(stiffness.shear, kept, old, trial);
             if constexpr (Damping::present) f.work.viscous += step.dt * dashpot * (tx * tx + ty * ty + tz * tz);
         }
         f.x += gx;

@@ -1,0 +1,69 @@
+#include "systems/contact/share_patches.hpp"
+
+#include "engine/parallel.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+// overlaps of a patch, in share[k] for the rows k that `belongs` lets through, become shares
+template <class Belongs> void normalise(double* share, Row first, Row last, Belongs&& belongs) {
+    double sum = 0;
+    for (Row k = first; k < last; ++k)
+        if (belongs(k)) sum += share[k];
+    for (Row k = first; k < last; ++k)
+        if (belongs(k)) share[k] = sum > 0 ? share[k] / sum : 1;
+}
+
+// calls share_rows(first, last) with the near rows of every owner
+template <class Pairs, class ShareRows> void for_owners(const NearIndex<Pairs>& index, ShareRows&& share_rows) {
+    if (index.size() == 0) return;
+    for_chunks(index.owned_first.size() - 1, 64, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) share_rows(index.owned_first[b], index.owned_first[b + 1]);
+    });
+}
+
+} // namespace
+
+void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near, Rows<Listed, const Place, const ListedBody> listed,
+                          const NearIndex<SpherePairs>& index) {
+    const NearEntry* entry = near.column<NearPair>();
+    const PlaceRow* place = listed.column<Place>();
+    const Row* body = listed.column<ListedBody>();
+    double* share = near.column<PatchShare>();
+    const auto overlap = [&](Row k) {
+        const PlaceRow &a = place[entry[k].owner], &b = place[entry[k].other];
+        const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
+        return std::max(0.0, a.radius + b.radius - std::sqrt(dx * dx + dy * dy + dz * dz));
+    };
+    for_owners(index, [&](Row first, Row last) {
+        for (Row k = first; k < last;) { // pairs of one partner stand together
+            const Row patch = k, partner = body[entry[k].other];
+            for (; k < last && body[entry[k].other] == partner; ++k) share[k] = overlap(k);
+            normalise(share, patch, k, [](Row) { return true; });
+        }
+    });
+}
+
+void share_plane_patches(Rows<NearPlanes, const NearPair, PatchShare> near, Rows<Listed, const Place, const ListedBody> listed,
+                         Rows<Planes, const PlanePlace> planes, const NearIndex<PlanePairs>& index) {
+    const NearEntry* entry = near.column<NearPair>();
+    const PlaceRow* place = listed.column<Place>();
+    const PlanePlaceRow* plane = planes.column<PlanePlace>();
+    double* share = near.column<PatchShare>();
+    const auto count = static_cast<Row>(planes.size());
+    for_owners(index, [&](Row first, Row last) {
+        for (Row k = first; k < last; ++k) {
+            const PlaceRow& a = place[entry[k].owner];
+            const PlanePlaceRow& p = plane[entry[k].other];
+            share[k] = std::max(0.0, a.radius - (Vec3(a.x, a.y, a.z) - p.point).dot(p.normal));
+        }
+        if (first == last) return;
+        for (Row p = 0; p < count; ++p) normalise(share, first, last, [&](Row k) { return entry[k].other == p; });
+    });
+}
+
+} // namespace bris
