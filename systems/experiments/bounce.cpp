@@ -119,7 +119,7 @@ double measure(const DampedFall& s) {
     value_of<Velocity>(world, ball).z() = s.speed;
     world.add_resource<Gravity>({Vec3(0, 0, -s.gravity)});
     world.add_resource(LocalDamping{s.fraction});
-    const double dt = 0.1 * std::abs(s.speed) / (s.gravity * s.steps); // it does not turn round
+    const double dt = 0.5 * std::abs(s.speed) / (s.gravity * s.steps); // it does not turn round
     Simulation sim = begin(std::move(world), LawName::linear_frictionless, dt);
     sim.advance(s.steps);
     return -(value_of<Velocity>(sim, ball).z() - s.speed) / (s.gravity * dt * s.steps);

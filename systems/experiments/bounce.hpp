@@ -38,7 +38,7 @@ struct Stack {
     double restitution = 0.5;
     double gravity = 9.81;
     std::array<double, 2> begin{4.5e-4, 1.35e-3}; ///< m, heights of the centres at t = 0, at rest
-    double step = 0.02;                         ///< dt over sqrt(m/k), m of the upper sphere
+    double step = 0.005;                        ///< dt over sqrt(m/k), m of the upper sphere
     double duration = 5e-3;                     ///< s
 };
 struct StackResult {
@@ -51,7 +51,7 @@ struct StackResult {
 StackResult measure(const Stack& stack);
 
 /// Fall, or rise, of a sphere under local damping.
-struct DampedFall { double fraction = 0.7, speed = -3, gravity = 9.81; unsigned steps = 1000; };
+struct DampedFall { double fraction = 0.7, speed = -3, gravity = 9.81; unsigned steps = 200; };
 double measure(const DampedFall& fall); ///< acceleration over gravity
 
 } // namespace bris

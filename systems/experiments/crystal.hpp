@@ -48,11 +48,11 @@ std::vector<Neighbour> free_pair();                    ///< opposite motion, equ
 struct StabilityLimit {
     std::vector<Neighbour> around;
     double shear_ratio = 0;    ///< ks / kn, >= 0
-    double overlap = 1e-4;     ///< of the spacing
+    double overlap = 1e-6;     ///< of the spacing; the force of contacts makes a frictionless column buckle, slowly
     unsigned steps = 400;      ///< of each trial
 };
 /// Limit over sqrt(m/kn), by bisection to 2e-4: a step is unstable if a disturbance grows 1e4 times. The engine
-/// moves the sphere; its neighbours are put in their places by hand after every step.
+/// moves the sphere; its neighbours are put in their places by hand after every step. Infinite beyond 4 sqrt(m/kn).
 double measure(const StabilityLimit& limit);
 
 } // namespace bris

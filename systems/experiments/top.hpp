@@ -40,7 +40,7 @@ struct TopResult {
     Vec3 spin = Vec3::Zero();     ///< rad/s, in the body's axes, at the end
     Quat attitude{1, 0, 0, 0};
     double spin_error = 0;        ///< rad/s, against Jacobi at the end
-    double attitude_error = 0;    ///< rad
+    double attitude_error = 0;    ///< rad; nan after more than 1000 rad
     double momentum_drift = 0;    ///< |L - L0| / L0 at the end
     double energy_drift = 0;      ///< largest |E / E0 - 1|
     double norm_drift = 0;        ///< largest ||q| - 1|
@@ -66,7 +66,7 @@ struct Pendulum {
 struct PendulumResult {
     double period = 0;            ///< s
     double exact_period = 0;      ///< s: 4 sqrt((I + m a^2) / (m g a)) K(sin(amplitude / 2))
-    double energy_drift = 0;      ///< of the energy of the swing, after whole swings
+    double amplitude_drift = 0;   ///< of the last turning point, against the first
     double pivot_travel = 0;      ///< of the arm: how far the ball's centre went
     std::uint64_t steps = 0;
 };

@@ -31,10 +31,10 @@ void verify_top(Checks& checks) {
     top.spin = Vec3(1e-3, 1.2, 1e-3); // turns over, again and again (Dzhanibekov)
     checks.absolute("spin about the middle axis, t = 20: attitude", "rad", 0, measure(top).attitude_error, 1e-3);
     top.angle_per_step = 1e-2;
-    top.duration = 1e4;
+    top.duration = 2e3;
     const TopResult drift = measure(top);
-    checks.absolute("10^6 steps: |q| - 1", "", 0, drift.norm_drift, 1e-14);
-    checks.absolute("10^6 steps: energy", "", 0, drift.energy_drift, 1e-6);
+    checks.absolute("2 10^5 steps: |q| - 1", "", 0, drift.norm_drift, 1e-14);
+    checks.absolute("2 10^5 steps: energy", "", 0, drift.energy_drift, 1e-6);
 }
 
 void verify_pendulum(Checks& checks) {
@@ -43,7 +43,7 @@ void verify_pendulum(Checks& checks) {
         s.amplitude = amplitude;
         const PendulumResult r = measure(s);
         checks.relative(fmt::format("period at {} rad", amplitude), "s", r.exact_period, r.period, 1e-5, 1e-3);
-        checks.absolute(fmt::format("energy of the swing at {} rad", amplitude), "", 0, r.energy_drift, 1e-5);
+        checks.absolute(fmt::format("amplitude kept at {} rad", amplitude), "", 0, r.amplitude_drift, 1e-5);
     }
 }
 

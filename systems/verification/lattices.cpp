@@ -98,7 +98,7 @@ void verify_crystals(Checks& checks) {
 
 void verify_stability(Checks& checks) {
     const auto limit = [](std::vector<Neighbour> around, double ratio) { return measure(StabilityLimit{.around = std::move(around), .shear_ratio = ratio}); };
-    // bisection: 2e-4; the arm is shorter than the radius by half the overlap, 5e-5
+    // bisection: 2e-4; the published limits have three to six digits
     constexpr double tolerance = 1e-3;
     checks.relative("sphere on a held partner, ks = 0", "sqrt(m/kn)", 2, limit(one_held(), 0), tolerance, 0.02);
     checks.relative("sphere on a held partner, ks = kn", "sqrt(m/kn)", 1.0690, limit(one_held(), 1), tolerance, 0.02);

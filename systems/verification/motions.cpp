@@ -37,7 +37,7 @@ void verify_bouncing(Checks& checks) {
         s.stiffness = stiffness;
         s.restitution = e;
         s.bounces = bounces;
-        s.steps_per_contact = 400;
+        s.steps_per_contact = 2000;
         return measure(s).back().apex;
     };
     const double hard = 0.1 + 0.4 * std::pow(0.9, 6);
