@@ -68,7 +68,11 @@ bool may_include_system(const std::string& file, const std::string& target) {
     if (within(file, "scenarios")) return true;
     if (!within(file, "systems")) return false;
     const std::string from = room(file), to = room(target);
-    if (from == to || from == "steps" || from == "procedure") return true;
+    if (from == to) return true;
+    if (from == "verification") return to == "experiments" || to == "build";
+    if (to == "verification" || to == "experiments") return false;
+    if (from == "steps" || from == "procedure") return true;
+    if (from == "experiments") return to != "procedure";
     return from == "build" && to != "steps" && to != "procedure";
 }
 
@@ -136,7 +140,13 @@ TEST_SUITE("layering") {
         CHECK(may_include_house("components/sphere.hpp", "engine/lanes.hpp"));
         CHECK(may_include_house("scenarios/settle.cpp", "systems/output/plot.hpp"));
         CHECK_FALSE(may_include_house("systems/contact/a.cpp", "systems/output/plot.hpp"));
+        CHECK(may_include_house("systems/experiments/impact.cpp", "systems/steps.hpp"));
+        CHECK(may_include_house("systems/verification/cases.cpp", "systems/experiments/impact.hpp"));
         CHECK_FALSE(may_include_house("systems/build/packing.cpp", "systems/steps.hpp"));
+        CHECK_FALSE(may_include_house("systems/build/packing.cpp", "systems/experiments/impact.hpp"));
+        CHECK_FALSE(may_include_house("systems/procedure/shear.cpp", "systems/verification/cases.hpp"));
+        CHECK_FALSE(may_include_house("systems/experiments/impact.cpp", "systems/procedure/triaxial.hpp"));
+        CHECK_FALSE(may_include_house("systems/verification/cases.cpp", "systems/steps.hpp"));
         CHECK_FALSE(may_include_house("engine/world.cpp", "components/body.hpp"));
         CHECK_FALSE(may_include_house("components/body.hpp", "engine/world.hpp"));
         CHECK_FALSE(may_include_house("systems/guard.cpp", "tests/support.hpp"));

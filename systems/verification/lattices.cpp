@@ -5,7 +5,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 
 namespace bris::detail {
 
@@ -44,8 +43,8 @@ void verify_chains(Checks& checks) {
 
 namespace {
 
-constexpr std::array lattice_names{"SC", "BCC", "FCC"};
-const char* name_of(Lattice lattice) { return lattice_names[static_cast<std::size_t>(lattice)]; }
+
+const char* name_of(Lattice lattice) { return lattice == Lattice::simple ? "SC" : (lattice == Lattice::body_centred ? "BCC" : "FCC"); }
 
 struct Moduli { Lattice lattice; double pressure, c11, c12, c44; };
 // reference/data/crystal_moduli_hertz_mindlin.csv, 40 mm spheres of 5 GPa

@@ -1,0 +1,114 @@
+// A straight chain of beads: a standing wave of a pressed chain, or the solitary wave of one that just touches.
+#include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/scenario.hpp"
+#include "engine/summary.hpp"
+#include "systems/experiments/chain.hpp"
+#include "systems/experiments/names.hpp"
+
+#include <cstdio>
+
+namespace {
+
+using namespace bris;
+
+Material bead() {
+    Material m;
+    m.name = "bead";
+    m.density = 2600;
+    m.young_modulus = 5e9;
+    m.poisson_ratio = 0.25;
+    m.normal_stiffness = 2e5;
+    return m;
+}
+
+struct Chain {
+    ChainWave wave;
+    ChainPulse pulse;
+    MaterialOptions material{bead()};
+    std::string kind = "pulse", law = "hertz_frictionless";
+    unsigned beads = 100;
+    double radius = 0.01, step = 0.01;
+
+    void describe(auto& option) {
+        option("kind", kind, "", "pulse: the first bead is thrown at the others; wave: a standing wave between held ends", {"pulse", "wave"});
+        option("law", law, "", "of contact", law_names);
+        option("beads", beads, "", "that move", within(1, 10000));
+        option("radius", radius, "m", "", above(0));
+        option("step", step, "", "time step; pulse: over the time unit (m^2/(K^2 v0))^(1/5); wave: over sqrt(m/k)",
+               Range{.low = 0, .high = 1, .low_accepted = false});
+        material.describe(option, "", "of the beads");
+        option.group("pulse");
+        option("speed", pulse.speed, "m/s", "of the first bead", above(0));
+        option("front", pulse.front, "", "share of the chain at which the pulse is timed first", Range{.low = 0, .high = 1, .low_accepted = false});
+        option("rear", pulse.rear, "", "and last", Range{.low = 0, .high = 1, .low_accepted = false, .high_accepted = false});
+        option.group("wave");
+        option("mode", wave.mode, "", "half waves in the chain", within(1, 10000));
+        option("overlap", wave.overlap, "", "of neighbours over a radius, before the wave", Range{.low = 0, .high = 0.5, .low_accepted = false});
+        option("amplitude", wave.amplitude, "", "over the overlap", Range{.low = 0, .high = 0.4, .low_accepted = false});
+        option("periods", wave.periods, "", "", above(0.1));
+    }
+};
+
+Summary pulse_results(const Chain& s, const Common& common) {
+    ChainPulse pulse = s.pulse;
+    pulse.beads = s.beads;
+    pulse.radius = s.radius;
+    pulse.step = s.step;
+    pulse.law = named<LawName>(law_names, s.law);
+    pulse.material = s.material.material;
+    const ChainPulseResult r = measure(pulse);
+    std::vector<std::vector<double>> rows;
+    for (std::size_t i = 0; i < r.arrival.size(); ++i) rows.push_back({static_cast<double>(i), r.arrival[i] * r.time_unit});
+    write_csv(common.out / "arrival.csv", {"contact", "time_of_largest_force_s"}, rows);
+    Summary t;
+    t.add("pulse_speed_beads_per_time_unit", r.pulse_speed);
+    t.add("largest_force_over_unit", r.largest_force);
+    t.add("largest_bead_velocity_over_v0", r.largest_velocity);
+    if (is_hertz(pulse.law)) t.add("pulse_speed_over_sixth_root_of_force", r.pulse_speed / std::pow(r.largest_force, 1.0 / 6));
+    t.add("time_unit_s", r.time_unit);
+    t.add("momentum_change", r.momentum_change);
+    t.add("steps", r.steps);
+    return t;
+}
+
+Summary wave_results(const Chain& s) {
+    ChainWave wave = s.wave;
+    wave.beads = s.beads;
+    wave.radius = s.radius;
+    wave.step = s.step;
+    wave.law = named<LawName>(law_names, s.law);
+    wave.material = s.material.material;
+    const ChainWaveResult r = measure(wave);
+    Summary t;
+    t.add("frequency_rad_per_s", r.frequency);
+    t.add("exact_frequency_rad_per_s", r.exact_frequency);
+    t.add("leapfrog_frequency_rad_per_s", r.discrete_frequency);
+    t.add("frequency_error", r.frequency / r.exact_frequency - 1);
+    t.add("error_against_leapfrog", r.frequency / r.discrete_frequency - 1);
+    t.add("amplitude_drift", r.amplitude_drift);
+    t.add("contact_stiffness_N_per_m", r.stiffness);
+    t.add("steps", r.steps);
+    return t;
+}
+
+void run(const Chain& settings, const Common& common) {
+    require(common.resume.empty(), "--resume: expected none, a chain takes a moment");
+    if (common.explain) {
+        std::puts(explain_step(named<LawName>(law_names, settings.law), Grains::spheres).c_str());
+        return;
+    }
+    const Summary results = settings.kind == "pulse" ? pulse_results(settings, common) : wave_results(settings);
+    results.print("chain");
+    Summary whole;
+    whole.add("scenario", common.scenario);
+    whole.add(common.settings);
+    whole.add(results.entries());
+    whole.write(common.out / "summary.json");
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_scenario<Chain>(argc, argv, "chain", "waves in a straight chain of beads", run);
+}

@@ -1,0 +1,101 @@
+// A crystal of equal spheres: elastic moduli under pressure, or the largest stable step of its lattice.
+#include "engine/errors.hpp"
+#include "engine/scenario.hpp"
+#include "engine/summary.hpp"
+#include "systems/experiments/crystal.hpp"
+#include "systems/experiments/names.hpp"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace {
+
+using namespace bris;
+
+Material grain() {
+    Material m;
+    m.name = "sphere";
+    m.density = 2650;
+    m.young_modulus = 5e9;
+    m.poisson_ratio = 0.25;
+    m.normal_stiffness = 2e9;
+    m.shear_stiffness = 1e9;
+    return m;
+}
+
+struct Settings {
+    Crystal crystal;
+    MaterialOptions material{grain()};
+    std::string lattice = "fcc", law = "hertz_mindlin", what = "moduli";
+    double friction = 10, shear_ratio = 2.0 / 7;
+
+    void describe(auto& option) {
+        option("what", what, "", "moduli, or the limit of stability (linear springs)", {"moduli", "stability"});
+        option("lattice", lattice, "", "simple cubic, body- or face-centred", lattice_names);
+        option.group("moduli");
+        option("law", law, "", "of contact", law_names);
+        option("spacing", crystal.spacing, "m", "of the centres of neighbours", above(0));
+        option("pressure", crystal.pressure, "Pa", "", above(0));
+        option("strain", crystal.strain, "", "to either side, well below overlap over spacing", above(0));
+        option("friction", friction, "", "Coulomb coefficient", at_least(0));
+        material.describe(option, "", "of the spheres");
+        option.group("stability");
+        option("shear_ratio", shear_ratio, "", "tangential over normal stiffness", within(0, 10));
+    }
+};
+
+Summary moduli(const Settings& s) {
+    Crystal crystal = s.crystal;
+    crystal.lattice = named<Lattice>(lattice_names, s.lattice);
+    crystal.law = named<LawName>(law_names, s.law);
+    crystal.material = s.material.material;
+    crystal.material.friction = s.friction;
+    const CrystalResult r = measure(crystal);
+    const double density = crystal.material.density * pi / 6 / cell_volume(crystal.lattice);
+    Summary t;
+    t.add("contact_force_N", r.contact_force);
+    t.add("overlap_m", r.overlap);
+    t.add("pressure_Pa", r.pressure);
+    t.add("c11_Pa", r.c11);
+    t.add("c12_Pa", r.c12);
+    t.add("c44_Pa", r.c44);
+    t.add("bulk_modulus_Pa", r.bulk);
+    t.add("density_of_crystal_kg_per_m3", density);
+    t.add("compression_wave_100_m_per_s", std::sqrt(r.c11 / density));
+    t.add("shear_wave_100_m_per_s", std::sqrt(r.c44 / density));
+    t.add("resultant_over_contact_force", r.unbalanced);
+    return t;
+}
+
+Summary stability(const Settings& s) {
+    const auto lattice = named<Lattice>(lattice_names, s.lattice);
+    const auto limit = [&](std::vector<Neighbour> around) { return measure(StabilityLimit{.around = std::move(around), .shear_ratio = s.shear_ratio}); };
+    const double together = limit(in_phase(lattice)), against = limit(zone_boundary(lattice)), alone = limit(held(lattice));
+    Summary t; // the limits are over sqrt(m / kn)
+    t.add("limit_all_spin_alike", together);
+    t.add("limit_zone_boundary", against);
+    t.add("limit_neighbours_held", alone);
+    t.add("limit_of_lattice", std::min(together, against));
+    return t;
+}
+
+void run(const Settings& settings, const Common& common) {
+    require(common.resume.empty(), "--resume: expected none, a crystal takes a moment");
+    if (common.explain) {
+        std::puts(explain_step(named<LawName>(law_names, settings.law), Grains::spheres).c_str());
+        return;
+    }
+    const Summary results = settings.what == "moduli" ? moduli(settings) : stability(settings);
+    results.print("crystal");
+    Summary whole;
+    whole.add("scenario", common.scenario);
+    whole.add(common.settings);
+    whole.add(results.entries());
+    whole.write(common.out / "summary.json");
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_scenario<Settings>(argc, argv, "crystal", "moduli and stability of a crystal of equal spheres", run);
+}

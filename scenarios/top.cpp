@@ -1,0 +1,89 @@
+// A rigid body that turns freely, beside Jacobi's solution; or a compound pendulum on its ball, beside its period.
+#include "engine/errors.hpp"
+#include "engine/scenario.hpp"
+#include "engine/summary.hpp"
+#include "systems/experiments/names.hpp"
+#include "systems/experiments/top.hpp"
+
+#include <cstdio>
+
+namespace {
+
+using namespace bris;
+
+struct Turning {
+    Top top;
+    Pendulum pendulum;
+    std::string kind = "free";
+
+    void describe(auto& option) {
+        option("kind", kind, "", "free: no torque; pendulum: it swings about a ball in a smooth groove", {"free", "pendulum"});
+        option("inertia_1", top.inertia.x(), "kg m2", "least principal moment", above(0));
+        option("inertia_2", top.inertia.y(), "kg m2", "middle one", above(0));
+        option("inertia_3", top.inertia.z(), "kg m2", "greatest one", above(0));
+        option.group("free");
+        option("spin_1", top.spin.x(), "rad/s", "at the start, about the axis of the least moment");
+        option("spin_2", top.spin.y(), "rad/s", "of the middle one");
+        option("spin_3", top.spin.z(), "rad/s", "of the greatest one");
+        option("angle_per_step", top.angle_per_step, "rad", "turned in a time step", above(0));
+        option("duration", top.duration, "s", "simulated", above(0));
+        option.group("pendulum");
+        option("arm", pendulum.arm, "m", "from the centre of mass to the ball's centre", above(0));
+        option("ball_radius", pendulum.radius, "m", "", above(0));
+        option("mass", pendulum.mass, "kg", "", above(0));
+        option("amplitude", pendulum.amplitude, "rad", "at the start", Range{.low = 0, .high = pi / 4, .low_accepted = false, .high_accepted = false});
+        option("gravity", pendulum.gravity, "m/s2", "", above(0));
+        option("stiffness_ratio", pendulum.stiffness_ratio, "", "stiffness of a contact times arm over weight", above(10));
+        option("step_share", pendulum.step_share, "", "time step over sqrt(m/k)", Range{.low = 0, .high = 1, .low_accepted = false});
+        option("swings", pendulum.swings, "", "to and fro", within(1, 1000));
+    }
+};
+
+Summary results_of(const TopResult& r) {
+    Summary t;
+    t.add("step_s", r.dt);
+    t.add("steps", r.steps);
+    t.add("spin_1_rad_per_s", r.spin.x());
+    t.add("spin_2_rad_per_s", r.spin.y());
+    t.add("spin_3_rad_per_s", r.spin.z());
+    t.add("spin_error_rad_per_s", r.spin_error);
+    t.add("attitude_error_rad", r.attitude_error);
+    t.add("angular_momentum_drift", r.momentum_drift);
+    t.add("energy_drift", r.energy_drift);
+    t.add("quaternion_norm_drift", r.norm_drift);
+    return t;
+}
+
+Summary results_of(const PendulumResult& r) {
+    Summary t;
+    t.add("period_s", r.period);
+    t.add("exact_period_s", r.exact_period);
+    t.add("period_error", r.period / r.exact_period - 1);
+    t.add("amplitude_drift", r.amplitude_drift);
+    t.add("pivot_travel_over_arm", r.pivot_travel);
+    t.add("steps", r.steps);
+    return t;
+}
+
+void run(const Turning& settings, const Common& common) {
+    require(common.resume.empty(), "--resume: expected none, a top is turned anew");
+    if (common.explain) {
+        std::puts(explain_step(LawName::linear_frictionless, Grains::clumps).c_str());
+        return;
+    }
+    Pendulum pendulum = settings.pendulum;
+    pendulum.inertia = settings.top.inertia;
+    const Summary results = settings.kind == "free" ? results_of(measure(settings.top)) : results_of(measure(pendulum));
+    results.print("top");
+    Summary whole;
+    whole.add("scenario", common.scenario);
+    whole.add(common.settings);
+    whole.add(results.entries());
+    whole.write(common.out / "summary.json");
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_scenario<Turning>(argc, argv, "top", "a rigid body turns freely, or swings as a pendulum", run);
+}
