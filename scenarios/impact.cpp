@@ -107,7 +107,6 @@ Summary results_of(const Impact& s, const ImpactResult& r) {
     t.add("spin_x_rad_per_s", r.spin.x());
     t.add("spin_y_rad_per_s", r.spin.y());
     t.add("spin_z_rad_per_s", r.spin.z());
-    t.add("partner_spin_y_rad_per_s", r.partner_spin.y());
     t.add("slip_before_m_per_s", r.slip_before);
     t.add("slip_after_m_per_s", r.slip);
     t.add("rebound_angle_degrees", r.rebound_angle / degree);
@@ -115,9 +114,13 @@ Summary results_of(const Impact& s, const ImpactResult& r) {
     t.add("energy_change", r.energy_change);
     t.add("friction_work_J", r.friction_work);
     t.add("viscous_work_J", r.viscous_work);
+    t.add("rolling_work_J", r.rolling_work);
     t.add("ledger_error", r.ledger_error);
     t.add("largest_friction_over_normal_force", r.friction_ratio);
     if (s.target == Target::sphere) {
+        t.add("partner_spin_x_rad_per_s", r.partner_spin.x());
+        t.add("partner_spin_y_rad_per_s", r.partner_spin.y());
+        t.add("partner_spin_z_rad_per_s", r.partner_spin.z());
         t.add("momentum_change", r.momentum_change);
         t.add("angular_momentum_change", r.angular_momentum_change);
     }

@@ -18,10 +18,10 @@ struct Turning {
 
     void describe(auto& option) {
         option("kind", kind, "", "free: no torque; pendulum: it swings about a ball in a smooth groove", {"free", "pendulum"});
+        option.group("free");
         option("inertia_1", top.inertia.x(), "kg m2", "least principal moment", above(0));
         option("inertia_2", top.inertia.y(), "kg m2", "middle one", above(0));
         option("inertia_3", top.inertia.z(), "kg m2", "greatest one", above(0));
-        option.group("free");
         option("spin_1", top.spin.x(), "rad/s", "at the start, about the axis of the least moment");
         option("spin_2", top.spin.y(), "rad/s", "of the middle one");
         option("spin_3", top.spin.z(), "rad/s", "of the greatest one");
@@ -31,6 +31,7 @@ struct Turning {
         option("arm", pendulum.arm, "m", "from the centre of mass to the ball's centre", above(0));
         option("ball_radius", pendulum.radius, "m", "", above(0));
         option("mass", pendulum.mass, "kg", "", above(0));
+        option("inertia", pendulum.inertia.y(), "kg m2", "about the centre of mass, of the swing", above(0));
         option("amplitude", pendulum.amplitude, "rad", "at the start", Range{.low = 0, .high = pi / 4, .low_accepted = false, .high_accepted = false});
         option("gravity", pendulum.gravity, "m/s2", "", above(0));
         option("stiffness_ratio", pendulum.stiffness_ratio, "", "stiffness of a contact times arm over weight", above(10));
@@ -71,9 +72,7 @@ void run(const Turning& settings, const Common& common) {
         std::puts(explain_step(LawName::linear_frictionless, Grains::clumps).c_str());
         return;
     }
-    Pendulum pendulum = settings.pendulum;
-    pendulum.inertia = settings.top.inertia;
-    const Summary results = settings.kind == "free" ? results_of(measure(settings.top)) : results_of(measure(pendulum));
+    const Summary results = settings.kind == "free" ? results_of(measure(settings.top)) : results_of(measure(settings.pendulum));
     results.print("top");
     Summary whole;
     whole.add("scenario", common.scenario);

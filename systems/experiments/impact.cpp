@@ -189,7 +189,8 @@ ImpactResult measure(const Impact& s) {
     r.energy_change = run.energy() / r.energy_before - 1;
     r.friction_work = work(run, FrictionWork{});
     r.viscous_work = work(run, ViscousWork{});
-    r.ledger_error = -r.energy_change - (r.friction_work + r.viscous_work + work(run, DampingWork{})) / r.energy_before;
+    r.rolling_work = work(run, RollingWork{});
+    r.ledger_error = -r.energy_change - (r.friction_work + r.viscous_work + r.rolling_work + work(run, DampingWork{})) / r.energy_before;
     r.momentum_change = (run.momentum() - momentum).norm() / momentum_scale;
     r.angular_momentum_change = (run.angular_momentum() - turning).norm() / (momentum_scale * (s.radius + s.partner_radius));
     return r;

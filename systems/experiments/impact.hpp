@@ -52,7 +52,7 @@ struct ImpactResult {
     double momentum_change = 0;       ///< of sum m |v|; sphere partners
     double angular_momentum_change = 0; ///< of sum m |v| r; sphere partners
     double friction_ratio = 0;        ///< largest tangential over normal force
-    double friction_work = 0, viscous_work = 0; ///< J, booked by the energy ledger
+    double friction_work = 0, viscous_work = 0, rolling_work = 0; ///< J, booked by the energy ledger
     double energy_before = 0;         ///< J
     double ledger_error = 0;          ///< (energy before - after - booked work) / before
     std::uint64_t steps = 0;

@@ -29,6 +29,8 @@ constexpr std::array cases{
     VerificationCase{"crystals", "moduli of cubic lattices, closed forms", detail::verify_crystals},
     VerificationCase{"stability", "2 / omega of the leapfrog, lattice dynamics", detail::verify_stability},
     VerificationCase{"contact_pair", "shear loop, objectivity, limits of torque", detail::verify_contact_pair},
+    VerificationCase{"energy", "a gas keeps its energy; a spring that stiffens gives 8/15 dE* sqrt(R*) overlap^(5/2)", detail::verify_gas},
+    VerificationCase{"rest", "statics: what has come to rest stays, and carries its weight", detail::verify_rest},
     VerificationCase{"descriptions", "the same physics in another frame, unit or order", detail::verify_descriptions},
 };
 

@@ -40,6 +40,8 @@ void verify_crystals(Checks&);
 void verify_stability(Checks&);
 void verify_contact_pair(Checks&);
 void verify_descriptions(Checks&);
+void verify_gas(Checks&);
+void verify_rest(Checks&);
 } // namespace detail
 
 } // namespace bris

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string>
@@ -12,7 +13,8 @@ struct Check {
     enum class Rule {
         relative, ///< |found - expected| <= tolerance |expected|
         absolute, ///< |found - expected| <= tolerance
-        at_most   ///< found <= expected + tolerance
+        at_most,  ///< found <= expected + tolerance
+        at_least  ///< found >= expected - tolerance
     };
     std::string group, quantity, unit;
     double expected = 0, found = 0;
@@ -22,10 +24,11 @@ struct Check {
 
     double error() const {
         const double difference = found - expected;
-        if (rule == Rule::at_most) return difference;
+        if (rule == Rule::at_most) return std::max(difference, 0.0);
+        if (rule == Rule::at_least) return std::max(-difference, 0.0);
         return std::abs(difference) / (rule == Rule::relative ? std::abs(expected) : 1);
     }
-    bool passes() const { return error() <= tolerance; } // not a number: fails
+    bool passes() const { return !std::isnan(found) && error() <= tolerance; }
 };
 
 /// The checks of one group.
@@ -42,6 +45,9 @@ public:
     }
     void at_most(std::string quantity, std::string unit, double limit, double found, double tolerance = 0, double published = none) {
         add(std::move(quantity), std::move(unit), limit, found, tolerance, Check::Rule::at_most, published);
+    }
+    void at_least(std::string quantity, std::string unit, double limit, double found, double tolerance = 0) {
+        add(std::move(quantity), std::move(unit), limit, found, tolerance, Check::Rule::at_least, none);
     }
     const std::vector<Check>& list() const { return list_; }
 

@@ -11,7 +11,13 @@ namespace bris {
 namespace {
 
 const char* word(Check::Rule rule) {
-    return rule == Check::Rule::relative ? "relative" : (rule == Check::Rule::absolute ? "absolute" : "at most");
+    switch (rule) {
+    case Check::Rule::relative: return "relative";
+    case Check::Rule::absolute: return "absolute";
+    case Check::Rule::at_most: return "at most";
+    case Check::Rule::at_least: break;
+    }
+    return "at least";
 }
 
 std::string quoted(std::string text) {

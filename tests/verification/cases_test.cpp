@@ -37,5 +37,7 @@ TEST_SUITE("verification") {
     TEST_CASE("crystals have the moduli of their lattices") { check_all("crystals"); }
     TEST_CASE("steps are stable up to the limits of lattices and pairs, and no further") { check_all("stability"); }
     TEST_CASE("a contact's shear loop, rigid turns and torques are exact") { check_all("contact_pair"); }
+    TEST_CASE("a gas keeps its energy, and what stiffens in contact gives what it must") { check_all("energy"); }
+    TEST_CASE("what has come to rest stays, and carries its weight") { check_all("rest"); }
     TEST_CASE("physics is the same in another frame, unit, order or number of threads") { check_all("descriptions"); }
 }

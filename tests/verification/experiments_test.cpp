@@ -67,13 +67,17 @@ TEST_SUITE("verification/experiments") {
         checks.absolute("none", "", 0, std::nan(""), 1);
         checks.at_most("below", "", 1, 0.5);
         checks.at_most("above", "", 1, 1.5);
+        checks.at_least("too little", "", 1, 0.5);
+        checks.at_least("not a number", "", 1, std::nan(""));
         const auto& list = checks.list();
         CHECK(list[0].passes());
         CHECK_FALSE(list[1].passes());
         CHECK_FALSE(list[2].passes());
         CHECK(list[3].passes());
         CHECK_FALSE(list[4].passes());
-        CHECK(names_of_failing(list) == "group: off; group: none; group: above");
+        CHECK_FALSE(list[5].passes());
+        CHECK_FALSE(list[6].passes());
+        CHECK(names_of_failing(list) == "group: off; group: none; group: above; group: too little; group: not a number");
         CHECK(csv_of(list).find("group,\"off\",\"m\",2,2.001,") != std::string::npos);
         CHECK(table_of(list).find("FAILS") != std::string::npos);
     }
