@@ -31,7 +31,8 @@ struct Chain {
     double radius = 0.01, step = 0.01;
 
     void describe(auto& option) {
-        option("kind", kind, "", "pulse: the first bead is thrown at the others; wave: a standing wave between held ends", {"pulse", "wave"});
+        option("kind", kind, "", "pulse: the first bead is thrown at the others; wave: a standing wave between held ends",
+               {"pulse", "wave"});
         option("law", law, "", "of contact", law_names);
         option("beads", beads, "", "that move", within(1, 10000));
         option("radius", radius, "m", "", above(0));
@@ -40,11 +41,13 @@ struct Chain {
         material.describe(option, "", "of the beads");
         option.group("pulse");
         option("speed", pulse.speed, "m/s", "of the first bead", above(0));
-        option("front", pulse.front, "", "share of the chain at which the pulse is timed first", Range{.low = 0, .high = 1, .low_accepted = false});
+        option("front", pulse.front, "", "share of the chain at which the pulse is timed first",
+               Range{.low = 0, .high = 1, .low_accepted = false});
         option("rear", pulse.rear, "", "and last", Range{.low = 0, .high = 1, .low_accepted = false, .high_accepted = false});
         option.group("wave");
         option("mode", wave.mode, "", "half waves in the chain", within(1, 10000));
-        option("overlap", wave.overlap, "", "of neighbours over a radius, before the wave", Range{.low = 0, .high = 0.5, .low_accepted = false});
+        option("overlap", wave.overlap, "", "of neighbours over a radius, before the wave",
+               Range{.low = 0, .high = 0.5, .low_accepted = false});
         option("amplitude", wave.amplitude, "", "over the overlap", Range{.low = 0, .high = 0.4, .low_accepted = false});
         option("periods", wave.periods, "", "", above(0.1));
     }
@@ -109,6 +112,4 @@ void run(const Chain& settings, const Common& common) {
 
 } // namespace
 
-int main(int argc, char** argv) {
-    return run_scenario<Chain>(argc, argv, "chain", "waves in a straight chain of beads", run);
-}
+int main(int argc, char** argv) { return run_scenario<Chain>(argc, argv, "chain", "waves in a straight chain of beads", run); }

@@ -69,7 +69,9 @@ Summary moduli(const Settings& s) {
 
 Summary stability(const Settings& s) {
     const auto lattice = named<Lattice>(lattice_names, s.lattice);
-    const auto limit = [&](std::vector<Neighbour> around) { return measure(StabilityLimit{.around = std::move(around), .shear_ratio = s.shear_ratio}); };
+    const auto limit = [&](std::vector<Neighbour> around) {
+        return measure(StabilityLimit{.around = std::move(around), .shear_ratio = s.shear_ratio});
+    };
     const double together = limit(in_phase(lattice)), against = limit(zone_boundary(lattice)), alone = limit(held(lattice));
     Summary t; // the limits are over sqrt(m / kn)
     t.add("limit_all_spin_alike", together);

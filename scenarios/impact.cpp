@@ -64,13 +64,15 @@ struct Shot {
         option("tension", tension, "", "whether a dashpot may pull at the end", tension_names);
         option("shear_history", history, "", "how the tangential spring follows its stiffness; Hertz", shear_history_names);
         option("shear_dashpot", impact.policy.shear_dashpot, "", "restitution damps the tangential spring too");
-        option("local_damping", impact.local_damping, "", "fraction of force", Range{.low = 0, .high = 1, .high_accepted = false});
+        option("local_damping", impact.local_damping, "", "fraction of force",
+               Range{.low = 0, .high = 1, .high_accepted = false});
         option.group("materials");
         sphere.describe(option, "", "of the sphere");
         partner.describe(option, "partner_", "of the partner");
         option.group("accuracy");
         option("steps_per_contact", impact.steps_per_contact, "", "time steps in the undamped contact time", above(1));
-        option("phase", impact.phase, "", "of a step, from the first touch to the first force", Range{.low = 0, .high = 1, .high_accepted = false});
+        option("phase", impact.phase, "", "of a step, from the first touch to the first force",
+               Range{.low = 0, .high = 1, .high_accepted = false});
     }
     Impact complete() const {
         Impact s = impact;

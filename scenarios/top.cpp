@@ -32,10 +32,12 @@ struct Turning {
         option("ball_radius", pendulum.radius, "m", "", above(0));
         option("mass", pendulum.mass, "kg", "", above(0));
         option("inertia", pendulum.inertia.y(), "kg m2", "about the centre of mass, of the swing", above(0));
-        option("amplitude", pendulum.amplitude, "rad", "at the start", Range{.low = 0, .high = pi / 4, .low_accepted = false, .high_accepted = false});
+        option("amplitude", pendulum.amplitude, "rad", "at the start",
+               Range{.low = 0, .high = pi / 4, .low_accepted = false, .high_accepted = false});
         option("gravity", pendulum.gravity, "m/s2", "", above(0));
         option("stiffness_ratio", pendulum.stiffness_ratio, "", "stiffness of a contact times arm over weight", above(10));
-        option("step_share", pendulum.step_share, "", "time step over sqrt(m/k)", Range{.low = 0, .high = 1, .low_accepted = false});
+        option("step_share", pendulum.step_share, "", "time step over sqrt(m/k)",
+               Range{.low = 0, .high = 1, .low_accepted = false});
         option("swings", pendulum.swings, "", "to and fro", within(1, 1000));
     }
 };

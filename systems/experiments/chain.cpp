@@ -78,7 +78,8 @@ ChainWaveResult measure(const ChainWave& s) {
 }
 
 ChainPulseResult measure(const ChainPulse& s) {
-    require(s.beads >= 10 && s.front > 0 && s.front < s.rear && s.rear < 1, "chain: expected 10 beads or more, and 0 < front < rear < 1");
+    require(s.beads >= 10 && s.front > 0 && s.front < s.rear && s.rear < 1,
+            "chain: expected 10 beads or more, and 0 < front < rear < 1");
     const NormalContact c = contact_of_beads(s.material, s.law, s.radius, s.speed);
     const double mass = 2 * c.mass;
     ChainPulseResult r;

@@ -71,7 +71,8 @@ Outcome run(const Cluster& s, const Description& d) {
         const unsigned i = d.reversed ? count - 1 - made : made;
         Random random(s.seed, i);
         const Vec3 site = pitch * Vec3(i % s.side - half, i / s.side % s.side - half, i / s.side / s.side + 0.505);
-        const Vec3 x = site + 0.004 * radius * random.direction(), v = speed * (Vec3(0, 0, -1) - 0.3 * site / radius) + 0.2 * random.direction();
+        const Vec3 x = site + 0.004 * radius * random.direction(),
+                   v = speed * (Vec3(0, 0, -1) - 0.3 * site / radius) + 0.2 * random.direction();
         ids[i] = add_sphere(world, frame.place(x), d.length * radius, material);
         value_of<Velocity>(world, ids[i]) = frame.velocity(v);
         set_spin(world, ids[i], frame.spin(30 * random.direction()));

@@ -37,8 +37,8 @@ GasResult measure(const Gas& s) {
     // records are of the positions before the last move: so are these velocities
     const auto energy = [&] {
         const World& w = sim.world();
-        const auto velocity = w.column<Bodies, Velocity>(), acceleration = w.column<Bodies, Acceleration>(), spin = w.column<Bodies, StepSpin>(),
-                   torque = w.column<Bodies, Torque>();
+        const auto velocity = w.column<Bodies, Velocity>(), acceleration = w.column<Bodies, Acceleration>(),
+                   spin = w.column<Bodies, StepSpin>(), torque = w.column<Bodies, Torque>();
         const auto mass = w.column<Bodies, Mass>(), inertia = w.column<Bodies, SphereInertia>();
         double kinetic = 0;
         for (Row b = 0; b < mass.size(); ++b)

@@ -72,7 +72,9 @@ RigidTurnResult measure(const RigidTurn& s) {
     const double arm = s.radius - 0.5 * settings.overlap;
     pair.step(Vec3::Zero(), Vec3(0.6, 0.8, 0) * s.stretch / arm);
     const Vec3 axis = s.axis.normalized(), turn = 2 * pi / s.steps * axis;
-    const auto place = [&](unsigned k) { return exponential_map(2 * pi * k / s.steps * axis) * Vec3(0, 0, 2 * s.radius - settings.overlap); };
+    const auto place = [&](unsigned k) {
+        return exponential_map(2 * pi * k / s.steps * axis) * Vec3(0, 0, 2 * s.radius - settings.overlap);
+    };
     Vec3 first = Vec3::Zero();
     RigidTurnResult r;
     for (unsigned k = 0; k <= s.steps; ++k) {
@@ -95,8 +97,7 @@ double measure(const RollAndTwist& s) {
     GuidedPair pair(settings);
     GuidedPair::Answer answer{};
     const double angle = 1e-5;
-    for (int k = 0; k < 2000; ++k)
-        answer = pair.step(Vec3::Zero(), Vec3(s.roll ? angle : 0, 0, s.twist ? angle : 0));
+    for (int k = 0; k < 2000; ++k) answer = pair.step(Vec3::Zero(), Vec3(s.roll ? angle : 0, 0, s.twist ? angle : 0));
     return answer.torque.norm() / (0.5 * settings.radius * answer.normal_force);
 }
 

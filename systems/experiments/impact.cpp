@@ -45,11 +45,10 @@ struct Run {
     bool sphere;
     double radius, partner_radius;
 
-    Vec3 partner_of(auto component) {
-        return sphere ? Vec3(value_of<decltype(component)>(sim, partner)) : Vec3(Vec3::Zero());
-    }
+    Vec3 partner_of(auto component) { return sphere ? Vec3(value_of<decltype(component)>(sim, partner)) : Vec3(Vec3::Zero()); }
     Vec3 normal() {
-        return sphere ? Vec3((value_of<Position>(sim, ball) - value_of<Position>(sim, partner)).normalized()) : Vec3(Vec3::UnitZ());
+        return sphere ? Vec3((value_of<Position>(sim, ball) - value_of<Position>(sim, partner)).normalized())
+                      : Vec3(Vec3::UnitZ());
     }
     Vec3 relative_velocity() { return value_of<Velocity>(sim, ball) - partner_of(Velocity{}); }
     /// Velocity of the sphere's surface against the partner's where they meet.
@@ -58,9 +57,7 @@ struct Run {
                                      partner_radius * partner_of(Spin{}).cross(n);
         return u - u.dot(n) * n;
     }
-    double energy() {
-        return free_kinetic_energy(sim.world(), ball) + (sphere ? free_kinetic_energy(sim.world(), partner) : 0);
-    }
+    double energy() { return free_kinetic_energy(sim.world(), ball) + (sphere ? free_kinetic_energy(sim.world(), partner) : 0); }
     Vec3 momentum() {
         Vec3 p = value_of<InertialMass>(sim, ball) * value_of<Velocity>(sim, ball);
         if (sphere) p += value_of<InertialMass>(sim, partner) * value_of<Velocity>(sim, partner);
@@ -98,13 +95,15 @@ Run make_run(const Impact& s, double dt, double wait) {
         set_spin(world, partner, s.partner_spin);
     }
     if (s.local_damping > 0) world.add_resource(LocalDamping{s.local_damping});
-    return {begin(std::move(world), s.law, dt, has_springs(s.law)), ball, partner, sphere, s.radius, sphere ? s.partner_radius : 0};
+    return {
+        begin(std::move(world), s.law, dt, has_springs(s.law)), ball, partner, sphere, s.radius, sphere ? s.partner_radius : 0};
 }
 
 void check(const Impact& s) {
     require(s.radius > 0 && s.partner_radius > 0, "impact: expected radii above 0 m");
     require(s.speed > 0, fmt::format("impact: expected a speed above 0 m/s, found {:g}", s.speed));
-    require(s.angle >= 0 && s.angle < pi / 2, fmt::format("impact: expected an angle in [0, 90) degrees, found {:g}", s.angle * 180 / pi));
+    require(s.angle >= 0 && s.angle < pi / 2,
+            fmt::format("impact: expected an angle in [0, 90) degrees, found {:g}", s.angle * 180 / pi));
     require(s.steps_per_contact > 1, fmt::format("impact: expected more than 1 step a contact, found {:g}", s.steps_per_contact));
     const NormalContact c = normal_contact(s);
     require(c.stiffness > 0 && std::isfinite(c.stiffness),
@@ -190,7 +189,8 @@ ImpactResult measure(const Impact& s) {
     r.friction_work = work(run, FrictionWork{});
     r.viscous_work = work(run, ViscousWork{});
     r.rolling_work = work(run, RollingWork{});
-    r.ledger_error = -r.energy_change - (r.friction_work + r.viscous_work + r.rolling_work + work(run, DampingWork{})) / r.energy_before;
+    r.ledger_error =
+        -r.energy_change - (r.friction_work + r.viscous_work + r.rolling_work + work(run, DampingWork{})) / r.energy_before;
     r.momentum_change = (run.momentum() - momentum).norm() / momentum_scale;
     r.angular_momentum_change = (run.angular_momentum() - turning).norm() / (momentum_scale * (s.radius + s.partner_radius));
     return r;

@@ -13,8 +13,9 @@ namespace bris {
 
 // The words by which a user chooses among the laws and policies; the order is that of the enumerations.
 
-inline const std::vector<std::string> law_names{"linear_frictionless", "linear", "linear_viscous", "linear_rolling",
-                                                "hertz_frictionless", "hertz_mindlin", "hertz_mindlin_viscous", "hertz_mindlin_rolling"};
+inline const std::vector<std::string> law_names{
+    "linear_frictionless", "linear",        "linear_viscous",        "linear_rolling",
+    "hertz_frictionless",  "hertz_mindlin", "hertz_mindlin_viscous", "hertz_mindlin_rolling"};
 inline const std::vector<std::string> tension_names{"allowed", "cut", "calibrated"};
 inline const std::vector<std::string> shear_history_names{"rescaled", "incremental", "total"};
 inline const std::vector<std::string> target_names{"sphere", "plane", "facet", "edge", "vertex"};
@@ -39,8 +40,10 @@ struct MaterialOptions {
     void describe(auto& option, const std::string& prefix, const std::string& of) {
         option(prefix + "density", material.density, "kg/m3", of, above(0));
         option(prefix + "young_modulus", material.young_modulus, "Pa", of + "; Hertz", above(0));
-        option(prefix + "poisson_ratio", material.poisson_ratio, "", of + "; Hertz", Range{.low = -1, .high = 0.5, .low_accepted = false});
-        option(prefix + "normal_stiffness", material.normal_stiffness, "N/m", of + "; linear laws, in series with the partner's", above(0));
+        option(prefix + "poisson_ratio", material.poisson_ratio, "", of + "; Hertz",
+               Range{.low = -1, .high = 0.5, .low_accepted = false});
+        option(prefix + "normal_stiffness", material.normal_stiffness, "N/m", of + "; linear laws, in series with the partner's",
+               above(0));
         option(prefix + "shear_stiffness", material.shear_stiffness, "N/m", of + "; likewise", at_least(0));
     }
 };

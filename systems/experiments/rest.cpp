@@ -21,7 +21,8 @@ RestResult measure(const SmallBetweenLarge& s) {
     for (const double x : {-large, large}) add_sphere(world, Vec3(x, 0, 0), large, material, Motion::fixed);
     // beside the middle, on one of the two: it rolls down into the valley
     const double x = s.offset * radius, z = std::sqrt(reach * reach - (large + x) * (large + x));
-    const EntityId small = add_sphere(world, Vec3(-x, 0, std::max(z, std::sqrt(reach * reach - (large - x) * (large - x)))), radius, material);
+    const EntityId small =
+        add_sphere(world, Vec3(-x, 0, std::max(z, std::sqrt(reach * reach - (large - x) * (large - x)))), radius, material);
     world.add_resource<Gravity>({Vec3(0, 0, -g)});
     const double dt = 0.1 / omega;
     Simulation sim = begin(std::move(world), LawName::linear_viscous, dt);

@@ -12,7 +12,9 @@ namespace bris {
 
 namespace {
 
-struct Elliptic { double sn, cn, dn; };
+struct Elliptic {
+    double sn, cn, dn;
+};
 
 /// Jacobi's functions by descending Landen steps (Abramowitz and Stegun 16.4), 0 <= m < 1.
 Elliptic jacobi(double u, double m) {
@@ -103,7 +105,8 @@ TopResult measure(const Top& s) {
     Material m;
     m.density = m.normal_stiffness = 1;
     const auto material = world.resource<Materials>().add(m);
-    const EntityId body = add_clump(world, shape_of({Vec3::Zero(), 1}, s.inertia, 1), 0, Vec3::Zero(), Quat(Quat::Identity()), material);
+    const EntityId body =
+        add_clump(world, shape_of({Vec3::Zero(), 1}, s.inertia, 1), 0, Vec3::Zero(), Quat(Quat::Identity()), material);
     set_spin(world, body, s.spin);
     const Vec3 momentum = value_of<AngularMomentum>(world, body);
     const double energy = s.spin.cwiseAbs2().dot(s.inertia);
@@ -118,13 +121,15 @@ TopResult measure(const Top& s) {
     }
     r.spin_error = (r.spin - exact.spin(s.duration)).norm();
     const double angle = s.duration * s.spin.norm();
-    r.attitude_error = angle < 1000 ? angle_between(r.attitude, exact.attitude(s.duration, static_cast<int>(200 * angle) + 1)) : std::nan("");
+    r.attitude_error =
+        angle < 1000 ? angle_between(r.attitude, exact.attitude(s.duration, static_cast<int>(200 * angle) + 1)) : std::nan("");
     r.momentum_drift = (value_of<AngularMomentum>(sim, body) - momentum).norm() / momentum.norm();
     return r;
 }
 
 PendulumResult measure(const Pendulum& s) {
-    require(s.amplitude > 0 && s.amplitude < pi / 4, "pendulum: expected an amplitude from 0 to pi/4 rad (both planes are to hold it)");
+    require(s.amplitude > 0 && s.amplitude < pi / 4,
+            "pendulum: expected an amplitude from 0 to pi/4 rad (both planes are to hold it)");
     World world = make_world(Grains::clumps);
     const double weight = s.mass * s.gravity, k = s.stiffness_ratio * weight / s.arm, dt = s.step_share * std::sqrt(s.mass / k);
     const auto material = world.resource<Materials>().add(linear_material(k, 0, 0, s.mass));
@@ -150,7 +155,8 @@ PendulumResult measure(const Pendulum& s) {
         sim.advance();
         const Quat& q = value_of<Orientation>(sim, body);
         const double angle = 2 * std::atan2(q.y(), q.w());
-        r.pivot_travel = std::max(r.pivot_travel, (value_of<Position>(sim, body) + q * to_ball - Vec3(0, 0, pivot)).norm() / s.arm);
+        r.pivot_travel =
+            std::max(r.pivot_travel, (value_of<Position>(sim, body) + q * to_ball - Vec3(0, 0, pivot)).norm() / s.arm);
         if (before <= 0 && angle > 0) turning_point = {};
         turning_point.add(angle);
         if (before > 0 && angle <= 0) {

@@ -15,7 +15,8 @@ void verify_top(Checks& checks) {
     const Vec3 at_ten(-9.210699984443332e-01, 3.893970441153297e-01, 9.744006605830824e-01);
     const Quat turned(8.614411740654798e-01, 1.073407576201552e-01, 2.209473217943740e-01, -4.444989835422690e-01);
     checks.absolute("Jacobi's solution at t = 10, spin", "rad/s", 0, (exact.spin(10) - at_ten).norm(), 1e-12);
-    checks.absolute("Jacobi's solution at t = 10, attitude", "rad", 0, 2 * (exact.attitude(10, 4000).conjugate() * turned).vec().norm(), 1e-11);
+    checks.absolute("Jacobi's solution at t = 10, attitude", "rad", 0,
+                    2 * (exact.attitude(10, 4000).conjugate() * turned).vec().norm(), 1e-11);
     checks.relative("period of the spin", "s", 6.935667541031740, exact.period(), 1e-13);
 
     Top top;

@@ -37,13 +37,16 @@ public:
     explicit Checks(std::string group) : group_(std::move(group)) {}
 
     static constexpr double none = std::numeric_limits<double>::quiet_NaN();
-    void relative(std::string quantity, std::string unit, double expected, double found, double tolerance, double published = none) {
+    void relative(std::string quantity, std::string unit, double expected, double found, double tolerance,
+                  double published = none) {
         add(std::move(quantity), std::move(unit), expected, found, tolerance, Check::Rule::relative, published);
     }
-    void absolute(std::string quantity, std::string unit, double expected, double found, double tolerance, double published = none) {
+    void absolute(std::string quantity, std::string unit, double expected, double found, double tolerance,
+                  double published = none) {
         add(std::move(quantity), std::move(unit), expected, found, tolerance, Check::Rule::absolute, published);
     }
-    void at_most(std::string quantity, std::string unit, double limit, double found, double tolerance = 0, double published = none) {
+    void at_most(std::string quantity, std::string unit, double limit, double found, double tolerance = 0,
+                 double published = none) {
         add(std::move(quantity), std::move(unit), limit, found, tolerance, Check::Rule::at_most, published);
     }
     void at_least(std::string quantity, std::string unit, double limit, double found, double tolerance = 0) {
@@ -52,7 +55,8 @@ public:
     const std::vector<Check>& list() const { return list_; }
 
 private:
-    void add(std::string quantity, std::string unit, double expected, double found, double tolerance, Check::Rule rule, double published) {
+    void add(std::string quantity, std::string unit, double expected, double found, double tolerance, Check::Rule rule,
+             double published) {
         list_.push_back({group_, std::move(quantity), std::move(unit), expected, found, tolerance, rule, published});
     }
     std::string group_;

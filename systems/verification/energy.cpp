@@ -9,7 +9,9 @@
 namespace bris::detail {
 
 void verify_gas(Checks& checks) {
-    struct Published { double steps, hertz, linear; };
+    struct Published {
+        double steps, hertz, linear;
+    };
     // accuracy of a widely used code for 64 spheres without friction
     constexpr Published list[]{{20, 1.8e-4, 1.8e-3}, {50, 5.1e-5, 1.75e-4}, {100, 3.5e-6, 2.6e-5}, {200, 1.3e-6, 6.9e-6}};
     Gas gas;
@@ -22,9 +24,10 @@ void verify_gas(Checks& checks) {
             gas.steps_per_contact = p.steps;
             const GasResult r = measure(gas);
             // (pi / steps)^2 / 8 of an impact's energy at either end of each contact, of random sign
-            checks.absolute(fmt::format("{}, t_c/{}: largest change of energy", is_hertz(law) ? "Hertz" : "linear", p.steps), "", 0, r.largest_change,
-                            0.5 * (pi / p.steps) * (pi / p.steps), is_hertz(law) ? p.hertz : p.linear);
-            if (p.steps == 20) checks.at_least(fmt::format("{}: touching pairs, mean", is_hertz(law) ? "Hertz" : "linear"), "", 1, r.contacts);
+            checks.absolute(fmt::format("{}, t_c/{}: largest change of energy", is_hertz(law) ? "Hertz" : "linear", p.steps), "",
+                            0, r.largest_change, 0.5 * (pi / p.steps) * (pi / p.steps), is_hertz(law) ? p.hertz : p.linear);
+            if (p.steps == 20)
+                checks.at_least(fmt::format("{}: touching pairs, mean", is_hertz(law) ? "Hertz" : "linear"), "", 1, r.contacts);
         }
     gas.steps_per_contact = 200;
     gas.law = LawName::hertz_mindlin;
@@ -39,14 +42,17 @@ void verify_gas(Checks& checks) {
     for (const double factor : {2.0, 0.5}) {
         const StiffeningResult r = measure(Stiffening{.factor = factor});
         checks.relative(fmt::format("stiffness times {} in contact: energy put in", factor), "", r.exact, r.injected, 1e-4);
-        checks.relative(fmt::format("stiffness times {} in contact: restitution", factor), "", std::sqrt(factor), r.restitution, 1e-3);
+        checks.relative(fmt::format("stiffness times {} in contact: restitution", factor), "", std::sqrt(factor), r.restitution,
+                        1e-3);
     }
 }
 
 void verify_rest(Checks& checks) {
     for (const double ratio : {3.0, 10.0, 50.0}) {
         const RestResult r = measure(SmallBetweenLarge{.ratio = ratio});
-        const auto name = [&](const char* what) { return fmt::format("small sphere between two {} times as large: {}", ratio, what); };
+        const auto name = [&](const char* what) {
+            return fmt::format("small sphere between two {} times as large: {}", ratio, what);
+        };
         checks.absolute(name("speed over sqrt(g r)"), "", 0, r.speed, 1e-9);
         checks.absolute(name("travel over r"), "", 0, r.travel, 1e-9);
         checks.absolute(name("resultant over weight"), "", 0, r.unbalanced, 1e-9);

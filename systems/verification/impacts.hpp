@@ -6,7 +6,8 @@
 namespace bris::detail {
 
 /// Elastic constants and density of a metal or plastic, as Chung and Ooi (2011) list them.
-inline Material elastic(const char* name, double young, double poisson, double density, double restitution = 1, double friction = 0) {
+inline Material elastic(const char* name, double young, double poisson, double density, double restitution = 1,
+                        double friction = 0) {
     Material m;
     m.name = name;
     m.young_modulus = young;

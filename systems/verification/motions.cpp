@@ -11,20 +11,25 @@
 namespace bris::detail {
 
 void verify_bouncing(Checks& checks) {
-    struct Contact { double stiffness, restitution, begin, in, end, out, overlap; };
+    struct Contact {
+        double stiffness, restitution, begin, in, end, out, overlap;
+    };
     // reference/data/single_contact_closed_forms.json
-    constexpr Contact list[]{{1e4, 1.0, 0.2855686245854129, 2.8014282071829006, 0.3968390511194056, 2.8014282072380388, 0.1037499709379679},
-                             {1e4, 0.6, 0.2855686245854129, 2.8014282071829006, 0.4012990088045103, 1.4919542968856032, 0.08196613494837121},
-                             {5e4, 0.9, 0.2855686245854129, 2.8014282071829006, 0.3335751016095159, 2.5020331902115767, 0.04132086625795494},
-                             {1e5, 0.7, 0.2855686245854129, 2.8014282071829006, 0.3194999803226648, 1.9203298613605386, 0.02565683249318441},
-                             {1e5, 0.6, 0.2855686245854129, 2.8014282071829006, 0.3198176825979741, 1.6262071827447162, 0.024058377516974608}};
+    constexpr Contact list[]{
+        {1e4, 1.0, 0.2855686245854129, 2.8014282071829006, 0.3968390511194056, 2.8014282072380388, 0.1037499709379679},
+        {1e4, 0.6, 0.2855686245854129, 2.8014282071829006, 0.4012990088045103, 1.4919542968856032, 0.08196613494837121},
+        {5e4, 0.9, 0.2855686245854129, 2.8014282071829006, 0.3335751016095159, 2.5020331902115767, 0.04132086625795494},
+        {1e5, 0.7, 0.2855686245854129, 2.8014282071829006, 0.3194999803226648, 1.9203298613605386, 0.02565683249318441},
+        {1e5, 0.6, 0.2855686245854129, 2.8014282071829006, 0.3198176825979741, 1.6262071827447162, 0.024058377516974608}};
     for (const Contact& c : list) {
         Bounce s;
         s.stiffness = c.stiffness;
         s.restitution = c.restitution;
         s.steps_per_contact = 2000;
         const BounceRecord r = measure(s).at(0);
-        const auto name = [&](const char* what) { return fmt::format("DEM01 k = {:g} N/m, e = {}: {}", c.stiffness, c.restitution, what); };
+        const auto name = [&](const char* what) {
+            return fmt::format("DEM01 k = {:g} N/m, e = {}: {}", c.stiffness, c.restitution, what);
+        };
         checks.relative(name("contact begins"), "s", c.begin, r.begin, 1e-9);
         checks.relative(name("speed then"), "m/s", c.in, r.speed_in, 1e-9);
         checks.relative(name("contact ends"), "s", c.end, r.end, 5e-4, 0.05);
@@ -43,8 +48,10 @@ void verify_bouncing(Checks& checks) {
     const double hard = 0.1 + 0.4 * std::pow(0.9, 6);
     const double soft = height(5e4, 3, 0.9) - hard, middle = height(5e5, 3, 0.9) - hard, stiff = height(5e6, 3, 0.9) - hard;
     checks.relative("DEM02 third apex, k = 5e6 N/m, e = 0.9", "m", hard, hard + stiff, 0.01, 0.05);
-    checks.absolute("DEM02 order of the difference in 1/sqrt(k), 5e4 to 5e5 N/m", "", 1, 2 * std::log10(std::abs(soft / middle)), 0.1);
-    checks.absolute("DEM02 order of the difference in 1/sqrt(k), 5e5 to 5e6 N/m", "", 1, 2 * std::log10(std::abs(middle / stiff)), 0.1);
+    checks.absolute("DEM02 order of the difference in 1/sqrt(k), 5e4 to 5e5 N/m", "", 1, 2 * std::log10(std::abs(soft / middle)),
+                    0.1);
+    checks.absolute("DEM02 order of the difference in 1/sqrt(k), 5e5 to 5e6 N/m", "", 1, 2 * std::log10(std::abs(middle / stiff)),
+                    0.1);
     checks.relative("DEM02 sixteenth apex, e = 1", "m", 0.5, height(5e4, 16, 1), 9.4e-4, 9.4e-4);
 }
 
@@ -53,10 +60,12 @@ void verify_stack(Checks& checks) {
         Stack s;
         s.restitution = e;
         const StackResult r = measure(s);
-        checks.absolute(fmt::format("DEM03 e = {}: largest error of a height over its travel", e), "", 0, r.largest_error / r.travel, 5e-4, 0.05);
+        checks.absolute(fmt::format("DEM03 e = {}: largest error of a height over its travel", e), "", 0,
+                        r.largest_error / r.travel, 5e-4, 0.05);
         Stack fine = s;
         fine.step = 0.5 * s.step;
-        checks.absolute(fmt::format("DEM03 e = {}: order in dt", e), "", 2, std::log2(r.largest_error / measure(fine).largest_error), 0.15);
+        checks.absolute(fmt::format("DEM03 e = {}: order in dt", e), "", 2,
+                        std::log2(r.largest_error / measure(fine).largest_error), 0.15);
     }
 }
 
@@ -94,7 +103,8 @@ void verify_rolling(Checks& checks) {
         s.step = 0.02;
         const RollingSphereResult r = measure(s);
         const auto name = [&](const char* what) { return fmt::format("DEM04 friction {}: {}", friction, what); };
-        checks.relative(name("time of slip over v0/(mu g)"), "", 2.0 / 7, r.slip_end * friction * s.gravity / s.speed, 5e-3, 4e-4);
+        checks.relative(name("time of slip over v0/(mu g)"), "", 2.0 / 7, r.slip_end * friction * s.gravity / s.speed, 5e-3,
+                        4e-4);
         checks.relative(name("speed over v0"), "", 5.0 / 7, r.speed / s.speed, 2e-4, 5e-6);
         checks.relative(name("R spin over v0"), "", 5.0 / 7, r.spin * s.radius / s.speed, 2e-4, 1e-5);
         checks.at_most(name("friction over normal force"), "", friction, r.friction_ratio, 1e-14 * friction);
@@ -121,7 +131,8 @@ void verify_rolling(Checks& checks) {
     flat.policy.rolling_damping_ratio = 0.3;
     flat.duration = 0.5; // it stops after 0.143 s
     const RollingSphereResult stopped = measure(flat);
-    checks.at_most("stopped: kinetic energy over that at the start", "", 1e-12, stopped.kinetic_energy / stopped.first_kinetic_energy);
+    checks.at_most("stopped: kinetic energy over that at the start", "", 1e-12,
+                   stopped.kinetic_energy / stopped.first_kinetic_energy);
 
     RollingSphere twisting = grain_on_plane(0.5);
     twisting.law = LawName::linear_rolling;
@@ -134,8 +145,10 @@ void verify_rolling(Checks& checks) {
 
 void verify_local_damping(Checks& checks) {
     for (const double fraction : {0.1, 0.5, 0.7}) {
-        checks.relative(fmt::format("fraction {}: fall over g", fraction), "", 1 - fraction, measure(DampedFall{.fraction = fraction, .speed = -3}), 1e-12);
-        checks.relative(fmt::format("fraction {}: rise over g", fraction), "", 1 + fraction, measure(DampedFall{.fraction = fraction, .speed = 3}), 1e-12);
+        checks.relative(fmt::format("fraction {}: fall over g", fraction), "", 1 - fraction,
+                        measure(DampedFall{.fraction = fraction, .speed = -3}), 1e-12);
+        checks.relative(fmt::format("fraction {}: rise over g", fraction), "", 1 + fraction,
+                        measure(DampedFall{.fraction = fraction, .speed = 3}), 1e-12);
         for (const LawName law : {LawName::linear_frictionless, LawName::hertz_frictionless}) {
             Material m = is_hertz(law) ? elastic("glass", 4.8e10, 0.2, 2800) : linear_material(1e6);
             Impact s = on_wall(m, 0.01, 1, law);

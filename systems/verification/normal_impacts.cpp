@@ -9,7 +9,12 @@ namespace bris::detail {
 
 namespace {
 
-struct Elastic { const char* name; Material material; double radius, speed, overlap, force, time; bool pair; };
+struct Elastic {
+    const char* name;
+    Material material;
+    double radius, speed, overlap, force, time;
+    bool pair;
+};
 
 void check_elastic(Checks& checks, const Elastic& c, const Impact& impact) {
     const ImpactResult r = measure(impact);
@@ -29,11 +34,16 @@ void check_elastic(Checks& checks, const Elastic& c, const Impact& impact) {
 void verify_elastic_impacts(Checks& checks) {
     const Elastic list[]{
         {"glass pair", elastic("glass", 4.8e10, 0.20, 2800), 0.01, 20, 2.741127021e-04, 1.069688898e+04, 4.033945569e-05, true},
-        {"limestone pair", elastic("limestone", 2.0e10, 0.25, 2500), 0.01, 20, 3.683040256e-04, 7.108241280e+03, 5.420100493e-05, true},
-        {"Al alloy on wall", elastic("Al alloy", 7.0e10, 0.30, 2699), 0.1, 0.2, 4.971717524e-05, 1.136985831e+04, 7.316566406e-04, false},
-        {"Mg alloy on wall", elastic("Mg alloy", 4.0e10, 0.35, 1800), 0.1, 0.2, 5.212328832e-05, 7.232681026e+03, 7.670659052e-04, false},
-        {"Al oxide on wall", elastic("Al oxide", 3.8e11, 0.23, 4000), 0.0025, 3.9, 8.088808264e-06, 6.153515695e+02, 6.104509907e-06, false},
-        {"cast iron on wall", elastic("cast iron", 1.0e11, 0.25, 7000), 0.0025, 3.9, 1.718871359e-05, 5.067602331e+02, 1.297208055e-05, false}};
+        {"limestone pair", elastic("limestone", 2.0e10, 0.25, 2500), 0.01, 20, 3.683040256e-04, 7.108241280e+03, 5.420100493e-05,
+         true},
+        {"Al alloy on wall", elastic("Al alloy", 7.0e10, 0.30, 2699), 0.1, 0.2, 4.971717524e-05, 1.136985831e+04, 7.316566406e-04,
+         false},
+        {"Mg alloy on wall", elastic("Mg alloy", 4.0e10, 0.35, 1800), 0.1, 0.2, 5.212328832e-05, 7.232681026e+03, 7.670659052e-04,
+         false},
+        {"Al oxide on wall", elastic("Al oxide", 3.8e11, 0.23, 4000), 0.0025, 3.9, 8.088808264e-06, 6.153515695e+02,
+         6.104509907e-06, false},
+        {"cast iron on wall", elastic("cast iron", 1.0e11, 0.25, 7000), 0.0025, 3.9, 1.718871359e-05, 5.067602331e+02,
+         1.297208055e-05, false}};
     for (const Elastic& c : list) {
         Impact s = on_wall(c.material, c.radius, c.speed, LawName::hertz_mindlin);
         if (c.pair) {
@@ -55,8 +65,10 @@ void verify_impact_scaling(Checks& checks) {
         return measure(s);
     };
     const ImpactResult slow = at(0.01), fast = at(10);
-    checks.absolute("exponent of force in speed, 0.01 to 10 m/s", "", 1.2, std::log(fast.largest_force / slow.largest_force) / std::log(1e3), 1e-4);
-    checks.absolute("exponent of contact time in speed", "", -0.2, std::log(fast.contact_time / slow.contact_time) / std::log(1e3), 1e-4);
+    checks.absolute("exponent of force in speed, 0.01 to 10 m/s", "", 1.2,
+                    std::log(fast.largest_force / slow.largest_force) / std::log(1e3), 1e-4);
+    checks.absolute("exponent of contact time in speed", "", -0.2,
+                    std::log(fast.contact_time / slow.contact_time) / std::log(1e3), 1e-4);
     for (const double e : {1.0, 0.5}) {
         Material m = linear_material(1e6);
         m.restitution = e;
@@ -66,7 +78,8 @@ void verify_impact_scaling(Checks& checks) {
         const double b = damping_ratio(e, Tension::allowed), exact = normal_contact(s).time() / std::sqrt(1 - b * b);
         for (const double speed : {0.01, 1.0}) {
             s.speed = speed;
-            checks.relative(fmt::format("linear contact time, e = {}, {} m/s", e, speed), "s", exact, measure(s).contact_time, 5e-4, 5e-4);
+            checks.relative(fmt::format("linear contact time, e = {}, {} m/s", e, speed), "s", exact, measure(s).contact_time,
+                            5e-4, 5e-4);
         }
     }
     // second order in dt, for an undamped contact: errors at 100 and 200 steps
@@ -91,7 +104,9 @@ double worst_restitution(Impact s, double expected) {
     return worst;
 }
 
-struct Restitution { double in, cut; };
+struct Restitution {
+    double in, cut;
+};
 // reference/data/restitution_damping_map.csv: asked for, and had if the force may not pull
 constexpr Restitution map[]{{0.1, 0.25272938}, {0.2, 0.32486285}, {0.3, 0.39714050}, {0.5, 0.55028317},
                             {0.7, 0.71820136}, {0.9, 0.90202607}, {0.98, 0.98008106}};
@@ -110,7 +125,8 @@ void verify_restitution(Checks& checks) {
                 if (!is_hertz(law)) s.partner_material = m;
                 s.policy.tension = tension;
                 const double expected = tension == Tension::cut ? e.cut : e.in;
-                const auto name = fmt::format("{}, e = {}, {}", is_hertz(law) ? "Hertz" : "linear", e.in, names[static_cast<std::size_t>(tension)]);
+                const auto name = fmt::format("{}, e = {}, {}", is_hertz(law) ? "Hertz" : "linear", e.in,
+                                              names[static_cast<std::size_t>(tension)]);
                 s.steps_per_contact = 50;
                 checks.absolute(name + ", t_c/50", "", expected, worst_restitution(s, expected), 5e-3, 3.8e-3);
                 if (e.in != 0.5) continue;

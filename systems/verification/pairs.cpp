@@ -38,7 +38,8 @@ void verify_contact_pair(Checks& checks) {
         const ShearLoopResult r = measure(loop);
         // corners are cut by up to a step of displacement: 2 pi / steps of the loop
         checks.relative(fmt::format("shear loop of {:g} mm: work", 1e3 * amplitude), "J", r.exact, r.work, 2 * pi / loop.steps);
-        checks.at_most(fmt::format("shear loop of {:g} mm: friction over Coulomb's limit", 1e3 * amplitude), "", 1, r.largest_ratio, 1e-14);
+        checks.at_most(fmt::format("shear loop of {:g} mm: friction over Coulomb's limit", 1e3 * amplitude), "", 1,
+                       r.largest_ratio, 1e-14);
     }
     const RigidTurnResult about_normal = measure(RigidTurn{.axis = Vec3::UnitZ(), .steps = 20'000});
     checks.absolute("loaded pair turned about its normal: change of |F_t|", "", 0, about_normal.length_drift, 1e-10);
@@ -46,7 +47,8 @@ void verify_contact_pair(Checks& checks) {
     for (const unsigned steps : {1000u, 4000u}) {
         const RigidTurn turn{.axis = Vec3(1, 2, 0.5), .steps = steps};
         const double h = 2 * pi / steps, bound = 2 * pi * 2 * turn.radius * h * h / 24 / turn.stretch;
-        checks.absolute(fmt::format("loaded pair turned over in {} steps: change of |F_t|", steps), "", 0, measure(turn).length_drift, 1.1 * bound);
+        checks.absolute(fmt::format("loaded pair turned over in {} steps: change of |F_t|", steps), "", 0,
+                        measure(turn).length_drift, 1.1 * bound);
     }
     checks.relative("torque of rolling, over its limit", "", 1, measure(RollAndTwist{.twist = false}) / 0.1, 1e-6);
     checks.relative("torque of twisting, over its limit", "", 1, measure(RollAndTwist{.roll = false}) / 0.1, 1e-6);

@@ -12,10 +12,14 @@ namespace {
 
 const char* word(Check::Rule rule) {
     switch (rule) {
-    case Check::Rule::relative: return "relative";
-    case Check::Rule::absolute: return "absolute";
-    case Check::Rule::at_most: return "at most";
-    case Check::Rule::at_least: break;
+    case Check::Rule::relative:
+        return "relative";
+    case Check::Rule::absolute:
+        return "absolute";
+    case Check::Rule::at_most:
+        return "at most";
+    case Check::Rule::at_least:
+        break;
     }
     return "at least";
 }
@@ -40,12 +44,13 @@ std::string table_of(const std::vector<Check>& checks) {
     for (const Check& c : checks) {
         if (c.group != group) {
             group = c.group;
-            text += fmt::format("{}\n  {:<{}} {:>14} {:>14} {:>10} {:>10} {:>10}\n", group, "quantity", widest, "expected", "found", "error", "tolerance",
-                                "others");
+            text += fmt::format("{}\n  {:<{}} {:>14} {:>14} {:>10} {:>10} {:>10}\n", group, "quantity", widest, "expected",
+                                "found", "error", "tolerance", "others");
         }
         const auto others = std::isnan(c.published) ? std::string("-") : fmt::format("{:.1e}", c.published);
-        text += fmt::format("  {:<{}} {:>14.7g} {:>14.7g} {:>10.2e} {:>10.1e} {:>10} {}{}\n", c.quantity, widest, c.expected, c.found, c.error(),
-                            c.tolerance, others, c.passes() ? "" : "FAILS ", c.rule == Check::Rule::relative ? "" : word(c.rule));
+        text += fmt::format("  {:<{}} {:>14.7g} {:>14.7g} {:>10.2e} {:>10.1e} {:>10} {}{}\n", c.quantity, widest, c.expected,
+                            c.found, c.error(), c.tolerance, others, c.passes() ? "" : "FAILS ",
+                            c.rule == Check::Rule::relative ? "" : word(c.rule));
     }
     return text;
 }
@@ -53,8 +58,9 @@ std::string table_of(const std::vector<Check>& checks) {
 std::string csv_of(const std::vector<Check>& checks) {
     std::string text = "case,quantity,unit,expected,found,error,tolerance,rule,others,passes\n";
     for (const Check& c : checks)
-        text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", c.group, quoted(c.quantity), quoted(c.unit), c.expected, c.found, c.error(), c.tolerance,
-                            word(c.rule), std::isnan(c.published) ? std::string() : fmt::format("{}", c.published), c.passes() ? 1 : 0);
+        text += fmt::format("{},{},{},{},{},{},{},{},{},{}\n", c.group, quoted(c.quantity), quoted(c.unit), c.expected, c.found,
+                            c.error(), c.tolerance, word(c.rule),
+                            std::isnan(c.published) ? std::string() : fmt::format("{}", c.published), c.passes() ? 1 : 0);
     return text;
 }
 

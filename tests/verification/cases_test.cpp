@@ -11,7 +11,8 @@ void check_all(const char* group) {
     const std::vector<Check> checks = verify(group);
     REQUIRE(!checks.empty());
     for (const Check& c : checks)
-        CHECK_MESSAGE(c.passes(), c.quantity, ": expected ", c.expected, ", found ", c.found, ", error ", c.error(), ", tolerance ", c.tolerance);
+        CHECK_MESSAGE(c.passes(), c.quantity, ": expected ", c.expected, ", found ", c.found, ", error ", c.error(),
+                      ", tolerance ", c.tolerance);
 }
 
 } // namespace
@@ -23,7 +24,9 @@ TEST_SUITE("verification") {
     TEST_CASE("oblique impacts rebound and spin as published, and as the law in fine steps") { check_all("oblique_impact"); }
     TEST_CASE("a sphere that slips at a given normal speed leaves as published") { check_all("slip_impact"); }
     TEST_CASE("spinning spheres rebound as published, and a heavy stiff partner is a wall") { check_all("spinning_impact"); }
-    TEST_CASE("tangential springs have the known energy defect, and the rescaled one never gives energy") { check_all("energy_defect"); }
+    TEST_CASE("tangential springs have the known energy defect, and the rescaled one never gives energy") {
+        check_all("energy_defect");
+    }
     TEST_CASE("a plane cut into facets is the same plane, on edges and vertices too") { check_all("surfaces"); }
     TEST_CASE("a bouncing ball touches, leaves and rises as the closed form says") { check_all("bouncing"); }
     TEST_CASE("two spheres pressed between floor and lid follow the matrix exponential") { check_all("stack"); }

@@ -42,7 +42,8 @@ TEST_SUITE("verification/experiments") {
 
     TEST_CASE("Jacobi's solution keeps energy and momentum, and Euler's equations, on both sides of the separatrix") {
         const Vec3 inertia(1, 1.7, 2.4);
-        for (const Vec3& spin : {Vec3(0.2, 0.3, 1), Vec3(-0.4, 0.1, -0.9), Vec3(1, -0.2, 0.3), Vec3(-1, 0.3, 0.2), Vec3(0.8, 0.4, -0.1)}) {
+        for (const Vec3& spin :
+             {Vec3(0.2, 0.3, 1), Vec3(-0.4, 0.1, -0.9), Vec3(1, -0.2, 0.3), Vec3(-1, 0.3, 0.2), Vec3(0.8, 0.4, -0.1)}) {
             const FreeTop top(inertia, spin);
             CHECK((top.spin(0) - spin).norm() < 1e-14);
             CHECK((top.spin(top.period()) - spin).norm() < 1e-12);
