@@ -68,8 +68,9 @@ bool may_include_system(const std::string& file, const std::string& target) {
     if (within(file, "scenarios")) return true;
     if (!within(file, "systems")) return false;
     const std::string from = room(file), to = room(target);
-    if (from == to || from == "steps" || from == "procedure") return true;
-    return from == "build" && to != "steps" && to != "procedure";
+    if (from == to || from == "steps" || from == "stress") return true;
+    if (from == "procedure") return to != "stress";
+    return from == "build" && to != "steps" && to != "procedure" && to != "stress";
 }
 
 bool may_include_house(const std::string& file, const std::string& target) {
@@ -132,11 +133,13 @@ TEST_SUITE("layering") {
         CHECK(may_include_house("systems/contact/a.cpp", "components/body.hpp"));
         CHECK(may_include_house("systems/steps.cpp", "systems/contact/collide.hpp"));
         CHECK(may_include_house("systems/procedure/shear.cpp", "systems/steps.hpp"));
+        CHECK(may_include_house("systems/stress/momentum.cpp", "systems/procedure/relax.hpp"));
         CHECK(may_include_house("systems/build/packing.cpp", "systems/contact/laws/law.hpp"));
         CHECK(may_include_house("components/sphere.hpp", "engine/lanes.hpp"));
         CHECK(may_include_house("scenarios/settle.cpp", "systems/output/plot.hpp"));
         CHECK_FALSE(may_include_house("systems/contact/a.cpp", "systems/output/plot.hpp"));
         CHECK_FALSE(may_include_house("systems/build/packing.cpp", "systems/steps.hpp"));
+        CHECK_FALSE(may_include_house("systems/procedure/relax.cpp", "systems/stress/suite.hpp"));
         CHECK_FALSE(may_include_house("engine/world.cpp", "components/body.hpp"));
         CHECK_FALSE(may_include_house("components/body.hpp", "engine/world.hpp"));
         CHECK_FALSE(may_include_house("systems/guard.cpp", "tests/support.hpp"));
