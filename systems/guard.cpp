@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace bris {
@@ -30,16 +31,17 @@ Astray look_at(WatchedBodies bodies, const Limits& limits, double dt) {
     const double* radius = bodies.column<BoundingRadius>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* position = bodies.column<Position>();
+    const Vec3* spin = bodies.column<Spin>();
     const auto* motion = bodies.column<MotionOf>();
     const double infinite = std::numeric_limits<double>::infinity(), limit = limits.speed * limits.speed;
     Astray astray;
     Lane smallest = lanes(infinite), fastest{};
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        const Vec3Lanes x = load(position, rows), v = load(velocity, rows);
+        const Vec3Lanes x = load(position, rows), v = load(velocity, rows), w = load(spin, rows);
         const LaneMask free = equal(motion, rows, static_cast<std::uint32_t>(Motion::free));
         const LaneMask inside = at_least(x, limits.low) & at_least(Vec3Lanes{} - x, -limits.high);
         const Lane r = load(radius, rows), squared = dot(v, v), way = limits.overlap * r;
-        const LaneMask finite = load(travel, rows) < infinite, slow = squared <= limit, near = (dt * dt) * squared <= way * way;
+        const LaneMask finite = (load(travel, rows) < infinite) & (dot(w, w) < infinite), slow = squared <= limit, near = (dt * dt) * squared <= way * way;
         const unsigned wrong = ~bits(finite & slow & (~free | (inside & near))) & ((1u << rows.count) - 1);
         if (wrong != 0 && astray.body == no_row) astray.body = rows.first + static_cast<Row>(__builtin_ctz(wrong));
         smallest = min(smallest, free & (r > 0.0) ? r : lanes(infinite)); // empty lanes have none
@@ -75,7 +77,10 @@ void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock
     const double speed = bodies.column<Velocity>()[b].norm();
     health.bad = true;
     health.what = fmt::format("body {} at {} m: expected ", bodies.column<BodyId>()[b], point(x));
-    if (!(bodies.column<Travel>()[b] < std::numeric_limits<double>::infinity() && speed <= limits.speed))
+    const double spin = bodies.column<Spin>()[b].norm();
+    if (!std::isfinite(spin))
+        health.what += fmt::format("a finite spin, found {:g} rad/s; try a smaller step", spin);
+    else if (!(bodies.column<Travel>()[b] < std::numeric_limits<double>::infinity() && speed <= limits.speed))
         health.what += fmt::format("a speed up to {:g} m/s, found {:g} m/s; try a smaller step", limits.speed, speed);
     else if (speed * clock.dt > way)
         health.what += fmt::format("a way up to {:g} m in a step, found {:g} m ({:g} m/s); try a smaller step", way, speed * clock.dt, speed);

@@ -10,9 +10,9 @@
 namespace bris {
 
 using WatchedBodies = Rows<Bodies, const BodyId, const MotionOf, const Travel, const Position, const Velocity,
-                           const BoundingRadius>;
+                           const Spin, const BoundingRadius>;
 
-/// Watches every step: positions that are not numbers, bodies faster than the limit, free bodies that
+/// Watches every step: positions or spins that are not numbers, bodies faster than the limit, free bodies that
 /// have left the box of the scene, and steps that could carry one surface past another unseen: a free
 /// body's of more than Limits::overlap of its own bounding radius, a driven one's of more than that of
 /// the smallest free body's. Notes the first offender in Health; the simulation then stops with step,

@@ -48,9 +48,33 @@ void check_material(const Material& m, LawName law) {
     expect(whose, "friction", m.friction, at_least(0), "");
     expect(whose, "normal damping", m.normal_damping, at_least(0), "1/s");
     expect(whose, "shear damping", m.shear_damping, at_least(0), "1/s");
-    static_cast<void>(law);
-    expect(whose, "normal stiffness", m.normal_stiffness, above(0), "N/m");
+    expect(whose, "restitution", m.restitution, within(0, 1), "");
+    expect(whose, "rolling friction", m.rolling_friction, at_least(0), "");
+    expect(whose, "twisting friction", m.twisting_friction, at_least(0), "");
+    expect(whose, "Poisson's ratio", m.poisson_ratio, Range{.low = -1, .high = 0.5, .low_accepted = false}, "");
+    // what the law does not read may be absent, but not nonsense
+    expect(whose, "Young's modulus", m.young_modulus, is_hertz(law) ? above(0) : at_least(0), "Pa");
+    expect(whose, "normal stiffness", m.normal_stiffness, is_hertz(law) ? at_least(0) : above(0), "N/m");
     expect(whose, "shear stiffness", m.shear_stiffness, at_least(0), "N/m");
+}
+
+void check_policy(const ContactPolicy& policy, LawName law) {
+    expect("contact policy", "rolling stiffness ratio", policy.rolling_stiffness_ratio, has_rolling(law) ? above(0) : at_least(0), "");
+    expect("contact policy", "rolling damping ratio", policy.rolling_damping_ratio, at_least(0), "");
+}
+
+/// What the laws make of two materials, properties given for the pair included.
+void check_pair(const Materials& materials, std::uint32_t a, std::uint32_t b, LawName law) {
+    const std::string whose = "materials '" + materials.list[a].name + "' and '" + materials.list[b].name + "'";
+    const std::uint32_t pair = materials.pair(a, b);
+    const LawRow& row = materials.pairs(law)[pair];
+    expect(whose, is_hertz(law) ? "effective modulus" : "stiffness of a contact", row.kn, above(0), is_hertz(law) ? "Pa" : "N/m");
+    expect(whose, is_hertz(law) ? "effective shear modulus" : "shear stiffness of a contact", row.ks, at_least(0), is_hertz(law) ? "Pa" : "N/m");
+    expect(whose, "friction", row.friction, at_least(0), "");
+    expect(whose, "damping ratio of the restitution", row.normal_ratio, at_least(0), "");
+    if (!has_rolling(law)) return;
+    expect(whose, "rolling friction", materials.rolling_pairs[pair].rolling_friction, at_least(0), "");
+    expect(whose, "twisting friction", materials.rolling_pairs[pair].twisting_friction, at_least(0), "");
 }
 
 void check_body(const Table& bodies, Row b) {
@@ -78,7 +102,8 @@ void check_scene(const World& world, LawName law) {
     require(bodies.size() > 0, "scene: expected at least one body, found none");
     const auto material = bodies.column<MaterialOf>();
     const auto rows = rows_by_id(bodies.column<BodyId>());
-    const auto& materials = world.resource<Materials>().list;
+    const auto& all = world.resource<Materials>();
+    const auto& materials = all.list;
     for (const Row b : rows)
         require(material[b] < materials.size(),
                 fmt::format("body {}: material: expected one of {}, found number {}", bodies.column<BodyId>()[b], materials.size(), material[b]));
@@ -86,6 +111,10 @@ void check_scene(const World& world, LawName law) {
     for (const Row b : rows) used[material[b]] = true;
     for (std::size_t m = 0; m < used.size(); ++m)
         if (used[m]) check_material(materials[m], law);
+    check_policy(all.policy, law);
+    for (std::uint32_t a = 0; a < used.size(); ++a)
+        for (std::uint32_t b = a; b < used.size(); ++b)
+            if (used[a] && used[b]) check_pair(all, a, b, law);
     for (const Row b : rows) check_body(bodies, b);
     const auto ball = world.column<Spheres, LocalBall>();
     const auto parent = world.column<Spheres, ParentId>();

@@ -2,7 +2,6 @@
 
 #include "components/material.hpp"
 #include "engine/world.hpp"
-#include "systems/contact/laws/law.hpp"
 
 namespace bris {
 

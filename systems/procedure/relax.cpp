@@ -168,15 +168,16 @@ void take_places(World& world, const World& from) {
 }
 
 /// A copy of the scene in which only normal springs act.
-Simulation make_pushing(const World& world, LawName, const RelaxSettings& settings) {
+Simulation make_pushing(const World& world, LawName law, const RelaxSettings& settings) {
+    const LawName smooth = is_hertz(law) ? LawName::hertz_frictionless : LawName::linear_frictionless;
     World copy(world);
     silence(copy, settings.damping);
-    add_lists(copy, false);
+    add_lists(copy, smooth);
     refresh_pairs(copy);
     part_coincident(copy);
     invalidate_lists(copy);
     copy.resource<Clock>().dt = 1e-9 * stable_step_of_first_contact(copy); // to find the contacts
-    return Simulation(std::move(copy), steps(LawName::linear_frictionless), settings.threads);
+    return Simulation(std::move(copy), steps(smooth), settings.threads);
 }
 
 } // namespace
@@ -184,17 +185,18 @@ Simulation make_pushing(const World& world, LawName, const RelaxSettings& settin
 Relaxed relax(World& world, LawName law, const RelaxSettings& settings) {
     Simulation pushing = make_pushing(world, law, settings);
     World& now = pushing.world();
+    const double first = stable_step_of_first_contact(now);
     pushing.advance();
     Relaxed r;
     Deepest deepest = deepest_of(now);
     r.first_overlap = deepest.overlap;
     r.stored_energy = measure(now).elastic_energy;
-    r.speed_limit = settings.speed > 0 ? settings.speed : natural_speed(now, settings.overlap, stable_step_of_first_contact(now));
+    r.speed_limit = settings.speed > 0 ? settings.speed : natural_speed(now, settings.overlap, first);
     Fastest fastest;
     for (;;) {
         r.done = deepest.overlap <= settings.overlap && fastest.speed <= r.speed_limit;
         if (r.done || r.steps >= settings.longest) break;
-        now.resource<Clock>().change_step(settings.safety * std::min(stable_step(now), stable_step_of_first_contact(now)));
+        now.resource<Clock>().change_step(settings.safety * std::min(stable_step(now), first));
         quench(now);
         pushing.advance(block);
         r.steps += block;

@@ -1,7 +1,7 @@
 #pragma once
 
+#include "components/material.hpp"
 #include "engine/world.hpp"
-#include "systems/contact/laws/law.hpp"
 
 #include <cstdint>
 #include <string>

@@ -56,7 +56,7 @@ bool all_finite(const std::vector<Vec3>& list) {
 
 void add_rows(StressRows& rows, const std::string& what, const World& scene) {
     World refused(scene);
-    add_lists(refused, true);
+    add_lists(refused, LawName::linear);
     const std::string message = refusal_of([&] { check_overlaps(refused); });
     rows.push_back({"S9", what + ": as it is", "refused before the first step", message.empty() ? "accepted" : message, !message.empty()});
 
@@ -71,7 +71,7 @@ void add_rows(StressRows& rows, const std::string& what, const World& scene) {
     const bool same = same_bits(places(relaxed), places(again));
     rows.push_back({"S9", what + ": once more on 3 threads", "same bits", same ? "same" : "other places", same});
 
-    add_lists(relaxed, true);
+    add_lists(relaxed, LawName::linear);
     const std::string still = refusal_of([&] { check_overlaps(relaxed); });
     rows.push_back({"S9", what + ": the relaxed start", "accepted", still.empty() ? "accepted" : still, still.empty()});
 }

@@ -35,7 +35,7 @@ Shot shoot(Target target, double way, double steps) {
     const auto grain = world.resource<Materials>().add(grain_material(kn, 0, 0, density));
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, grain);
     const double dt = contact_time(of<Mass>(world, ball)) / steps, speed = way * radius / dt;
-    const double gap = 10 * radius;
+    const double gap = 3.3 * way * (steps / 50) * radius; // three steps of the coarse run
     const Vec3 aim = target == Target::edge ? Vec3(0.2 * radius, 0, 0) : Vec3::Zero(); // beside the edge
     of<Position>(world, ball) = Vec3(0, 0, radius + gap) + aim;
     of<Velocity>(world, ball) = Vec3(0, 0, -speed);
@@ -115,10 +115,10 @@ void add_shots(StressRows& rows, bool facets, unsigned shots, std::uint64_t seed
         invalidate_lists(simulation.world());
         const auto steps = static_cast<std::uint64_t>(std::clamp(4 * half / (way * radius), 20.0, 300.0));
         const bool stopped = !refusal_of([&] { simulation.advance(steps); }).empty();
-        refused += stopped ? 1 : 0;
+        refused += stopped ? 1u : 0u;
         if (stopped) continue;
-        escaped += of<Position>(simulation, ball).cwiseAbs().maxCoeff() < half ? 0 : 1;
-        rebounds += of<Velocity>(simulation, ball).dot(velocity) < 0.99 * velocity.squaredNorm() ? 1 : 0;
+        escaped += of<Position>(simulation, ball).cwiseAbs().maxCoeff() < half ? 0u : 1u;
+        rebounds += of<Velocity>(simulation, ball).dot(velocity) < 0.99 * velocity.squaredNorm() ? 1u : 0u;
     }
     rows.push_back({"S10", fmt::format("{} random shots in a box of {}", shots, facets ? "facets" : "planes"), "no escapes",
                     fmt::format("{} escaped, {} refused, {} rebounded", escaped, refused, rebounds), escaped == 0 && rebounds > shots / 100 && refused > 0});

@@ -57,13 +57,13 @@ void attack(const Tumble& scene, std::size_t place, std::uint64_t draw, Outcome&
     hit(simulation.world(), place, body, random);
     const std::string message = refusal_of([&] { simulation.advance(block); });
     ++o.tries;
-    o.caught += message.empty() ? 0 : 1;
-    o.named += message.find("body") != std::string::npos && message.find("step") != std::string::npos ? 1 : 0;
+    o.caught += message.empty() ? 0u : 1u;
+    o.named += message.find("body") != std::string::npos && message.find("step") != std::string::npos ? 1u : 0u;
     o.latest = std::max(o.latest, simulation.world().resource<Clock>().step - begun);
     if (o.example.empty()) o.example = message;
     simulation.restore(good);
     simulation.advance(block);
-    o.recovered += fingerprint(simulation.snapshot()) == expected ? 1 : 0;
+    o.recovered += fingerprint(simulation.snapshot()) == expected ? 1u : 0u;
 }
 
 } // namespace

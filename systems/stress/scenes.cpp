@@ -22,20 +22,9 @@ Material grain_material(double kn, double ks, double friction, double density) {
     return m;
 }
 
-void set_spin(World& world, EntityId body, const Vec3& spin) {
-    of<Spin>(world, body) = spin;
-    if (world.table<Bodies>().has<SphereInertia>()) {
-        of<AngularMomentum>(world, body) = of<SphereInertia>(world, body) * spin;
-        return;
-    }
-    const Quat& q = of<Orientation>(world, body);
-    const Vec3 local = q.conjugate() * spin;
-    of<AngularMomentum>(world, body) = q * Vec3(local.cwiseProduct(of<InertialInertia>(world, body)));
-}
-
 Simulation begin(World world, const Setup& s) {
     world.resource<Clock>().dt = s.dt;
-    add_lists(world, s.law != LawName::linear_frictionless, s.lists);
+    add_lists(world, s.law, s.lists);
     if (s.ledger) add_ledger(world);
     Simulation simulation(std::move(world), steps(s.law, s.ledger), s.threads, s.schedule);
     simulation.on_restore(forget_lists);

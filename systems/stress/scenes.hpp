@@ -2,11 +2,12 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/material.hpp"
 #include "components/settings.hpp"
+#include "components/sphere.hpp"
 #include "engine/simulation.hpp"
 #include "systems/build/mass_properties.hpp"
 #include "systems/build/scene.hpp"
-#include "systems/contact/laws/law.hpp"
 
 #include <cstdint>
 #include <functional>
@@ -20,9 +21,6 @@ template <class C> typename C::Value& of(Simulation& simulation, EntityId body) 
 
 /// A material of which two partners have a contact of stiffness `kn`, `ks` (N/m; they act in series).
 Material grain_material(double kn, double ks = 0, double friction = 0, double density = 2600);
-
-/// Spin (rad/s) of a free body, with the angular momentum that goes with it.
-void set_spin(World& world, EntityId body, const Vec3& spin);
 
 struct Setup {
     double dt = 1e-5; ///< s
@@ -54,7 +52,7 @@ struct Tumble {
     Grains grains = Grains::spheres;
     unsigned bodies = 60;
     std::uint64_t seed = 1;
-    Units units;
+    Units units = {};
     bool walls = true;
 };
 World tumbling(const Tumble& t);
