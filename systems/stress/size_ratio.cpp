@@ -38,13 +38,15 @@ struct Groove {
     }
 };
 
-/// Angle of the small sphere at `time` with steps of time / `steps`.
+/// Mean angle of the small sphere from 0.9 to 1 of `time`, with steps of time / `steps`; a multiple of ten.
 double rolled(const Groove& g, LawName law, double time, std::uint64_t steps) {
     World world = make_world(Grains::spheres);
     const double mass = 2600 * 4 * pi / 3 * std::pow(Groove::small, 3);
     const double normal = 0.5 * mass * Groove::gravity * std::cos(Groove::begin) * (g.large() + Groove::small) / g.rho();
     const double kn = normal / (1e-4 * Groove::small); // overlap of 1e-4 radii
-    const auto grain = world.resource<Materials>().add(grain_material(kn, 0.8 * kn, 1));
+    Material material = grain_material(kn, 0.8 * kn, 1);
+    if (has_dashpots(law)) material.normal_damping = material.shear_damping = 0.1 * std::sqrt(kn / mass);
+    const auto grain = world.resource<Materials>().add(material);
     for (const double side : {-1.0, 1.0}) add_sphere(world, Vec3(side * g.large(), 0, 0), g.large(), grain, Motion::fixed);
     const double reach = g.large() + Groove::small * (1 - 1e-4), circle = std::sqrt(reach * reach - g.large() * g.large());
     const EntityId ball = add_sphere(world, circle * Vec3(0, std::sin(Groove::begin), std::cos(Groove::begin)), Groove::small, grain);
@@ -57,49 +59,62 @@ double rolled(const Groove& g, LawName law, double time, std::uint64_t steps) {
     of<Velocity>(world, ball) = -0.5 * dt * turning * g.rho() * down;
     of<AngularMomentum>(world, ball) = -0.5 * dt * of<SphereInertia>(world, ball) * turning * (g.large() + Groove::small) / Groove::small * Vec3(-1, 0, 0);
     Simulation simulation = begin(std::move(world), {.dt = dt, .law = law, .schedule = {.serial = true}});
-    simulation.advance(steps);
-    const Vec3& x = of<Position>(simulation, ball);
-    return std::atan2(x.y(), x.z());
+    // the mean over the last tenth: the contacts vibrate a little about the way
+    const std::uint64_t last = steps / 10;
+    simulation.advance(steps - last);
+    double sum = 0;
+    for (std::uint64_t k = 0; k <= last; ++k) {
+        const Vec3& x = of<Position>(simulation, ball);
+        sum += (k == 0 || k == last ? 0.5 : 1) * std::atan2(x.y(), x.z());
+        if (k < last) simulation.advance(1);
+    }
+    return sum / static_cast<double>(last);
 }
 
 void add_trap(StressRows& rows, double ratio, LawName law, bool full) {
     const Groove g{ratio};
     const double time = 0.6 / std::sqrt(g.rate2());
-    // the first run has 20 steps a radian of the contact's vibration
+    // the first run has 4 steps a radian of the contact's vibration
     const double mass = 2600 * 4 * pi / 3 * std::pow(Groove::small, 3);
     const double kn = 0.5 * mass * Groove::gravity * std::cos(Groove::begin) * (g.large() + Groove::small) / g.rho() / (1e-4 * Groove::small);
-    const auto coarse = static_cast<std::uint64_t>(20 * time * std::sqrt(kn / mass));
+    const auto coarse = 10 * static_cast<std::uint64_t>(0.4 * time * std::sqrt(kn / mass));
     const double reference = rolled(g, law, time, coarse * (full ? 32 : 16));
     const double error = std::abs(rolled(g, law, time, coarse) - reference), finer = std::abs(rolled(g, law, time, 2 * coarse) - reference);
-    const double rigid = g.rigid(time) - Groove::begin, gone = reference - Groove::begin;
+    // Simpson's rule over the same tenth
+    const double rigid = (g.rigid(0.9 * time) + 4 * g.rigid(0.95 * time) + g.rigid(time)) / 6 - Groove::begin, gone = reference - Groove::begin;
     const std::string what = fmt::format("trap of three, 1:{:g}, {}", ratio, law == LawName::linear ? "springs" : "springs and dashpots");
     rows.push_back({"S8", what + ": leaves", "as a rigid sphere that rolls, within 1 %", fmt::format("{:.5f} of {:.5f} rad", gone, rigid), std::abs(gone / rigid - 1) < 0.01});
     const double order = std::log2(error / finer);
-    rows.push_back({"S8", what + ": error", "order 2 in dt (1.7 to 3), or below 1e-7 of the way",
-                    fmt::format("{:.1e} and {:.1e} of the way, order {:.2f}", error / gone, finer / gone, order),
-                    (order > 1.7 && order < 3) || error < 1e-7 * gone});
+    const std::string found = fmt::format("{:.1e} and {:.1e} of the way, order {:.2f}", error / gone, finer / gone, order);
+    // without dashpots the contacts go on vibrating, at a phase that differs from step to step: at most (omega dt)^2 of
+    // the overlap of 1e-4 radii, which is seen as an angle on a circle of rho
+    const double vibration = 1.0 / 16 * 1e-4 * Groove::small / g.rho();
+    if (law == LawName::linear) rows.push_back({"S8", what + ": error", fmt::format("below {:.0e} of the way: the vibration of the contacts", vibration / gone), found, error < vibration});
+    else rows.push_back({"S8", what + ": error", "order 2 in dt (1.8 to 2.5)", found, order > 1.8 && order < 2.5});
 }
 
-/// A sphere ten times as large and a thousand times as dense as the bed that it lies on: mass ratio 1e6.
-void add_heavy_on_light(StressRows& rows, unsigned small, std::uint64_t longest) {
-    constexpr double radius = 0.005, width = 0.12;
+/// A sphere ten times as large and a thousand times as dense on three light ones: mass ratio 1e6. The light ones would
+/// roll out from under it; friction holds them, since surfaces that lean by less than twice its angle grip.
+void add_heavy_on_light(StressRows& rows) {
+    constexpr double radius = 0.005, stiffness = 1e6, gravity = 0.5;
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();
-    const auto light = materials.add(grain_material(1e6, 3e5, 0.5)), heavy = materials.add(grain_material(1e6, 3e5, 0.5, 2600e3));
-    for (unsigned k = 0; k < small; ++k)
-        add_sphere(world, Vec3(0.0105 * (k % 11 + 0.6), 0.0105 * (k / 11 % 11 + 0.6), 0.0105 * (k / 121 + 0.5)), radius, light);
-    const EntityId ball = add_sphere(world, Vec3(width / 2, width / 2, 0.0105 * (small / 121 + 1) + 0.051), 10 * radius, heavy);
-    add_box(world, Vec3::Zero(), Vec3(width, width, 1), light);
-    world.add_resource<Gravity>({Vec3(0, 0, -0.5)});
+    const auto light = materials.add(grain_material(stiffness, 3e5, 0.5)), heavy = materials.add(grain_material(stiffness, 3e5, 0.5, 2600e3));
+    constexpr double beside = 1.5 * radius; // from the axis
+    for (int k = 0; k < 3; ++k)
+        add_sphere(world, Vec3(beside * std::cos(2 * pi * k / 3), beside * std::sin(2 * pi * k / 3), radius), radius, light);
+    const EntityId ball = add_sphere(world, Vec3(0, 0, radius + std::sqrt(121 * radius * radius - beside * beside)), 10 * radius, heavy);
+    add_floor(world, light);
+    world.add_resource<Gravity>({Vec3(0, 0, -gravity)});
     world.add_resource(LocalDamping{0.7});
-    const double dt = 0.2 * std::sqrt(of<Mass>(world, 0) / 1e6); // a dozen contacts of a light sphere
-    Simulation simulation = begin(std::move(world), {.dt = dt, .law = LawName::linear});
-    const std::string refusal = refusal_of([&] { find_equilibrium(simulation, {.ratio = 1e-4, .longest = longest}); });
+    const double dt = 0.2 * std::sqrt(of<Mass>(world, 0) / stiffness), ratio = of<Mass>(world, ball) / of<Mass>(world, 0);
+    Simulation simulation = begin(std::move(world), {.dt = dt, .law = LawName::linear, .schedule = {.serial = true}});
+    const std::string refusal = refusal_of([&] { find_equilibrium(simulation, {.ratio = 1e-5, .longest = 1'000'000}); });
     const Quantities q = measure(simulation.world());
-    const double carried = q.boundary_force.z() / q.weight.z(), height = of<Position>(simulation, ball).z();
-    rows.push_back({"S8", fmt::format("a sphere on {} a million times lighter", small), "at rest, floor force = weight within 0.1 %, does not sink in",
-                    refusal.empty() ? fmt::format("force / weight {:.5f}, {:.1f} light diameters above the floor", carried, (height - 10 * radius) / (2 * radius)) : refusal,
-                    refusal.empty() && std::abs(carried - 1) < 1e-3 && height > 10 * radius});
+    const double carried = q.boundary_force.z() / q.weight.z(), gone = (of<Position>(simulation, 0) - Vec3(beside, 0, radius)).head<2>().norm();
+    rows.push_back({"S8", fmt::format("a sphere on three, mass ratio {:.3g}", ratio), "at rest, floor force = weight within 1e-4, the light ones gripped",
+                    refusal.empty() ? fmt::format("force / weight {:.7f}, light ones moved {:.1e} radii aside", carried, gone / radius) : refusal,
+                    refusal.empty() && std::abs(carried - 1) < 1e-4 && gone < 0.1 * radius});
 }
 
 } // namespace
@@ -110,7 +125,7 @@ StressRows stress_size_ratio(const StressSettings& s) {
         for (const LawName law : {LawName::linear, LawName::linear_viscous}) add_trap(rows, ratio, law, s.full);
     if (s.full)
         for (const LawName law : {LawName::linear, LawName::linear_viscous}) add_trap(rows, 100, law, true);
-    add_heavy_on_light(rows, s.full ? 484 : 242, s.full ? 1'000'000 : 100'000);
+    add_heavy_on_light(rows);
     return rows;
 }
 
