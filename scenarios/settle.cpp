@@ -4,11 +4,13 @@
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "systems/broadphase/lists.hpp"
+#include "systems/build/check_scene.hpp"
 #include "systems/build/sphere_bed.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/plot.hpp"
 #include "systems/output/porosity.hpp"
 #include "systems/output/record.hpp"
+#include "systems/procedure/relax.hpp"
 #include "systems/steps.hpp"
 
 #include <fmt/format.h>
@@ -26,6 +28,7 @@ using namespace bris;
 struct Settle {
     SphereBed bed;
     double duration = 0.5;
+    bool relax = false;
 
     void describe(auto& option) {
         option("spheres", bed.spheres, "", "how many", within(1, 50e6));
@@ -40,6 +43,8 @@ struct Settle {
         option("density", bed.density, "kg/m3", "of the spheres", above(0));
         option("step", bed.step, "s", "time step", above(0));
         option("duration", duration, "s", "simulated", above(0));
+        option("start_overlap", bed.start_overlap, "", "of the mean diameter, by which neighbours overlap at the start", within(0, 1));
+        option("relax", relax, "", "let a start with deep overlaps come to rest first");
     }
 };
 
@@ -49,11 +54,25 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
-World make_scene(const Settle& settings, std::uint64_t seed) {
+constexpr LawName law = LawName::linear_viscous;
+
+void relax_start(World& world, unsigned threads) {
+    const Relaxed r = relax(world, law, {.threads = threads});
+    fmt::print("relaxed in {} steps: largest overlap from {:.3g} to {:.3g} of a diameter, kinetic energy up to {:.3g} of {:.3g} J stored\n",
+               r.steps, r.first_overlap, r.overlap, r.peak_energy, r.stored_energy);
+    if (!r.done) throw SimulationError(r.left);
+}
+
+/// The bed, checked; a resumed one need not start well.
+World make_scene(const Settle& settings, const Common& common) {
     SphereBed bed = settings.bed;
-    bed.seed = seed;
+    bed.seed = common.seed;
     World world = make_sphere_bed(bed);
-    add_lists(world, LawName::linear_viscous);
+    check_scene(world, law);
+    const bool starts = common.resume.empty() && !common.explain;
+    if (starts && settings.relax) relax_start(world, common.threads);
+    add_lists(world, law);
+    if (starts) check_overlaps(world);
     return world;
 }
 
@@ -76,7 +95,7 @@ public:
     Settling(const Settle& settings, const Common& common)
         : settings_(settings), common_(common), total_(steps_of(settings)),
           sample_every_(std::max<std::uint64_t>(1, total_ / samples)),
-          simulation_(make_scene(settings, common.seed), steps(LawName::linear_viscous),
+          simulation_(make_scene(settings, common), steps(law),
                       common.threads, {.serial = common.serial}),
           keeper_({common.out / "settle.ckpt.h5", common.scenario, common.settings,
                    [this](Archive& archive) { series_.save(archive); }}) {

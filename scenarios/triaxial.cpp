@@ -8,6 +8,7 @@
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
 #include "systems/broadphase/lists.hpp"
+#include "systems/build/check_scene.hpp"
 #include "systems/build/clump_library.hpp"
 #include "systems/contact/ledger.hpp"
 #include "systems/output/picture.hpp"
@@ -117,6 +118,7 @@ Scene make_scene(const Triaxial& t, const Common& common) {
 
 Simulation make_simulation(const Scene& s, unsigned threads, const Common& common) {
     World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rock, s.sample.rocks, s.poses);
+    check_scene(world, LawName::linear);
     add_lists(world, LawName::linear);
     add_ledger(world);
     world.add_resource<TriaxialState>();

@@ -9,12 +9,15 @@
 
 namespace bris {
 
-using WatchedBodies = Rows<Bodies, const BodyId, const MotionOf, const Travel, const Position, const Velocity>;
+using WatchedBodies = Rows<Bodies, const BodyId, const MotionOf, const Travel, const Position, const Velocity,
+                           const Spin, const BoundingRadius>;
 
-/// Watches every step: positions that are not numbers, bodies faster than the limit, free bodies that
-/// have left the box of the scene. Notes the first offender in Health; the simulation then stops with
-/// step, time and a checkpoint.
-void guard_motion(WatchedBodies bodies, const Limits& limits, Health& health);
+/// Watches every step: positions or spins that are not numbers, bodies faster than the limit, free bodies that
+/// have left the box of the scene, and steps that could carry one surface past another unseen: a free
+/// body's of more than Limits::overlap of its own bounding radius, a driven one's of more than that of
+/// the smallest free body's. Notes the first offender in Health; the simulation then stops with step,
+/// time and a checkpoint.
+void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock, Health& health);
 
 /// Overlaps beyond the limit, found by the contact kernels. One system a pair kind.
 template <class Pairs>

@@ -70,8 +70,8 @@ bool may_include_system(const std::string& file, const std::string& target) {
     const std::string from = room(file), to = room(target);
     if (from == to) return true;
     if (from == "verification") return to == "experiments" || to == "build";
-    if (to == "verification" || to == "experiments") return false;
-    if (from == "steps" || from == "procedure") return true;
+    if (to == "verification" || to == "experiments" || to == "stress") return false;
+    if (from == "steps" || from == "procedure" || from == "stress") return true;
     if (from == "experiments") return to != "procedure";
     return from == "build" && to != "steps" && to != "procedure";
 }
@@ -136,6 +136,7 @@ TEST_SUITE("layering") {
         CHECK(may_include_house("systems/contact/a.cpp", "components/body.hpp"));
         CHECK(may_include_house("systems/steps.cpp", "systems/contact/collide.hpp"));
         CHECK(may_include_house("systems/procedure/shear.cpp", "systems/steps.hpp"));
+        CHECK(may_include_house("systems/stress/momentum.cpp", "systems/procedure/relax.hpp"));
         CHECK(may_include_house("systems/build/packing.cpp", "systems/contact/laws/law.hpp"));
         CHECK(may_include_house("components/sphere.hpp", "engine/lanes.hpp"));
         CHECK(may_include_house("scenarios/settle.cpp", "systems/output/plot.hpp"));
@@ -147,6 +148,7 @@ TEST_SUITE("layering") {
         CHECK_FALSE(may_include_house("systems/procedure/shear.cpp", "systems/verification/cases.hpp"));
         CHECK_FALSE(may_include_house("systems/experiments/impact.cpp", "systems/procedure/triaxial.hpp"));
         CHECK_FALSE(may_include_house("systems/verification/cases.cpp", "systems/steps.hpp"));
+        CHECK_FALSE(may_include_house("systems/procedure/relax.cpp", "systems/stress/suite.hpp"));
         CHECK_FALSE(may_include_house("engine/world.cpp", "components/body.hpp"));
         CHECK_FALSE(may_include_house("components/body.hpp", "engine/world.hpp"));
         CHECK_FALSE(may_include_house("systems/guard.cpp", "tests/support.hpp"));

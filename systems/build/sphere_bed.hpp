@@ -17,6 +17,7 @@ struct SphereBed {
     double damping_rate = 5838;    ///< 1/s, of the normal dashpot; half of it, tangential
     double density = 2600;         ///< kg/m3
     double step = 1e-5;            ///< s
+    double start_overlap = 0;      ///< of the mean diameter, of neighbours on the lattice; in [0, 1]; 0: a little room
     std::uint64_t seed = 1;
 };
 

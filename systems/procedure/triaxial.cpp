@@ -7,6 +7,7 @@
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/stress.hpp"
+#include "systems/procedure/equilibrium.hpp"
 #include "components/platen.hpp"
 #include "components/membrane.hpp"
 
@@ -85,8 +86,7 @@ bool TriaxialTest::advance() {
 bool TriaxialTest::is_in_equilibrium() const {
     const World& world = simulation_.world();
     const Balance balance = measure_balance(world);
-    // an empty or exploded specimen is balanced too: it must carry load
-    if (balance.contacts < balance.free_bodies) return false;
+    if (!carries_load(balance)) return false;
     if (!(balance.unbalanced_ratio <= settings_.tolerance)) return false;
     const auto& membrane = world.resource<Membrane>();
     const auto off = [&](double pressure) {

@@ -136,6 +136,10 @@ void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, con
         for (std::size_t e = g * group; e < (g + 1) * group; ++e) {
             if (membrane.active) speed[e] = passed ? speed[e - membrane.sectors] : next;
             radius[e] += speed[e] * clock.dt;
+            if (radius[e] > membrane.largest_step || health.bad) continue; // nor where it is not a number
+            health.bad = true;
+            health.what = "membrane element " + std::to_string(e) + " has closed upon the axis: expected grains that bear the target pressure of " +
+                          std::to_string(membrane.target_pressure) + " Pa, found none";
         }
     }
 }

@@ -2,12 +2,14 @@
 
 #include "systems/servo/membrane.hpp"
 
+#include <string>
+
 namespace bris {
 
 void steer_platen(Rows<Planes, const HostRow> planes,
                   Rows<Bodies, const Force, const PrunedAt, Position, Velocity, Travel> bodies,
                   Rows<Elements, const ElementRadius> elements, Platen& platen, const Membrane& membrane,
-                  const NearIndex<PlanePairs>& index, const Clock& clock) {
+                  const NearIndex<PlanePairs>& index, const Clock& clock, Health& health) {
     const Row host = planes.column<HostRow>()[platen.plane];
     double area = 0;
     for (std::size_t ring = 0; ring < membrane.rings; ++ring)
@@ -24,6 +26,9 @@ void steer_platen(Rows<Planes, const HostRow> planes,
     bodies.column<Velocity>()[host] = Vec3(0, 0, -platen.speed);
     position.z() -= platen.speed * clock.dt;
     bodies.column<Travel>()[host] = (position - bodies.column<PrunedAt>()[host].position).norm();
+    if (position.z() > 0 || health.bad) return; // nor where it is not a number
+    health.bad = true;
+    health.what = "the platen has come to the bottom: expected grains that bear it, found none; at " + std::to_string(platen.pressure) + " Pa";
 }
 
 void book_platen_work(Rows<Planes, const HostRow> planes, Rows<Bodies, const Force, const Velocity, BoundaryWork> bodies,

@@ -1,0 +1,81 @@
+// The stress suite: what the engine must stand, or must refuse.
+#include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
+#include "engine/scenario.hpp"
+#include "engine/summary.hpp"
+#include "systems/stress/suite.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+
+namespace {
+
+using namespace bris;
+
+struct Stress {
+    std::string only;
+    bool full = false;
+
+    void describe(auto& option) {
+        option("case", only, "", "one case, as S6; empty: all");
+        option("full", full, "", "long runs and many draws: minutes to hours, else seconds");
+    }
+};
+
+/// Text as a CSV cell.
+std::string cell(const std::string& text) {
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+    return quoted + "\"";
+}
+
+void write_rows(const std::filesystem::path& path, const StressRows& rows) {
+    std::string text = "case,what,criterion,found,verdict\n";
+    for (const StressRow& r : rows)
+        text += fmt::format("{},{},{},{},{}\n", r.id, cell(r.what), cell(r.criterion), cell(r.found), r.pass ? "pass" : "fail");
+    write_whole(path, text);
+}
+
+void run(const Stress& stress, const Common& common) {
+    require(common.resume.empty(), "--resume: expected none, found '" + common.resume.string() + "': the cases are short; run one with --case");
+    std::vector<StressCase> cases;
+    if (stress.only.empty()) cases.assign(stress_cases().begin(), stress_cases().end());
+    else cases.push_back(stress_case(stress.only));
+    if (common.explain) {
+        for (const StressCase& c : cases) fmt::print("{:4} {}\n", c.id, c.title);
+        return;
+    }
+    const StressSettings settings{stress.full, common.threads, common.seed};
+    StressRows all;
+    Summary summary;
+    for (const StressCase& c : cases) {
+        const auto began = std::chrono::steady_clock::now();
+        const StressRows rows = c.run(settings);
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+        fmt::print("\n{} {}: {} of {} rows pass, {:.1f} s\n{}", c.id, c.title, rows.size() - failures(rows), rows.size(), seconds, table_of(rows));
+        std::fflush(stdout);
+        summary.add(fmt::format("{}_rows", c.id), rows.size());
+        summary.add(fmt::format("{}_failures", c.id), failures(rows));
+        summary.add(fmt::format("{}_wall_s", c.id), seconds);
+        all.insert(all.end(), rows.begin(), rows.end());
+    }
+    summary.add("rows", all.size());
+    summary.add("failures", failures(all));
+    fmt::print("\n");
+    summary.print("stress");
+    write_rows(common.out / "stress.csv", all);
+    Summary whole;
+    whole.add("scenario", common.scenario);
+    whole.add(common.settings);
+    whole.add(summary.entries());
+    whole.write(common.out / "summary.json");
+    if (failures(all) > 0) throw SimulationError(fmt::format("{} of {} rows fail, see {}", failures(all), all.size(), (common.out / "stress.csv").string()));
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_scenario<Stress>(argc, argv, "stress", "what the engine must stand, or must refuse", run);
+}

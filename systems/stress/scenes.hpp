@@ -1,0 +1,70 @@
+#pragma once
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/material.hpp"
+#include "components/settings.hpp"
+#include "components/sphere.hpp"
+#include "engine/simulation.hpp"
+#include "systems/build/mass_properties.hpp"
+#include "systems/build/scene.hpp"
+
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace bris::stress {
+
+/// Column value of a body, by id.
+template <class C> typename C::Value& of(World& world, EntityId body) { return world.column<Bodies, C>()[row_of_body(world, body)]; }
+template <class C> typename C::Value& of(Simulation& simulation, EntityId body) { return of<C>(simulation.world(), body); }
+
+/// A material of which two partners have a contact of stiffness `kn`, `ks` (N/m; they act in series).
+Material grain_material(double kn, double ks = 0, double friction = 0, double density = 2600);
+
+struct Setup {
+    double dt = 1e-5; ///< s
+    LawName law = LawName::linear;
+    unsigned threads = 1;
+    ListSettings lists = {};
+    ScheduleSettings schedule = {};
+    bool ledger = false;
+};
+
+/// Adds the lists and the steps to a scene that is complete.
+Simulation begin(World world, const Setup& setup);
+
+/// A plane z = 0 on a fixed body, grains above.
+EntityId add_floor(World& world, std::uint32_t material);
+
+/// A box of facets, each side two triangles, grains inside.
+EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material);
+
+/// Six overlapping balls of a rock, about 1 m across.
+Clump small_rock();
+
+/// Factors of the units of a scene.
+struct Units { double length = 1, mass = 1, time = 1; };
+
+/// Grains of radius about 1 cm on a lattice, thrown about, that fall into a corner of a box of planes; friction
+/// and dashpots. Its step for linear_viscous: 2e-5 s.
+struct Tumble {
+    Grains grains = Grains::spheres;
+    unsigned bodies = 60;
+    std::uint64_t seed = 1;
+    Units units = {};
+    bool walls = true;
+};
+World tumbling(const Tumble& t);
+
+/// A bed like that at rest under its weight: an undamped law, local damping 0.7. At most `ratio` of its forces
+/// are unbalanced.
+Simulation bed_at_rest(const Tumble& t, double ratio, double ks_ratio = 0.3);
+
+/// Message of the InputError or SimulationError that `work` throws; empty if it throws none.
+std::string refusal_of(const std::function<void()>& work);
+
+/// Mean bounding radius (m) of the free bodies.
+double mean_radius(const World& world);
+
+} // namespace bris::stress
