@@ -11,10 +11,10 @@ namespace bris::detail {
 
 namespace {
 
-// candidates of every free body with every boundary part (plane, facet, sector of a membrane) that
-// `near_body` and `near_sphere` let through, ordered by (host id, sphere, part id)
-template <class Pairs, class NearBody, class NearSphere>
-void find_pairs(World& world, std::span<const EntityId> part, std::span<const Row> host,
+// candidates of every free body with every boundary part (plane, facet, sector of a membrane) out of
+// `parts_around` it that `near_body` and `near_sphere` let through, ordered by (host id, sphere, part id)
+template <class Pairs, class PartsAround, class NearBody, class NearSphere>
+void find_pairs(World& world, std::span<const EntityId> part, std::span<const Row> host, PartsAround&& parts_around,
                 NearBody&& near_body, NearSphere&& near_sphere) {
     Table& bodies = world.table<Bodies>();
     const auto motion = bodies.column<MotionOf>();
@@ -28,7 +28,7 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
     found.collect(bodies.size(), first, [&](std::vector<Candidate>& list, Row b) {
         if (run[b].count == 0 || motion[b] != static_cast<std::uint32_t>(Motion::free)) return;
         const std::size_t begin = list.size();
-        for (Row e = 0; e < part.size(); ++e) {
+        for (const Row e : parts_around(b)) {
             if (!near_body(b, e)) continue;
             const std::uint32_t law = materials.pair(material[b], material[host[e]]);
             for (Row k = run[b].first; k < run[b].first + run[b].count; ++k)
@@ -39,6 +39,68 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
                   [](const Candidate& x, const Candidate& y) { return x.names < y.names; });
     });
     replace_pairs<Pairs>(world, found, first);
+}
+
+// few parts: all of them, for every body
+std::vector<Row> all_rows(std::size_t n) {
+    std::vector<Row> rows(n);
+    std::iota(rows.begin(), rows.end(), Row{0});
+    return rows;
+}
+
+/// Boxes sorted into cells: which of them may hold a point.
+class BoxGrid {
+public:
+    explicit BoxGrid(const std::vector<Eigen::AlignedBox3d>& boxes) {
+        for (const auto& box : boxes) all_.extend(box);
+        if (boxes.empty()) return;
+        side_ = std::max(all_.sizes().maxCoeff() / cells_along, std::numeric_limits<double>::min());
+        n_ = cell(all_.max()) + Eigen::Array3i::Ones();
+        first_.assign(static_cast<std::size_t>(n_.prod()) + 1, 0);
+        for_cells(boxes, [&](std::size_t c, Row) { ++first_[c + 1]; });
+        for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
+        items_.resize(first_.back());
+        std::vector<Row> next(first_.begin(), first_.end());
+        for_cells(boxes, [&](std::size_t c, Row e) { items_[next[c]++] = e; });
+    }
+
+    /// Every box that holds x is among them; none if x is outside of all, or no number.
+    std::span<const Row> around(const Vec3& x) const {
+        if (first_.empty() || !all_.contains(Eigen::Vector3d(x))) return {};
+        const std::size_t c = number(cell(Eigen::Vector3d(x)));
+        return {items_.data() + first_[c], items_.data() + first_[c + 1]};
+    }
+
+private:
+    static constexpr int cells_along = 32; // the longest side: some thousand cells around a vessel
+
+    Eigen::Array3i cell(const Eigen::Vector3d& x) const { return ((x - all_.min()) / side_).array().cast<int>(); }
+    std::size_t number(const Eigen::Array3i& c) const {
+        return static_cast<std::size_t>((c[2] * n_[1] + c[1]) * n_[0] + c[0]);
+    }
+    template <class Visit> void for_cells(const std::vector<Eigen::AlignedBox3d>& boxes, Visit&& visit) const {
+        for (Row e = 0; e < boxes.size(); ++e) {
+            const Eigen::Array3i low = cell(boxes[e].min()), high = cell(boxes[e].max());
+            for (int k = low[2]; k <= high[2]; ++k)
+                for (int j = low[1]; j <= high[1]; ++j)
+                    for (int i = low[0]; i <= high[0]; ++i) visit(number({i, j, k}), e);
+        }
+    }
+    Eigen::AlignedBox3d all_;
+    double side_ = 1;
+    Eigen::Array3i n_ = Eigen::Array3i::Zero();
+    std::vector<Row> first_, items_;
+};
+
+// how far from its centre a free body can come near something
+double largest_reach(const Table& bodies, double skin) {
+    const auto radius = bodies.column<BoundingRadius>();
+    const auto run = bodies.column<SpheresOf>();
+    const auto motion = bodies.column<MotionOf>();
+    double largest = 0;
+    for (Row b = 0; b < bodies.size(); ++b)
+        if (run[b].count > 0 && motion[b] == static_cast<std::uint32_t>(Motion::free)) largest = std::max(largest, radius[b]);
+    return largest + skin;
 }
 
 } // namespace
@@ -52,8 +114,9 @@ void find_plane_pairs(World& world, double skin) {
     const auto height = [&](const Vec3& x, Row e) {
         return (x - position[host[e]] - shape[e].point).dot(shape[e].normal);
     };
+    const auto all = all_rows(planes.size());
     find_pairs<PlanePairs>(
-        world, planes.column<PlaneId>(), host,
+        world, planes.column<PlaneId>(), host, [&](Row) -> const std::vector<Row>& { return all; },
         [&](Row b, Row e) { return height(position[b], e) < radius[b] + skin; },
         [&](const Vec3& x, double r, Row e) { return height(x, e) < r + skin; });
 }
@@ -79,8 +142,12 @@ void find_facet_pairs(World& world, double skin) {
         return std::abs(height) < r + skin &&
                boxes[e].squaredExteriorDistance(Eigen::Vector3d(x)) < (r + skin) * (r + skin);
     };
+    std::vector<Eigen::AlignedBox3d> within_reach = boxes;
+    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(largest_reach(bodies, skin));
+    for (auto& box : within_reach) box = {box.min() - margin, box.max() + margin};
+    const BoxGrid grid(within_reach);
     find_pairs<FacetPairs>(
-        world, facets.column<FacetId>(), host,
+        world, facets.column<FacetId>(), host, [&](Row b) { return grid.around(position[b]); },
         [&](Row b, Row e) { return reaches(position[b], radius[b], e); }, reaches);
 }
 
@@ -98,8 +165,9 @@ void find_membrane_pairs(World& world, double skin) {
     std::vector<EntityId> sector(membrane.sectors);
     std::iota(sector.begin(), sector.end(), EntityId{0});
     const std::vector<Row> host(membrane.sectors, membrane.body_row);
+    const auto all = all_rows(sector.size());
     find_pairs<MembranePairs>(
-        world, sector, host,
+        world, sector, host, [&](Row) -> const std::vector<Row>& { return all; },
         [&](Row b, Row s) { return position[b].dot(membrane.outward[s]) + radius[b] + skin > least[s]; },
         [&](const Vec3& x, double r, Row s) {
             return surface.nearest(static_cast<int>(s), x.dot(membrane.outward[s]), x.z()).distance < r + skin;

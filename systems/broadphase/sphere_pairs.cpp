@@ -8,10 +8,10 @@ namespace bris::detail {
 
 namespace {
 
-/// Bodies sorted into cubic cells no smaller than the reach of a pair.
+/// Bodies sorted into cubic cells.
 class CellGrid {
 public:
-    CellGrid(std::span<const Vec3> positions, std::span<const Row> rows, double reach) {
+    CellGrid(std::span<const Vec3> positions, std::span<const Row> rows, double side) {
         Vec3 high = Vec3::Zero();
         bool first = true;
         for (const Row r : rows) {
@@ -22,7 +22,7 @@ public:
             low_ = low_.cwiseMin(positions[r]);
             high = high.cwiseMax(positions[r]);
         }
-        side_ = reach;
+        side_ = side;
         // no more cells than a few a body, however far one of them has gone
         for (;; side_ *= 1.5) {
             double cells = 1;
@@ -42,15 +42,14 @@ public:
         for (const Row r : rows) items_[next[cell(at(positions[r]))]++] = r;
     }
 
-    /// Calls body(row) for everything in the cells around a point.
-    template <class Body> void around(const Vec3& x, Body&& body) const {
-        const auto c = at(x);
-        for (int k = std::max(c[2] - 1, 0); k <= std::min(c[2] + 1, n_[2] - 1); ++k)
-            for (int j = std::max(c[1] - 1, 0); j <= std::min(c[1] + 1, n_[1] - 1); ++j) {
-                const int from = std::max(c[0] - 1, 0), to = std::min(c[0] + 1, n_[0] - 1);
-                for (Row i = first_[cell({from, j, k})]; i < first_[cell({to, j, k}) + 1]; ++i)
+    /// Calls body(row) for everything in the cells that a cube of half side `reach` around a point meets.
+    template <class Body> void around(const Vec3& x, double reach, Body&& body) const {
+        const Vec3 half = Vec3::Constant(reach);
+        const auto low = at(x - half), high = at(x + half);
+        for (int k = low[2]; k <= high[2]; ++k)
+            for (int j = low[1]; j <= high[1]; ++j)
+                for (Row i = first_[cell({low[0], j, k})]; i < first_[cell({high[0], j, k}) + 1]; ++i)
                     body(items_[i]);
-            }
     }
 
 private:
@@ -70,6 +69,32 @@ private:
     double side_ = 1;
     std::array<int, 3> n_{1, 1, 1};
     std::vector<Row> first_, items_;
+};
+
+/// Bodies in grids by size, each with cells for its own: one large body among small ones does not widen their
+/// cells, or the pairs to look at would grow as the cube of the ratio.
+class SizeGrids {
+public:
+    SizeGrids(std::span<const Vec3> positions, std::span<const double> radii, std::vector<Row> rows, double skin) : skin_(skin) {
+        while (!rows.empty()) {
+            double largest = 0;
+            for (const Row r : rows) largest = std::max(largest, radii[r]);
+            const auto smaller = std::partition(rows.begin(), rows.end(), [&](Row r) { return radii[r] >= largest / widest_ratio; });
+            grids_.push_back({largest, CellGrid(positions, {rows.begin(), smaller}, 2 * largest + skin)});
+            rows.erase(rows.begin(), smaller);
+        }
+    }
+    /// Calls body(row) for everything that may be within the skin of a sphere, and more.
+    template <class Body> void around(const Vec3& x, double radius, Body&& body) const {
+        for (const Sized& g : grids_) g.grid.around(x, radius + g.largest + skin_, body);
+    }
+
+private:
+    static constexpr double widest_ratio = 3; // of radii in a grid; rocks of one grading stay in one
+
+    struct Sized { double largest; CellGrid grid; };
+    std::vector<Sized> grids_;
+    double skin_;
 };
 
 /// What the search reads of the scene.
@@ -139,13 +164,9 @@ void find_sphere_pairs(World& world, double skin) {
                   bodies.column<MotionOf>(), bodies.column<MaterialOf>(), bodies.column<SpheresOf>(),
                   world.column<Spheres, SpherePlace>(), world.resource<Materials>(), skin};
     std::vector<Row> rows;
-    double largest = 0;
     for (Row b = 0; b < bodies.size(); ++b)
-        if (s.run[b].count > 0) {
-            rows.push_back(b);
-            largest = std::max(largest, s.radius[b]);
-        }
-    const CellGrid grid(s.position, rows, 2 * largest + skin);
+        if (s.run[b].count > 0) rows.push_back(b);
+    const SizeGrids grids(s.position, s.radius, std::move(rows), skin);
     const auto free_body = [&](Row b) { return s.motion[b] == static_cast<std::uint32_t>(Motion::free); };
 
     ChunkLists<Candidate> found;
@@ -155,7 +176,7 @@ void find_sphere_pairs(World& world, double skin) {
         if (s.run[a].count == 0) return;
         Scratch& mine = scratch[a / found.rows_per_chunk];
         mine.partners.clear();
-        grid.around(s.position[a], [&](Row b) {
+        grids.around(s.position[a], s.radius[a], [&](Row b) {
             if (s.id[b] <= s.id[a] || (!free_body(a) && !free_body(b))) return;
             const double reach = s.radius[a] + s.radius[b] + skin;
             if ((s.position[a] - s.position[b]).squaredNorm() < reach * reach) mine.partners.push_back(b);

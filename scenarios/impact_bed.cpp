@@ -1,0 +1,225 @@
+// A steel ball strikes a bed of spheres: case 3 of Dosta et al. (2024), Comput. Phys. Commun. 296:109066. Ball of
+// 20 mm at 5 m/s, its centre 0.06 m high; bed of 25 000, 50 000 or 100 000 spheres of 2 mm in a box of 0.10 x
+// 0.06 m, open at the top. Hertz-Mindlin contacts, no rolling resistance, no global damping. The paper's initial
+// states (Zenodo 8252892) are not at hand: the bed is poured here from a shaken lattice, hardened and brought to
+// rest. Its height is this bed's own and is written beside that at which the ball of the reference curves meets
+// theirs (about 0.031 and 0.132 m above the floor for 25 000 and 100 000: loose beds, or heaped, 0.53 to 0.56 of
+// solids);
+// --fill-friction-factor makes a bed looser. In the shallow beds the ball is stopped by spheres that it squeezes
+// against the floor, by a third of their radius and more.
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/settings.hpp"
+#include "engine/errors.hpp"
+#include "engine/ordering.hpp"
+#include "engine/random.hpp"
+#include "engine/scenario.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/build/lattice.hpp"
+#include "systems/build/scene.hpp"
+#include "systems/procedure/bulk_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+
+namespace {
+
+using namespace bris;
+
+struct ImpactTest {
+    unsigned spheres = 25000;
+    double diameter = 0.002, ball_diameter = 0.02, speed = 5, length = 0.10, width = 0.06;
+    BulkSettings bulk{.duration = 0.1, .sample_interval = 5e-4, .bed = {.step = 1e-6, .longest_rest = 0.03}};
+
+    void describe(auto& option) {
+        option.group("impact");
+        option("spheres", spheres, "", "of the bed: 25 000, 50 000 or 100 000 in the paper", within(10, 5e6));
+        option("diameter", diameter, "m", "of the spheres", within(1e-4, 0.02));
+        option("ball_diameter", ball_diameter, "m", "of the steel ball", within(1e-3, 0.05));
+        option("speed", speed, "m/s", "of the ball, downwards, at time 0", within(0, 100));
+        option("length", length, "m", "of the box, along x", above(0));
+        option("width", width, "m", "of the box, along y", above(0));
+        bulk.describe(option);
+    }
+};
+
+constexpr double box_floor = -0.0902431,
+                 drop = 0.06; // m: heights of the floor, as in the paper's mesh, and of the ball
+constexpr double shake = 0.3; // m/s, of the lattice: no order is left of it
+constexpr EntityId box = 0, ball = 1;
+
+World make_world_of(const ImpactTest& t, std::uint64_t seed) {
+    World world = make_world(Grains::spheres);
+    const BulkMaterials materials = add_bulk_materials(world);
+    const Vec3 low(-t.length / 2, -t.width / 2, box_floor), high(t.length / 2, t.width / 2, 0.3);
+    add_boundary(world, Vec3::Zero(), materials.steel); // the box
+    for (int a = 0; a < 3; ++a) add_plane(world, box, low[a] * Vec3::Unit(a), Vec3::Unit(a));
+    for (int a = 0; a < 2; ++a) add_plane(world, box, high[a] * Vec3::Unit(a), -Vec3::Unit(a));
+    (void)add_sphere(world, Vec3(0, 0, high.z()), t.ball_diameter / 2, materials.steel,
+                     Motion::fixed); // out of the way until time 0
+    const double r = t.diameter / 2;
+    std::uint64_t made = 0;
+    const auto everywhere = [&](const Vec3& x) {
+        return (x - low).head(2).minCoeff() > 1.05 * r && (high - x).head(2).minCoeff() > 1.05 * r;
+    };
+    for (const Vec3& site : lattice_sites({low, high, 1.1 * t.diameter, 0.02, seed}, t.spheres, everywhere)) {
+        const EntityId id = add_sphere(world, site, r, materials.m1);
+        world.column<Bodies, Velocity>()[id] =
+            shake * Random(seed, 1000000000 + made++).direction(); // rows are ids yet
+    }
+    auto& limits = world.resource<Limits>();
+    limits.low = low - Vec3::Constant(0.01);
+    limits.high = Vec3(0.3, 0.3, 1);
+    limits.low.head(2).setConstant(-0.3); // grains may splash out over the box's height: its walls have no rim
+    limits.overlap = 0.9;                 // grains squeezed between ball and floor
+    world.add_resource<Gravity>();
+    world.add_resource<BedState>();
+    add_lists(world, LawName::hertz_mindlin_viscous);
+    return world;
+}
+
+/// Height of the highest grain within a ball's radius of the axis, m.
+double surface(const World& world, double reach) {
+    double top = box_floor;
+    const auto position = world.column<Bodies, Position>();
+    const auto radius = world.column<Bodies, BoundingRadius>();
+    const auto id = world.column<Bodies, BodyId>();
+    for (Row b = 0; b < id.size(); ++b)
+        if (id[b] > ball && position[b].head(2).norm() < reach) top = std::max(top, position[b].z() + radius[b]);
+    return top;
+}
+
+/// Height of the middle of all grains, twice: that of a level bed, m.
+double bed_height(const World& world) {
+    double sum = 0, count = 0;
+    const auto position = world.column<Bodies, Position>();
+    for (const Row b : rows_by_id(world.column<Bodies, BodyId>())) {
+        if (world.column<Bodies, BodyId>()[b] <= ball) continue;
+        sum += position[b].z() - box_floor;
+        ++count;
+    }
+    return 2 * sum / std::max(1.0, count);
+}
+
+void let_go(World& world, const ImpactTest& t) {
+    const Row row = row_of_body(world, ball);
+    const double dt = world.resource<Clock>().dt, r = t.ball_diameter / 2;
+    const double top = surface(world, r + t.diameter);
+    require(top < drop - r,
+            fmt::format("impact_bed: expected a bed below the ball at {:.4f} m, found its surface at {:.4f} m",
+                        drop - r, top));
+    world.column<Bodies, MotionOf>()[row] = static_cast<std::uint32_t>(Motion::free);
+    world.column<Bodies, Position>()[row] = Vec3(0, 0, drop);
+    world.column<Bodies, Velocity>()[row] =
+        Vec3(0, 0, -t.speed) - 0.5 * dt * world.resource<Gravity>().value; // half a step back
+    invalidate_lists(world);
+}
+
+/// Height of the bed, found when the ball is let go.
+struct BedHeight {
+    static constexpr auto name = "bed_height";
+    static constexpr bool is_state = true;
+    double mean = 0, top = 0; ///< m above the floor
+    void save(Archive& archive) const { put_fields(archive, "bed_height", std::tie(mean, top)); }
+    void load(const Archive& archive) { get_fields(archive, "bed_height", std::tie(mean, top)); }
+};
+
+BulkCase make_case(const ImpactTest& t, std::uint64_t seed) {
+    BulkCase c{.world = make_world_of(t, seed), .columns = {{"displacement", "m"}, {"velocity", "m/s"}}};
+    c.world.add_resource<BedHeight>();
+    c.begin = [=](World& world) {
+        world.resource<BedHeight>() = {bed_height(world), surface(world, t.ball_diameter / 2) - box_floor};
+        let_go(world, t);
+    };
+    c.sample = [](World& world, Series& series) {
+        const Row row = row_of_body(world, ball);
+        const Clock& clock = world.resource<Clock>();
+        series.add({clock.time(), world.column<Bodies, Position>()[row].z() - drop,
+                    world.column<Bodies, Velocity>()[row].z() +
+                        0.5 * clock.dt * world.column<Bodies, Acceleration>()[row].z()});
+    };
+    c.description = [](const Series& series) {
+        return fmt::format("ball at {:.4f} m", series.column("displacement").back());
+    };
+    c.colour = [](const World& world, Row row) {
+        if (world.column<Bodies, BodyId>()[row] == ball) return Colour{90, 90, 90};
+        return scale_colour(std::min(1.0, world.column<Bodies, Velocity>()[row].norm()));
+    };
+    return c;
+}
+
+// Open re-runs from the paper's initial states (peclet-examples 897965c, MIT): least displacement (m) by LIGGGHTS
+// and MUSEN; of the curves, points by MUSEN. In the shallow beds the end is chaotic.
+struct Reference {
+    unsigned spheres;
+    double liggghts, musen;
+    std::vector<double> time, displacement;
+};
+const std::array<Reference, 3> references{{
+    {25000,
+     -0.13891,
+     -0.13802,
+     {0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1},
+     {0, -0.050491, -0.101962, -0.138024, -0.120219, -0.101400, -0.083562, -0.066707, -0.050835, -0.035944, -0.022034}},
+    {50000, -0.13859, -0.13895, {}, {}},
+    {100000,
+     -0.09088,
+     -0.09053,
+     {0, 0.005, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1},
+     {0, -0.022796, -0.040800, -0.067976, -0.081290, -0.088188, -0.090506, -0.090491, -0.090488, -0.090488}},
+}};
+
+void report(const ImpactTest& t, BulkRun& run) {
+    const Series& series = run.series();
+    const auto &time = series.column("time"), &depth = series.column("displacement");
+    const auto least = std::ranges::min_element(depth);
+    const BedHeight& height = run.world().resource<BedHeight>();
+    Summary summary;
+    summary.add("least_displacement_m", *least);
+    summary.add("time_of_least_displacement_s", time[static_cast<std::size_t>(least - depth.begin())]);
+    summary.add("final_displacement_m", depth.back());
+    summary.add("final_speed_m_per_s", std::abs(series.column("velocity").back()));
+    summary.add("bed_mean_height_m", height.mean);
+    summary.add("bed_height_below_ball_m", height.top);
+    const double volume = t.spheres * pi / 6 * std::pow(t.diameter, 3);
+    summary.add("bed_solid_fraction", volume / (t.length * t.width * height.mean));
+    summary.add("depth_below_bed_m", box_floor + height.top - (drop + *least - t.ball_diameter / 2));
+    summary.add("contact_time_over_step",
+                hertz_contact_time(t.diameter / 2, 2500, t.bulk.bed.stiffness * 1e9, 1) / t.bulk.bed.step);
+    std::vector<Curve> curves{{.label = fmt::format("{} spheres", t.spheres), .x = time, .y = depth}};
+    for (const Reference& r : references) {
+        if (r.spheres != t.spheres || t.diameter != 0.002) continue;
+        summary.add("reference_least_displacement_liggghts_m", r.liggghts);
+        summary.add("reference_least_displacement_musen_m", r.musen);
+        summary.add("least_displacement_error", *least / (0.5 * (r.liggghts + r.musen)) - 1);
+        if (!r.time.empty())
+            curves.push_back({.label = "MUSEN", .x = r.time, .y = r.displacement, .style = Curve::Style::points});
+    }
+    for (const Curve& curve : run.reference()) curves.push_back(curve);
+    run.report(summary, {{.title = "the ball in the bed",
+                          .x_label = "time (s)",
+                          .y_label = "vertical displacement (m)",
+                          .curves = curves},
+                         {.title = "its velocity",
+                          .x_label = "time (s)",
+                          .y_label = "vertical velocity (m/s)",
+                          .curves = {{.x = time, .y = series.column("velocity")}}}});
+}
+
+void run(const ImpactTest& t, const Common& common) {
+    BulkRun bulk(common, t.bulk, make_case(t, common.seed));
+    if (common.explain)
+        std::puts(bulk.explain().c_str());
+    else if (bulk.run())
+        report(t, bulk);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_scenario<ImpactTest>(argc, argv, "impact_bed",
+                                    "a steel ball strikes a bed of spheres (Dosta et al. 2024, case 3)", run);
+}
