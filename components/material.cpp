@@ -40,6 +40,7 @@ std::uint32_t Materials::add(const Material& material) {
 }
 
 void Materials::set_pair(std::uint32_t a, std::uint32_t b, const PairProperties& properties) {
+    std::erase_if(overrides_, [&](const Override& o) { return (o.a == a && o.b == b) || (o.a == b && o.b == a); });
     overrides_.push_back({a, b, properties});
     mix();
 }

@@ -113,7 +113,7 @@ struct Materials {
         return a * static_cast<std::uint32_t>(list.size()) + b;
     }
     const std::vector<LawRow>& pairs(LawName law) const { return is_hertz(law) ? hertz_pairs : linear_pairs; }
-    /// Sets properties of one pair, in both orders. After the last `add`.
+    /// Sets properties of one pair, in both orders; what was set for it before is gone.
     void set_pair(std::uint32_t a, std::uint32_t b, const PairProperties& properties);
     /// Recomputes the tables of pairs; after any change of `list` or `policy`.
     void mix();

@@ -51,6 +51,7 @@ struct ListSettings {
 struct ListState {
     static constexpr auto name = "list_state";
     bool stale = true; ///< entities or State have changed by hand
+    bool unseen = false; ///< velocities have: contacts have yet to see them
     std::uint64_t refreshes = 0, prunes = 0, sorts = 0;
     std::uint64_t last_refresh = 0, last_prune = 0; ///< steps
     double candidate_skin = 0;                      ///< m, within which the candidates are complete

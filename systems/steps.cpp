@@ -23,17 +23,18 @@ template <class Pairs> System gather_of(const char* name, LawName law, bool ledg
 } // namespace
 
 StepList steps(LawName law, bool ledger, PatchStiffness patch) {
-    const auto due = lists_are_due;
+    const auto due = lists_are_due, places_due = places_are_due;
     const StepChoices choices{ledger, patch};
     return {
         // rarely: new lists, then everything placed anew
         when(due, system("refresh_pairs", refresh_pairs)),
         when(due, system("prune_pairs", prune_pairs)),
-        when(due, row_local("place_spheres again", place_spheres)),
-        when(due, row_local("place again", place)),
-        when(due, row_local("place_kicks again", place_kicks)),
-        when(due, system("place_planes again", place_planes)),
-        when(due, system("place_facets again", place_facets)),
+        when(places_due, row_local("place_spheres again", place_spheres)),
+        when(places_due, row_local("place again", place)),
+        when(places_due, row_local("place_kicks again", place_kicks)),
+        when(places_due, system("place_planes again", place_planes)),
+        when(places_due, system("place_facets again", place_facets)),
+        when(places_due, system("note_places", note_places)),
         // forces of pairs
         system("share_sphere_patches", share_sphere_patches),
         system("share_plane_patches", share_plane_patches),

@@ -14,6 +14,10 @@ namespace bris {
 /// last prune, or the scene was changed by hand.
 bool lists_are_due(const World& world);
 
+/// True in steps that begin with what contacts read placed anew: with new lists, or velocities changed by hand.
+bool places_are_due(const World& world);
+void note_places(ListState& state);
+
 /// Rarely: orders rows along a Morton curve, finds the candidate pairs within the outer skin, carries
 /// every spring over. The one place where rows change.
 void refresh_pairs(World& world);
@@ -29,6 +33,9 @@ void add_lists(World& world, LawName law, ListSettings settings = {});
 /// Tells the lists that bodies were moved, added or changed by hand: they are made anew before the
 /// next step.
 void invalidate_lists(World& world);
+
+/// Tells that velocities were changed by hand: contacts see them in the next step.
+void show_velocities(World& world);
 
 /// For Simulation::on_restore: nothing that was derived from the old state is left, and bodies know
 /// their spheres.

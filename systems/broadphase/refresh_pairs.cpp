@@ -165,6 +165,10 @@ bool lists_are_due(const World& world) {
     return !(2 * largest <= world.resource<ListSettings>().inner_skin);
 }
 
+bool places_are_due(const World& world) { return world.resource<ListState>().unseen || lists_are_due(world); }
+void note_places(ListState& state) { state.unseen = false; }
+void show_velocities(World& world) { world.resource<ListState>().unseen = true; }
+
 void refresh_pairs(World& world) {
     auto& state = world.resource<ListState>();
     auto& settings = world.resource<ListSettings>();

@@ -80,6 +80,7 @@ struct Tile {
             c.wy = wa[1] - wb[1];
             c.wz = wa[2] - wb[2];
         }
+        if constexpr (!Law::has_history) c.closing = -(u[0] * c.nx + u[1] * c.ny + u[2] * c.nz);
         if constexpr (Law::has_history) {
             const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1],
                        wz = arm_a * wa[2] + arm_b * wb[2];

@@ -34,8 +34,8 @@ public:
         values_[overlap_at][k] = overlap;
         values_[inverse_mass_at][k] = body.inverse_mass;
         values_[radius_at][k] = p.radius;
+        values_[closing_at][k] = -u.dot(normal);
         if constexpr (Law::has_history) {
-            values_[closing_at][k] = -u.dot(normal);
             u -= arm * spin.cross(normal);
             values_[twist_at][k] = 0.5 * (spin + turning).dot(normal);
             put(k, sliding_at, u);
@@ -59,11 +59,11 @@ public:
         const auto lane = [&](std::size_t i) { return *reinterpret_cast<const Lane*>(values_[i].data()); };
         ContactLanes c{lane(normal_at),       lane(normal_at + 1), lane(normal_at + 2), lane(overlap_at),
                        lane(inverse_mass_at), lane(radius_at)};
+        c.closing = lane(closing_at);
         if constexpr (Law::has_history) {
             c.ux = lane(sliding_at);
             c.uy = lane(sliding_at + 1);
             c.uz = lane(sliding_at + 2);
-            c.closing = lane(closing_at);
             c.twist = lane(twist_at);
         }
         if constexpr (Law::has_dashpots) {

@@ -90,6 +90,7 @@ void vibrate(World& world, double speed) {
         velocity[rows[id]] *= scale;
         momentum[rows[id]] *= scale;
     }
+    show_velocities(world);
 }
 
 /// Held sensor rocks sink with the platen: over some steps, to where its height now puts them.
@@ -117,6 +118,7 @@ void TriaxialTest::start_compaction() {
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     for (const EntityId id : specimen.rocks)
         world.column<Bodies, Velocity>()[rows[id]] = speed * random.normal() * random.direction();
+    show_velocities(world);
     state.prepared_porosity = 1;
     state.phase = TriaxialPhase::compact;
     state.phase_steps = 0;

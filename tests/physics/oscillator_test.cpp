@@ -15,7 +15,7 @@ TEST_SUITE("physics/oscillator") {
             const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
             const double mass = of<Mass>(world, ball), omega = std::sqrt(stiffness / mass), dt = omega_dt / omega;
             const double rest = radius - mass * g / stiffness; // 1e-4 m of overlap
-            const double amplitude = 0.5 * mass * g / stiffness;
+            const double amplitude = 0.2 * mass * g / stiffness; // no step could carry it past the surface
             const double omega_num = 2 / dt * std::asin(0.5 * omega_dt);
             of<Position>(world, ball) = Vec3(0, 0, rest + amplitude);
             // x(-dt) = A cos(-w dt): the velocity half a step back is the difference

@@ -4,6 +4,7 @@
 #include "systems/contact/collide.hpp"
 #include "systems/contact/laws/damping.hpp"
 #include "systems/contact/laws/normal.hpp"
+#include "systems/contact/laws/partial_step.hpp"
 #include "systems/contact/laws/rolling.hpp"
 #include "systems/contact/laws/tangential.hpp"
 
@@ -22,14 +23,7 @@ template <class NormalPart, class Damping, class Tangential, class Rolling = NoR
         StiffnessLanes stiffness = Normal::stiffness(c, k);
         if (step.shared) stiffness = {c.share * stiffness.force, c.share * stiffness.normal, c.share * stiffness.shear};
         ForceLanes f{};
-        f.normal = stiffness.force;
-        if constexpr (has_dashpots) {
-            const Lane vn = c.vx * c.nx + c.vy * c.ny + c.vz * c.nz;
-            Lane dashpot = Damping::normal(c, k, stiffness);
-            if constexpr (has_history) dashpot *= share_of_kick(c, spring.stiffness == 0.0, vn, Normal::damping_onset, step.dt);
-            f.normal = max(f.normal - dashpot * vn, lanes(step.least_force));
-            if (step.book) f.work.viscous = step.dt * vn * (stiffness.force - f.normal);
-        }
+        f.normal = normal_force(c, k, step, stiffness, f.work);
         f.x = f.normal * c.nx;
         f.y = f.normal * c.ny;
         f.z = f.normal * c.nz;
@@ -41,6 +35,29 @@ template <class NormalPart, class Damping, class Tangential, class Rolling = NoR
         }
         if constexpr (has_history) Tangential::template force<Normal, Damping>(c, k, step, stiffness, spring, f);
         return f;
+    }
+
+private:
+    static Lane normal_force(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step, const StiffnessLanes& stiffness,
+                             WorkLanes& work) {
+        const PartialStep partial(c, step.dt);
+        Lane elastic = stiffness.force, share = lanes(1);
+        if (partial.any()) {
+            elastic = partial.template elastic<Normal>(c, k, elastic);
+            share = partial.template dashpot<Normal>();
+        }
+        if constexpr (!has_dashpots) return elastic;
+        else {
+            const Lane vn = c.vx * c.nx + c.vy * c.ny + c.vz * c.nz;
+            const Lane dashpot = share * Damping::normal(c, k, stiffness), force = max(elastic - dashpot * vn, lanes(step.least_force));
+            if (step.book) {
+                // the mean velocity of the step is not the predicted one: the force changes meanwhile, or sets in
+                const Lane later = 0.5 * step.dt * c.inverse_mass;
+                const Lane change = -step.dt * (stiffness.normal * vn + dashpot * c.inverse_mass * force);
+                work.viscous = max(step.dt * (vn + later * (partial.begins ? force : change)) * (elastic - force), lanes(0));
+            }
+            return force;
+        }
     }
 };
 

@@ -23,14 +23,4 @@ struct Dashpots {
     }
 };
 
-/// How much of a dashpot's force counts in a step within which the contact begins or ends. The force of a step acts from
-/// half a step before it to half a step after, and a dashpot sets in at once where surfaces meet at a speed: without this,
-/// restitution is of first order in dt. `onset`: mean of the coefficient between meeting and now, over that of now.
-inline Lane share_of_kick(const ContactLanes& c, LaneMask fresh, Lane opening, double onset, double dt) {
-    const Lane came = c.closing * dt, goes = opening * dt;
-    const Lane begin = (fresh & (came > c.overlap)) ? 0.5 + onset * c.overlap / came : lanes(1);
-    const Lane end = goes > c.overlap ? 0.5 + onset * c.overlap / goes : lanes(1);
-    return begin * end;
-}
-
 } // namespace bris

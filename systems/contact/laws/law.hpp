@@ -14,7 +14,7 @@ struct ContactLanes {
     Lane radius{};        ///< m, 1 / (1/r of the owner + 1/r of the partner)
     Lane share = lanes(1);///< of the stiffness of its patch
     Lane ux{}, uy{}, uz{};///< m/s, velocity at the contact point; tangential laws
-    Lane closing{};       ///< m/s, at which the centres approached
+    Lane closing{};       ///< m/s, at which the surfaces approached
     Lane twist{};         ///< rad/s, mean spin about the normal; tangential laws
     Lane vx{}, vy{}, vz{};///< m/s, velocity at the contact point now; laws with dashpots
     Lane wx{}, wy{}, wz{};///< rad/s, relative spin; rolling laws

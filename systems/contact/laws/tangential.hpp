@@ -86,7 +86,7 @@ struct CoulombSpring {
         }
         if (step.book) {
             f.work.friction = sliding_work(stiffness.shear, kept, old, trial, spring);
-            if (varying) f.work.friction += work_of_change(stiffness.shear, kept, old, trial);
+            if (varying) f.work.friction += k.friction > 0.0 ? work_of_change(stiffness.shear, kept, old, trial) : lanes(0);
             if constexpr (Damping::present) f.work.viscous += step.dt * dashpot * (tx * tx + ty * ty + tz * tz);
         }
         f.x += gx;

@@ -92,7 +92,10 @@ TEST_SUITE("procedure/triaxial") {
             while (rest.state().stage < 2) REQUIRE(rest.advance());
             return fingerprint(other.snapshot());
         };
-        for (const Archive& state : saved) CHECK(end_from(state, small_test(2)) == whole);
+        for (std::size_t k = 0; k < saved.size(); ++k) {
+            CAPTURE(k);
+            CHECK(end_from(saved[k], small_test(2)) == whole);
+        }
         // and whatever runs the steps: threads, graph, order, sorting, skins
         const Archive& stage = saved[3];
         for (const unsigned threads : {1u, 2u, 3u, 7u}) CHECK(end_from(stage, small_test(threads, {}, {.grain = 16})) == whole);
