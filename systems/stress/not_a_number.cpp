@@ -70,7 +70,7 @@ void attack(const Tumble& scene, std::size_t place, std::uint64_t draw, Outcome&
 
 StressRows stress_not_a_number(const StressSettings& s) {
     StressRows rows;
-    const unsigned tries = s.full ? 200 : 8;
+    const unsigned tries = s.full ? 100 : 6;
     for (const Grains grains : {Grains::spheres, Grains::clumps})
         for (std::size_t place = 0; place < places.size(); ++place) {
             const Tumble scene{.grains = grains, .bodies = grains == Grains::spheres ? 60u : 20u, .seed = s.seed};
