@@ -147,7 +147,7 @@ StressRows stress_clump_dynamics(const StressSettings& s) {
     rows.push_back(within_tolerance("period of a roly-poly on a smooth floor, s", rocking_period(false, 5e-5, cycles), 2 * pi * std::sqrt(4e-3 / 0.3), 1e-3));
     rows.push_back(within_tolerance("period of a rolling roly-poly, s", rocking_period(true, 2e-5, cycles), 2 * pi * std::sqrt((4e-3 + 0.07 * 0.07) / 0.3), 1e-3));
     add_flips(rows, 0.01, s.full ? 200 : 20);
-    add_ellipsoid(rows, s.full ? 20 : 8);
+    add_ellipsoid(rows, s.full ? 20 : 12);
     add_unions(rows);
     return rows;
 }
