@@ -21,7 +21,7 @@ bool is_known_shortcoming(const StressRow& row) {
 }
 
 void check(std::string_view id, bool full) {
-    const StressRows rows = stress_case(id).run({.full = full});
+    const StressRows rows = run_case(stress_case(id), {.full = full});
     CHECK(!rows.empty());
     std::size_t short_of = 0, known = 0;
     for (const StressRow& row : rows) {
