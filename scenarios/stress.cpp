@@ -52,7 +52,7 @@ void run(const Stress& stress, const Common& common) {
     Summary summary;
     for (const StressCase& c : cases) {
         const auto began = std::chrono::steady_clock::now();
-        const StressRows rows = c.run(settings);
+        const StressRows rows = run_case(c, settings);
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
         fmt::print("\n{} {}: {} of {} rows pass, {:.1f} s\n{}", c.id, c.title, rows.size() - failures(rows), rows.size(), seconds, table_of(rows));
         std::fflush(stdout);

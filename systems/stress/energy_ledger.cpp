@@ -124,9 +124,9 @@ Scan scan(LawName law, const std::vector<double>& frictions, double every, doubl
 }
 
 void add_impacts(StressRows& rows, std::size_t which, const StressSettings& s) {
-    const double every = s.full ? 1 : 10;
+    const double every = s.full ? 3 : 20;
     for (const bool high : {false, true}) {
-        const std::vector<double> frictions = high ? std::vector<double>{3, 10} : std::vector<double>{0, 0.01, 0.1, 0.5, 1};
+        const std::vector<double> frictions = high ? std::vector<double>{3, 10} : s.full ? std::vector<double>{0, 0.01, 0.1, 0.5, 1} : std::vector<double>{0, 0.1, 1};
         const Scan coarse = scan(laws[which], frictions, every, 0.1), fine = scan(laws[which], frictions, every, 0.025);
         const std::string what = fmt::format("{} oblique impacts, friction {}, {}", coarse.count, high ? "3 and 10" : "0 to 1", law_names[which]);
         rows.push_back({"S6", what + ": work taken", "never negative, in any step (rounding: 1e-14 of the energy)",
@@ -139,7 +139,7 @@ void add_impacts(StressRows& rows, std::size_t which, const StressSettings& s) {
 }
 
 /// Grains tumble into a box whose floor rises under them for a while, and come to rest: start and end without power.
-double bed_closure(LawName law, Grains grains, double share, std::uint64_t seed) {
+double bed_closure(LawName law, Grains grains, bool shear_dashpot, double share, std::uint64_t seed) {
     World world = tumbling({.grains = grains, .bodies = grains == Grains::spheres ? 24u : 12u, .seed = seed});
     auto& materials = world.resource<Materials>();
     for (Material& m : materials.list) {
@@ -147,7 +147,7 @@ double bed_closure(LawName law, Grains grains, double share, std::uint64_t seed)
         m = grain(friction);
         m.density = density;
         m.normal_damping = has_dashpots(law) ? 500 : 0;
-        m.shear_damping = m.normal_damping / 2;
+        m.shear_damping = shear_dashpot ? m.normal_damping / 2 : 0;
         m.young_modulus = 1e8;
     }
     materials.mix();
@@ -163,24 +163,26 @@ double bed_closure(LawName law, Grains grains, double share, std::uint64_t seed)
     of<DriveVelocity>(simulation, host) = Vec3(0, 0, 0.2);
     simulation.advance(steps(0.02));
     of<DriveVelocity>(simulation, host).setZero();
-    simulation.advance(steps(0.2));
+    simulation.advance(steps(0.12));
     const Account a = account_of(simulation.world());
     return std::abs(a.total() - start) / (a.taken + std::abs(a.put_in));
 }
 
-void add_bed(StressRows& rows, std::size_t which, Grains grains, const StressSettings& s) {
+void add_bed(StressRows& rows, std::size_t which, Grains grains, bool shear_dashpot, const StressSettings& s) {
     std::array<double, 3> closure{};
-    double share = 0.2;
+    double share = 0.4;
     for (double& c : closure) {
-        const std::uint64_t draws = s.full ? 4 : 1;
-        for (std::uint64_t k = 0; k < draws; ++k) c += bed_closure(laws[which], grains, share, s.seed + k) / static_cast<double>(draws);
+        const std::uint64_t draws = s.full ? 4 : 2;
+        for (std::uint64_t k = 0; k < draws; ++k) c += bed_closure(laws[which], grains, shear_dashpot, share, s.seed + k) / static_cast<double>(draws);
         share /= 2;
     }
     const double order = std::log2(closure[0] / closure[2]) / 2;
-    rows.push_back({"S6", fmt::format("{} tumble to rest on a moving floor, {}", grains == Grains::spheres ? "spheres" : "clumps", law_names[which]),
-                    "closure < 1e-3 at 0.1 of the stable step, order 2 (1.5 and more)",
-                    fmt::format("{:.1e}, {:.1e}, {:.1e} at 0.2, 0.1, 0.05; order {:.2f}", closure[0], closure[1], closure[2], order),
-                    closure[1] < 1e-3 && order > 1.5});
+    rows.push_back({"S6", fmt::format("{} tumble to rest on a moving floor, {}{}", grains == Grains::spheres ? "spheres" : "clumps", law_names[which],
+                                       shear_dashpot ? ", also in shear" : ""),
+                    // runs with other steps soon go other ways: the ratio of 16 between them scatters by a factor of a few
+                    "closure < 1e-3 at 0.1 of the stable step, order 2 (1 to 3)",
+                    fmt::format("{:.1e}, {:.1e}, {:.1e} at 0.4, 0.2, 0.1; order {:.2f}", closure[0], closure[1], closure[2], order),
+                    closure[2] < 1e-3 && order > 1 && order < 3});
 }
 
 } // namespace
@@ -191,8 +193,9 @@ StressRows stress_energy_ledger(const StressSettings& s) {
     for (std::size_t which = 0; which < laws.size(); ++which) {
         // without dashpots only local damping brings rest, and its account wants clumps
         const bool damped = has_dashpots(laws[which]);
-        if (damped) add_bed(rows, which, Grains::spheres, s);
-        if (!damped || s.full) add_bed(rows, which, Grains::clumps, s);
+        if (damped) add_bed(rows, which, Grains::spheres, false, s);
+        if (!damped || s.full) add_bed(rows, which, Grains::clumps, false, s);
+        if (damped && !has_rolling(laws[which])) add_bed(rows, which, Grains::spheres, true, s);
     }
     return rows;
 }

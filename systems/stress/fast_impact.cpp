@@ -131,7 +131,7 @@ StressRows stress_fast_impact(const StressSettings& s) {
     add_impacts(rows);
     for (const bool facet : {false, true}) {
         add_jumping_wall(rows, facet);
-        add_shots(rows, facet, s.full ? 500'000 : 2000, s.seed);
+        add_shots(rows, facet, s.full ? 100'000 : 1000, s.seed);
     }
     return rows;
 }

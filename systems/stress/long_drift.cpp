@@ -72,8 +72,8 @@ void add_bed(StressRows& rows, Grains grains, std::uint64_t steps, std::uint64_t
 
 StressRows stress_long_drift(const StressSettings& s) {
     StressRows rows;
-    add_top(rows, s.full ? 10'000'000 : 1'000'000);
-    for (const Grains grains : {Grains::spheres, Grains::clumps}) add_bed(rows, grains, s.full ? 5'000'000 : 100'000, s.seed);
+    add_top(rows, s.full ? 10'000'000 : 300'000);
+    for (const Grains grains : {Grains::spheres, Grains::clumps}) add_bed(rows, grains, s.full ? 2'000'000 : 40'000, s.seed);
     return rows;
 }
 

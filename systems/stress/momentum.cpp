@@ -12,7 +12,7 @@ using namespace stress;
 
 struct Momentum {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero(); // kg m/s, kg m2/s about the origin
-    double linear_sum = 0, angular_sum = 0;             // of the magnitudes, body by body
+    double linear_sum = 0, angular_sum = 0;             // of |p|, and of |x| |p| and |L|: what rounding is relative to
 };
 
 Momentum momentum_of(const World& world) {
@@ -24,7 +24,7 @@ Momentum momentum_of(const World& world) {
         m.linear += p;
         m.angular += l;
         m.linear_sum += p.norm();
-        m.angular_sum += l.norm();
+        m.angular_sum += bodies.column<Position>()[b].norm() * p.norm() + bodies.column<AngularMomentum>()[b].norm();
     }
     return m;
 }
@@ -51,12 +51,12 @@ StressRows stress_momentum(const StressSettings& s) {
             simulation.advance(steps / 20);
             const Momentum now = momentum_of(simulation.world());
             linear = std::max(linear, (now.linear - before.linear).norm() / before.linear_sum);
-            angular = std::max(angular, (now.angular - before.angular).norm() / before.angular_sum);
+            angular = std::max(angular, (now.angular - before.angular).norm() / now.angular_sum);
         }
         const char* what = grains == Grains::spheres ? "spheres" : "clumps";
         rows.push_back({"S16", fmt::format("{} collide without walls: momentum", what), fmt::format("drift < 1e-12 of the sum of |p| in {} steps", steps),
                         fmt::format("{:.2e}", linear), linear < 1e-12});
-        rows.push_back({"S16", fmt::format("{} collide without walls: angular momentum", what), fmt::format("drift < 1e-12 of the sum of |L| in {} steps", steps),
+        rows.push_back({"S16", fmt::format("{} collide without walls: angular momentum", what), fmt::format("drift < 1e-12 of the sum of |x| |p| and |L| in {} steps", steps),
                         fmt::format("{:.2e}", angular), angular < 1e-12});
     }
     return rows;

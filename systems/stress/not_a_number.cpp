@@ -6,7 +6,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace bris {
@@ -37,10 +39,18 @@ void hit(World& world, std::size_t place, EntityId body, Random& random) {
     }
 }
 
+/// Whether nothing of it is left: a spring whose pair parts in the next step is thrown away unread.
+bool all_finite(const World& world) {
+    const Table& bodies = world.table<Bodies>();
+    for (Row b = 0; b < bodies.size(); ++b)
+        if (!bodies.column<Position>()[b].allFinite() || !bodies.column<Velocity>()[b].allFinite() ||
+            !bodies.column<AngularMomentum>()[b].allFinite())
+            return false;
+    return std::ranges::all_of(world.column<SpherePairs, Spring>(), [](const SpringRow& s) { return std::isfinite(s.x + s.y + s.z); });
+}
+
 struct Outcome {
-    unsigned caught = 0, named = 0, recovered = 0, tries = 0;
-    std::uint64_t latest = 0; // steps from the hit to the stop
-    std::string example;
+    unsigned discarded = 0, caught = 0, named = 0, recovered = 0, tries = 0;
 };
 
 void attack(const Tumble& scene, std::size_t place, std::uint64_t draw, Outcome& o) {
@@ -52,15 +62,13 @@ void attack(const Tumble& scene, std::size_t place, std::uint64_t draw, Outcome&
     const auto expected = fingerprint(simulation.snapshot());
     simulation.restore(good);
     simulation.advance(1); // lists are there when the number turns bad
-    const std::uint64_t begun = simulation.world().resource<Clock>().step;
     const auto body = static_cast<EntityId>(random.bits() % scene.bodies);
     hit(simulation.world(), place, body, random);
     const std::string message = refusal_of([&] { simulation.advance(block); });
     ++o.tries;
+    o.discarded += message.empty() && all_finite(simulation.world()) ? 1u : 0u;
     o.caught += message.empty() ? 0u : 1u;
     o.named += message.find("body") != std::string::npos && message.find("step") != std::string::npos ? 1u : 0u;
-    o.latest = std::max(o.latest, simulation.world().resource<Clock>().step - begun);
-    if (o.example.empty()) o.example = message;
     simulation.restore(good);
     simulation.advance(block);
     o.recovered += fingerprint(simulation.snapshot()) == expected ? 1u : 0u;
@@ -70,16 +78,16 @@ void attack(const Tumble& scene, std::size_t place, std::uint64_t draw, Outcome&
 
 StressRows stress_not_a_number(const StressSettings& s) {
     StressRows rows;
-    const unsigned tries = s.full ? 200 : 8;
+    const unsigned tries = s.full ? 100 : 6;
     for (const Grains grains : {Grains::spheres, Grains::clumps})
         for (std::size_t place = 0; place < places.size(); ++place) {
             const Tumble scene{.grains = grains, .bodies = grains == Grains::spheres ? 60u : 20u, .seed = s.seed};
             Outcome o;
             for (unsigned k = 0; k < tries; ++k) attack(scene, place, k, o);
             const char* what = grains == Grains::spheres ? "spheres" : "clumps";
-            rows.push_back({"S22", fmt::format("{}: NaN in a {}", what, places[place]), fmt::format("caught within {} steps, body named", block),
-                            fmt::format("{} of {} caught, {} named, after {} steps at most", o.caught, o.tries, o.named, o.latest),
-                            o.caught == tries && o.named == tries});
+            rows.push_back({"S22", fmt::format("{}: NaN in a {}", what, places[place]), fmt::format("caught within {} steps, body named; or gone with its contact", block),
+                            fmt::format("{} of {} caught, {} named, {} gone", o.caught, o.tries, o.named, o.discarded),
+                            o.caught + o.discarded == tries && o.named == o.caught && o.caught > 0});
             rows.push_back({"S22", fmt::format("{}: going on from the snapshot before it", what), "same hash as if nothing had been",
                             fmt::format("{} of {}", o.recovered, o.tries), o.recovered == tries});
         }

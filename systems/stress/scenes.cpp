@@ -105,7 +105,7 @@ Simulation bed_at_rest(const Tumble& t, double ratio, double ks_ratio) {
     materials.mix();
     world.add_resource(LocalDamping{0.7});
     Simulation simulation = begin(std::move(world), {.dt = 2e-5 * t.units.time, .law = LawName::linear});
-    find_equilibrium(simulation, {.ratio = ratio});
+    find_equilibrium(simulation, {.ratio = ratio, .longest = 200'000});
     return simulation;
 }
 

@@ -92,12 +92,13 @@ struct Watch {
     }
 };
 
-Watch watch(Simulation& simulation, std::uint64_t steps) {
+/// Looks at the walls every so many steps.
+Watch watch(Simulation& simulation, std::uint64_t steps, std::uint64_t every = 1) {
     Watch w;
     const World& world = simulation.world();
     try {
-        for (std::uint64_t k = 0; k < steps; ++k) {
-            simulation.advance(1);
+        for (std::uint64_t k = 0; k < steps; k += every) {
+            simulation.advance(every);
             const auto& membrane = world.resource<Membrane>();
             const auto& platen = world.resource<Platen>();
             const double dt = world.resource<Clock>().dt;
@@ -191,12 +192,12 @@ void add_loaded(StressRows& rows, double wall_damping, std::uint64_t steps) {
 
 /// Stiffer grains let the walls take shorter steps, so the same way takes more of them.
 void add_stiffnesses(StressRows& rows, double stiffest, std::uint64_t all_steps) {
-    for (const double stiffness : {1e3, 1e4, 1e6, 1e7, 1e8, 1e9, 1e10}) {
+    for (const double stiffness : {1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10}) {
         if (stiffness > stiffest) continue;
         const auto steps = static_cast<std::uint64_t>(static_cast<double>(all_steps) * std::max(1.0, std::sqrt(stiffness / 1e5)));
         const Tube t{.stiffness = stiffness, .pressure = stiffness < 1e5 ? 1e4 * stiffness / 1e5 : 1e4};
         Simulation simulation = make_tube(t);
-        const Watch w = watch(simulation, steps);
+        const Watch w = watch(simulation, steps, 50); // millions of steps of the stiffest
         const std::string what = fmt::format("stiffness {:.0e} N/m", stiffness);
         add_walls(rows, what, w);
         add_settled(rows, what, w, t.pressure);
@@ -207,11 +208,11 @@ void add_stiffnesses(StressRows& rows, double stiffest, std::uint64_t all_steps)
 
 StressRows stress_servo(const StressSettings& s) {
     StressRows rows;
-    const std::uint64_t steps = s.full ? 40'000 : 20'000;
+    const std::uint64_t steps = s.full ? 40'000 : 15'000;
     add_gas_and_few(rows, steps);
     add_loaded(rows, 0.7, steps);
-    add_loaded(rows, 0.9, steps);
-    add_stiffnesses(rows, s.full ? 1e10 : 1e7, 20'000);
+    if (s.full) add_loaded(rows, 0.9, steps);
+    add_stiffnesses(rows, s.full ? 1e10 : 1e5, 20'000);
     return rows;
 }
 

@@ -44,6 +44,14 @@ const StressCase& stress_case(std::string_view id) {
     return *found;
 }
 
+StressRows run_case(const StressCase& which, const StressSettings& settings) {
+    try {
+        return which.run(settings);
+    } catch (const SimulationError& error) {
+        return {{std::string(which.id), "the case", "comes to its end", error.what(), false}};
+    }
+}
+
 std::string table_of(const StressRows& rows) {
     std::array<std::size_t, 3> width{};
     for (const StressRow& r : rows) {

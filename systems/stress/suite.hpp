@@ -36,6 +36,9 @@ std::span<const StressCase> stress_cases();
 /// The case of an id. Throws InputError with the ids there are.
 const StressCase& stress_case(std::string_view id);
 
+/// Runs a case. Where a scene of it stops that should not, that is a row that fails.
+StressRows run_case(const StressCase& which, const StressSettings& settings);
+
 /// Aligned columns, a line per row.
 std::string table_of(const StressRows& rows);
 

@@ -111,6 +111,35 @@ TEST_SUITE("guard") {
         CHECK(sim.world().resource<Clock>().step < 510);
     }
 
+    TEST_CASE("a spin that is not a number stops a single sphere's run before it touches anything") {
+        Simulation sim = five(Grains::spheres, false);
+        sim.advance(10);
+        of<AngularMomentum>(sim, 1).z() = not_a_number;
+        const std::string text = message_of(sim, 100);
+        CAPTURE(text);
+        CHECK(has(text, "body 1"));
+        CHECK(has(text, "step 11"));
+    }
+
+    TEST_CASE("a body that goes farther in a step than a surface may go unseen stops the run") {
+        // a quarter of 0.01 m in 1e-5 s: 250 m/s
+        Simulation sim = five(Grains::spheres, false, [](World& w) { of<Velocity>(w, 4) = Vec3(0, 260, 0); });
+        const std::string text = message_of(sim, 100);
+        CAPTURE(text);
+        CHECK(has(text, "body 4"));
+        CHECK(has(text, "a way up to 0.0025 m in a step, found 0.0026 m"));
+        Simulation slower = five(Grains::spheres, false, [](World& w) { of<Velocity>(w, 4) = Vec3(0, 240, 0); });
+        CHECK(message_of(slower, 3) == "no error");
+    }
+
+    TEST_CASE("a wall that goes farther in a step than its smallest grain allows stops the run") {
+        Simulation sim = five(Grains::spheres, true, [](World& w) {
+            of<MotionOf>(w, 5) = static_cast<std::uint32_t>(Motion::prescribed);
+            of<DriveVelocity>(w, 5) = Vec3(260, 0, 0);
+        });
+        CHECK(has(message_of(sim, 100), "body 5"));
+    }
+
     TEST_CASE("two spheres too deep in each other are named") {
         Simulation sim = five(Grains::spheres, false, [](World& w) { of<Position>(w, 2) = of<Position>(w, 1) + Vec3(0.0, 0, 0.016); });
         const std::string text = message_of(sim, 100);
