@@ -136,13 +136,13 @@ Outcome run(const Settings& settings, std::uint64_t seed) {
 
 Scene packing() {
     Scene s{"S4", fmt::format("packing of {} spheres under their weight", spheres),
-            {{"step", "0.05"}, {"skin", "tuned"}, {"stiffness", "1e5"}, {"law", "linear_viscous"}, {"damping", "0.3"},
+            {{"step", "0.05"}, {"skin", "tuned"}, {"stiffness", "3e4"}, {"law", "linear_viscous"}, {"damping", "0.3"},
              {"restitution", "0.3"}, {"shear_ratio", "0.8"}, {"rest", "1e-3"}},
             {}, {}, run, "packing"};
     s.kinds = {{"solid_fraction", 0.002}, {"coordination", 0.05}, {"floor_force", 1e-3, false, true}, {"unbalanced", 1e-3, false, true}};
     s.knobs = {{"step", "step", {"0.1", "0.05", "0.02", "0.01"}, {}, {{"step", "0.01"}}},
                {"unbalanced ratio", "rest", {"0.1", "1e-2", "1e-3", "1e-4", "1e-5"}, {}, {{"rest", "1e-5"}}},
-               {"stiffness (N/m)", "stiffness", {"1e4", "3e4", "1e5", "3e5", "1e6"}, {}, {{"stiffness", "1e6"}}},
+               {"stiffness (N/m)", "stiffness", {"3e3", "1e4", "3e4", "1e5", "3e5"}, {}, {{"stiffness", "3e5"}}},
                {"ks/kn", "shear_ratio", {"0.2", "0.5", "0.8", "1"}, {}, {{"shear_ratio", "0.8"}}},
                {"law", "law", {"linear_viscous", "hertz_mindlin_viscous"}, {}, {{"law", "hertz_mindlin_viscous"}}},
                {"local damping", "damping", {"0", "0.1", "0.3", "0.7"}, {}, {{"damping", "0"}}},

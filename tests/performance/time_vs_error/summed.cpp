@@ -173,6 +173,7 @@ void print_summed(const Scene& scene, const std::vector<Summed>& all) {
 void print_recommendation(const Scene& scene, const std::vector<Summed>& all) {
     fmt::print("{}: cheapest value that meets a tolerance (10 times, once, a tenth; \"?\": too few seeds to say, \"-\": none)\n", scene.name);
     for (const Knob& knob : scene.knobs) {
+        if (std::none_of(all.begin(), all.end(), [&](const Summed& x) { return x.knob == knob.label; })) continue;
         if (knob.exact) {
             fmt::print("  {:30} every value gives the same bits: the quickest\n", knob.label);
             continue;
@@ -187,7 +188,10 @@ void print_recommendation(const Scene& scene, const std::vector<Summed>& all) {
 void draw(const std::filesystem::path& png, const Scene& scene, const std::vector<Summed>& all) {
     std::vector<Plot> panels;
     for (const Kind& kind : scene.kinds)
-        for (const bool steps : {false, true}) panels.push_back(panel(scene, kind, all, steps));
+        for (const bool steps : {false, true}) {
+            Plot plot = panel(scene, kind, all, steps);
+            if (!plot.curves.empty()) panels.push_back(std::move(plot));
+        }
     draw_plots(png, panels, 2);
 }
 

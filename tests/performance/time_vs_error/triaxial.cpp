@@ -50,6 +50,7 @@ std::filesystem::path library_folder(const std::filesystem::path& work, const st
         return folder;
     }
     LibrarySettings settings;
+    settings.fill.restarts = 2; // of four, the usual number: made in half the time
     settings.fill.fit.spheres = static_cast<std::size_t>(std::stoul(library));
     settings.cube = false;
     settings.out = folder;
@@ -165,14 +166,13 @@ void set_stiffness(World& world, const Settings& settings, const TriaxialSetting
     invalidate_lists(world);
 }
 
-/// The value of a curve at a strain, between its points on straight lines; unknown beyond its end.
-double at_strain(const std::vector<TriaxialPoint>& points, double strain, double TriaxialPoint::*value) {
-    for (std::size_t k = 1; k < points.size(); ++k) {
-        const TriaxialPoint &a = points[k - 1], &b = points[k];
-        if (b.axial_strain < strain - 1e-9) continue;
-        return a.*value + (strain - a.axial_strain) / (b.axial_strain - a.axial_strain) * (b.*value - a.*value);
-    }
-    return unknown;
+/// Mean of a curve from a quarter percent of strain before `strain` to as much beyond it: single points of a small
+/// specimen jump as force chains break.
+double around(const std::vector<TriaxialPoint>& points, double strain, double TriaxialPoint::*value) {
+    double sum = 0, count = 0;
+    for (const TriaxialPoint& p : points)
+        if (std::abs(p.axial_strain - strain) < 0.0025 + 1e-9) sum += p.*value, ++count;
+    return count > 0 ? sum / count : unknown;
 }
 
 Outcome Bench::run(const Settings& settings, std::uint64_t seed) {
@@ -192,8 +192,8 @@ Outcome Bench::run(const Settings& settings, std::uint64_t seed) {
     const TriaxialProperties p = properties_of(points, pressure);
     outcome.steps = world.resource<Clock>().step - first;
     outcome.contacts = static_cast<double>(measure(world).contacts);
-    outcome.measured = {{at_strain(points, 0.01, &TriaxialPoint::deviatoric_stress)}, {at_strain(points, 0.02, &TriaxialPoint::deviatoric_stress)},
-                        {p.initial_modulus},  {p.secant_modulus}, {at_strain(points, 0.02, &TriaxialPoint::volumetric_strain)},
+    outcome.measured = {{around(points, 0.01, &TriaxialPoint::deviatoric_stress)}, {around(points, 0.02, &TriaxialPoint::deviatoric_stress)},
+                        {p.initial_modulus},  {p.secant_modulus}, {around(points, 0.02, &TriaxialPoint::volumetric_strain)},
                         {p.energy_mismatch, 0}};
     outcome.fingerprint = hexadecimal(fingerprint(simulation.snapshot()));
     outcome.note = fmt::format("core porosity {:.4f}, inertial number {:.1e}, stress mismatch {:.1e}", test.state().core_porosity,
