@@ -3,7 +3,7 @@
 #include "tests/performance/time_vs_error/scene.hpp"
 
 #include "components/settings.hpp"
-#include "engine/errors.hpp"
+#include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/sphere_bed.hpp"
@@ -87,7 +87,7 @@ Simulation make_bed(const Settings& settings, std::uint64_t seed, double& contac
 double solid_fraction(const World& world, double width) {
     const Table& bodies = world.table<Bodies>();
     double mass = 0, moment = 0, volume = 0;
-    for (Row b = 0; b < bodies.size(); ++b) {
+    for (const Row b : rows_by_id(bodies.column<BodyId>())) { // the sum must not depend on the rows
         const double m = bodies.column<Mass>()[b];
         mass += m;
         moment += m * bodies.column<Position>()[b].z();

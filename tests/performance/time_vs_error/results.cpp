@@ -91,13 +91,20 @@ double error_of(const Kind& kind, double measured, double reference) {
 
 } // namespace
 
+void stamp(Outcome& outcome) {
+    outcome.compiler = compiler();
+    outcome.machine = machine();
+    outcome.load = load();
+}
+
 Results::Results(std::filesystem::path csv) : csv_(std::move(csv)) {
     if (!std::filesystem::exists(csv_)) return;
     std::istringstream in(read_whole(csv_));
     std::string text;
     std::getline(in, text);
     require(text == header, fmt::format("{}:1: expected the columns '{}', found '{}'", csv_.string(), header, text));
-    for (int number = 2; std::getline(in, text); ++number) lines_.push_back(read_line(text, fmt::format("{}:{}", csv_.string(), number)));
+    for (int number = 2; std::getline(in, text); ++number)
+        lines_.push_back(read_line(text, fmt::format("{}:{}", csv_.string(), number)));
 }
 
 bool Results::has(const Scene& scene, const std::string& knob, const std::string& value, std::uint64_t seed) const {
@@ -121,6 +128,9 @@ std::optional<Outcome> Results::outcome(const Scene& scene, const Settings& sett
         found.contacts = line->contacts;
         found.fingerprint = line->fingerprint;
         found.note = line->note;
+        found.compiler = line->compiler;
+        found.machine = line->machine;
+        found.load = line->load;
         found.measured.push_back({line->measured, kind.exact ? line->reference : unknown});
     }
     return found;
@@ -128,15 +138,18 @@ std::optional<Outcome> Results::outcome(const Scene& scene, const Settings& sett
 
 void Results::add(const Scene& scene, const Knob& knob, const std::string& value, const Settings& settings, std::uint64_t seed,
                   const Outcome& outcome, const std::optional<Outcome>& reference) {
-    std::erase_if(lines_, [&](const Line& l) { return l.scene == scene.name && l.knob == knob.label && l.value == value && l.seed == seed; });
+    std::erase_if(lines_, [&](const Line& l) {
+        return l.scene == scene.name && l.knob == knob.label && l.value == value && l.seed == seed;
+    });
     for (std::size_t k = 0; k < scene.kinds.size(); ++k) {
         const Kind& kind = scene.kinds[k];
         const Measured m = k < outcome.measured.size() ? outcome.measured[k] : Measured{};
-        const double against = kind.exact ? m.reference : reference && k < reference->measured.size() ? reference->measured[k].value : unknown;
+        const bool known = reference && k < reference->measured.size();
+        const double against = kind.exact ? m.reference : known ? reference->measured[k].value : unknown;
         lines_.push_back({.scene = scene.name, .knob = knob.label, .value = value, .kind = kind.name, .settings = settings.text(), .seed = seed,
                           .wall_time = outcome.wall_time, .steps = outcome.steps, .contacts = outcome.contacts, .measured = m.value,
                           .reference = against, .error = error_of(kind, m.value, against), .fingerprint = outcome.fingerprint,
-                          .compiler = compiler(), .machine = machine(), .load = load(), .note = outcome.note});
+                          .compiler = outcome.compiler, .machine = outcome.machine, .load = outcome.load, .note = outcome.note});
     }
     std::string text = std::string(header) + "\n";
     for (const Line& line : lines_) text += text_of(line);

@@ -18,6 +18,9 @@ struct Line {
     std::string fingerprint, compiler, machine, load, note;
 };
 
+/// Notes compiler, machine and its load now.
+void stamp(Outcome& outcome);
+
 /// All lines of the CSV, on disk after every run. A run whose lines are there is not done again.
 class Results {
 public:

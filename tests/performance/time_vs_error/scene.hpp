@@ -59,6 +59,7 @@ struct Outcome {
     std::string fingerprint;
     std::vector<Measured> measured = {}; ///< one for each kind of the scene
     std::string note = {};            ///< why a run failed, or what else it says
+    std::string compiler = {}, machine = {}, load = {}; ///< of the wall time
 };
 
 /// A scene of section 6 of the accuracy reference: what is varied, how it is judged, how it is run.

@@ -63,8 +63,11 @@ Summed sum_up(const Scene& scene, const Knob& knob, const std::string& value, co
     const Settings base = scene.standard.with(knob.with);
     Settings mine = base;
     mine.set(knob.name, value);
-    s.is_reference = !knob.exact && mine.text() == base.with(knob.reference).text();
-    if (errors.empty()) return s.verdict = "failed", s;
+    s.is_reference = !knob.exact && !kind.exact && mine.text() == base.with(knob.reference).text();
+    if (errors.empty()) {
+        s.verdict = "failed";
+        return s;
+    }
     const auto n = static_cast<double>(errors.size());
     s.bias = s.worst = 0;
     for (const double e : errors) {
@@ -115,7 +118,7 @@ Plot panel(const Scene& scene, const Kind& kind, const std::vector<Summed>& all,
         Curve line{.label = knob.label, .style = number++ < 7 ? Curve::Style::line : Curve::Style::dashed};
         for (const std::string& value : knob.values) {
             const Summed* s = find(all, knob, value, kind);
-            if (!s || s->seeds == 0 || (s->is_reference && !kind.exact)) continue;
+            if (!s || s->seeds == 0 || s->is_reference) continue;
             line.x.push_back(drawn_error(*s, kind)); // exact zeros are not on a logarithmic axis
             line.y.push_back(steps ? s->steps : s->wall_time);
         }
@@ -141,11 +144,11 @@ std::vector<Summed> sum_up(const Scene& scene, const std::vector<Line>& lines) {
 }
 
 void write_summed(const std::filesystem::path& csv, const std::vector<Summed>& all) {
-    std::string text = "scene,knob,value,error_kind,seeds,failed,wall_time_s,steps,contacts,bias,standard_error,half_interval_95,worst,tolerance,verdict\n";
+    std::string text = "scene,knob,value,error_kind,seeds,failed,wall_time_s,steps,contacts,bias,standard_error,half_interval_95,worst,"
+                       "tolerance,verdict\n";
     for (const Summed& s : all)
         text += fmt::format("{},\"{}\",\"{}\",{},{},{},{:.4g},{:.6g},{:.6g},{:.4g},{:.3g},{:.3g},{:.3g},{:g},{}\n", s.scene, s.knob, s.value, s.kind,
-                            s.seeds, s.failed, s.wall_time, s.steps, s.contacts, s.bias, s.standard_error, s.half_interval, s.worst, s.tolerance,
-                            s.is_reference && s.verdict != "failed" ? "reference" : s.verdict);
+                            s.seeds, s.failed, s.wall_time, s.steps, s.contacts, s.bias, s.standard_error, s.half_interval, s.worst, s.tolerance, s.verdict);
     write_whole(csv, text);
 }
 
@@ -171,7 +174,9 @@ void print_summed(const Scene& scene, const std::vector<Summed>& all) {
 }
 
 void print_recommendation(const Scene& scene, const std::vector<Summed>& all) {
-    fmt::print("{}: cheapest value that meets a tolerance (10 times, once, a tenth; \"?\": too few seeds to say, \"-\": none)\n", scene.name);
+    fmt::print("{}: cheapest value that meets a tolerance (10 times, once, a tenth; \"?\": too few seeds to say, \"-\": none but the "
+               "reference)\n",
+               scene.name);
     for (const Knob& knob : scene.knobs) {
         if (std::none_of(all.begin(), all.end(), [&](const Summed& x) { return x.knob == knob.label; })) continue;
         if (knob.exact) {

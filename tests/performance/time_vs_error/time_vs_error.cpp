@@ -7,8 +7,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
+#include <set>
 
 namespace bris::time_vs_error {
 
@@ -72,7 +74,8 @@ public:
 private:
     bool wanted(const Knob& knob) const {
         const auto names = split(campaign_.knobs, ';');
-        return names.empty() || std::any_of(names.begin(), names.end(), [&](const std::string& n) { return knob.label.starts_with(n); });
+        const auto named = [&](const std::string& name) { return knob.label.starts_with(name); };
+        return names.empty() || std::any_of(names.begin(), names.end(), named);
     }
 
     bool run(const Scene& scene, const Knob& knob, std::uint64_t seed) {
@@ -80,10 +83,18 @@ private:
         std::optional<Outcome> reference;
         const bool needed = knob.exact || std::any_of(scene.kinds.begin(), scene.kinds.end(), [](const Kind& k) { return !k.exact; });
         if (needed && !(reference = obtain(scene, base.with(knob.reference), seed))) return false;
-        for (const std::string& value : knob.values) {
-            if (results_.has(scene, knob.label, value, seed)) continue;
+        const auto settings_at = [&](const std::string& value) {
             Settings settings = base;
             settings.set(knob.name, value);
+            return settings;
+        };
+        std::vector<std::string> values = knob.values; // the reference first: it has been run, and is to be kept
+        std::stable_partition(values.begin(), values.end(), [&](const std::string& value) {
+            return settings_at(value).text() == base.with(knob.reference).text();
+        });
+        for (const std::string& value : values) {
+            if (results_.has(scene, knob.label, value, seed)) continue;
+            const Settings settings = settings_at(value);
             const auto outcome = obtain(scene, settings, seed);
             if (!outcome) return false;
             results_.add(scene, knob, value, settings, seed, *outcome, reference);
@@ -108,6 +119,7 @@ private:
             outcome = {};
             outcome.note = error.what();
         }
+        stamp(outcome);
         fmt::print("{} seed {} {}: {:.3g} s, {} steps; {}\n", scene.name, seed, settings.text(), outcome.wall_time, outcome.steps, outcome.note);
         std::fflush(stdout);
         return done_[key] = outcome;
@@ -138,6 +150,9 @@ void run(const Campaign& campaign) {
         std::filesystem::create_directories(campaign.plots);
         draw(campaign.plots / fmt::format("time_vs_error_{}.png", scene.name), scene, all);
     }
+    std::set<std::string> machines;
+    for (const Line& line : running.results().lines()) machines.insert(line.machine + ", " + line.compiler);
+    if (machines.size() > 1) fmt::print("\nwall times of {} kinds of machine or compiler are mixed in these rows\n", machines.size());
     auto summary = campaign.out;
     write_summed(summary.replace_extension().string() + "_summary.csv", everything);
     fmt::print("\n{}; rows in {}\n", complete ? "complete" : "time is over: call again to go on", campaign.out.string());

@@ -220,8 +220,8 @@ Scene triaxial(const std::string& work) {
                {"mass scaling (safety)", "mass_scaling", {"0.9", "0.7", "0.5", "off"}, {}, {{"mass_scaling", "off"}}},
                {"local damping", "damping", {"0.1", "0.3", "0.7"}, {}, {{"damping", "0.1"}}},
                {"skin (rock sizes)", "skin", {"tuned", "0.01", "0.05"}, {}, {}, true},
-               {"spheres, each its stiffness", "library", counts, {{"patch", "per_sphere"}}, {{"library", "60"}, {"patch", "shared"}}},
-               {"spheres, patches shared", "library", counts, {{"patch", "shared"}}, {{"library", "60"}, {"patch", "shared"}}}};
+               {"spheres, patches shared", "library", counts, {{"patch", "shared"}}, {{"library", "60"}, {"patch", "shared"}}},
+               {"spheres, each its stiffness", "library", counts, {{"patch", "per_sphere"}}, {{"library", "60"}, {"patch", "shared"}}}};
     const auto bench = std::make_shared<Bench>(work);
     s.run = [bench](const Settings& settings, std::uint64_t seed) { return bench->run(settings, seed); };
     return s;
