@@ -66,6 +66,7 @@ struct Triaxial {
         option("damping", test.damping, "", "local damping", within(0, 0.95));
         option.group("numerics");
         option("safety", test.safety, "", "of the stable step in mass scaling", within(0.05, 1));
+        option("mass_scaling", test.mass_scaling, "", "scaled masses from consolidation on, else true ones");
         option("move_steps", test.move_steps, "", "over which the platen moves in a stage", at_least(1));
         option("frame_stages", frame_stages, "", "stages between frames of the run file", at_least(1));
     }
@@ -152,7 +153,7 @@ constexpr auto specimen_file = "specimen.ckpt.h5", test_file = "triaxial.ckpt.h5
 /// Settings that do not matter yet while a specimen is made: one specimen serves for many tests.
 const std::initializer_list<std::string_view> of_the_test_alone{
     "confining_pressure_Pa", "stage_strain", "final_axial_strain", "tolerance", "pressure_tolerance",
-    "friction", "gravity", "move_steps", "frame_stages"};
+    "friction", "gravity", "move_steps", "mass_scaling", "frame_stages"};
 
 /// What the tests of a run share.
 struct Shared {

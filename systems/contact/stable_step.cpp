@@ -17,30 +17,27 @@ namespace {
 
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
 
-/// What one contact opposes to motion: tangent stiffnesses and dashpots.
-struct Stiffness {
-    double normal, shear, rolling, normal_damping, shear_damping;
-    Stiffness times(double s) const { return {s * normal, s * shear, s * rolling, s * normal_damping, s * shear_damping}; }
+using Mat6 = Eigen::Matrix<double, 6, 6>;
+
+/// A touching contact as one of its bodies has it.
+struct Touch {
+    double normal, shear, rolling;       ///< tangent stiffnesses, N/m, N m/rad
+    double normal_damping, shear_damping; ///< N s/m
+    Vec3 arm, direction;                 ///< from the body's centre of mass to the point; of the normal
+    bool between_free_bodies;
 };
 
-void add(BodyStiffness& sum, const Stiffness& k, const Vec3& arm, const Vec3& normal) {
-    const double across = arm.cross(normal).squaredNorm(), along = arm.squaredNorm();
-    sum.translation += std::max(k.normal, k.shear);
-    sum.rotation += k.normal * across + k.shear * along + k.rolling;
-    sum.damping += std::max(k.normal_damping, k.shear_damping);
-    sum.rotation_damping += k.normal_damping * across + k.shear_damping * along;
-}
-
-Stiffness stiffness_of(LawName name, const LawRow& law, const Elasticity& e, double inverse_mass, double rolling_ratio, double radius) {
-    Stiffness k{e.normal, e.shear, has_rolling(name) ? rolling_ratio * e.shear * radius * radius : 0, 0, 0};
-    if (!has_dashpots(name) || !(inverse_mass > 0)) return k;
+Touch touch_of(LawName name, const LawRow& law, const Elasticity& e, double inverse_mass, double rolling_ratio, double radius) {
+    Touch t{e.normal, e.shear, has_rolling(name) ? rolling_ratio * e.shear * radius * radius : 0, 0, 0, Vec3::Zero(), Vec3::UnitZ(), false};
+    if (!has_dashpots(name) || !(inverse_mass > 0)) return t;
     const double mass = 1 / inverse_mass;
-    k.normal_damping = law.normal_rate * mass + law.normal_ratio * std::sqrt(e.normal * mass);
-    k.shear_damping = law.shear_rate * mass + law.shear_ratio * std::sqrt(e.shear * mass);
-    return k;
+    t.normal_damping = law.normal_rate * mass + law.normal_ratio * std::sqrt(e.normal * mass);
+    t.shear_damping = law.shear_rate * mass + law.shear_ratio * std::sqrt(e.shear * mass);
+    return t;
 }
 
-template <class Pairs> void add_pairs(const World& world, std::vector<BodyStiffness>& all) {
+/// Calls visit(body, touch) for the contacts of every body, in the order of the force sums: the same bits always.
+template <class Pairs, class Visit> void visit_touches(const World& world, Visit&& visit) {
     if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
     if (index.size() == 0) return; // nothing is near, or no step has been taken
@@ -54,30 +51,71 @@ template <class Pairs> void add_pairs(const World& world, std::vector<BodyStiffn
     const auto body = world.column<Listed, ListedBody>();
     const LawName law = world.resource<ContactLaw>().law;
     const auto& materials = world.resource<Materials>();
-    const auto inverse_mass = [&](Row b) { return motion[b] == free_motion ? 1 / mass[b] : 0; };
-    const double rolling = materials.policy.rolling_stiffness_ratio;
     const Table& near = world.table<typename Pairs::Near>();
     const double* share = near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
-    // body by body: each adds its own contacts in the order of the force sums, the same bits always
-    const auto add_one = [&](Row b, Row k) {
-        const Vec3 point(force[k].px, force[k].py, force[k].pz);
-        // the contact point lies on the normal through the centre of the owner's sphere
-        const PlaceRow& p = place[entry[k].owner];
-        const PairPlaces& pair = rows[entry[k].pair];
-        const double radius = effective_radius<Pairs>(entry[k], place);
-        const LawRow& row = materials.pairs(law)[pair.law];
-        const double inverse = inverse_mass(body[entry[k].owner]) + inverse_mass(pair.partner_body);
-        Stiffness k_of = stiffness_of(law, row, elasticity(row, is_hertz(law), force[k].overlap, radius), inverse, rolling, radius);
-        if (share != nullptr) k_of = k_of.times(share[k]);
-        add(all[b], k_of, point - position[b], (Vec3(p.x, p.y, p.z) - point).normalized());
-    };
-    for (Row b = 0; b < all.size(); ++b)
-        index.for_contacts_of(b, [&](Row k, bool) { add_one(b, k); });
+    const auto inverse_mass = [&](Row b) { return motion[b] == free_motion ? 1 / mass[b] : 0; };
+    for (Row b = 0; b < position.size(); ++b)
+        index.for_contacts_of(b, [&](Row k, bool) {
+            const PairPlaces& pair = rows[entry[k].pair];
+            const PlaceRow& p = place[entry[k].owner];
+            const Row owner = body[entry[k].owner];
+            const Vec3 point(force[k].px, force[k].py, force[k].pz);
+            const double radius = effective_radius<Pairs>(entry[k], place);
+            const LawRow& row = materials.pairs(law)[pair.law];
+            Elasticity e = elasticity(row, is_hertz(law), force[k].overlap, radius);
+            if (share != nullptr) e = {share[k] * e.normal, share[k] * e.shear, share[k] * e.energy};
+            Touch t = touch_of(law, row, e, inverse_mass(owner) + inverse_mass(pair.partner_body), materials.policy.rolling_stiffness_ratio, radius);
+            t.arm = point - position[b];
+            // the contact point lies on the normal through the centre of the owner's sphere
+            t.direction = (Vec3(p.x, p.y, p.z) - point).normalized();
+            t.between_free_bodies = motion[owner] == free_motion && motion[pair.partner_body] == free_motion;
+            visit(b, t);
+        });
+}
+
+/// What a contact opposes to translation and rotation of its body.
+Mat6 block(const Touch& t, double normal, double shear, double rolling) {
+    const Mat3 along = t.direction * t.direction.transpose(), contact = normal * along + shear * (Mat3::Identity() - along);
+    Mat3 cross; // arm x
+    cross << 0, -t.arm.z(), t.arm.y(), t.arm.z(), 0, -t.arm.x(), -t.arm.y(), t.arm.x(), 0;
+    Eigen::Matrix<double, 3, 6> motion; // of the contact point: v - arm x w
+    motion << Mat3::Identity(), -cross;
+    Mat6 sum = motion.transpose() * contact * motion;
+    sum.bottomRightCorner<3, 3>() += rolling * Mat3::Identity();
+    return sum;
+}
+
+/// Of a positive matrix: the norm of a high power, at most 0.05 % too large.
+double largest_eigenvalue(Mat6 m) {
+    double log_scale = 0;
+    constexpr int squarings = 12; // 6^(1/4096) = 1.0004
+    for (int k = 0; k < squarings; ++k) {
+        const double norm = m.norm();
+        if (!(norm > 0)) return 0;
+        m /= norm;
+        log_scale = 2 * (log_scale + std::log(norm));
+        m = (m * m).eval();
+    }
+    return std::exp((log_scale + std::log(m.norm())) / (1 << squarings));
+}
+
+/// Root of the inverse masses of a body: a block between two of them has squares of frequencies as eigenvalues.
+Mat6 inverse_root(const Table& bodies, Row b) {
+    Mat6 root = Mat6::Zero();
+    root.topLeftCorner<3, 3>() = Mat3::Identity() / std::sqrt(bodies.column<InertialMass>()[b]);
+    if (bodies.has<SphereInertia>()) {
+        root.bottomRightCorner<3, 3>() = Mat3::Identity() / std::sqrt(bodies.column<SphereInertia>()[b]);
+    } else {
+        const Mat3 axes = bodies.column<Orientation>()[b].toRotationMatrix();
+        root.bottomRightCorner<3, 3>() = axes * bodies.column<InertialInertia>()[b].cwiseSqrt().cwiseInverse().asDiagonal() * axes.transpose();
+    }
+    return root;
 }
 
 /// 2/omega of a damped mode, s: central differences with the dashpot's velocity predicted from the step before.
 double limit(double omega2, double rate) {
-    return omega2 > 0 ? 2 * (std::sqrt(omega2 + 0.25 * rate * rate) - 0.5 * rate) / omega2 : std::numeric_limits<double>::infinity();
+    constexpr double margin = 0.999; // at 2/omega itself a mode grows, if slowly
+    return omega2 > 0 ? margin * 2 * (std::sqrt(omega2 + 0.25 * rate * rate) - 0.5 * rate) / omega2 : std::numeric_limits<double>::infinity();
 }
 
 /// Overlap of a body that hits another like it at `speed`, m (Hertz), or half a percent of its radius where that is
@@ -87,64 +125,67 @@ double impact_overlap(const LawRow& k, double mass, double radius, double speed)
     return std::max(0.005 * radius, std::pow(5 * mass * speed * speed / (4 * coefficient), 0.4));
 }
 
-/// Least principal moment, by row; scaled (inertial) or true.
-std::vector<double> least_inertia(const World& world, bool inertial) {
-    const Table& bodies = world.table<Bodies>();
-    std::vector<double> least(bodies.size());
-    if (bodies.has<SphereInertia>()) {
-        const auto inertia = bodies.column<SphereInertia>();
-        std::copy(inertia.begin(), inertia.end(), least.begin());
-        return least;
-    }
-    const auto inertia = inertial ? bodies.column<InertialInertia>() : bodies.column<Inertia>();
-    for (std::size_t b = 0; b < least.size(); ++b) least[b] = inertia[b].minCoeff();
-    return least;
+/// Least principal moment of a body as it moves.
+double least_inertia(const Table& bodies, Row b) {
+    return bodies.has<SphereInertia>() ? bodies.column<SphereInertia>()[b] : bodies.column<InertialInertia>()[b].minCoeff();
 }
 
 } // namespace
 
 std::vector<BodyStiffness> body_stiffness(const World& world) {
     std::vector<BodyStiffness> all(world.table<Bodies>().size());
-    for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, all); });
+    for_each_kind_of_pair([&]<class Pairs>() {
+        visit_touches<Pairs>(world, [&](Row b, const Touch& t) {
+            all[b].translation += std::max(t.normal, t.shear);
+            all[b].rotation += t.normal * t.arm.cross(t.direction).squaredNorm() + t.shear * t.arm.squaredNorm() + t.rolling;
+        });
+    });
     return all;
 }
 
 double stable_step(const World& world) {
-    const auto stiffness = body_stiffness(world);
-    const auto least = least_inertia(world, true);
-    const auto mass = world.column<Bodies, InertialMass>();
-    const auto motion = world.column<Bodies, MotionOf>();
+    const Table& bodies = world.table<Bodies>();
+    std::vector<Mat6> stiffness(bodies.size(), Mat6::Zero()), damping;
+    if (has_dashpots(world.resource<ContactLaw>().law)) damping = stiffness;
+    for_each_kind_of_pair([&]<class Pairs>() {
+        visit_touches<Pairs>(world, [&](Row b, const Touch& t) {
+            const double both = t.between_free_bodies ? 2 : 1; // (x + y)^2 <= 2 x^2 + 2 y^2: the partner moves too
+            stiffness[b] += both * block(t, t.normal, t.shear, t.rolling);
+            if (!damping.empty()) damping[b] += both * block(t, t.normal_damping, t.shear_damping, 0);
+        });
+    });
     double step = std::numeric_limits<double>::infinity();
-    for (std::size_t b = 0; b < stiffness.size(); ++b)
-        if (motion[b] == free_motion) {
-            const BodyStiffness& k = stiffness[b];
-            step = std::min(step, limit(2 * (k.translation / mass[b] + k.rotation / least[b]),
-                                        2 * (k.damping / mass[b] + k.rotation_damping / least[b])));
-        }
+    for (Row b = 0; b < bodies.size(); ++b) {
+        if (bodies.column<MotionOf>()[b] != free_motion) continue;
+        const Mat6 root = inverse_root(bodies, b);
+        step = std::min(step, limit(largest_eigenvalue(root * stiffness[b] * root),
+                                    damping.empty() ? 0 : largest_eigenvalue(root * damping[b] * root)));
+    }
     return step;
 }
 
 double stable_step_of_first_contact(const World& world) {
-    const auto least = least_inertia(world, true);
     const Table& bodies = world.table<Bodies>();
     const auto mass = bodies.column<InertialMass>();
     const auto radius = bodies.column<BoundingRadius>();
     const auto true_mass = bodies.column<Mass>();
     const LawName law = world.resource<ContactLaw>().law;
+    const auto& materials = world.resource<Materials>();
     const bool spheres = bodies.has<SphereInertia>();
     double fastest = 0, step = std::numeric_limits<double>::infinity();
     for (const Vec3& v : bodies.column<Velocity>()) fastest = std::max(fastest, v.norm());
-    for (std::size_t b = 0; b < bodies.size(); ++b) {
+    for (Row b = 0; b < bodies.size(); ++b) {
         if (!(true_mass[b] > 0)) continue; // boundaries; held rocks will be free some day
-        for (const LawRow& row : world.resource<Materials>().pairs(law)) {
+        for (const LawRow& row : materials.pairs(law)) {
             if (!(row.kn > 0)) continue; // of boundaries among themselves
             const double overlap = is_hertz(law) ? impact_overlap(row, mass[b], radius[b], 2 * fastest) : 0;
-            const Stiffness k = stiffness_of(law, row, elasticity(row, is_hertz(law), overlap, radius[b]), 1 / mass[b], world.resource<Materials>().policy.rolling_stiffness_ratio, radius[b]);
-            const double largest = std::max(k.normal, k.shear), damping = std::max(k.normal_damping, k.shear_damping);
+            const Touch t = touch_of(law, row, elasticity(row, is_hertz(law), overlap, radius[b]), 1 / mass[b],
+                                     materials.policy.rolling_stiffness_ratio, radius[b]);
+            const double largest = std::max(t.normal, t.shear), damping = std::max(t.normal_damping, t.shear_damping);
             // the normal of a single sphere passes through its centre
-            const double turning = radius[b] * radius[b] / least[b];
-            const double omega2 = largest / mass[b] + (spheres ? k.shear : largest) * turning;
-            const double rate = damping / mass[b] + (spheres ? k.shear_damping : damping) * turning;
+            const double turning = radius[b] * radius[b] / least_inertia(bodies, b);
+            const double omega2 = largest / mass[b] + (spheres ? t.shear : largest) * turning;
+            const double rate = damping / mass[b] + (spheres ? t.shear_damping : damping) * turning;
             step = std::min(step, limit(2 * omega2, 2 * rate));
         }
     }

@@ -23,7 +23,7 @@ const char* const look = "set border 3 linewidth 1 linecolor '#444444'\n"
                          "set grid linetype 1 linecolor '#e4e4e4' linewidth 1\n"
                          "set key outside below center horizontal reverse Left samplen 2.5\n"
                          "set format '%g'\n"
-                         "set lmargin 11\nset rmargin 3.5\nset tmargin 2.6\nset bmargin 6.2\n"
+                         "set lmargin 11\nset rmargin 3.5\nset tmargin 2.6\n"
                          "set offsets graph 0, 0, graph 0.06, 0\n";
 
 bool drawable(double x, bool logarithmic) { return std::isfinite(x) && (!logarithmic || x > 0); }
@@ -52,6 +52,21 @@ std::string style_of(const Curve& curve, std::size_t i) {
                        curve.style == Curve::Style::dashed ? "(10,5)" : "solid", colour);
 }
 
+/// Lines of text below the axes: tics, label, and as many rows as the key has, whose columns are as wide as the
+/// longest label.
+double bottom_margin(const Plot& plot) {
+    std::size_t entries = 0, longest = 1;
+    for (const Curve& curve : plot.curves) {
+        if (curve.label.empty()) continue;
+        ++entries;
+        longest = std::max(longest, curve.label.size());
+    }
+    constexpr std::size_t width = 70, sample = 9; // characters
+    const std::size_t columns = std::max<std::size_t>(1, width / (longest + sample));
+    const std::size_t rows = (entries + columns - 1) / columns;
+    return 6.2 + 1.1 * static_cast<double>(rows > 2 ? rows - 2 : 0);
+}
+
 std::string panel(const Plot& plot, std::size_t number) {
     std::string text;
     std::string curves;
@@ -66,13 +81,13 @@ std::string panel(const Plot& plot, std::size_t number) {
         curves += fmt::format("{}{} using 1:2 {} {}", curves.empty() ? "" : ", ", block,
                               style_of(curve, colour), title);
     }
-    text += fmt::format("set title {} font ',12'\nset xlabel {}\nset ylabel {}\n",
+    text += fmt::format("set title {} font ',12'\nset xlabel {}\nset ylabel {}\nset bmargin {:.1f}\n",
                         gnuplot_quoted(plot.title), gnuplot_quoted(plot.x_label),
-                        gnuplot_quoted(plot.y_label));
-    text += plot.x_logarithmic ? "set logscale x\n" : "unset logscale x\n";
-    text += plot.y_logarithmic ? "set logscale y\n" : "unset logscale y\n";
-    if (curves.empty()) // an empty panel still says what it would have shown
-        return text + "plot [0:1] [0:1] NaN notitle\n";
+                        gnuplot_quoted(plot.y_label), bottom_margin(plot));
+    const bool empty = curves.empty(); // such a panel still says what it would have shown
+    text += plot.x_logarithmic && !empty ? "set logscale x\n" : "unset logscale x\n";
+    text += plot.y_logarithmic && !empty ? "set logscale y\n" : "unset logscale y\n";
+    if (empty) return text + "plot [0:1] [0:1] NaN notitle\n";
     return text + "plot " + curves + "\n";
 }
 

@@ -4,7 +4,6 @@
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
 #include "systems/build/scene.hpp"
-#include "systems/contact/mass_scaling.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/procedure/specimen_state.hpp"
@@ -133,8 +132,7 @@ void TriaxialTest::shear() {
         rescale();
         return;
     }
-    // contacts have come since the stage began: where they make the step too long, masses are raised
-    if (state.phase_steps % 200 < 20) scale_masses(world, world.resource<Clock>().dt, settings_.safety, true);
+    if (state.phase_steps % 200 < 20) keep_stable();
     if (state.phase_steps > settings_.longest_stage) {
         const Balance balance = measure_balance(world);
         throw SimulationError(fmt::format(

@@ -8,6 +8,7 @@
 #include "systems/output/balance.hpp"
 #include "systems/output/stress.hpp"
 #include "systems/procedure/equilibrium.hpp"
+#include "systems/procedure/true_masses.hpp"
 #include "components/platen.hpp"
 #include "components/membrane.hpp"
 
@@ -66,10 +67,24 @@ void TriaxialTest::run(std::uint64_t steps) {
     simulation_.world().resource<TriaxialState>().phase_steps += steps;
 }
 
-// scaled masses, and the step that goes with them, for the contacts of the last step
+// masses, and the step that goes with them, for the contacts of the last step
 void TriaxialTest::rescale() {
     World& world = simulation_.world();
-    world.resource<Clock>().change_step(scale_masses(world, 0, settings_.safety, false).dt);
+    const bool scaled = settings_.mass_scaling || state().phase < TriaxialPhase::consolidate;
+    const double dt = scaled ? scale_masses(world, 0, settings_.safety, false).dt : settings_.safety * restore_masses(world);
+    world.resource<Clock>().change_step(dt);
+}
+
+// contacts have come since the stage began: where they make the step too long, masses are raised, or it is cut
+void TriaxialTest::keep_stable() {
+    World& world = simulation_.world();
+    auto& clock = world.resource<Clock>();
+    if (settings_.mass_scaling) {
+        scale_masses(world, clock.dt, settings_.safety, true);
+        return;
+    }
+    const double dt = settings_.safety * restore_masses(world);
+    if (dt < clock.dt) clock.change_step(dt);
 }
 
 bool TriaxialTest::advance() {

@@ -28,6 +28,7 @@ struct TriaxialSettings {
     unsigned longest_stage = 20000;     ///< steps, beyond which an equilibrium has stalled
     unsigned longest_compaction = 150000; ///< steps, beyond which the porosity is not reached
     double safety = 0.9;                ///< of the stable step in mass scaling
+    bool mass_scaling = true;           ///< from consolidation on; else true masses, and a step that follows the contacts
     bool gravity = false;               ///< keep weight during the test
 };
 
@@ -128,6 +129,7 @@ private:
     void move_platen();
     void run(std::uint64_t steps);
     void rescale();
+    void keep_stable();
     bool is_in_equilibrium() const;
     TriaxialPoint measure_point() const;
 

@@ -28,10 +28,8 @@ template <class NormalPart, class Damping, class Tangential, class Rolling = NoR
         f.y = f.normal * c.ny;
         f.z = f.normal * c.nz;
         if constexpr (has_rolling) {
-            Lane kept = lanes(1);
-            if (Normal::varying || step.shared)
-                kept = stiffness.shear > 0.0 ? min(spring.stiffness / stiffness.shear, lanes(1)) : lanes(0);
-            Rolling::torque(c, rolling, step, stiffness, kept, roll, f);
+            const bool varying = Normal::varying || step.shared;
+            Rolling::torque(c, rolling, step, stiffness.shear, varying ? spring.stiffness : stiffness.shear, roll, f);
         }
         if constexpr (has_history) Tangential::template force<Normal, Damping>(c, k, step, stiffness, spring, f);
         return f;

@@ -29,7 +29,7 @@ inline void turn_with_pair(const ContactLanes& c, double dt, Lane& x, Lane& y, L
     z = scale * rz;
 }
 
-/// Tangential spring with Coulomb's limit; no friction under tension. The spring moves by the leapfrog's own
+/// Tangential spring with Coulomb's limit; no friction under tension, and no dashpot while it slides. The spring moves by the leapfrog's own
 /// displacement of the last step: moved by velocities predicted from the last acceleration it would grow by
 /// (omega dt)^4 / 8 a step. Where the stiffness varies (Mindlin), force follows it by ShearHistory, each step with
 /// the mean stiffness: second order in dt.
@@ -51,48 +51,51 @@ struct CoulombSpring {
         if (varying) {
             const Lane ratio = stiffness.shear > 0.0 ? spring.stiffness / stiffness.shear : lanes(0);
             kept = min(max(ratio, lanes(step.least_ratio)), lanes(step.largest_ratio));
-            moved = 0.5 * (1.0 + kept);
+            moved = Normal::varying ? 0.5 * (1.0 + kept) : (fresh ? lanes(1) : 0.5 * (1.0 + kept));
         }
         const SpringLanes trial{kept * old.x + moved * dx, kept * old.y + moved * dy, kept * old.z + moved * dz, stiffness.shear};
         spring = trial;
         if (!varying) spring.stiffness = lanes(1);
 
-        Lane gx = -stiffness.shear * trial.x, gy = -stiffness.shear * trial.y, gz = -stiffness.shear * trial.z;
-        Lane dashpot{}, tx{}, ty{}, tz{};
+        const Lane limit = k.friction * max(f.normal, lanes(0)), size2 = stiffness.shear * stiffness.shear * squared(trial);
+        const LaneMask slides = size2 > limit * limit;
+        if (bits(slides) != 0) { // to the stretch that carries what friction can
+            const Lane ratio = slides ? limit / sqrt(size2) : lanes(1);
+            spring.x *= ratio;
+            spring.y *= ratio;
+            spring.z *= ratio;
+        }
+        Lane gx = -stiffness.shear * spring.x, gy = -stiffness.shear * spring.y, gz = -stiffness.shear * spring.z;
+        Lane viscous{};
         if constexpr (Damping::present) {
-            dashpot = Damping::shear(c, k, stiffness);
             const Lane vn = c.vx * c.nx + c.vy * c.ny + c.vz * c.nz;
-            tx = c.vx - vn * c.nx;
-            ty = c.vy - vn * c.ny;
-            tz = c.vz - vn * c.nz;
+            const Lane tx = c.vx - vn * c.nx, ty = c.vy - vn * c.ny, tz = c.vz - vn * c.nz, speed2 = tx * tx + ty * ty + tz * tz;
+            Lane dashpot = slides ? lanes(0) : Damping::shear(c, k, stiffness);
+            // a dashpot gives as much as the limit leaves: |g - d t| = limit
+            const Lane push = dashpot * (gx * tx + gy * ty + gz * tz), size = dashpot * dashpot * speed2;
+            const Lane room = limit * limit - (gx * gx + gy * gy + gz * gz);
+            const LaneMask capped = size - 2.0 * push > room;
+            if (bits(capped) != 0)
+                dashpot = capped ? (size > 0.0 ? dashpot * (push + sqrt(push * push + size * max(room, lanes(0)))) / size : lanes(0)) : dashpot;
             gx -= dashpot * tx;
             gy -= dashpot * ty;
             gz -= dashpot * tz;
-        }
-        const Lane limit = k.friction * max(f.normal, lanes(0));
-        const Lane g2 = gx * gx + gy * gy + gz * gz;
-        const LaneMask slips = g2 > limit * limit;
-        if (bits(slips) != 0) {
-            const Lane ratio = slips ? limit / sqrt(g2) : lanes(1);
-            gx *= ratio;
-            gy *= ratio;
-            gz *= ratio;
-            // the spring that carries what friction can, if there is a spring
-            const LaneMask reset = slips & (stiffness.shear > 0.0);
-            const Lane inverse = lanes(1) / (reset ? stiffness.shear : lanes(1));
-            spring.x = reset ? -(gx + dashpot * tx) * inverse : spring.x;
-            spring.y = reset ? -(gy + dashpot * ty) * inverse : spring.y;
-            spring.z = reset ? -(gz + dashpot * tz) * inverse : spring.z;
+            viscous = step.dt * dashpot * speed2;
         }
         if (step.book) {
             f.work.friction = sliding_work(stiffness.shear, kept, old, trial, spring);
+            // a pair that parts in the next step gives up its stretch
+            const LaneMask parts = -c.closing * step.dt > c.overlap;
+            f.work.friction += parts ? 0.5 * stiffness.shear * squared(spring) : lanes(0);
             if (varying) f.work.friction += k.friction > 0.0 ? work_of_change(stiffness.shear, kept, old, trial) : lanes(0);
-            if constexpr (Damping::present) f.work.viscous += step.dt * dashpot * (tx * tx + ty * ty + tz * tz);
+            f.work.viscous += viscous;
         }
         f.x += gx;
         f.y += gy;
         f.z += gz;
     }
+
+    static Lane squared(const SpringLanes& s) { return s.x * s.x + s.y * s.y + s.z * s.z; }
 
     /// The slid distance against the mean of the spring's force before and after; where the force turned round
     /// within the step, against the one after. Never negative.
@@ -105,8 +108,7 @@ struct CoulombSpring {
     /// What the spring gives up where its stiffness changes: at constant force while it grows, at constant stretch
     /// while it shrinks. Negative for a history that is not passive.
     static Lane work_of_change(Lane k, Lane kept, const SpringLanes& old, const SpringLanes& trial) {
-        const auto square = [](const SpringLanes& s) { return s.x * s.x + s.y * s.y + s.z * s.z; };
-        const Lane was = square(old), is = square(trial), mean = 0.5 * (old.stiffness + k);
+        const Lane was = squared(old), is = squared(trial), mean = 0.5 * (old.stiffness + k);
         const Lane by_stretch = 0.25 * (old.stiffness - k) * (was + is);
         const Lane by_force = 0.5 * k * is * (k / mean - 1.0) + 0.5 * old.stiffness * was * (1.0 - old.stiffness / mean);
         return mean > 0.0 ? (kept == 1.0 ? by_stretch : by_force) : lanes(0);
