@@ -42,7 +42,7 @@ private:
         Lane elastic = stiffness.force, share = lanes(1);
         if (partial.any()) {
             elastic = partial.template elastic<Normal>(c, k, elastic);
-            share = partial.template dashpot<Normal>();
+            share = partial.template dashpot<Normal>(c);
         }
         if constexpr (!has_dashpots) return elastic;
         else {
