@@ -12,6 +12,19 @@
 #include <new>
 #include <thread>
 
+namespace bris {
+
+void report_results(const Common& common, const Summary& results) {
+    results.print(common.scenario);
+    Summary whole;
+    whole.add("scenario", common.scenario);
+    whole.add(common.settings);
+    whole.add(results.entries());
+    whole.write(common.out / "summary.json");
+}
+
+} // namespace bris
+
 namespace bris::detail {
 
 namespace {

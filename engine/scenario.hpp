@@ -2,6 +2,7 @@
 
 #include "engine/named_value.hpp"
 #include "engine/options.hpp"
+#include "engine/summary.hpp"
 
 #include <cstdint>
 #include <filesystem>
@@ -25,6 +26,10 @@ struct Common {
     std::vector<NamedValue> settings;   ///< every option with its value, for summary and run file
     std::vector<std::string> arguments; ///< as typed
 };
+
+/// Prints the results as a table under the scenario's name, and writes summary.json into its directory: scenario,
+/// settings, results. Throws OutputError.
+void report_results(const Common& common, const Summary& results);
 
 namespace detail {
 /// Parses the flags of a scenario together with the common ones. False: --help was asked for.

@@ -102,12 +102,7 @@ void run(const Chain& settings, const Common& common) {
         return;
     }
     const Summary results = settings.kind == "pulse" ? pulse_results(settings, common) : wave_results(settings);
-    results.print("chain");
-    Summary whole;
-    whole.add("scenario", common.scenario);
-    whole.add(common.settings);
-    whole.add(results.entries());
-    whole.write(common.out / "summary.json");
+    report_results(common, results);
 }
 
 } // namespace

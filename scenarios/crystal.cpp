@@ -88,12 +88,7 @@ void run(const Settings& settings, const Common& common) {
         return;
     }
     const Summary results = settings.what == "moduli" ? moduli(settings) : stability(settings);
-    results.print("crystal");
-    Summary whole;
-    whole.add("scenario", common.scenario);
-    whole.add(common.settings);
-    whole.add(results.entries());
-    whole.write(common.out / "summary.json");
+    report_results(common, results);
 }
 
 } // namespace

@@ -138,12 +138,7 @@ void run(const Shot& settings, const Common& common) {
         return;
     }
     const Summary results = results_of(impact, measure(impact));
-    results.print("impact");
-    Summary whole;
-    whole.add("scenario", common.scenario);
-    whole.add(common.settings);
-    whole.add(results.entries());
-    whole.write(common.out / "summary.json");
+    report_results(common, results);
 }
 
 } // namespace

@@ -230,12 +230,7 @@ private:
         summary.add("refreshes", lists.refreshes);
         summary.add("prunes", lists.prunes);
         summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
-        summary.print("settle");
-        Summary whole;
-        whole.add("scenario", common_.scenario);
-        whole.add(common_.settings);
-        whole.add(summary.entries());
-        whole.write(common_.out / "summary.json");
+        report_results(common_, summary);
     }
 
     Settle settings_;

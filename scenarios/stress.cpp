@@ -64,13 +64,8 @@ void run(const Stress& stress, const Common& common) {
     summary.add("rows", all.size());
     summary.add("failures", failures(all));
     fmt::print("\n");
-    summary.print("stress");
     write_rows(common.out / "stress.csv", all);
-    Summary whole;
-    whole.add("scenario", common.scenario);
-    whole.add(common.settings);
-    whole.add(summary.entries());
-    whole.write(common.out / "summary.json");
+    report_results(common, summary);
     if (failures(all) > 0) throw SimulationError(fmt::format("{} of {} rows fail, see {}", failures(all), all.size(), (common.out / "stress.csv").string()));
 }
 

@@ -75,12 +75,7 @@ void run(const Turning& settings, const Common& common) {
         return;
     }
     const Summary results = settings.kind == "free" ? results_of(measure(settings.top)) : results_of(measure(settings.pendulum));
-    results.print("top");
-    Summary whole;
-    whole.add("scenario", common.scenario);
-    whole.add(common.settings);
-    whole.add(results.entries());
-    whole.write(common.out / "summary.json");
+    report_results(common, results);
 }
 
 } // namespace

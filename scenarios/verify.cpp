@@ -44,13 +44,8 @@ void run(const Verify& settings, const Common& common) {
     write_whole(common.out / "verification.csv", csv_of(checks));
     Summary results;
     add_checks(results, checks);
-    Summary whole;
-    whole.add("scenario", common.scenario);
-    whole.add(common.settings);
-    whole.add(results.entries());
-    whole.write(common.out / "summary.json");
     fmt::print("{}", table_of(checks));
-    results.print("verify");
+    report_results(common, results);
     if (const std::string failing = names_of_failing(checks); !failing.empty()) throw SimulationError("failing: " + failing);
 }
 

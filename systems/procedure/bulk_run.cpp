@@ -225,12 +225,7 @@ void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
     summary.add("particle_steps_per_s", stepping_ > 0 ? body_steps_ / stepping_ : 0);
     summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
     progress_.pause();
-    summary.print(common_.scenario);
-    Summary whole;
-    whole.add("scenario", common_.scenario);
-    whole.add(common_.settings);
-    whole.add(summary.entries());
-    whole.write(common_.out / "summary.json");
+    report_results(common_, summary);
     series_.write_csv(common_.out / "curve.csv");
     series_.write_track(frames_->file());
     frames_->file().close();

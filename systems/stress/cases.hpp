@@ -4,7 +4,7 @@
 
 namespace bris {
 
-// One function a file, named for what it tries. Where the engine must refuse, the refusal is the pass.
+/// One function a file, named for what it tries. Where the engine must refuse, the refusal is the pass.
 
 StressRows stress_determinism(const StressSettings& s);       // S1
 StressRows stress_step_limit(const StressSettings& s);        // S4
