@@ -59,13 +59,15 @@ void Materials::mix() {
                 if ((o.a == i && o.b == j) || (o.a == j && o.b == i)) apply(o.properties, friction, restitution, rolling);
             const double ratio = 2 * damping_ratio(restitution, policy.tension), shear = policy.shear_dashpot ? ratio : 0;
             const double hertz = std::sqrt(5.0 / 6); // Tsuji, Tanaka and Ishida (1992)
-            const LawRow linear{series(a.normal_stiffness, b.normal_stiffness), series(a.shear_stiffness, b.shear_stiffness), friction,
-                                0.5 * (a.normal_damping + b.normal_damping), 0.5 * (a.shear_damping + b.shear_damping), ratio, shear, 0};
+            LawRow linear{series(a.normal_stiffness, b.normal_stiffness), series(a.shear_stiffness, b.shear_stiffness), friction,
+                                0.5 * (a.normal_damping + b.normal_damping), 0.5 * (a.shear_damping + b.shear_damping), ratio, 0, 0};
             LawRow curved = linear;
             curved.kn = series(plane_modulus(a), plane_modulus(b));
             curved.ks = 4 * series(shear_compliance_modulus(a), shear_compliance_modulus(b));
             curved.normal_ratio = hertz * ratio;
-            curved.shear_ratio = hertz * shear;
+            // kernels take one root, that of the normal stiffness
+            linear.shear_ratio = linear.kn > 0 ? shear * std::sqrt(linear.ks / linear.kn) : 0;
+            curved.shear_ratio = curved.kn > 0 ? hertz * shear * std::sqrt(curved.ks / curved.kn) : 0;
             linear_pairs.push_back(linear);
             hertz_pairs.push_back(curved);
             rolling_pairs.push_back(rolling);

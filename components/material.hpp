@@ -91,7 +91,7 @@ struct ContactPolicy {
 struct alignas(64) LawRow {
     double kn, ks, friction;
     double normal_rate, shear_rate;   ///< 1/s, times reduced mass
-    double normal_ratio, shear_ratio; ///< times the root of tangent stiffness and reduced mass
+    double normal_ratio, shear_ratio; ///< times the root of normal tangent stiffness and reduced mass; no shear without normal
     double unused;
 };
 struct alignas(32) RollingRow { double rolling_friction, twisting_friction, stiffness_ratio, damping_ratio; };

@@ -22,6 +22,15 @@ struct Tile {
     Movers movers;
     double deepest; // of the mean radius
 
+    /// What the tile after next will read and that may be far away: its owners stand side by side, their partners do not.
+    void call_for(const TileTarget& to, const Row* rows) const {
+        for (int q = 0; q < lane_count; ++q) {
+            const Row other = movers.body[to.near[rows[q]].other];
+            __builtin_prefetch(&movers.motion[other]);
+            if (movers.kick != nullptr) __builtin_prefetch(&movers.kick[other]);
+        }
+    }
+
     template <class Law>
     bool operator()(const TileTarget& to, const Row* rows, int count) const {
         alignas(64) std::array<Row, lane_count> own, other; // bodies
@@ -88,7 +97,7 @@ struct Tile {
             // approach of the pair would leak into its shear (Vyas et al. 2025)
             const double half_step = 0.5 * to.step.dt;
             Lane mx = dx - half_step * u[0], my = dy - half_step * u[1], mz = dz - half_step * u[2];
-            const Lane scale = lanes(1) / max(sqrt(mx * mx + my * my + mz * mz), lanes(1e-300));
+            const Lane scale = inverse_root(mx * mx + my * my + mz * mz, inverse);
             mx *= scale;
             my *= scale;
             mz *= scale;
@@ -113,6 +122,8 @@ void collide_chunk(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs
         unsigned now = touching_lanes(to.near + group, tile.movers.place);
         if constexpr (lane_count == 4) now |= touching_lanes(to.near + group + 4, tile.movers.place) << 4;
         if (last - group < 8) now &= (1u << (last - group)) - 1;
+        if (group + 24 <= last)
+            for (std::size_t q = 16; q < 24; ++q) __builtin_prefetch(&tile.movers.place[to.near[group + q].other]);
         std::uint8_t& flags = index.touching[group / 8];
         detail::forget(to, static_cast<Row>(group), flags & ~now);
         flags = static_cast<std::uint8_t>(now);
@@ -122,6 +133,7 @@ void collide_chunk(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs
     if (count == 0) return;
     for (std::size_t k = 0; k < 8; ++k) touching[count + k] = touching[count - 1];
     for (std::size_t k = 0; k < count; k += lane_count) {
+        if (k + 3 * lane_count <= count) tile.call_for(to, &touching[k + 2 * lane_count]);
         const int here = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
         if (tile.template operator()<Law>(to, &touching[k], here) && index.too_deep[chunk] == no_row)
             index.too_deep[chunk] = touching[k];

@@ -32,7 +32,7 @@ Touch touch_of(LawName name, const LawRow& law, const Elasticity& e, double inve
     if (!has_dashpots(name) || !(inverse_mass > 0)) return t;
     const double mass = 1 / inverse_mass;
     t.normal_damping = law.normal_rate * mass + law.normal_ratio * std::sqrt(e.normal * mass);
-    t.shear_damping = law.shear_rate * mass + law.shear_ratio * std::sqrt(e.shear * mass);
+    t.shear_damping = law.shear_rate * mass + law.shear_ratio * std::sqrt(e.normal * mass);
     return t;
 }
 

@@ -80,7 +80,7 @@ inline CoefficientLanes coefficients(const TileTarget& to, const Row* rows) {
 /// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid rows),
 /// and writes their springs and records.
 template <class Law>
-void apply_law(const TileTarget& to, const Row* rows, int count, ContactLanes& c, Lane px, Lane py, Lane pz) {
+[[gnu::always_inline]] inline void apply_law(const TileTarget& to, const Row* rows, int count, ContactLanes& c, Lane px, Lane py, Lane pz) {
     if (to.share != nullptr)
         for (int q = 0; q < lane_count; ++q) c.share[q] = to.share[rows[q]];
     const auto pair_of = [&](int q) { return to.near[rows[q]].pair; };

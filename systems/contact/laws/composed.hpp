@@ -23,7 +23,8 @@ template <class NormalPart, class Damping, class Tangential, class Rolling = NoR
         StiffnessLanes stiffness = Normal::stiffness(c, k);
         if (step.shared) stiffness = {c.share * stiffness.force, c.share * stiffness.normal, c.share * stiffness.shear};
         ForceLanes f{};
-        f.normal = normal_force(c, k, step, stiffness, f.work);
+        const DashpotLanes dashpots = Damping::coefficients(c, k, stiffness);
+        f.normal = normal_force(c, k, step, stiffness, dashpots, f.work);
         f.x = f.normal * c.nx;
         f.y = f.normal * c.ny;
         f.z = f.normal * c.nz;
@@ -31,13 +32,13 @@ template <class NormalPart, class Damping, class Tangential, class Rolling = NoR
             const bool varying = Normal::varying || step.shared;
             Rolling::torque(c, rolling, step, stiffness.shear, varying ? spring.stiffness : stiffness.shear, roll, f);
         }
-        if constexpr (has_history) Tangential::template force<Normal, Damping>(c, k, step, stiffness, spring, f);
+        if constexpr (has_history) Tangential::template force<Normal, Damping>(c, k, step, stiffness, dashpots, spring, f);
         return f;
     }
 
 private:
     static Lane normal_force(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step, const StiffnessLanes& stiffness,
-                             WorkLanes& work) {
+                             const DashpotLanes& dashpots, WorkLanes& work) {
         const PartialStep partial(c, step.dt);
         Lane elastic = stiffness.force, share = lanes(1);
         if (partial.any()) {
@@ -47,7 +48,7 @@ private:
         if constexpr (!has_dashpots) return elastic;
         else {
             const Lane vn = c.vx * c.nx + c.vy * c.ny + c.vz * c.nz;
-            const Lane dashpot = share * Damping::normal(c, k, stiffness), force = max(elastic - dashpot * vn, lanes(step.least_force));
+            const Lane dashpot = share * dashpots.normal, force = max(elastic - dashpot * vn, lanes(step.least_force));
             if (step.book) {
                 // the mean velocity of the step is not the predicted one: the force changes meanwhile, or sets in
                 const Lane later = 0.5 * step.dt * c.inverse_mass;

@@ -49,4 +49,7 @@ struct LawStep {
 /// Elastic normal force and the tangent stiffnesses, N and N/m.
 struct StiffnessLanes { Lane force, normal, shear; };
 
+/// Damping coefficients, N s/m.
+struct DashpotLanes { Lane normal{}, shear{}; };
+
 } // namespace bris

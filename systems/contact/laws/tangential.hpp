@@ -11,7 +11,14 @@ struct Frictionless {
 /// Share of the last step that a contact was closed: a spring begins when the surfaces meet, not with the step.
 inline Lane share_of_step(const ContactLanes& c, LaneMask fresh, double dt) {
     const Lane gone = c.closing * dt;
-    return (fresh & (gone > c.overlap)) ? c.overlap / gone : lanes(1);
+    const LaneMask within = fresh & (gone > c.overlap);
+    return bits(within) == 0 ? lanes(1) : within ? c.overlap / gone : lanes(1);
+}
+
+/// 1 / sqrt(1 + x). Contacts hardly turn in a step: a series, 1e-16 off, does for all but fast spins.
+inline Lane inverse_root_near_one(Lane x) {
+    if (bits(x * x > 1e-8) != 0) return 1.0 / sqrt(1.0 + x);
+    return 1.0 - x * (0.5 - x * (0.375 - x * (0.3125 - 0.2734375 * x)));
 }
 
 /// Turns a stretch with its pair: onto the new tangent plane at its old length, and about the normal with the
@@ -23,7 +30,7 @@ inline void turn_with_pair(const ContactLanes& c, double dt, Lane& x, Lane& y, L
     const Lane rx = sx + angle * (c.ny * sz - c.nz * sy), ry = sy + angle * (c.nz * sx - c.nx * sz),
                rz = sz + angle * (c.nx * sy - c.ny * sx);
     const Lane was = x * x + y * y + z * z, is = rx * rx + ry * ry + rz * rz;
-    const Lane scale = is > 0.0 ? sqrt(was / is) : is;
+    const Lane scale = inverse_root_near_one(is > 0.0 ? (is - was) / was : lanes(0));
     x = scale * rx;
     y = scale * ry;
     z = scale * rz;
@@ -37,8 +44,8 @@ struct CoulombSpring {
     static constexpr bool has_history = true;
 
     template <class Normal, class Damping>
-    static void force(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step, const StiffnessLanes& stiffness,
-                      SpringLanes& spring, ForceLanes& f) {
+    [[gnu::always_inline]] static void force(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step, const StiffnessLanes& stiffness,
+                      const DashpotLanes& rates, SpringLanes& spring, ForceLanes& f) {
         const Lane un = c.ux * c.nx + c.uy * c.ny + c.uz * c.nz;
         const LaneMask fresh = spring.stiffness == 0.0;
         const Lane share = share_of_step(c, fresh, step.dt) * step.dt;
@@ -70,7 +77,7 @@ struct CoulombSpring {
         if constexpr (Damping::present) {
             const Lane vn = c.vx * c.nx + c.vy * c.ny + c.vz * c.nz;
             const Lane tx = c.vx - vn * c.nx, ty = c.vy - vn * c.ny, tz = c.vz - vn * c.nz, speed2 = tx * tx + ty * ty + tz * tz;
-            Lane dashpot = slides ? lanes(0) : Damping::shear(c, k, stiffness);
+            Lane dashpot = slides ? lanes(0) : rates.shear;
             // a dashpot gives as much as the limit leaves: |g - d t| = limit
             const Lane push = dashpot * (gx * tx + gy * ty + gz * tz), size = dashpot * dashpot * speed2;
             const Lane room = limit * limit - (gx * gx + gy * gy + gz * gz);
