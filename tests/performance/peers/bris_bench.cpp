@@ -5,6 +5,7 @@
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
 #include "systems/broadphase/lists.hpp"
+#include "systems/contact/stable_step.hpp"
 #include "systems/output/contacts.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/steps.hpp"
@@ -69,6 +70,7 @@ void run(const Bench& s) {
 
     simulation.advance(s.check_steps);
     const Quantities q = measure(world);
+    const double stable = stable_step(world);
     const double energy = translational_energy(world);
     const auto spheres = static_cast<double>(bed.balls.size());
     const auto sphere_contacts = touching_pairs<SpherePairs>(world).size();
@@ -81,10 +83,10 @@ void run(const Bench& s) {
 
     const ListState& lists = world.resource<ListState>();
     fmt::print("code=bris scene={} law={} spheres={} threads={} check_steps={} steps={} wall_s={:.6g} particle_steps_per_s={:.5g} "
-               "kinetic_energy_J={:.8g} coordination={:.6g} wall_force_over_weight={:.8g} contacts={} refreshes={} prunes={}\n",
+               "kinetic_energy_J={:.8g} coordination={:.6g} wall_force_over_weight={:.8g} stable_step_s={:.4g} contacts={} refreshes={} prunes={}\n",
                s.scene, s.law, bed.balls.size(), s.threads, s.check_steps, s.steps, wall,
                spheres * static_cast<double>(s.steps) / wall, energy, 2 * static_cast<double>(sphere_contacts) / spheres,
-               q.boundary_force.z() / q.weight.z(), q.contacts, lists.refreshes - before.refreshes, lists.prunes - before.prunes);
+               q.boundary_force.z() / q.weight.z(), stable, q.contacts, lists.refreshes - before.refreshes, lists.prunes - before.prunes);
     if (!s.profile) return;
     for (const auto& [name, seconds] : simulation.schedule().seconds()) {
         const auto old = seconds_before.find(name);

@@ -120,10 +120,12 @@ Bed make_bed(const Scene& scene, unsigned spheres, unsigned threads) {
     Bed bed = scene.name == "poly" ? loose_mixture() : scene.name == "clumps" ? loose_stones() : loose_spheres(spheres);
     // poly is heavy already
     const double more = scene.name == "poly" ? 1 : 10, speed = 0.05 * std::sqrt(more * scene.gravity * bed.box.z());
-    settle(bed, scene, {more, 0.2, 0.2, 2, speed}, threads);
-    settle(bed, scene, {1, friction, 0.5, 0.5, 0}, threads);
-    if (scene.name == "quiet") // without history a bed has to find its rest again, each time nearer by
-        for (int k = 0; k < 3; ++k) settle(bed, scene, {1, friction, 0.7, 0.3, 0}, threads);
+    const double slippery = 0.1; // for a bed as dense as one that was shaken
+    settle(bed, scene, {more, slippery, 0.2, 2, speed}, threads);
+    settle(bed, scene, {1, slippery, 0.5, 0.3, 0}, threads);
+    // without history a bed has to find its rest anew, each time nearer by
+    const int rests = scene.name == "quiet" ? 4 : 1;
+    for (int k = 0; k < rests; ++k) settle(bed, scene, {1, friction, 0.5, 0.3, 0}, threads);
     if (bed.stones.empty()) shuffle(bed.balls);
     return bed;
 }

@@ -45,7 +45,7 @@ Scene scene_named(const std::string& name) {
     static const std::array<Scene, 4> scenes{{{"settle", 1e6, 5838, 1e-5, 9.81},
                                               {"quiet", 1e6, 5838, 1e-5, 9.81},
                                               {"poly", 1e5, 20600, 2e-6, 1000},
-                                              {"clumps", 1e6, 5838, 2e-5, 9.81}}};
+                                              {"clumps", 1e6, 1250, 2e-5, 9.81}}};
     for (const Scene& scene : scenes)
         if (scene.name == name) return scene;
     throw InputError("--scene: expected settle, quiet, poly or clumps, found " + name);
