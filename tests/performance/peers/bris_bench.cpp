@@ -1,0 +1,109 @@
+// One run of a scene that other codes run too, on the bed that they all read: first the steps after which the codes
+// are compared, then the timed ones; one line of key=value. With --make it makes the bed.
+#include "components/kinds.hpp"
+#include "engine/errors.hpp"
+#include "engine/scenario.hpp"
+#include "engine/simulation.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/contact/stable_step.hpp"
+#include "systems/output/contacts.hpp"
+#include "systems/output/quantities.hpp"
+#include "systems/steps.hpp"
+#include "tests/performance/peers/make_bed.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <map>
+
+namespace {
+
+using namespace bris;
+
+struct Bench {
+    std::string scene = "settle", law = "linear";
+    std::filesystem::path bed;
+    bool make = false, profile = false;
+    unsigned spheres = 2000, threads = 1;
+    double step = 0;
+    std::uint64_t check_steps = 200, steps = 1000;
+
+    void describe(auto& option) {
+        option("scene", scene, "", "its stiffness, step and weight", {"settle", "quiet", "poly", "clumps"});
+        option("law", law, "", "of contact", {"linear", "hertz"});
+        option("bed", bed, "", "file of the bed");
+        option("make", make, "", "make the bed instead of a run");
+        option("spheres", spheres, "", "of the bed to be made (settle, quiet)", within(1, 50e6));
+        option("threads", threads, "", "to run on", within(1, 4096));
+        option("step", step, "s", "time step; 0: that of the scene", at_least(0));
+        option("check_steps", check_steps, "", "before the physics is measured; not timed", within(1, 1e9));
+        option("steps", steps, "", "timed", within(1, 1e9));
+        option("profile", profile, "", "print the seconds of each system in the timed steps");
+    }
+};
+
+/// J, of the centres of mass: what all codes report.
+double translational_energy(const World& world) {
+    const auto motion = world.column<Bodies, MotionOf>();
+    const auto velocity = world.column<Bodies, Velocity>();
+    const auto acceleration = world.column<Bodies, Acceleration>();
+    const auto mass = world.column<Bodies, Mass>();
+    const double half_step = 0.5 * world.resource<Clock>().dt;
+    double sum = 0;
+    for (Row r = 0; r < mass.size(); ++r)
+        if (motion[r] == static_cast<std::uint32_t>(Motion::free))
+            sum += 0.5 * mass[r] * (velocity[r] + half_step * acceleration[r]).squaredNorm();
+    return sum;
+}
+
+void run(const Bench& s) {
+    peers::Scene scene = peers::scene_named(s.scene);
+    require(!s.bed.empty(), "--bed: expected a file, found none");
+    if (s.make) return write_bed(s.bed, make_bed(scene, s.spheres, s.threads));
+    if (s.step > 0) scene.step = s.step;
+    const LawName law = peers::law_named(s.law);
+    const peers::Bed bed = peers::read_bed(s.bed);
+    World scene_world = make_scene(bed, scene, law);
+    add_lists(scene_world, law);
+    Simulation simulation(std::move(scene_world), steps(law), s.threads, {.timed = s.profile});
+    const World& world = simulation.world();
+
+    simulation.advance(s.check_steps);
+    const Quantities q = measure(world);
+    const double stable = stable_step(world);
+    const double energy = translational_energy(world);
+    const auto spheres = static_cast<double>(bed.balls.size());
+    const auto sphere_contacts = touching_pairs<SpherePairs>(world).size();
+    const ListState before = world.resource<ListState>();
+    const std::map<std::string, double> seconds_before = simulation.schedule().seconds();
+
+    const auto began = std::chrono::steady_clock::now();
+    simulation.advance(s.steps);
+    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+
+    const ListState& lists = world.resource<ListState>();
+    fmt::print("code=bris scene={} law={} spheres={} threads={} check_steps={} steps={} wall_s={:.6g} particle_steps_per_s={:.5g} "
+               "kinetic_energy_J={:.8g} coordination={:.6g} wall_force_over_weight={:.8g} stable_step_s={:.4g} contacts={} refreshes={} prunes={}\n",
+               s.scene, s.law, bed.balls.size(), s.threads, s.check_steps, s.steps, wall,
+               spheres * static_cast<double>(s.steps) / wall, energy, 2 * static_cast<double>(sphere_contacts) / spheres,
+               q.boundary_force.z() / q.weight.z(), stable, q.contacts, lists.refreshes - before.refreshes, lists.prunes - before.prunes);
+    if (!s.profile) return;
+    for (const auto& [name, seconds] : simulation.schedule().seconds()) {
+        const auto old = seconds_before.find(name);
+        fmt::print("  {:10.6f} s  {}\n", seconds - (old == seconds_before.end() ? 0 : old->second), name);
+    }
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return detail::exit_code_of("peers_bench", [&] {
+        Bench settings;
+        Options options;
+        settings.describe(options);
+        if (options.parse({argv + 1, argv + argc}))
+            run(settings);
+        else
+            fmt::print("{}", options.help("peers_bench", "one run of a scene that other codes run too, or its bed"));
+    });
+}

@@ -1,0 +1,133 @@
+#include "tests/performance/peers/make_bed.hpp"
+
+#include "components/kinds.hpp"
+#include "engine/random.hpp"
+#include "engine/simulation.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/steps.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+
+namespace bris::peers {
+
+namespace {
+
+constexpr std::uint64_t seed = 7;
+
+struct Stage {
+    double weight;   ///< times the scene's
+    double friction;
+    double damping;  ///< local
+    double falls;    ///< lasts so many times the fall of the lattice under this weight
+    double speed;    ///< m/s, at which bodies are thrown about at the start
+};
+
+/// Radii 10 mm, on a cube of a lattice.
+Bed loose_spheres(unsigned spheres) {
+    const double radius = 0.01, pitch = 2.05 * radius;
+    const auto side = static_cast<unsigned>(std::ceil(std::cbrt(spheres)));
+    Bed bed{pitch * Vec3(side, side, (spheres - 1) / (side * side) + 1), {}, {}};
+    for (unsigned n = 0; n < spheres; ++n)
+        bed.balls.push_back({pitch * Vec3(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5), radius});
+    return bed;
+}
+
+/// Fouled ballast: 30 spheres of radius 20 mm, 15 000 of 2 mm between them.
+Bed loose_mixture() {
+    const double large = 0.02, small = 0.002, wide = 2.1 * large, narrow = 2.05 * small;
+    const unsigned across = 3, larges = 30, smalls = 15000;
+    Bed bed{wide * Vec3(across, across, 5), {}, {}};
+    for (unsigned n = 0; n < larges; ++n)
+        bed.balls.push_back({wide * Vec3(n % across + 0.5, n / across % across + 0.5, n / (across * across) + 0.5), large});
+    const auto side = static_cast<unsigned>(bed.box.x() / narrow);
+    for (unsigned n = 0; bed.balls.size() < larges + smalls; ++n) {
+        const Vec3 place = narrow * Vec3(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
+        const auto clear = [&](const Ball& b) { return (b.centre - place).norm() > large + 1.02 * small; };
+        if (std::all_of(bed.balls.begin(), bed.balls.begin() + larges, clear)) bed.balls.push_back({place, small});
+    }
+    for (const Ball& b : bed.balls) bed.box.z() = std::max(bed.box.z(), b.centre.z() + b.radius);
+    return bed;
+}
+
+/// One stone of 30 spheres of 8 to 10 mm, about 50 x 42 x 34 mm: spheres on a spiral over an ellipsoid.
+std::vector<Ball> stone() {
+    const unsigned balls = 30;
+    const double golden = pi * (3 - std::sqrt(5.0));
+    Random random(seed, 0);
+    std::vector<Ball> stone;
+    for (unsigned k = 0; k < balls; ++k) {
+        const double z = 1 - 2 * (k + 0.5) / balls, s = std::sqrt(1 - z * z), stretch = random.uniform(0.8, 1.15);
+        const Vec3 direction(s * std::cos(golden * k), s * std::sin(golden * k), z);
+        stone.push_back({stretch * direction.cwiseProduct(Vec3(0.016, 0.012, 0.008)), random.uniform(0.008, 0.010)});
+    }
+    return stone;
+}
+
+/// 396 copies of it, turned at random.
+Bed loose_stones() {
+    const std::array<unsigned, 3> sides{6, 6, 11};
+    const std::vector<Ball> one = stone();
+    double reach = 0;
+    for (const Ball& b : one) reach = std::max(reach, b.centre.norm() + b.radius);
+    const double pitch = 2.02 * reach;
+    Bed bed{pitch * Vec3(sides[0], sides[1], sides[2]), {}, {}};
+    Random random(seed, 1);
+    for (unsigned n = 0; n < sides[0] * sides[1] * sides[2]; ++n) {
+        const Quat turn = random.rotation();
+        const Vec3 place = pitch * Vec3(n % sides[0] + 0.5, n / sides[0] % sides[1] + 0.5, n / (sides[0] * sides[1]) + 0.5);
+        for (const Ball& b : one) {
+            bed.balls.push_back({place + turn * b.centre, b.radius});
+            bed.stones.push_back(n + 1);
+        }
+    }
+    return bed;
+}
+
+void settle(Bed& bed, Scene scene, const Stage& stage, unsigned threads) {
+    scene.gravity *= stage.weight;
+    World world = make_scene(bed, scene, LawName::linear_viscous);
+    auto& materials = world.resource<Materials>();
+    materials.list.front().friction = stage.friction;
+    materials.mix();
+    world.resource<Limits>().overlap = 1; // the first blow may be hard
+    world.add_resource(LocalDamping{stage.damping});
+    const auto motion = world.column<Bodies, MotionOf>();
+    const auto velocity = world.column<Bodies, Velocity>();
+    for (Row r = 0; r < velocity.size(); ++r) {
+        Random random(seed, 100 + r);
+        if (motion[r] == static_cast<std::uint32_t>(Motion::free)) velocity[r] = stage.speed * random.direction();
+    }
+    // a loose lattice sinks by about a third of its height at most
+    const double fall = std::sqrt(2 * bed.box.z() / 3 / scene.gravity);
+    add_lists(world, LawName::linear_viscous);
+    Simulation simulation(std::move(world), steps(LawName::linear_viscous), threads);
+    simulation.advance(static_cast<std::uint64_t>(std::ceil(stage.falls * fall / scene.step)));
+    bed.balls = balls_now(simulation.world());
+}
+
+void shuffle(std::vector<Ball>& balls) {
+    Random random(seed, 2);
+    for (std::size_t k = balls.size(); k > 1; --k) std::swap(balls[k - 1], balls[random.bits() % k]);
+}
+
+} // namespace
+
+Bed make_bed(const Scene& scene, unsigned spheres, unsigned threads) {
+    Bed bed = scene.name == "poly" ? loose_mixture() : scene.name == "clumps" ? loose_stones() : loose_spheres(spheres);
+    // poly is heavy already
+    const double more = scene.name == "poly" ? 1 : 10, speed = 0.05 * std::sqrt(more * scene.gravity * bed.box.z());
+    const double slippery = 0.1; // for a bed as dense as one that was shaken
+    settle(bed, scene, {more, slippery, 0.2, 2, speed}, threads);
+    settle(bed, scene, {1, slippery, 0.5, 0.3, 0}, threads);
+    // without history a bed has to find its rest anew, each time nearer by
+    const int rests = scene.name == "quiet" ? 4 : 1;
+    for (int k = 0; k < rests; ++k) settle(bed, scene, {1, friction, 0.5, 0.3, 0}, threads);
+    if (bed.stones.empty()) shuffle(bed.balls);
+    return bed;
+}
+
+} // namespace bris::peers
