@@ -61,6 +61,7 @@ for n in movers:
     velocity = body.vel + dt / 2 * (force / body.mass + Vector3(0, 0, -gz))
     energy += body.mass * velocity.squaredNorm() / 2
     weight += body.mass * gz
+O.run(1, wait=True)  # contacts and forces are those at its beginning
 spheres = {b.id for b in O.bodies if isinstance(b.shape, Sphere)}
 contacts = sum(1 for i in O.interactions if i.id1 in spheres and i.id2 in spheres and i.geom.penetrationDepth > 0)
 # what grains do to the walls
