@@ -89,6 +89,7 @@ Bed loose_stones() {
 
 void settle(Bed& bed, Scene scene, const Stage& stage, unsigned threads) {
     scene.gravity *= stage.weight;
+    scene.step *= 2; // stable as well
     World world = make_scene(bed, scene, LawName::linear_viscous);
     auto& materials = world.resource<Materials>();
     materials.list.front().friction = stage.friction;
