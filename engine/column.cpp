@@ -2,60 +2,74 @@
 
 #include <sys/mman.h>
 
+#include <atomic>
 #include <cstdlib>
 #include <cstring>
 #include <new>
+#include <utility>
 
 namespace bris {
 
 namespace {
 
-constexpr std::size_t huge_page = std::size_t{1} << 21;
+constexpr std::size_t huge_page = std::size_t{1} << 21, page = 4096, line = 64;
 
-std::byte* allocate(std::size_t bytes) {
-    // huge pages pay from about 100 000 spheres on: a third of the step there
-    const bool large = bytes >= 2 * huge_page;
-    const std::size_t alignment = large ? huge_page : 64;
-    const std::size_t rounded = (bytes + alignment - 1) / alignment * alignment;
-    void* memory = std::aligned_alloc(alignment, rounded);
-    if (memory == nullptr) throw std::bad_alloc();
-    if (large) madvise(memory, rounded, MADV_HUGEPAGE);
-    return static_cast<std::byte*>(memory);
+// A system walks many columns at the same row. Blocks that all begin at the same place of a page would share the few
+// lines of a cache set, and a load would wait for stores to other columns that look like its own: so each begins elsewhere.
+std::size_t next_shift() {
+    static std::atomic<std::size_t> count{0};
+    const std::size_t k = count++;
+    return (k % 16) * page + (k * 37 % 64) * line;
 }
 
 } // namespace
 
-Column::Column(const Column& other) : type_(other.type_) {
-    resize(other.size_);
-    if (size_ > 0) std::memcpy(data_, other.data_, size_ * type_.value_size);
+Column::Block::Block(std::size_t bytes) {
+    // huge pages pay from some ten thousand spheres on: a third of the step at 100 000
+    const bool large = bytes >= huge_page / 4;
+    const std::size_t shift = bytes >= 16 * page ? next_shift() : 0, alignment = large ? huge_page : line;
+    const std::size_t rounded = (bytes + shift + alignment - 1) / alignment * alignment;
+    memory = std::aligned_alloc(alignment, rounded);
+    if (memory == nullptr) throw std::bad_alloc();
+    if (large) madvise(memory, rounded, MADV_HUGEPAGE);
+    data = static_cast<std::byte*>(memory) + shift;
 }
 
-Column::~Column() { std::free(data_); }
+Column::Block& Column::Block::operator=(Block&& other) noexcept {
+    std::swap(memory, other.memory);
+    std::swap(data, other.data);
+    return *this;
+}
+
+Column::Block::~Block() { std::free(memory); }
+
+Column::Column(const Column& other) : type_(other.type_) {
+    resize(other.size_);
+    if (size_ > 0) std::memcpy(bytes(), other.bytes(), size_ * type_.value_size);
+}
 
 void Column::reserve(std::size_t rows) {
     if (rows <= capacity_) return;
     const std::size_t wanted = rows + rows / 2 + 64;
-    std::byte* bigger = allocate(wanted * type_.value_size);
-    if (size_ > 0) std::memcpy(bigger, data_, size_ * type_.value_size);
-    std::free(data_);
-    data_ = bigger;
+    Block bigger(wanted * type_.value_size);
+    if (size_ > 0) std::memcpy(bigger.data, bytes(), size_ * type_.value_size);
+    block_ = std::move(bigger);
     capacity_ = wanted;
 }
 
 void Column::resize(std::size_t rows) {
     reserve(rows);
     if (rows > size_)
-        std::memset(data_ + size_ * type_.value_size, 0, (rows - size_) * type_.value_size);
+        std::memset(bytes() + size_ * type_.value_size, 0, (rows - size_) * type_.value_size);
     size_ = rows;
 }
 
 void Column::permute(std::span<const Row> new_to_old) {
     const std::size_t width = type_.value_size;
-    std::byte* moved = allocate(capacity_ * width);
+    Block moved(capacity_ * width);
     for (std::size_t row = 0; row < size_; ++row)
-        std::memcpy(moved + row * width, data_ + new_to_old[row] * width, width);
-    std::free(data_);
-    data_ = moved;
+        std::memcpy(moved.data + row * width, bytes() + new_to_old[row] * width, width);
+    block_ = std::move(moved);
 }
 
 } // namespace bris

@@ -7,6 +7,7 @@
 #include <span>
 #include <string>
 #include <typeindex>
+#include <utility>
 
 namespace bris {
 
@@ -32,12 +33,11 @@ public:
     explicit Column(Type type) : type_(std::move(type)) {}
     Column(const Column& other);
     Column& operator=(const Column&) = delete;
-    ~Column();
 
     const Type& type() const { return type_; }
     std::size_t size() const { return size_; }
-    std::byte* bytes() { return data_; }
-    const std::byte* bytes() const { return data_; }
+    std::byte* bytes() { return block_.data; }
+    const std::byte* bytes() const { return block_.data; }
 
     /// Rows beyond the old size are zero. Memory is kept when shrinking.
     void resize(std::size_t rows);
@@ -56,10 +56,19 @@ public:
     }
 
 private:
+    struct Block {
+        Block() = default;
+        explicit Block(std::size_t bytes);
+        Block(Block&& other) noexcept { *this = std::move(other); }
+        Block& operator=(Block&& other) noexcept;
+        ~Block();
+        void* memory = nullptr;
+        std::byte* data = nullptr;
+    };
     void reserve(std::size_t rows);
 
     Type type_;
-    std::byte* data_ = nullptr;
+    Block block_;
     std::size_t size_ = 0;     // rows
     std::size_t capacity_ = 0; // rows
 };

@@ -75,6 +75,17 @@ inline QuatLanes exponential_map(const Vec3Lanes& v) {
 /// Up to lane_count rows of a table that stand one behind the other.
 struct LaneRows { Row first; int count; };
 
+/// From lanes to rows of a table: at(q) of those within count, at.valid(q) of any, the last one repeated.
+class ByRow {
+public:
+    explicit ByRow(LaneRows rows) : rows_(rows) {}
+    Row operator()(int q) const { return rows_.first + static_cast<Row>(q); }
+    Row valid(int q) const { return (*this)(std::min(q, rows_.count - 1)); }
+
+private:
+    LaneRows rows_;
+};
+
 /// Calls body(LaneRows) for the rows of [first, last).
 template <class Body> void for_lane_rows(Row first, Row last, Body&& body) {
     for (Row row = first; row < last; row += lane_count)

@@ -68,6 +68,9 @@ inline unsigned bits(LaneMask mask) {
 #endif
 }
 
+/// Bits of a mask that is set everywhere.
+inline constexpr unsigned all_lanes = (1u << lane_count) - 1;
+
 /// lane_count numbers that stand one behind the other; like all that follow, of any alignment.
 inline Lane load_lane(const double* numbers) {
     Lane a;

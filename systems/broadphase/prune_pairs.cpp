@@ -102,8 +102,26 @@ template <class Pairs> void mark_owners(World& world, std::span<Row> slot) {
     for (std::size_t k = 0; k < count; ++k) slot[entry[k].owner] = 0;
 }
 
+// single spheres are all listed, in the rows of their bodies: contacts need not look those up
+void list_single_spheres(World& world) {
+    const auto slot = world.column<Spheres, ListedSlot>();
+    const auto ball = world.column<Spheres, LocalBall>();
+    const auto runs = world.column<Bodies, SpheresOf>();
+    Table& listed = world.table<Listed>();
+    listed.resize(runs.size());
+    for (Row b = 0; b < runs.size(); ++b) {
+        runs[b].first_listed = b;
+        runs[b].listed = runs[b].count;
+        listed.column<ListedBody>()[b] = b;
+        if (runs[b].count == 0) continue;
+        listed.column<ListedBall>()[b] = ball[runs[b].first];
+        slot[runs[b].first] = b;
+    }
+}
+
 // gives every sphere on a short list a slot in Listed, body by body
 void list_spheres(World& world) {
+    if (world.table<Bodies>().has<SphereInertia>()) return list_single_spheres(world);
     const auto slot = world.column<Spheres, ListedSlot>();
     std::fill(slot.begin(), slot.end(), no_row);
     const auto entry = world.column<NearSpheres, NearPair>();

@@ -1,6 +1,7 @@
 #include "components/boundary.hpp"
 #include "components/material.hpp"
 #include "components/membrane.hpp"
+#include "engine/lane_math.hpp"
 #include "engine/ordering.hpp"
 #include "engine/parallel.hpp"
 #include "systems/broadphase/lists.hpp"
@@ -159,9 +160,10 @@ void locate_spheres(World& world) {
 bool lists_are_due(const World& world) {
     if (world.resource<ListState>().stale) return true;
     const auto travel = world.column<Bodies, Travel>();
-    double largest = 0;
-    for (const double t : travel) largest = t > largest ? t : largest;
-    largest = std::max(largest, travel_of_membrane<PrunedRadius>(world));
+    Lane most{};
+    for_lane_rows(0, static_cast<Row>(travel.size()), [&](LaneRows rows) { most = max(load(travel.data(), rows), most); });
+    double largest = travel_of_membrane<PrunedRadius>(world);
+    for (std::size_t k = 0; k < lane_count; ++k) largest = std::max(largest, most[k]);
     return !(2 * largest <= world.resource<ListSettings>().inner_skin);
 }
 

@@ -25,7 +25,7 @@ struct Tile {
     /// What the tile after next will read and that may be far away: its owners stand side by side, their partners do not.
     void call_for(const TileTarget& to, const Row* rows) const {
         for (int q = 0; q < lane_count; ++q) {
-            const Row other = movers.body[to.near[rows[q]].other];
+            const std::size_t other = movers.body_of(to.near[rows[q]].other);
             __builtin_prefetch(&movers.motion[other]);
             if (movers.kick != nullptr) __builtin_prefetch(&movers.kick[other]);
         }
@@ -33,16 +33,17 @@ struct Tile {
 
     template <class Law>
     bool operator()(const TileTarget& to, const Row* rows, int count) const {
-        alignas(64) std::array<Row, lane_count> own, other; // bodies
+        std::array<std::size_t, lane_count> own_sphere, other_sphere, own, other; // the latter: bodies
         for (std::size_t q = 0; q < lane_count; ++q) {
-            own[q] = movers.body[to.near[rows[q]].owner];
-            other[q] = movers.body[to.near[rows[q]].other];
+            const NearEntry& e = to.near[rows[q]];
+            own[q] = movers.body_of(own_sphere[q] = e.owner);
+            other[q] = movers.body_of(other_sphere[q] = e.other);
         }
         const auto rows_of = [](const auto* table, const auto& bodies, auto member) {
             return load_rows([&](int q) { return &(table[bodies[static_cast<std::size_t>(q)]].*member); });
         };
-        const auto a = transpose(load_rows([&](int q) { return &movers.place[to.near[rows[q]].owner].x; }));
-        const auto b = transpose(load_rows([&](int q) { return &movers.place[to.near[rows[q]].other].x; }));
+        const auto a = transpose(rows_of(movers.place, own_sphere, &PlaceRow::x));
+        const auto b = transpose(rows_of(movers.place, other_sphere, &PlaceRow::x));
         const auto va = rows_of(movers.motion, own, &MotionRow::vx);
         const auto vb = rows_of(movers.motion, other, &MotionRow::vx);
         const Lane sign = in_each_row(Quad{-1, -1, -1, 1});
@@ -75,14 +76,15 @@ struct Tile {
         const Lane half = 0.5 * c.overlap, arm_a = a[3] - half, arm_b = b[3] - half;
         const Lane px = b[0] + c.nx * arm_b, py = b[1] + c.ny * arm_b, pz = b[2] + c.nz * arm_b;
         if constexpr (Law::has_dashpots) {
-            const auto ka = transpose(rows_of(movers.kick, own, &KickRow::vx)), kb = transpose(rows_of(movers.kick, other, &KickRow::vx));
+            const auto ka = rows_of(movers.kick, own, &KickRow::vx), kb = rows_of(movers.kick, other, &KickRow::vx);
+            const auto k = transpose({ka[0] - kb[0], ka[1] - kb[1], ka[2] - kb[2], ka[3] - kb[3]});
             const auto ta = transpose(rows_of(movers.kick, own, &KickRow::spin_x)), tb = transpose(rows_of(movers.kick, other, &KickRow::spin_x));
             const Lane ax = px - xa[0], ay = py - xa[1], az = pz - xa[2];
             const Lane bx = px - xb[0], by = py - xb[1], bz = pz - xb[2];
             const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1], wz = arm_a * wa[2] + arm_b * wb[2];
-            c.vx = u[0] - (wy * c.nz - wz * c.ny) + (ka[0] - kb[0]) + (ta[1] * az - ta[2] * ay) - (tb[1] * bz - tb[2] * by);
-            c.vy = u[1] - (wz * c.nx - wx * c.nz) + (ka[1] - kb[1]) + (ta[2] * ax - ta[0] * az) - (tb[2] * bx - tb[0] * bz);
-            c.vz = u[2] - (wx * c.ny - wy * c.nx) + (ka[2] - kb[2]) + (ta[0] * ay - ta[1] * ax) - (tb[0] * by - tb[1] * bx);
+            c.vx = u[0] - (wy * c.nz - wz * c.ny) + k[0] + (ta[1] * az - ta[2] * ay) - (tb[1] * bz - tb[2] * by);
+            c.vy = u[1] - (wz * c.nx - wx * c.nz) + k[1] + (ta[2] * ax - ta[0] * az) - (tb[2] * bx - tb[0] * bz);
+            c.vz = u[2] - (wx * c.ny - wy * c.nx) + k[2] + (ta[0] * ay - ta[1] * ax) - (tb[0] * by - tb[1] * bx);
         }
         if constexpr (Law::has_rolling) {
             c.wx = wa[0] - wb[0];

@@ -10,22 +10,23 @@ namespace bris {
 
 namespace detail {
 
-/// Sums force and torque of records about a centre.
-class WrenchSum {
-public:
-    explicit WrenchSum(const Vec3& centre) : centre_{centre.x(), centre.y(), centre.z(), 0} {}
-    /// `sign` 1 for the owner, -1 for the partner of the pair.
-    void add(const ForceRow& record, double sign) {
-        const Quad f = sign * load(&record.fx), arm = load(&record.px) - centre_;
-        force_ += f;
-        turned_torque_ += turned_cross(arm, f);
-    }
-    Vec3 force() const { return {force_[0], force_[1], force_[2]}; }
-    Vec3 torque() const { return {turned_torque_[1], turned_torque_[2], turned_torque_[0]}; }
+/// Force and torque, summed from records about a centre. By value: sums stay in registers.
+struct Wrench {
+    Quad force{}, turned_torque{};
 
-private:
-    Quad centre_, force_{}, turned_torque_{};
+    /// `sign` 1 for the owner, -1 for the partner of the pair.
+    [[gnu::always_inline]] void add(const ForceRow& record, double sign, Quad centre) {
+        const Quad f = sign * load(&record.fx), arm = load(&record.px) - centre;
+        force += f;
+        turned_torque += turned_cross(arm, f);
+    }
 };
+
+inline void add_to(Vec3& sum, Quad more) {
+    sum[0] += more[0];
+    sum[1] += more[1];
+    sum[2] += more[2];
+}
 
 /// Records of one kind of pair. Null: the law, or the scene, has none.
 struct Records {
@@ -36,37 +37,50 @@ struct Records {
 /// Where the work that pairs take is booked.
 struct WorkAccounts { double *friction, *viscous, *rolling; };
 
+/// Couples and work of a body's records, which few laws have.
+template <class Pairs>
+void gather_more(Row b, Vec3& torque, const Records& records, const NearIndex<Pairs>& index, const WorkAccounts& accounts) {
+    Vec3 couple = Vec3::Zero();
+    WorkRow work{};
+    index.for_contacts_of(b, [&](Row k, bool as_partner) {
+        if (records.torque != nullptr) {
+            const TorqueRow& t = records.torque[k];
+            couple += (as_partner ? -1 : 1) * Vec3(t.x, t.y, t.z);
+        }
+        if (records.work == nullptr || as_partner) return;
+        work.friction += records.work[k].friction;
+        work.viscous += records.work[k].viscous;
+        work.rolling += records.work[k].rolling;
+    });
+    if (records.torque != nullptr) torque += couple;
+    if (records.work == nullptr) return;
+    accounts.friction[b] += work.friction;
+    accounts.viscous[b] += work.viscous;
+    accounts.rolling[b] += work.rolling;
+}
+
 /// Sums the records of each body; where there is a ledger, the work of the pairs that it owns too.
 template <class Pairs>
 void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torque, const Records& records,
                  const NearIndex<Pairs>& index, const WorkAccounts& accounts) {
+    const Row *contact = index.contact.data(), *owned = index.owned_first.data(), *incident = index.incident_first.data(),
+              *end = index.contact_end.data();
+    const bool more = records.torque != nullptr || records.work != nullptr;
     for (Row b = bodies.first; b < bodies.last; ++b) {
+        const Row first = incident[b] + owned[b], last = end[b];
+        if (first == last) continue;
         // records lie where the owners' pairs lie: the first few of a body to come are called for in time
         if (const Row coming = b + 4; coming < bodies.last)
             for (Row k = 0; k < index.look_ahead; ++k)
-                __builtin_prefetch(&records.force[index.contact[index.first_contact(coming) + k] & ~index.as_partner]);
-        if (index.first_contact(b) == index.contact_end[b]) continue;
-        WrenchSum sum(position[b]);
-        Vec3 couple = Vec3::Zero();
-        WorkRow work{};
-        index.for_contacts_of(b, [&](Row k, bool as_partner) {
-            sum.add(records.force[k], as_partner ? -1 : 1);
-            if (records.torque != nullptr) {
-                const TorqueRow& t = records.torque[k];
-                couple += (as_partner ? -1 : 1) * Vec3(t.x, t.y, t.z);
-            }
-            if (records.work == nullptr || as_partner) return;
-            work.friction += records.work[k].friction;
-            work.viscous += records.work[k].viscous;
-            work.rolling += records.work[k].rolling;
-        });
-        force[b] += sum.force();
-        torque[b] += sum.torque();
-        if (records.torque != nullptr) torque[b] += couple;
-        if (records.work == nullptr) continue;
-        accounts.friction[b] += work.friction;
-        accounts.viscous[b] += work.viscous;
-        accounts.rolling[b] += work.rolling;
+                __builtin_prefetch(&records.force[contact[incident[coming] + owned[coming] + k] & ~index.as_partner]);
+        const Vec3& x = position[b];
+        const Quad centre{x[0], x[1], x[2], 0};
+        Wrench sum;
+        for (Row k = first; k < last; ++k)
+            sum.add(records.force[contact[k] & ~index.as_partner], (contact[k] & index.as_partner) != 0 ? -1 : 1, centre);
+        add_to(force[b], sum.force);
+        add_to(torque[b], __builtin_shufflevector(sum.turned_torque, sum.turned_torque, 1, 2, 0, 3));
+        if (more) gather_more(b, torque[b], records, index, accounts);
     }
 }
 

@@ -17,7 +17,7 @@ public:
     void add(Row near_row, const Vec3& normal, double distance, const Vec3& velocity, const Vec3& turning) {
         const Row slot = to_.near[near_row].owner;
         const PlaceRow& p = movers_.place[slot];
-        const Row owner = movers_.body[slot];
+        const std::size_t owner = movers_.body_of(slot);
         const MotionRow& body = movers_.motion[owner];
         const auto k = static_cast<std::size_t>(count_++);
         const double overlap = p.radius - distance, arm = p.radius - 0.5 * overlap;

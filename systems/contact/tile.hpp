@@ -50,14 +50,15 @@ using MovingBodies = std::conditional_t<Law::has_dashpots, Rows<Bodies, const Ri
 /// What contacts read of spheres, by slot, and of their bodies.
 struct Movers {
     const PlaceRow* place;
-    const Row* body;
+    const Row* body;         ///< null if every sphere is a body: slots are rows of bodies then
     const MotionRow* motion; ///< by body, as the centre
     const CentreRow* centre; ///< null if every sphere stands in the centre of its body
     const KickRow* kick;     ///< null if the law has no dashpots
     template <class MovingRows, class Pairs>
     Movers(const ListedSpheres& listed, const MovingRows& bodies, const NearIndex<Pairs>& index)
-        : place(listed.column<Place>()), body(listed.column<ListedBody>()), motion(bodies.template column<RigidMotion>()),
+        : place(listed.column<Place>()), body(index.centred ? nullptr : listed.column<ListedBody>()), motion(bodies.template column<RigidMotion>()),
           centre(index.centred ? nullptr : bodies.template column<CentreOf>()), kick(kick_of(bodies)) {}
+    std::size_t body_of(std::size_t slot) const { return body == nullptr ? slot : body[slot]; }
 
 private:
     template <class... Cs> static const KickRow* kick_of(const Rows<Bodies, Cs...>& bodies) {
@@ -83,7 +84,9 @@ template <class Law>
 [[gnu::always_inline]] inline void apply_law(const TileTarget& to, const Row* rows, int count, ContactLanes& c, Lane px, Lane py, Lane pz) {
     if (to.share != nullptr)
         for (int q = 0; q < lane_count; ++q) c.share[q] = to.share[rows[q]];
-    const auto pair_of = [&](int q) { return to.near[rows[q]].pair; };
+    std::array<std::size_t, lane_count> pair;
+    for (std::size_t q = 0; q < lane_count; ++q) pair[q] = to.near[rows[q]].pair;
+    const auto pair_of = [&](int q) { return pair[static_cast<std::size_t>(q)]; };
     SpringLanes spring{};
     RollLanes roll{};
     RollingLanes rolling{};

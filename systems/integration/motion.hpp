@@ -51,16 +51,17 @@ void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, Angu
           const Clock& clock);
 
 // A scene of single spheres is told from one of clumps by its column SphereInertia.
-using PlacedSpheres = Rows<Bodies, const SpheresOf, const Position, const Velocity, const StepSpin, const InertialMass,
+using PlacedSpheres = Rows<Bodies, const Position, const Velocity, const StepSpin, const InertialMass,
                            const MotionOf, const SphereInertia, RigidMotion>;
 using PlacedBodies = Rows<Bodies, const SpheresOf, const Position, const Velocity, const StepSpin, const Orientation,
                           const InertialMass, const MotionOf, RigidMotion, CentreOf>;
 using PlacedBalls = Rows<Listed, const ListedBall, Place>;
 
-/// What contacts read, at the new positions: motion of each body over the last step, places of its listed spheres.
+/// What contacts read, at the new positions: motion of each body over the last step; places of single spheres, which
+/// stand in the rows of their bodies.
 void place_spheres(PlacedSpheres bodies, PlacedBalls listed);
 
-/// The same for clumps, and their centres.
+/// The same for clumps: places of their listed spheres, and their centres.
 void place(PlacedBodies bodies, PlacedBalls listed);
 
 /// What dashpots read besides: velocities of the time of the positions, predicted with the last acceleration, less

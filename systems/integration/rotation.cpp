@@ -1,5 +1,6 @@
 #include "engine/lane_math.hpp"
 #include "systems/integration/motion.hpp"
+#include "systems/integration/store_motion.hpp"
 
 namespace bris {
 
@@ -137,11 +138,9 @@ void place(PlacedBodies bodies, PlacedBalls listed) {
         const LaneMask free = equal(motion, rows, free_motion);
         const Lane inverse_mass = free ? 1.0 / load(mass, rows) : Lane{};
         const Vec3Lanes x = load(position, rows), w = load(spin, rows), v = load(velocity, rows);
-        const auto mine = [&](int q) -> MotionRow& { return row[rows.first + static_cast<Row>(q)]; };
-        store_rows(transpose({x.x, x.y, x.z, Lane{}}), rows.count,
-                   [&](int q) { return &centre[rows.first + static_cast<Row>(q)].x; });
-        store_rows(transpose({v.x, v.y, v.z, inverse_mass}), rows.count, [&](int q) { return &mine(q).vx; });
-        store_rows(transpose({w.x, w.y, w.z, Lane{}}), rows.count, [&](int q) { return &mine(q).spin_x; });
+        const ByRow at(rows);
+        store_rows(transpose({x.x, x.y, x.z, Lane{}}), rows.count, [&](int q) { return &centre[at(q)].x; });
+        store_motion(row, rows, v, inverse_mass, w);
         PlacedFrames frames;
         const AxesLanes axes = axes_of(load(orientation, rows));
         put(frames, &PlacedFrame::centre, x);

@@ -1,5 +1,6 @@
 #include "engine/lane_math.hpp"
 #include "systems/integration/motion.hpp"
+#include "systems/integration/store_motion.hpp"
 
 namespace bris {
 
@@ -31,7 +32,9 @@ void clear_forces(Rows<Bodies, Force, Torque> bodies) {
 void weigh(Rows<Bodies, const Mass, Force> bodies, const Gravity& gravity) {
     const double* mass = bodies.column<Mass>();
     Vec3* force = bodies.column<Force>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) force[b] += mass[b] * gravity.value;
+    const Vec3Lanes g{lanes(gravity.value.x()), lanes(gravity.value.y()), lanes(gravity.value.z())};
+    for_lane_rows(bodies.first(), bodies.last(),
+                  [&](LaneRows rows) { store(force, rows, load(force, rows) + load(mass, rows) * g); });
 }
 
 void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin, Force, Torque> bodies,
@@ -118,7 +121,8 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
         const Lane m = load(mass, rows);
         const Vec3Lanes f = load(force, rows);
         const Vec3Lanes a = select(free, {f.x / m, f.y / m, f.z / m}, at_rest);
-        const Vec3Lanes v = select(free, load(velocity, rows) + clock.dt * a, load(drive, rows));
+        Vec3Lanes v = load(velocity, rows) + clock.dt * a;
+        if (bits(free) != all_lanes) v = select(free, v, load(drive, rows));
         store(acceleration, rows, a);
         store(velocity, rows, v);
         store(position, rows, load(position, rows) + clock.dt * v);
@@ -126,7 +130,6 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
 }
 
 void place_spheres(PlacedSpheres bodies, PlacedBalls listed) {
-    const auto* run = bodies.column<SpheresOf>();
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* spin = bodies.column<StepSpin>();
@@ -135,13 +138,14 @@ void place_spheres(PlacedSpheres bodies, PlacedBalls listed) {
     MotionRow* row = bodies.column<RigidMotion>();
     const Ball* ball = listed.column<ListedBall>();
     PlaceRow* place = listed.column<Place>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        const Vec3 x = position[b], v = velocity[b], w = spin[b]; // copies: the columns might overlap for all the compiler knows
-        const double inverse = motion[b] == free_motion ? 1 / mass[b] : 0;
-        row[b] = {v.x(), v.y(), v.z(), inverse, w.x(), w.y(), w.z(), 0};
-        for (Row k = run[b].first_listed; k < run[b].first_listed + run[b].listed; ++k)
-            place[k] = {x.x(), x.y(), x.z(), ball[k].radius};
-    }
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const LaneMask free = equal(motion, rows, free_motion);
+        const Vec3Lanes x = load(position, rows);
+        const ByRow at(rows);
+        store_motion(row, rows, load(velocity, rows), free ? 1.0 / load(mass, rows) : Lane{}, load(spin, rows));
+        const Lane radius = transpose(load_rows([&](int q) { return ball[at.valid(q)].centre.data(); }))[3];
+        store_rows(transpose({x.x, x.y, x.z, radius}), rows.count, [&](int q) { return &place[at(q)].x; });
+    });
 }
 
 void place_kicks(Rows<Bodies, const Acceleration, const Spin, const StepSpin, Kick> bodies, const Clock& clock) {
@@ -149,18 +153,24 @@ void place_kicks(Rows<Bodies, const Acceleration, const Spin, const StepSpin, Ki
     const Vec3* spin = bodies.column<Spin>();
     const Vec3* step_spin = bodies.column<StepSpin>();
     KickRow* kick = bodies.column<Kick>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
-        const Vec3 v = 0.5 * clock.dt * acceleration[b], w = spin[b] - step_spin[b];
-        kick[b] = {v.x(), v.y(), v.z(), 0, w.x(), w.y(), w.z(), 0};
-    }
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const Vec3Lanes v = (0.5 * clock.dt) * load(acceleration, rows), w = load(spin, rows) - load(step_spin, rows);
+        const ByRow at(rows);
+        store_rows(transpose({v.x, v.y, v.z, Lane{}}), rows.count, [&](int q) { return &kick[at(q)].vx; });
+        store_rows(transpose({w.x, w.y, w.z, Lane{}}), rows.count, [&](int q) { return &kick[at(q)].spin_x; });
+    });
 }
 
 void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies) {
     const Vec3* position = bodies.column<Position>();
     const Pose* from = bodies.column<PrunedAt>();
     double* travel = bodies.column<Travel>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b)
-        travel[b] = (position[b] - from[b].position).norm();
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const ByRow at(rows);
+        const auto was = transpose(load_rows([&](int q) { return from[at.valid(q)].position.data(); }));
+        const Vec3Lanes gone = load(position, rows) - Vec3Lanes{was[0], was[1], was[2]};
+        store(travel, rows, sqrt(dot(gone, gone)));
+    });
 }
 
 void place_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePlace> planes,

@@ -15,10 +15,10 @@ inline Lane share_of_step(const ContactLanes& c, LaneMask fresh, double dt) {
     return bits(within) == 0 ? lanes(1) : within ? c.overlap / gone : lanes(1);
 }
 
-/// 1 / sqrt(1 + x). Contacts hardly turn in a step: a series, 1e-16 off, does for all but fast spins.
-inline Lane inverse_root_near_one(Lane x) {
-    if (bits(x * x > 1e-8) != 0) return 1.0 / sqrt(1.0 + x);
-    return 1.0 - x * (0.5 - x * (0.375 - x * (0.3125 - 0.2734375 * x)));
+/// sqrt(1 + x). Contacts hardly turn in a step: a series, 1e-16 off, does for all but fast spins.
+inline Lane root_near_one(Lane x) {
+    if (bits(x * x > 1e-8) != 0) return sqrt(1.0 + x);
+    return 1.0 + x * (0.5 - x * (0.125 - x * (0.0625 - 0.0390625 * x)));
 }
 
 /// Turns a stretch with its pair: onto the new tangent plane at its old length, and about the normal with the
@@ -30,7 +30,7 @@ inline void turn_with_pair(const ContactLanes& c, double dt, Lane& x, Lane& y, L
     const Lane rx = sx + angle * (c.ny * sz - c.nz * sy), ry = sy + angle * (c.nz * sx - c.nx * sz),
                rz = sz + angle * (c.nx * sy - c.ny * sx);
     const Lane was = x * x + y * y + z * z, is = rx * rx + ry * ry + rz * rz;
-    const Lane scale = inverse_root_near_one(is > 0.0 ? (is - was) / was : lanes(0));
+    const Lane scale = is > 0.0 ? root_near_one((was - is) / is) : is;
     x = scale * rx;
     y = scale * ry;
     z = scale * rz;
