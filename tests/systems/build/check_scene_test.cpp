@@ -81,6 +81,21 @@ TEST_SUITE("build/check_scene") {
     TEST_CASE("properties given for a pair are looked at too") {
         CHECK(said(LawName::linear, [](World& w) { w.resource<Materials>().set_pair(0, 0, {.friction = -1}); }) ==
               "materials 'grain' and 'grain': friction: expected at least 0, found -1");
+        CHECK(said(LawName::linear, [](World& w) { w.resource<Materials>().set_pair(0, 0, {.restitution = 1.2}); }) ==
+              "materials 'grain' and 'grain': restitution: expected from 0 to 1, found 1.2");
+    }
+
+    TEST_CASE("restitution 0 is refused where no dashpot can give it: when its force may not pull and it is calibrated") {
+        const auto with = [](Tension tension, double restitution) {
+            return said(LawName::linear_viscous, [=](World& w) {
+                w.resource<Materials>().policy.tension = tension;
+                w.resource<Materials>().list[0].restitution = restitution;
+            });
+        };
+        for (const Tension tension : {Tension::allowed, Tension::cut}) CHECK(with(tension, 0) == "");
+        CHECK(with(Tension::calibrated, 1e-6) == "");
+        CHECK(with(Tension::calibrated, 0) ==
+              "materials 'grain' and 'grain': restitution under calibrated tension: expected above 0 to 1, found 0");
     }
 
     TEST_CASE("a free body without mass or inertia is refused; a boundary needs none") {
