@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace bris {
 
@@ -49,15 +50,16 @@ void Materials::mix() {
     linear_pairs.clear();
     hertz_pairs.clear();
     rolling_pairs.clear();
+    restitution.clear();
     for (std::uint32_t i = 0; i < list.size(); ++i)
         for (std::uint32_t j = 0; j < list.size(); ++j) {
             const Material &a = list[i], &b = list[j];
-            double friction = std::min(a.friction, b.friction), restitution = std::sqrt(a.restitution * b.restitution);
+            double friction = std::min(a.friction, b.friction), rebound = std::sqrt(a.restitution * b.restitution);
             RollingRow rolling{std::min(a.rolling_friction, b.rolling_friction), std::min(a.twisting_friction, b.twisting_friction),
                                policy.rolling_stiffness_ratio, policy.rolling_damping_ratio};
             for (const Override& o : overrides_)
-                if ((o.a == i && o.b == j) || (o.a == j && o.b == i)) apply(o.properties, friction, restitution, rolling);
-            const double ratio = 2 * damping_ratio(restitution, policy.tension), shear = policy.shear_dashpot ? ratio : 0;
+                if ((o.a == i && o.b == j) || (o.a == j && o.b == i)) apply(o.properties, friction, rebound, rolling);
+            const double ratio = 2 * damping_ratio(rebound, policy.tension), shear = policy.shear_dashpot ? ratio : 0;
             const double hertz = std::sqrt(5.0 / 6); // Tsuji, Tanaka and Ishida (1992)
             LawRow linear{series(a.normal_stiffness, b.normal_stiffness), series(a.shear_stiffness, b.shear_stiffness), friction,
                                 0.5 * (a.normal_damping + b.normal_damping), 0.5 * (a.shear_damping + b.shear_damping), ratio, 0, 0};
@@ -71,6 +73,7 @@ void Materials::mix() {
             linear_pairs.push_back(linear);
             hertz_pairs.push_back(curved);
             rolling_pairs.push_back(rolling);
+            restitution.push_back(rebound);
         }
 }
 
@@ -119,6 +122,7 @@ double damping_ratio(double restitution, Tension tension) {
         const double l = std::log(restitution);
         return -l / std::sqrt(pi * pi + l * l);
     }
+    if (restitution <= 0) return std::numeric_limits<double>::infinity();
     double low = 0, high = 1;
     while (restitution_of(high, tension) > restitution) high *= 2;
     for (int k = 0; k < 200; ++k) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "components/pressure_aim.hpp"
 #include "engine/archive.hpp"
 #include "engine/component.hpp"
 #include "engine/entity.hpp"
@@ -49,6 +50,7 @@ struct Membrane {
     Row body_row = no_row;        ///< derived, where that body stands now
     double ring_height = 0;       ///< m
     double target_pressure = 0;   ///< Pa, on the area of the current surface
+    PressureAim aim;              ///< on the way to that target
     double damping = 0.7;         ///< local, of the groups' motion, in [0, 1)
     double contact_stiffness = 0; ///< N/m, of one grain contact on an element
     double largest_step = 0;      ///< m, of an element in a step
@@ -57,7 +59,8 @@ struct Membrane {
     std::vector<double> stiffness; ///< N/m, the largest that each group has touched: sets its inertia
 
     static auto fields(auto& self) {
-        return std::tie(self.active, self.target_pressure, self.damping, self.largest_step, self.contact_stiffness, self.ring_height);
+        return std::tie(self.active, self.target_pressure, self.damping, self.largest_step, self.contact_stiffness, self.ring_height,
+                        self.aim.from, self.aim.to, self.aim.left);
     }
     void save(Archive& archive) const {
         put_fields(archive, "membrane/settings", fields(*this));

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "components/pressure_aim.hpp"
 #include "engine/archive.hpp"
 
 #include <tuple>
@@ -15,6 +16,7 @@ struct Platen {
     bool controlled = false;      ///< true: pressure is the aim; false: `speed` is given
     double speed = 0;             ///< m/s, downwards
     double target_pressure = 0;   ///< Pa
+    PressureAim aim;              ///< on the way to that target, where controlled
     double damping = 0.7;         ///< local, as the membrane's
     double contact_stiffness = 0; ///< N/m, of one grain contact on it
     double largest_step = 0;      ///< m, in a step
@@ -23,7 +25,7 @@ struct Platen {
 
     static auto fields(auto& self) {
         return std::tie(self.controlled, self.speed, self.target_pressure, self.largest_step, self.pressure, self.damping, self.contact_stiffness,
-                        self.stiffness);
+                        self.stiffness, self.aim.from, self.aim.to, self.aim.left);
     }
     void save(Archive& archive) const { put_fields(archive, "platen/settings", fields(*this)); }
     void load(const Archive& archive) { get_fields(archive, "platen/settings", fields(*this)); }

@@ -12,31 +12,19 @@
 #include "systems/build/scene.hpp"
 #include "systems/output/contacts.hpp"
 #include "systems/steps.hpp"
+#include "systems/stress/scenes.hpp"
 
-#include <array>
 #include <cmath>
 #include <utility>
-#include <vector>
 
 // Small scenes that tests share.
 
 namespace bris::testing {
 
-/// The value of a component of a body, found by id.
-template <class C> typename C::Value& of(World& world, EntityId body) {
-    return world.column<Bodies, C>()[row_of_body(world, body)];
-}
-template <class C> typename C::Value& of(Simulation& simulation, EntityId body) {
-    return of<C>(simulation.world(), body);
-}
+using stress::small_rock;
 
 inline std::uint32_t add_material(World& world, const Material& material) {
     return world.resource<Materials>().add(material);
-}
-
-/// A material of which two partners have a contact of stiffness `kn`, `ks` (they act in series).
-inline Material contact_material(double kn, double ks = 0, double friction = 0, double density = 2600) {
-    return {.name = "grain", .density = density, .normal_stiffness = 2 * kn, .shear_stiffness = 2 * ks, .friction = friction};
 }
 
 struct RunSettings {
@@ -54,13 +42,6 @@ inline Simulation start(World world, const RunSettings& s) {
     Simulation simulation(std::move(world), steps(s.law), s.threads, s.schedule);
     simulation.on_restore(invalidate_lists);
     return simulation;
-}
-
-/// A plane z = 0 on a fixed body, grains above.
-inline EntityId add_floor(World& world, std::uint32_t material) {
-    const EntityId host = add_boundary(world, Vec3::Zero(), material);
-    add_plane(world, host, Vec3::Zero(), Vec3(0, 0, 1));
-    return host;
 }
 
 /// The square [low, high]^2 at z = 0 as n x n facets of one fixed body, normals up.
@@ -103,13 +84,6 @@ inline EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, i
     return host;
 }
 
-/// Six overlapping balls of a rock, about 1 m across.
-inline Clump small_rock() {
-    const std::vector<Ball> balls{{{0.25, 0, 0}, 0.3},    {{-0.25, 0.05, 0}, 0.28}, {{0, 0.2, 0.02}, 0.27},
-                                  {{0.02, -0.2, 0}, 0.25}, {{0, 0.03, 0.16}, 0.26}, {{0.05, 0, -0.14}, 0.24}};
-    return make_clump("small rock", balls);
-}
-
 enum class Walls { planes, facets };
 
 /// What a bed is made of.
@@ -122,35 +96,9 @@ struct BedSettings {
 
 /// Grains of radius about 1 cm on a lattice, thrown about, in a box that they settle in; friction on.
 inline World bed(const BedSettings& s) {
-    World world = make_world(s.grains);
-    Material material = contact_material(1e5, 3e4, 0.5);
-    material.normal_damping = 1500;
-    material.shear_damping = 750;
-    const auto grain = add_material(world, material);
-    const auto wall = add_material(world, {.name = "wall", .normal_stiffness = 4e5, .shear_stiffness = 1e5, .friction = 0.3,
-                                           .normal_damping = 1000, .shear_damping = 500});
-    const int n = static_cast<int>(std::ceil(std::cbrt(s.bodies * 0.5)));
-    const double pitch = 0.0187;
-    Random random(s.seed, 7);
-    const Clump rock = s.grains == Grains::clumps ? small_rock() : Clump{};
-    for (unsigned made = 0; made < s.bodies; ++made) {
-        const auto i = static_cast<int>(made);
-        const Vec3 site((i % n + 0.5) * pitch, (i / n % n + 0.5) * pitch, (i / n / n + 0.5) * pitch);
-        const Vec3 place = site + 0.0003 * random.direction();
-        EntityId id = 0;
-        if (s.grains == Grains::spheres) {
-            id = add_sphere(world, place, 0.0091 * random.uniform(0.75, 1), grain);
-        } else {
-            const Clump sized = scaled(rock, 0.0091 / rock.bounding_radius * random.uniform(0.8, 1));
-            id = add_clump(world, sized, 0, place, random.rotation(), grain);
-        }
-        of<Velocity>(world, id) = 0.4 * random.direction() + Vec3(0, 0, -0.5);
-        set_spin(world, id, 20 * random.direction());
-    }
-    const Vec3 high(n * pitch, n * pitch, 4 * n * pitch);
-    if (s.walls == Walls::planes) add_box(world, Vec3::Zero(), high, wall);
-    else add_facet_box(world, Vec3::Zero(), high, 4, wall);
-    world.add_resource<Gravity>({Vec3(3, 2, -60)}); // settles soon, and into a corner
+    const stress::Tumble tumble{.grains = s.grains, .bodies = s.bodies, .seed = s.seed, .walls = s.walls == Walls::planes};
+    World world = stress::tumbling(tumble);
+    if (s.walls == Walls::facets) add_facet_box(world, Vec3::Zero(), stress::box_of(tumble), 4, 1);
     return world;
 }
 

@@ -71,7 +71,9 @@ void check_pair(const Materials& materials, std::uint32_t a, std::uint32_t b, La
     expect(whose, is_hertz(law) ? "effective modulus" : "stiffness of a contact", row.kn, above(0), is_hertz(law) ? "Pa" : "N/m");
     expect(whose, is_hertz(law) ? "effective shear modulus" : "shear stiffness of a contact", row.ks, at_least(0), is_hertz(law) ? "Pa" : "N/m");
     expect(whose, "friction", row.friction, at_least(0), "");
-    expect(whose, "damping ratio of the restitution", row.normal_ratio, at_least(0), "");
+    const bool calibrated = materials.policy.tension == Tension::calibrated; // then no dashpot is stiff enough for 0
+    expect(whose, calibrated ? "restitution under calibrated tension" : "restitution", materials.restitution[pair],
+           Range{.low = 0, .high = 1, .low_accepted = !calibrated}, "");
     if (!has_rolling(law)) return;
     expect(whose, "rolling friction", materials.rolling_pairs[pair].rolling_friction, at_least(0), "");
     expect(whose, "twisting friction", materials.rolling_pairs[pair].twisting_friction, at_least(0), "");

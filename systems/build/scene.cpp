@@ -183,17 +183,24 @@ Row row_of_body(const World& world, EntityId body) {
     throw InputError("no body has the id " + std::to_string(body));
 }
 
-void set_spin(World& world, EntityId body, const Vec3& spin) {
-    Table& bodies = world.table<Bodies>();
+Vec3 angular_momentum(const World& world, EntityId body, const Vec3& spin) {
+    const Table& bodies = world.table<Bodies>();
     const Row row = row_of_body(world, body);
-    bodies.column<Spin>()[row] = bodies.column<StepSpin>()[row] = spin;
-    if (bodies.has<SphereInertia>()) {
-        bodies.column<AngularMomentum>()[row] = bodies.column<SphereInertia>()[row] * spin;
-    } else {
-        const Quat& q = bodies.column<Orientation>()[row];
-        const Vec3 local = q.conjugate() * spin;
-        bodies.column<AngularMomentum>()[row] = q * Vec3(local.cwiseProduct(bodies.column<InertialInertia>()[row]));
-    }
+    if (bodies.has<SphereInertia>()) return bodies.column<SphereInertia>()[row] * spin;
+    const Quat& q = bodies.column<Orientation>()[row];
+    const Vec3 local = q.conjugate() * spin;
+    return q * Vec3(local.cwiseProduct(bodies.column<InertialInertia>()[row]));
+}
+
+void set_spin(World& world, EntityId body, const Vec3& spin) {
+    value_of<Spin>(world, body) = value_of<StepSpin>(world, body) = spin;
+    value_of<AngularMomentum>(world, body) = angular_momentum(world, body, spin);
+}
+
+EntityId add_floor(World& world, std::uint32_t material) {
+    const EntityId host = add_boundary(world, Vec3::Zero(), material);
+    add_plane(world, host, Vec3::Zero(), Vec3::UnitZ());
+    return host;
 }
 
 EntityId add_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material) {
@@ -204,6 +211,25 @@ EntityId add_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t 
         add_plane(world, host, high[a] * axis, -axis);
     }
     return host;
+}
+
+Material linear_material(double kn, double ks, double friction, double density) {
+    Material m;
+    m.name = "grain";
+    m.density = density;
+    m.normal_stiffness = 2 * kn;
+    m.shear_stiffness = 2 * ks;
+    m.friction = friction;
+    return m;
+}
+
+Material rigid_material(double friction) {
+    Material m;
+    m.name = "rigid";
+    m.normal_stiffness = m.shear_stiffness = m.young_modulus = 1e30;
+    m.friction = friction;
+    m.rolling_friction = m.twisting_friction = 1e9;
+    return m;
 }
 
 } // namespace bris

@@ -3,9 +3,11 @@
 #include "components/boundary.hpp"
 #include "components/body.hpp"
 #include "components/clump.hpp"
+#include "components/kinds.hpp"
 #include "components/material.hpp"
 #include "components/membrane.hpp"
 #include "components/settings.hpp"
+#include "engine/simulation.hpp"
 #include "engine/world.hpp"
 
 namespace bris {
@@ -42,10 +44,30 @@ void add_membrane(World& world, Membrane membrane, double radius, std::uint32_t 
 /// Row of a body now.
 Row row_of_body(const World& world, EntityId body);
 
+/// The value of a component of a body, found by its id.
+template <class C> typename C::Value& value_of(World& world, EntityId body) {
+    return world.column<Bodies, C>()[row_of_body(world, body)];
+}
+template <class C> typename C::Value& value_of(Simulation& simulation, EntityId body) {
+    return value_of<C>(simulation.world(), body);
+}
+
+/// Moment of inertia (kg m2, world frame) times spin.
+Vec3 angular_momentum(const World& world, EntityId body, const Vec3& spin);
+
 /// Spin of a body, rad/s, with the angular momentum that goes with it. A boundary that turns keeps its shape.
 void set_spin(World& world, EntityId body, const Vec3& spin);
 
+/// A plane z = 0 on a fixed body, grains above.
+EntityId add_floor(World& world, std::uint32_t material);
+
 /// A box of six planes on one fixed body, grains inside.
 EntityId add_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material);
+
+/// A material of which two partners have a contact of stiffness `kn`, `ks` (N/m; they act in series).
+Material linear_material(double kn, double ks = 0, double friction = 0, double density = 2600);
+
+/// One so stiff that a partner alone deforms.
+Material rigid_material(double friction = 1e9);
 
 } // namespace bris

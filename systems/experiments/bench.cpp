@@ -9,13 +9,6 @@
 
 namespace bris {
 
-Vec3 angular_momentum(World& world, EntityId body, const Vec3& spin) {
-    if (world.table<Bodies>().has<SphereInertia>()) return value_of<SphereInertia>(world, body) * spin;
-    const Quat& q = value_of<Orientation>(world, body);
-    const Vec3 local = q.conjugate() * spin;
-    return q * Vec3(local.cwiseProduct(value_of<InertialInertia>(world, body)));
-}
-
 Simulation begin(World world, LawName law, double dt, bool ledger, unsigned threads) {
     world.resource<Clock>().dt = dt;
     Limits& limits = world.resource<Limits>();
@@ -26,31 +19,6 @@ Simulation begin(World world, LawName law, double dt, bool ledger, unsigned thre
     Simulation simulation(std::move(world), steps(law, ledger), threads);
     simulation.on_restore(forget_lists);
     return simulation;
-}
-
-EntityId add_floor(World& world, std::uint32_t material) {
-    const EntityId host = add_boundary(world, Vec3::Zero(), material);
-    add_plane(world, host, Vec3::Zero(), Vec3::UnitZ());
-    return host;
-}
-
-Material linear_material(double kn, double ks, double friction, double density) {
-    Material m;
-    m.name = "grain";
-    m.density = density;
-    m.normal_stiffness = 2 * kn;
-    m.shear_stiffness = 2 * ks;
-    m.friction = friction;
-    return m;
-}
-
-Material rigid_material(double friction) {
-    Material m;
-    m.name = "rigid";
-    m.normal_stiffness = m.shear_stiffness = m.young_modulus = 1e30;
-    m.friction = friction;
-    m.rolling_friction = m.twisting_friction = 1e9;
-    return m;
 }
 
 Touch touch_of(const World& world) {

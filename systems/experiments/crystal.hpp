@@ -9,7 +9,7 @@ namespace bris {
 
 enum class Lattice : std::uint32_t { simple, body_centred, face_centred };
 
-/// Unit vectors from a sphere of a lattice to its neighbours.
+/// Unit vectors from a sphere of a lattice to its neighbours, in the order of x.
 std::vector<Vec3> neighbours(Lattice lattice);
 /// Volume of a sphere's cell over the cube of the distance of neighbours.
 double cell_volume(Lattice lattice);

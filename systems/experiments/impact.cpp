@@ -105,6 +105,9 @@ void check(const Impact& s) {
     require(s.angle >= 0 && s.angle < pi / 2,
             fmt::format("impact: expected an angle in [0, 90) degrees, found {:g}", s.angle * 180 / pi));
     require(s.steps_per_contact > 1, fmt::format("impact: expected more than 1 step a contact, found {:g}", s.steps_per_contact));
+    const double e = std::sqrt(s.material.restitution * s.partner_material.restitution);
+    require(e > 0 || s.policy.tension != Tension::calibrated,
+            fmt::format("impact: restitution under calibrated tension: expected above 0 to 1, found {:g}", e));
     const NormalContact c = normal_contact(s);
     require(c.stiffness > 0 && std::isfinite(c.stiffness),
             is_hertz(s.law) ? "impact: expected Young's moduli above 0 Pa" : "impact: expected normal stiffnesses above 0 N/m");

@@ -50,6 +50,7 @@ void TriaxialTest::start_consolidation() {
     const double wall_contact =
         materials.linear_pairs[materials.pair(specimen.rock_material, specimen.membrane_material)].kn;
     membrane.active = platen.controlled = true;
+    membrane.aim = platen.aim = {}; // what follows starts from rest: no pressure is held that could change
     membrane.contact_stiffness = platen.contact_stiffness = wall_contact;
     membrane.largest_step = platen.largest_step = 2e-6 * top;
     invalidate_lists(world);

@@ -114,6 +114,7 @@ void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, con
     const double* push = elements.column<ElementPush>();
     const double* hold = elements.column<ElementHold>();
     measure_areas(membrane, radius, planes.column<PlanePlace>()[platen.plane].point.z(), area);
+    const double aim = membrane.aim.next(membrane.target_pressure);
     const std::size_t group = membrane.per_element ? 1 : membrane.sectors;
     for (std::size_t g = 0; g < elements.size() / group; ++g) {
         double force = 0, on = 0, stiffness = 0;
@@ -128,10 +129,10 @@ void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, con
             stiffness += hold[e] * membrane.contact_stiffness;
         }
         const bool passed = on < least_area * membrane.ring_height * radius[g * group] && g * group >= membrane.sectors;
-        membrane.pressure[g] = passed ? membrane.target_pressure : force / on;
+        membrane.pressure[g] = passed ? aim : force / on;
         // one contact an element is the floor
         ServoMotion servo{membrane.stiffness[g], membrane.damping, membrane.largest_step, clock.dt};
-        const double next = servo.next(speed[g * group], force - membrane.target_pressure * on,
+        const double next = servo.next(speed[g * group], force - aim * on,
                                        std::max(stiffness, static_cast<double>(group) * membrane.contact_stiffness));
         for (std::size_t e = g * group; e < (g + 1) * group; ++e) {
             if (membrane.active) speed[e] = passed ? speed[e - membrane.sectors] : next;

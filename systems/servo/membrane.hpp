@@ -25,8 +25,8 @@ void book_membrane_work(Rows<Bodies, BoundaryWork> bodies, Rows<Elements, const 
                         const Membrane& membrane, const Clock& clock);
 
 /// Moves the groups of a membrane (rings or elements) by their balance of forces (ServoMotion): the
-/// grains' push against the target pressure on the area dV/dr of the current surface below the platen
-/// (inventory E3). A group that the platen has passed follows the ring below it. An element that its
+/// grains' push against the target pressure (PressureAim) on the area dV/dr of the current surface below the
+/// platen (inventory E3). A group that the platen has passed follows the ring below it. An element that its
 /// neighbours hide has no area to press on, and one that reaches the axis has found no grains: that is noted in Health and
 /// stops the run.
 void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold> elements,

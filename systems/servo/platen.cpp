@@ -17,10 +17,11 @@ void steer_platen(Rows<Planes, const HostRow> planes,
     const double push = bodies.column<Force>()[host].z(); // the grains push the platen up
     platen.pressure = push / area;
     if (platen.controlled) {
+        const double aim = platen.aim.next(platen.target_pressure);
         double stiffness = platen.contact_stiffness;
         stiffness += platen.contact_stiffness * (index.contact_end[host] - index.first_contact(host));
         ServoMotion servo{platen.stiffness, platen.damping, platen.largest_step, clock.dt};
-        platen.speed = servo.next(platen.speed, platen.target_pressure * area - push, stiffness);
+        platen.speed = servo.next(platen.speed, aim * area - push, stiffness);
     }
     Vec3& position = bodies.column<Position>()[host];
     bodies.column<Velocity>()[host] = Vec3(0, 0, -platen.speed);

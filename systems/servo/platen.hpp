@@ -13,8 +13,8 @@
 namespace bris {
 
 /// Moves the top platen (Motion::servo) by one step: at its given speed, or, where `controlled`, by its
-/// balance of forces, the grains' push against the target pressure on the mean area inside the
-/// membrane (ServoMotion). It moves by the forces of this very step: a speed that comes a step late
+/// balance of forces, the grains' push against the target pressure (PressureAim) on the mean area inside
+/// the membrane (ServoMotion). It moves by the forces of this very step: a speed that comes a step late
 /// would feed its oscillation. A platen that reaches the bottom, z = 0, has found no grains: that is noted in Health and stops
 /// the run.
 void steer_platen(Rows<Planes, const HostRow> planes,

@@ -76,27 +76,27 @@ void add_bodies(StressRows& rows) {
         tally.add(name, fmt::format("{} = {}", name, value), refusal_of([&] { check_scene(world, LawName::linear); }));
     };
     for (const double v : {none, infinite}) {
-        attempt("position", v, Grains::spheres, [&](World& w) { of<Position>(w, 1).y() = v; });
-        attempt("velocity", v, Grains::spheres, [&](World& w) { of<Velocity>(w, 1).y() = v; });
-        attempt("spin", v, Grains::spheres, [&](World& w) { of<Spin>(w, 1).y() = v; });
+        attempt("position", v, Grains::spheres, [&](World& w) { value_of<Position>(w, 1).y() = v; });
+        attempt("velocity", v, Grains::spheres, [&](World& w) { value_of<Velocity>(w, 1).y() = v; });
+        attempt("spin", v, Grains::spheres, [&](World& w) { value_of<Spin>(w, 1).y() = v; });
         attempt("gravity", v, Grains::spheres, [&](World& w) { w.resource<Gravity>().value.x() = v; });
     }
     for (const double v : {0.0, -1.0, none, infinite}) {
-        attempt("mass", v, Grains::spheres, [&](World& w) { of<Mass>(w, 1) = v; });
-        attempt("mass", v, Grains::clumps, [&](World& w) { of<InertialMass>(w, 1) = v; });
-        attempt("inertia", v, Grains::spheres, [&](World& w) { of<SphereInertia>(w, 1) = v; });
-        attempt("inertia", v, Grains::clumps, [&](World& w) { of<InertialInertia>(w, 1).z() = v; });
+        attempt("mass", v, Grains::spheres, [&](World& w) { value_of<Mass>(w, 1) = v; });
+        attempt("mass", v, Grains::clumps, [&](World& w) { value_of<InertialMass>(w, 1) = v; });
+        attempt("inertia", v, Grains::spheres, [&](World& w) { value_of<SphereInertia>(w, 1) = v; });
+        attempt("inertia", v, Grains::clumps, [&](World& w) { value_of<InertialInertia>(w, 1).z() = v; });
         attempt("radius", v, Grains::spheres, [&](World& w) { w.column<Spheres, LocalBall>()[1].radius = v; });
         attempt("overlap", v, Grains::spheres, [&](World& w) { w.resource<Limits>().overlap = v; });
     }
     for (const double v : {-1e-5, none, infinite}) attempt("step", v, Grains::spheres, [&](World& w) { w.resource<Clock>().dt = v; });
     for (const double v : {-0.1, 1.0, none}) attempt("local damping", v, Grains::spheres, [&](World& w) { w.add_resource(LocalDamping{v}); });
-    attempt("orientation", 2, Grains::clumps, [&](World& w) { of<Orientation>(w, 1).coeffs() *= 2; });
-    attempt("material", 7, Grains::spheres, [&](World& w) { of<MaterialOf>(w, 1) = 7; });
+    attempt("orientation", 2, Grains::clumps, [&](World& w) { value_of<Orientation>(w, 1).coeffs() *= 2; });
+    attempt("material", 7, Grains::spheres, [&](World& w) { value_of<MaterialOf>(w, 1) = 7; });
     tally.add("body", "a scene of nothing", refusal_of([] { check_scene(make_world(Grains::spheres), LawName::linear); }));
     tally.add("density", "a grain without density", refusal_of([] {
                   World world = make_world(Grains::spheres);
-                  add_sphere(world, Vec3::Zero(), 1, world.resource<Materials>().add(grain_material(1, 1, 0, 0)));
+                  add_sphere(world, Vec3::Zero(), 1, world.resource<Materials>().add(linear_material(1, 1, 0, 0)));
               }));
     rows.push_back(tally.row());
 }

@@ -22,7 +22,7 @@ StressRow within_tolerance(const std::string& what, double found, double exact, 
 double rocking_period(bool rolls, double dt, double cycles) {
     constexpr double radius = 0.1, rise = 0.03, gravity = 10, angle = 0.01; // m, m, m/s2, rad
     World world = make_world(Grains::clumps);
-    const auto material = world.resource<Materials>().add(grain_material(1e7, rolls ? 1e7 : 0, rolls ? 1e3 : 0, 1000));
+    const auto material = world.resource<Materials>().add(linear_material(1e7, rolls ? 1e7 : 0, rolls ? 1e3 : 0, 1000));
     add_floor(world, material);
     Clump shape;
     shape.balls = {{Vec3(0, 0, rise), radius}};
@@ -30,14 +30,14 @@ double rocking_period(bool rolls, double dt, double cycles) {
     shape.inertia = 1e-3 * Vec3(4e-3, 4e-3, 3e-3);
     shape.bounding_radius = radius + rise;
     const EntityId body = add_clump(world, shape, 0, Vec3::Zero(), exponential_map(Vec3(0, angle, 0)), material);
-    of<Position>(world, body) = Vec3(0, 0, radius - 1 * gravity / 1e7 - rise * std::cos(angle));
+    value_of<Position>(world, body) = Vec3(0, 0, radius - 1 * gravity / 1e7 - rise * std::cos(angle));
     world.add_resource<Gravity>({Vec3(0, 0, -gravity)});
     Simulation simulation = begin(std::move(world), {.dt = dt, .law = rolls ? LawName::linear : LawName::linear_frictionless, .schedule = {.serial = true}});
     // from the first upward zero of the tilt to one some cycles on, linear between steps
     double before = angle, first = -1, last = 0, count = 0;
     while (count <= cycles) {
         simulation.advance(1);
-        const Quat& q = of<Orientation>(simulation, body);
+        const Quat& q = value_of<Orientation>(simulation, body);
         const double tilt = 2 * q.y() * (q.w() < 0 ? -1 : 1);
         if (before < 0 && tilt >= 0) {
             last = simulation.world().resource<Clock>().time() - dt * tilt / (tilt - before);
@@ -70,7 +70,7 @@ void add_flips(StressRows& rows, double dt, int flips) {
     shape.volume = 1;
     shape.inertia = inertia;
     shape.bounding_radius = 1;
-    const auto material = world.resource<Materials>().add(grain_material(1, 1, 0, 1));
+    const auto material = world.resource<Materials>().add(linear_material(1, 1, 0, 1));
     const EntityId body = add_clump(world, shape, 0, Vec3::Zero(), Quat::Identity(), material);
     set_spin(world, body, spin);
     Simulation simulation = begin(std::move(world), {.dt = dt, .schedule = {.serial = true}});
@@ -82,7 +82,7 @@ void add_flips(StressRows& rows, double dt, int flips) {
     double before = 1, first = -1, last = 0;
     for (int found = 0; found <= flips;) {
         simulation.advance(1);
-        const double about = (of<Orientation>(simulation, body).conjugate() * of<Spin>(simulation, body)).y();
+        const double about = (value_of<Orientation>(simulation, body).conjugate() * value_of<Spin>(simulation, body)).y();
         if (before * about < 0) {
             last = simulation.world().resource<Clock>().time() - dt * about / (about - before);
             if (first < 0) first = last;

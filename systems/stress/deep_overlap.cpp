@@ -20,7 +20,7 @@ constexpr double radius = 0.01;
 /// Spheres in a row, each overlapping the next by a part of the diameter.
 World row_of_spheres(unsigned count, double overlap) {
     World world = make_world(Grains::spheres);
-    const auto grain = world.resource<Materials>().add(grain_material(1e5, 3e4, 0.5));
+    const auto grain = world.resource<Materials>().add(linear_material(1e5, 3e4, 0.5));
     for (unsigned k = 0; k < count; ++k) add_sphere(world, Vec3(2 * radius * (1 - overlap) * k, 0, 0), radius, grain);
     return world;
 }
@@ -34,7 +34,7 @@ World spheres_in_a_floor() {
 /// Two clumps, the second `ratio` times as large and `shift` of its radius aside.
 World clump_in_clump(double ratio, double shift) {
     World world = make_world(Grains::clumps);
-    const auto grain = world.resource<Materials>().add(grain_material(1e5, 3e4, 0.5));
+    const auto grain = world.resource<Materials>().add(linear_material(1e5, 3e4, 0.5));
     const Clump rock = scaled(small_rock(), 0.03);
     add_clump(world, rock, 0, Vec3::Zero(), Quat::Identity(), grain);
     add_clump(world, scaled(rock, ratio), 0, Vec3(shift * rock.bounding_radius, 0, 0), Quat::Identity(), grain);

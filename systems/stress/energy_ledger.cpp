@@ -57,7 +57,7 @@ template <class Pairs> double least_work(const World& world) {
 }
 
 Material grain(double friction) {
-    Material m = grain_material(1e6, 8e5, friction);
+    Material m = linear_material(1e6, 8e5, friction);
     m.young_modulus = 1e9;
     m.poisson_ratio = 0.25;
     m.restitution = 0.8;
@@ -79,8 +79,8 @@ Impact impact(LawName law, double degrees, double friction, bool pair, double dt
     const double angle = degrees * pi / 180;
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
     const Vec3 velocity = speed * Vec3(std::sin(angle), 0, -std::cos(angle));
-    of<Position>(world, ball) = Vec3(0, 0, radius) - 3.3 * dt * velocity;
-    of<Velocity>(world, ball) = velocity;
+    value_of<Position>(world, ball) = Vec3(0, 0, radius) - 3.3 * dt * velocity;
+    value_of<Velocity>(world, ball) = velocity;
     set_spin(world, ball, Vec3(3, -5, 7));
     if (pair) add_sphere(world, Vec3(0, 0, -radius), radius, material);
     else add_floor(world, material);
@@ -88,7 +88,7 @@ Impact impact(LawName law, double degrees, double friction, bool pair, double dt
     const double start = account_of(simulation.world()).energy;
     Impact found;
     simulation.advance(4);
-    for (int k = 0; k < 20'000 && (k < 3 || of<Acceleration>(simulation, ball).squaredNorm() > 0); ++k) {
+    for (int k = 0; k < 20'000 && (k < 3 || value_of<Acceleration>(simulation, ball).squaredNorm() > 0); ++k) {
         simulation.advance(1);
         const double least = pair ? least_work<SpherePairs>(simulation.world()) : least_work<PlanePairs>(simulation.world());
         found.least = std::min(found.least, least / start);
@@ -160,9 +160,9 @@ double bed_closure(LawName law, Grains grains, bool shear_dashpot, double share,
     const double start = account_of(simulation.world()).energy;
     const auto steps = [&](double time) { return static_cast<std::uint64_t>(std::llround(time / dt)); };
     simulation.advance(steps(0.03));
-    of<DriveVelocity>(simulation, host) = Vec3(0, 0, 0.2);
+    value_of<DriveVelocity>(simulation, host) = Vec3(0, 0, 0.2);
     simulation.advance(steps(0.02));
-    of<DriveVelocity>(simulation, host).setZero();
+    value_of<DriveVelocity>(simulation, host).setZero();
     simulation.advance(steps(0.12));
     const Account a = account_of(simulation.world());
     return std::abs(a.total() - start) / (a.taken + std::abs(a.put_in));

@@ -14,10 +14,10 @@ using namespace stress;
 
 World box(unsigned spheres, double pitch, double speed, const Vec3& gravity, std::uint64_t seed) {
     World world = make_world(Grains::spheres);
-    const auto grain = world.resource<Materials>().add(grain_material(1e5, 3e4, 0.5));
+    const auto grain = world.resource<Materials>().add(linear_material(1e5, 3e4, 0.5));
     Random random(seed, 5);
     for (unsigned k = 0; k < spheres; ++k)
-        of<Velocity>(world, add_sphere(world, pitch * Vec3(0.5 + k % 3, 0.5 + k / 3 % 3, 0.5 + k / 9), 0.01, grain)) = speed * random.direction();
+        value_of<Velocity>(world, add_sphere(world, pitch * Vec3(0.5 + k % 3, 0.5 + k / 3 % 3, 0.5 + k / 9), 0.01, grain)) = speed * random.direction();
     add_box(world, Vec3::Zero(), 3 * pitch * Vec3::Ones(), grain);
     world.add_resource<Gravity>({gravity});
     world.add_resource(LocalDamping{0});

@@ -32,13 +32,13 @@ struct Shot {
 
 Shot shoot(Target target, double way, double steps) {
     World world = make_world(Grains::spheres);
-    const auto grain = world.resource<Materials>().add(grain_material(kn, 0, 0, density));
+    const auto grain = world.resource<Materials>().add(linear_material(kn, 0, 0, density));
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, grain);
-    const double dt = contact_time(of<Mass>(world, ball)) / steps, speed = way * radius / dt;
+    const double dt = contact_time(value_of<Mass>(world, ball)) / steps, speed = way * radius / dt;
     const double gap = 3.3 * way * (steps / 50) * radius; // three steps of the coarse run
     const Vec3 aim = target == Target::edge ? Vec3(0.2 * radius, 0, 0) : Vec3::Zero(); // beside the edge
-    of<Position>(world, ball) = Vec3(0, 0, radius + gap) + aim;
-    of<Velocity>(world, ball) = Vec3(0, 0, -speed);
+    value_of<Position>(world, ball) = Vec3(0, 0, radius + gap) + aim;
+    value_of<Velocity>(world, ball) = Vec3(0, 0, -speed);
     if (target == Target::plane) add_floor(world, grain);
     if (target == Target::sphere) add_sphere(world, Vec3(0, 0, -radius), radius, grain, Motion::fixed);
     if (target == Target::facet || target == Target::edge) {
@@ -51,7 +51,7 @@ Shot shoot(Target target, double way, double steps) {
     const auto needed = static_cast<std::uint64_t>(1.5 * steps + gap / (speed * dt) * 2) + 5;
     Shot shot;
     shot.refusal = refusal_of([&] { simulation.advance(needed); });
-    if (shot.refusal.empty()) shot.velocity = of<Velocity>(simulation, ball) / speed;
+    if (shot.refusal.empty()) shot.velocity = value_of<Velocity>(simulation, ball) / speed;
     return shot;
 }
 
@@ -76,14 +76,14 @@ void add_impacts(StressRows& rows) {
 /// A wall that jumps `way` radii towards a sphere in one step.
 void add_jumping_wall(StressRows& rows, bool facet) {
     World world = make_world(Grains::spheres);
-    const auto grain = world.resource<Materials>().add(grain_material(kn, 0, 0, density));
+    const auto grain = world.resource<Materials>().add(linear_material(kn, 0, 0, density));
     const EntityId ball = add_sphere(world, Vec3(0, 0, 1.01 * radius), radius, grain);
     const EntityId host = add_boundary(world, Vec3::Zero(), grain, Motion::prescribed, 10 * radius);
     const double size = 5 * radius;
     if (facet) add_facet(world, host, {{Vec3(-size, -size, 0), Vec3(size, -size, 0), Vec3(size, size, 0), Vec3(-size, size, 0)}});
     else add_plane(world, host, Vec3::Zero(), Vec3::UnitZ());
-    const double dt = contact_time(of<Mass>(world, ball)) / 50;
-    of<DriveVelocity>(world, host) = Vec3(0, 0, 2 * radius / dt);
+    const double dt = contact_time(value_of<Mass>(world, ball)) / 50;
+    value_of<DriveVelocity>(world, host) = Vec3(0, 0, 2 * radius / dt);
     world.resource<Limits>().speed = 1e9;
     Simulation simulation = begin(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
     const std::string refusal = refusal_of([&] { simulation.advance(10); });
@@ -94,9 +94,9 @@ void add_jumping_wall(StressRows& rows, bool facet) {
 /// Random shots of one sphere in a closed box, from slow to 5 radii a step.
 void add_shots(StressRows& rows, bool facets, unsigned shots, std::uint64_t seed) {
     World world = make_world(Grains::spheres);
-    const auto grain = world.resource<Materials>().add(grain_material(kn, 0, 0, density));
+    const auto grain = world.resource<Materials>().add(linear_material(kn, 0, 0, density));
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, grain);
-    const double half = 6 * radius, dt = contact_time(of<Mass>(world, ball)) / 50;
+    const double half = 6 * radius, dt = contact_time(value_of<Mass>(world, ball)) / 50;
     if (facets) add_facet_box(world, -half * Vec3::Ones(), half * Vec3::Ones(), grain);
     else add_box(world, -half * Vec3::Ones(), half * Vec3::Ones(), grain);
     world.resource<Limits>().speed = 1e9;
@@ -108,17 +108,17 @@ void add_shots(StressRows& rows, bool facets, unsigned shots, std::uint64_t seed
         const double way = std::exp(random.uniform(std::log(1e-3), std::log(5.0)));
         const Vec3 start = (half - 1.01 * radius) * Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
         const Vec3 velocity = way * radius / dt * random.direction();
-        of<Position>(simulation, ball) = start;
-        of<Velocity>(simulation, ball) = velocity;
-        of<Acceleration>(simulation, ball).setZero();
+        value_of<Position>(simulation, ball) = start;
+        value_of<Velocity>(simulation, ball) = velocity;
+        value_of<Acceleration>(simulation, ball).setZero();
         simulation.world().resource<Health>() = {};
         invalidate_lists(simulation.world());
         const auto steps = static_cast<std::uint64_t>(std::clamp(4 * half / (way * radius), 20.0, 300.0));
         const bool stopped = !refusal_of([&] { simulation.advance(steps); }).empty();
         refused += stopped ? 1u : 0u;
         if (stopped) continue;
-        escaped += of<Position>(simulation, ball).cwiseAbs().maxCoeff() < half ? 0u : 1u;
-        rebounds += of<Velocity>(simulation, ball).dot(velocity) < 0.99 * velocity.squaredNorm() ? 1u : 0u;
+        escaped += value_of<Position>(simulation, ball).cwiseAbs().maxCoeff() < half ? 0u : 1u;
+        rebounds += value_of<Velocity>(simulation, ball).dot(velocity) < 0.99 * velocity.squaredNorm() ? 1u : 0u;
     }
     rows.push_back({"S10", fmt::format("{} random shots in a box of {}", shots, facets ? "facets" : "planes"), "no escapes",
                     fmt::format("{} escaped, {} refused, {} rebounded", escaped, refused, rebounds), escaped == 0 && rebounds > shots / 100 && refused > 0});

@@ -43,13 +43,13 @@ void take_to(World& world, const Frame& f) {
 std::vector<Vec3> places(const Tumble& scene, const Frame& f, unsigned steps, double nudge = 0) {
     World world = tumbling(scene);
     Random random(scene.seed, 15);
-    for (EntityId id = 0; id < scene.bodies; ++id) of<Position>(world, id) += nudge * random.direction();
+    for (EntityId id = 0; id < scene.bodies; ++id) value_of<Position>(world, id) += nudge * random.direction();
     take_to(world, f);
     Simulation simulation = begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
     simulation.advance(steps);
     std::vector<Vec3> list;
     for (EntityId id = 0; id < scene.bodies; ++id)
-        list.push_back(f.turn.transpose() * (of<Position>(simulation, id) - f.offset - steps * dt * f.boost));
+        list.push_back(f.turn.transpose() * (value_of<Position>(simulation, id) - f.offset - steps * dt * f.boost));
     return list;
 }
 

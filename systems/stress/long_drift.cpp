@@ -19,23 +19,23 @@ void add_top(StressRows& rows, std::uint64_t steps) {
     shape.volume = 1;
     shape.inertia = Vec3(1, 2, 3);
     shape.bounding_radius = 1;
-    const auto material = world.resource<Materials>().add(grain_material(1, 1, 0, 1));
+    const auto material = world.resource<Materials>().add(linear_material(1, 1, 0, 1));
     const EntityId body = add_clump(world, shape, 0, Vec3::Zero(), Quat::Identity(), material);
     set_spin(world, body, Vec3(0.1, 1, 0.1)); // about the middle axis: it flips
     const double dt = 0.01;
     Simulation simulation = begin(std::move(world), {.dt = dt, .schedule = {.serial = true}});
     const auto energy = [&] {
-        const Vec3 local = of<Orientation>(simulation, body).conjugate() * of<Spin>(simulation, body);
+        const Vec3 local = value_of<Orientation>(simulation, body).conjugate() * value_of<Spin>(simulation, body);
         return 0.5 * local.cwiseAbs2().dot(shape.inertia);
     };
-    const Vec3 momentum = of<AngularMomentum>(simulation, body);
+    const Vec3 momentum = value_of<AngularMomentum>(simulation, body);
     const double begun = energy();
     double norm = 0, turn = 0, first = 0, last = 0;
     constexpr int marks = 100;
     for (int k = 0; k < marks; ++k) {
         simulation.advance(steps / marks);
-        norm = std::max(norm, std::abs(of<Orientation>(simulation, body).norm() - 1));
-        turn = std::max(turn, (of<AngularMomentum>(simulation, body) - momentum).norm() / momentum.norm());
+        norm = std::max(norm, std::abs(value_of<Orientation>(simulation, body).norm() - 1));
+        turn = std::max(turn, (value_of<AngularMomentum>(simulation, body) - momentum).norm() / momentum.norm());
         const double off = std::abs(energy() / begun - 1);
         (k < marks / 2 ? first : last) = std::max(k < marks / 2 ? first : last, off);
     }
@@ -56,12 +56,12 @@ void add_bed(StressRows& rows, Grains grains, std::uint64_t steps, std::uint64_t
     const double diameter = 2 * mean_radius(simulation.world());
     std::vector<Vec3> before;
     const auto bodies = static_cast<EntityId>(simulation.world().table<Bodies>().size());
-    for (EntityId id = 0; id < bodies; ++id) before.push_back(of<Position>(simulation, id));
+    for (EntityId id = 0; id < bodies; ++id) before.push_back(value_of<Position>(simulation, id));
     double half = 0, creep = 0;
     for (int k = 0; k < 2; ++k) {
         simulation.advance(steps / 2);
         creep = 0;
-        for (EntityId id = 0; id < bodies; ++id) creep = std::max(creep, (of<Position>(simulation, id) - before[id]).norm() / diameter);
+        for (EntityId id = 0; id < bodies; ++id) creep = std::max(creep, (value_of<Position>(simulation, id) - before[id]).norm() / diameter);
         if (k == 0) half = creep;
     }
     rows.push_back({"S12", fmt::format("a bed of {} at rest, {} steps", grains == Grains::spheres ? "spheres" : "clumps", steps), "creep < 1e-6 diameters",

@@ -26,16 +26,16 @@ constexpr std::array places{"position", "velocity", "angular momentum", "spring"
 /// Puts a NaN where `place` says, at a body of the scene.
 void hit(World& world, std::size_t place, EntityId body, Random& random) {
     const auto axis = static_cast<Eigen::Index>(random.bits() % 3);
-    if (place == 0) of<Position>(world, body)[axis] = none;
-    else if (place == 1) of<Velocity>(world, body)[axis] = none;
-    else if (place == 2) of<AngularMomentum>(world, body)[axis] = none;
+    if (place == 0) value_of<Position>(world, body)[axis] = none;
+    else if (place == 1) value_of<Velocity>(world, body)[axis] = none;
+    else if (place == 2) value_of<AngularMomentum>(world, body)[axis] = none;
     else {
         const auto spring = world.column<SpherePairs, Spring>();
         std::vector<std::size_t> stretched;
         for (std::size_t k = 0; k < spring.size(); ++k)
             if (Spring::keep(spring[k])) stretched.push_back(k);
         if (!stretched.empty()) spring[stretched[random.bits() % stretched.size()]].x = none;
-        else of<Position>(world, body)[axis] = none;
+        else value_of<Position>(world, body)[axis] = none;
     }
 }
 

@@ -13,7 +13,7 @@ using namespace stress;
 constexpr double radius = 0.01, kn = 1e6, density = 2600, modulus = 1e9, poisson = 0.25;
 
 Material bouncing(double restitution) {
-    Material m = grain_material(kn, 0, 0, density);
+    Material m = linear_material(kn, 0, 0, density);
     m.restitution = restitution;
     m.young_modulus = modulus;
     m.poisson_ratio = poisson;
@@ -36,12 +36,12 @@ double rebound(LawName law, double restitution, Tension tension, double steps, d
     materials.mix();
     add_floor(world, grain);
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, grain);
-    const double speed = 0.5, dt = contact_time(law, of<Mass>(world, ball), speed) / steps;
-    of<Position>(world, ball) = Vec3(0, 0, radius + speed * dt * (10 - phase));
-    of<Velocity>(world, ball) = Vec3(0, 0, -speed);
+    const double speed = 0.5, dt = contact_time(law, value_of<Mass>(world, ball), speed) / steps;
+    value_of<Position>(world, ball) = Vec3(0, 0, radius + speed * dt * (10 - phase));
+    value_of<Velocity>(world, ball) = Vec3(0, 0, -speed);
     Simulation simulation = begin(std::move(world), {.dt = dt, .law = law, .schedule = {.serial = true}});
     simulation.advance(static_cast<std::uint64_t>(20 * steps) + 20); // overdamped contacts part late
-    return of<Velocity>(simulation, ball).z() / speed;
+    return value_of<Velocity>(simulation, ball).z() / speed;
 }
 
 void add_restitution(StressRows& rows, LawName law, Tension tension) {
@@ -68,18 +68,18 @@ double bouncing_error(LawName law, double steps, unsigned bounces) {
     World world = make_world(Grains::spheres);
     const auto grain = world.resource<Materials>().add(bouncing(1));
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, grain);
-    const double speed = 0.5, time = contact_time(law, of<Mass>(world, ball), speed), dt = time / steps, gap = 0.173 * speed * time;
+    const double speed = 0.5, time = contact_time(law, value_of<Mass>(world, ball), speed), dt = time / steps, gap = 0.173 * speed * time;
     const EntityId host = add_boundary(world, Vec3::Zero(), grain);
     add_plane(world, host, Vec3(0, 0, -radius - gap / 2), Vec3::UnitZ());
     add_plane(world, host, Vec3(0, 0, radius + gap / 2), -Vec3::UnitZ());
-    of<Velocity>(world, ball) = Vec3(0, 0, speed);
+    value_of<Velocity>(world, ball) = Vec3(0, 0, speed);
     Simulation simulation = begin(std::move(world), {.dt = dt, .law = law, .schedule = {.serial = true}});
     const auto each = static_cast<std::uint64_t>(1.173 * steps); // a flight and a contact
     double worst = 0;
     for (unsigned k = 0; k < bounces; ++k) {
         simulation.advance(each);
-        for (std::uint64_t more = 0; more < 2 * each && of<Acceleration>(simulation, ball).z() != 0; ++more) simulation.advance(1);
-        worst = std::max(worst, std::abs(of<Velocity>(simulation, ball).squaredNorm() / (speed * speed) - 1));
+        for (std::uint64_t more = 0; more < 2 * each && value_of<Acceleration>(simulation, ball).z() != 0; ++more) simulation.advance(1);
+        worst = std::max(worst, std::abs(value_of<Velocity>(simulation, ball).squaredNorm() / (speed * speed) - 1));
     }
     return worst;
 }
@@ -101,21 +101,21 @@ void add_bounces(StressRows& rows, const StressSettings& s) {
 void add_friction(StressRows& rows) {
     for (const double mu : {0.0, 1e-3, 1e-2, 0.1, 0.5, 1.0, 10.0}) {
         World world = make_world(Grains::spheres);
-        Material m = grain_material(kn, 0.8 * kn, mu, density);
+        Material m = linear_material(kn, 0.8 * kn, mu, density);
         m.normal_damping = m.shear_damping = 5000;
         const auto grain = world.resource<Materials>().add(m);
         add_floor(world, grain);
         const double gravity = 9.81;
         const EntityId ball = add_sphere(world, Vec3::Zero(), radius, grain);
-        of<Position>(world, ball) = Vec3(0, 0, radius - of<Mass>(world, ball) * gravity / kn);
+        value_of<Position>(world, ball) = Vec3(0, 0, radius - value_of<Mass>(world, ball) * gravity / kn);
         world.add_resource<Gravity>({Vec3(0, 0, -gravity)});
         const double dt = 5e-6, slide = 4000 * dt, speed = mu > 0 ? 3.5 * mu * gravity * slide : 0.1;
-        of<Velocity>(world, ball) = Vec3(speed, 0, 0);
+        value_of<Velocity>(world, ball) = Vec3(speed, 0, 0);
         Simulation simulation = begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous, .schedule = {.serial = true}});
         simulation.advance(2000);
-        const double halfway = of<Velocity>(simulation, ball).x() / speed, exact_halfway = mu > 0 ? 1 - 1.0 / 7 : 1;
+        const double halfway = value_of<Velocity>(simulation, ball).x() / speed, exact_halfway = mu > 0 ? 1 - 1.0 / 7 : 1;
         simulation.advance(10'000);
-        const double found = of<Velocity>(simulation, ball).x() / speed, spin = of<Spin>(simulation, ball).y() * radius / speed;
+        const double found = value_of<Velocity>(simulation, ball).x() / speed, spin = value_of<Spin>(simulation, ball).y() * radius / speed;
         const double exact = mu > 0 ? 5.0 / 7 : 1, exact_spin = mu > 0 ? 5.0 / 7 : 0;
         rows.push_back({"S13", fmt::format("friction {}: from sliding to rolling", mu), fmt::format("v / v0 = {:.5f} at half time, then {:.5f}, rolling, within 1e-3", exact_halfway, exact),
                         fmt::format("{:.5f}, then {:.5f}, surface {:.5f}", halfway, found, spin),

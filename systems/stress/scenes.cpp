@@ -12,15 +12,9 @@
 
 namespace bris::stress {
 
-Material grain_material(double kn, double ks, double friction, double density) {
-    Material m;
-    m.name = "grain";
-    m.density = density;
-    m.normal_stiffness = 2 * kn;
-    m.shear_stiffness = 2 * ks;
-    m.friction = friction;
-    return m;
-}
+namespace {
+constexpr double tumble_pitch = 0.0187; // m, of the places at the start
+} // namespace
 
 Simulation begin(World world, const Setup& s) {
     world.resource<Clock>().dt = s.dt;
@@ -29,12 +23,6 @@ Simulation begin(World world, const Setup& s) {
     Simulation simulation(std::move(world), steps(s.law, s.ledger), s.threads, s.schedule);
     simulation.on_restore(forget_lists);
     return simulation;
-}
-
-EntityId add_floor(World& world, std::uint32_t material) {
-    const EntityId host = add_boundary(world, Vec3::Zero(), material);
-    add_plane(world, host, Vec3::Zero(), Vec3(0, 0, 1));
-    return host;
 }
 
 EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material) {
@@ -59,10 +47,15 @@ Clump small_rock() {
     return make_clump("small rock", balls);
 }
 
+Vec3 box_of(const Tumble& t) {
+    const double side = tumble_pitch * t.units.length * std::ceil(std::cbrt(t.bodies * 0.5));
+    return {side, side, 4 * side};
+}
+
 World tumbling(const Tumble& t) {
     World world = make_world(t.grains);
     const double length = t.units.length, time = t.units.time, stiffness = t.units.mass / (time * time);
-    Material material = grain_material(1e5 * stiffness, 3e4 * stiffness, 0.5, 2600 * t.units.mass / (length * length * length));
+    Material material = linear_material(1e5 * stiffness, 3e4 * stiffness, 0.5, 2600 * t.units.mass / (length * length * length));
     material.normal_damping = 1500 / time;
     material.shear_damping = 750 / time;
     const auto grain = world.resource<Materials>().add(material);
@@ -75,7 +68,7 @@ World tumbling(const Tumble& t) {
     wall_material.shear_damping = 500 / time;
     const auto wall = world.resource<Materials>().add(wall_material);
     const int n = static_cast<int>(std::ceil(std::cbrt(t.bodies * 0.5)));
-    const double pitch = 0.0187 * length;
+    const double pitch = tumble_pitch * length;
     Random random(t.seed, 7);
     const Clump rock = t.grains == Grains::clumps ? small_rock() : Clump{};
     for (unsigned made = 0; made < t.bodies; ++made) {
@@ -89,10 +82,10 @@ World tumbling(const Tumble& t) {
             const Clump sized = scaled(rock, 0.0091 * length / rock.bounding_radius * random.uniform(0.8, 1));
             id = add_clump(world, sized, 0, place, random.rotation(), grain);
         }
-        of<Velocity>(world, id) = length / time * (0.4 * random.direction() + Vec3(0, 0, -0.5));
+        value_of<Velocity>(world, id) = length / time * (0.4 * random.direction() + Vec3(0, 0, -0.5));
         set_spin(world, id, 20 / time * random.direction());
     }
-    if (t.walls) add_box(world, Vec3::Zero(), Vec3(n * pitch, n * pitch, 4 * n * pitch), wall);
+    if (t.walls) add_box(world, Vec3::Zero(), box_of(t), wall);
     world.add_resource<Gravity>({length / (time * time) * Vec3(3, 2, -60)});
     world.resource<Limits>().speed *= length / time;
     return world;

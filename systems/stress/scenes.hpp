@@ -15,13 +15,6 @@
 
 namespace bris::stress {
 
-/// Column value of a body, by id.
-template <class C> typename C::Value& of(World& world, EntityId body) { return world.column<Bodies, C>()[row_of_body(world, body)]; }
-template <class C> typename C::Value& of(Simulation& simulation, EntityId body) { return of<C>(simulation.world(), body); }
-
-/// A material of which two partners have a contact of stiffness `kn`, `ks` (N/m; they act in series).
-Material grain_material(double kn, double ks = 0, double friction = 0, double density = 2600);
-
 struct Setup {
     double dt = 1e-5; ///< s
     LawName law = LawName::linear;
@@ -33,9 +26,6 @@ struct Setup {
 
 /// Adds the lists and the steps to a scene that is complete.
 Simulation begin(World world, const Setup& setup);
-
-/// A plane z = 0 on a fixed body, grains above.
-EntityId add_floor(World& world, std::uint32_t material);
 
 /// A box of facets, each side two triangles, grains inside.
 EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material);
@@ -56,6 +46,9 @@ struct Tumble {
     bool walls = true;
 };
 World tumbling(const Tumble& t);
+
+/// Upper corner of that box, m; its lower one is the origin.
+Vec3 box_of(const Tumble& t);
 
 /// A bed like that at rest under its weight: an undamped law, local damping 0.7. At most `ratio` of its forces
 /// are unbalanced.

@@ -38,7 +38,7 @@ struct Tube {
 Simulation make_tube(const Tube& t) {
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();
-    const auto grain = materials.add(grain_material(t.stiffness, 0.3 * t.stiffness, 0.3));
+    const auto grain = materials.add(linear_material(t.stiffness, 0.3 * t.stiffness, 0.3));
     Membrane membrane;
     membrane.rings = 2;
     membrane.sectors = 8;
@@ -68,7 +68,7 @@ Simulation make_tube(const Tube& t) {
         const Vec3 place(pitch * (i - 0.5 * (t.columns - 1)), pitch * (j - 0.5 * (t.columns - 1)), grain_radius + 0.001 + pitch * layer);
         const double radius = t.filling * grain_radius * random.uniform(0.85, 1);
         const EntityId id = add_sphere(world, place + 0.0003 * random.direction(), radius, grain);
-        of<Velocity>(world, id) = t.speed * random.direction();
+        value_of<Velocity>(world, id) = t.speed * random.direction();
     }
     if (t.layers == 0) mass = 1;
     world.resource<Limits>().speed = 1e9; // only the servo's own limit counts

@@ -44,7 +44,7 @@ double rolled(const Groove& g, LawName law, double time, std::uint64_t steps) {
     const double mass = 2600 * 4 * pi / 3 * std::pow(Groove::small, 3);
     const double normal = 0.5 * mass * Groove::gravity * std::cos(Groove::begin) * (g.large() + Groove::small) / g.rho();
     const double kn = normal / (1e-4 * Groove::small); // overlap of 1e-4 radii
-    Material material = grain_material(kn, 0.8 * kn, 1);
+    Material material = linear_material(kn, 0.8 * kn, 1);
     if (has_dashpots(law)) material.normal_damping = material.shear_damping = 0.1 * std::sqrt(kn / mass);
     const auto grain = world.resource<Materials>().add(material);
     for (const double side : {-1.0, 1.0}) add_sphere(world, Vec3(side * g.large(), 0, 0), g.large(), grain, Motion::fixed);
@@ -56,15 +56,16 @@ double rolled(const Groove& g, LawName law, double time, std::uint64_t steps) {
     // at rest at t = 0: half a step back the velocity is that of the acceleration down the groove
     const Vec3 down(0, std::cos(Groove::begin), -std::sin(Groove::begin));
     const double turning = g.rate2() * std::sin(Groove::begin);
-    of<Velocity>(world, ball) = -0.5 * dt * turning * g.rho() * down;
-    of<AngularMomentum>(world, ball) = -0.5 * dt * of<SphereInertia>(world, ball) * turning * (g.large() + Groove::small) / Groove::small * Vec3(-1, 0, 0);
+    value_of<Velocity>(world, ball) = -0.5 * dt * turning * g.rho() * down;
+    value_of<AngularMomentum>(world, ball) =
+        -0.5 * dt * value_of<SphereInertia>(world, ball) * turning * (g.large() + Groove::small) / Groove::small * Vec3(-1, 0, 0);
     Simulation simulation = begin(std::move(world), {.dt = dt, .law = law, .schedule = {.serial = true}});
     // the mean over the last tenth: the contacts vibrate a little about the way
     const std::uint64_t last = steps / 10;
     simulation.advance(steps - last);
     double sum = 0;
     for (std::uint64_t k = 0; k <= last; ++k) {
-        const Vec3& x = of<Position>(simulation, ball);
+        const Vec3& x = value_of<Position>(simulation, ball);
         sum += (k == 0 || k == last ? 0.5 : 1) * std::atan2(x.y(), x.z());
         if (k < last) simulation.advance(1);
     }
@@ -99,7 +100,7 @@ void add_heavy_on_light(StressRows& rows) {
     constexpr double radius = 0.005, stiffness = 1e6, gravity = 0.5;
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();
-    const auto light = materials.add(grain_material(stiffness, 3e5, 0.5)), heavy = materials.add(grain_material(stiffness, 3e5, 0.5, 2600e3));
+    const auto light = materials.add(linear_material(stiffness, 3e5, 0.5)), heavy = materials.add(linear_material(stiffness, 3e5, 0.5, 2600e3));
     constexpr double beside = 1.5 * radius; // from the axis
     for (int k = 0; k < 3; ++k)
         add_sphere(world, Vec3(beside * std::cos(2 * pi * k / 3), beside * std::sin(2 * pi * k / 3), radius), radius, light);
@@ -107,11 +108,11 @@ void add_heavy_on_light(StressRows& rows) {
     add_floor(world, light);
     world.add_resource<Gravity>({Vec3(0, 0, -gravity)});
     world.add_resource(LocalDamping{0.7});
-    const double dt = 0.2 * std::sqrt(of<Mass>(world, 0) / stiffness), ratio = of<Mass>(world, ball) / of<Mass>(world, 0);
+    const double dt = 0.2 * std::sqrt(value_of<Mass>(world, 0) / stiffness), ratio = value_of<Mass>(world, ball) / value_of<Mass>(world, 0);
     Simulation simulation = begin(std::move(world), {.dt = dt, .law = LawName::linear, .schedule = {.serial = true}});
     const std::string refusal = refusal_of([&] { find_equilibrium(simulation, {.ratio = 1e-5, .longest = 1'000'000}); });
     const Quantities q = measure(simulation.world());
-    const double carried = q.boundary_force.z() / q.weight.z(), gone = (of<Position>(simulation, 0) - Vec3(beside, 0, radius)).head<2>().norm();
+    const double carried = q.boundary_force.z() / q.weight.z(), gone = (value_of<Position>(simulation, 0) - Vec3(beside, 0, radius)).head<2>().norm();
     rows.push_back({"S8", fmt::format("a sphere on three, mass ratio {:.3g}", ratio), "at rest, floor force = weight within 1e-4, the light ones gripped",
                     refusal.empty() ? fmt::format("force / weight {:.7f}, light ones moved {:.1e} radii aside", carried, gone / radius) : refusal,
                     refusal.empty() && std::abs(carried - 1) < 1e-4 && gone < 0.1 * radius});

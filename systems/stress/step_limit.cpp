@@ -56,7 +56,7 @@ bool stays(Simulation& simulation, const Archive& begin, double dt, std::uint64_
         for (std::uint64_t done = 0; done < steps; done += 100) {
             simulation.advance(100);
             for (EntityId id = 0; id < before.size(); ++id)
-                if (!((of<Position>(simulation, id) - before[id]).norm() < 1e-4 * radius)) return false;
+                if (!((value_of<Position>(simulation, id) - before[id]).norm() < 1e-4 * radius)) return false;
         }
     } catch (const SimulationError&) {
         return false;
@@ -74,7 +74,7 @@ LawName law_of(double ratio) { return ratio > 0 ? LawName::linear : LawName::lin
 /// A sphere that weight presses 1e-3 radii into a floor.
 Simulation on_wall(double ratio) {
     World world = make_world(Grains::spheres);
-    const auto grain = world.resource<Materials>().add(grain_material(kn, ratio * kn, 1e3, density));
+    const auto grain = world.resource<Materials>().add(linear_material(kn, ratio * kn, 1e3, density));
     add_floor(world, grain);
     add_sphere(world, Vec3(0, 0, radius * (1 - 1e-3)), radius, grain);
     world.add_resource<Gravity>({Vec3(0, 0, -1e-3 * radius * kn / mass)});
@@ -85,7 +85,7 @@ Simulation on_wall(double ratio) {
 Simulation pressed_pair(double ratio) {
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();
-    const auto grain = materials.add(grain_material(kn, ratio * kn, 1e3, density));
+    const auto grain = materials.add(linear_material(kn, ratio * kn, 1e3, density));
     Material soft;
     soft.name = "soft wall";
     soft.normal_stiffness = 1e-4 * kn; // of the contact, nearly: in series with 2 kn
@@ -103,7 +103,7 @@ Simulation pressed_pair(double ratio) {
 /// A face-centred cubic crystal of `cells` cells a side, squeezed by 1e-3; its skin is fixed.
 Simulation crystal(double ratio, int cells) {
     World world = make_world(Grains::spheres);
-    const auto grain = world.resource<Materials>().add(grain_material(kn, ratio * kn, 1e3, density));
+    const auto grain = world.resource<Materials>().add(linear_material(kn, ratio * kn, 1e3, density));
     const double cell = 2 * radius * (1 - 1e-3) * std::sqrt(2.0);
     for (int i = 0; i <= 2 * cells; ++i)
         for (int j = 0; j <= 2 * cells; ++j)

@@ -16,8 +16,8 @@ std::vector<double> bare_state(const Tumble& t, unsigned steps) {
     simulation.advance(steps);
     std::vector<double> list;
     for (EntityId id = 0; id < t.bodies; ++id) {
-        const Vec3 x = of<Position>(simulation, id) / t.units.length, v = of<Velocity>(simulation, id) * t.units.time / t.units.length,
-                   w = of<Spin>(simulation, id) * t.units.time;
+        const Vec3 x = value_of<Position>(simulation, id) / t.units.length, v = value_of<Velocity>(simulation, id) * t.units.time / t.units.length,
+                   w = value_of<Spin>(simulation, id) * t.units.time;
         for (const Vec3& vector : {x, v, w}) list.insert(list.end(), {vector.x(), vector.y(), vector.z()});
     }
     return list;

@@ -32,10 +32,12 @@ constexpr std::array cases{
                      detail::verify_mass_properties},
     VerificationCase{"chains", "lattice dispersion; Nesterenko's solitary wave integrated in fine steps", detail::verify_chains},
     VerificationCase{"crystals", "moduli of cubic lattices, closed forms", detail::verify_crystals},
+    VerificationCase{"waves", "speed of long waves in a crystal, sqrt(modulus / density)", detail::verify_waves},
     VerificationCase{"stability", "2 / omega of the leapfrog, lattice dynamics", detail::verify_stability},
     VerificationCase{"contact_pair", "shear loop, objectivity, limits of torque", detail::verify_contact_pair},
     VerificationCase{"energy", "a gas keeps its energy; a spring that stiffens gives 8/15 dE* sqrt(R*) overlap^(5/2)",
                      detail::verify_gas},
+    VerificationCase{"cooling", "Haff (1983): 1/sqrt(T) of a cooling gas grows as time", detail::verify_cooling},
     VerificationCase{"rest", "statics: what has come to rest stays, and carries its weight", detail::verify_rest},
     VerificationCase{"descriptions", "the same physics in another frame, unit or order", detail::verify_descriptions},
 };

@@ -37,10 +37,12 @@ void verify_pendulum(Checks&);
 void verify_mass_properties(Checks&);
 void verify_chains(Checks&);
 void verify_crystals(Checks&);
+void verify_waves(Checks&);
 void verify_stability(Checks&);
 void verify_contact_pair(Checks&);
 void verify_descriptions(Checks&);
 void verify_gas(Checks&);
+void verify_cooling(Checks&);
 void verify_rest(Checks&);
 } // namespace detail
 

@@ -1,4 +1,5 @@
 #include "systems/experiments/bench.hpp"
+#include "systems/experiments/cooling.hpp"
 #include "systems/experiments/gas.hpp"
 #include "systems/experiments/rest.hpp"
 #include "systems/verification/cases.hpp"
@@ -44,6 +45,19 @@ void verify_gas(Checks& checks) {
         checks.relative(fmt::format("stiffness times {} in contact: energy put in", factor), "", r.exact, r.injected, 1e-4);
         checks.relative(fmt::format("stiffness times {} in contact: restitution", factor), "", std::sqrt(factor), r.restitution,
                         1e-3);
+    }
+}
+
+void verify_cooling(Checks& checks) {
+    Cooling s;
+    s.material = linear_material(1e5);
+    s.material.young_modulus = 1e8;
+    s.material.poisson_ratio = 0.25;
+    s.material.restitution = 0.9;
+    for (const LawName law : {LawName::linear_viscous, LawName::hertz_mindlin_viscous}) {
+        s.law = law;
+        checks.at_least(fmt::format("{}, restitution 0.9: R^2 of 1/sqrt(T) over t, T from 1/2 to 1/20", is_hertz(law) ? "Hertz" : "linear"),
+                        "", 0.9997, measure(s).r_squared);
     }
 }
 

@@ -32,6 +32,16 @@ TEST_SUITE("components/material") {
         CHECK(damping_ratio(0, Tension::allowed) == 1);
     }
 
+    TEST_CASE("a calibrated dashpot reaches every restitution above 0, and none reaches 0") {
+        for (const double e : {1e-2, 1e-4, 1e-8, 1e-100}) {
+            const double ratio = damping_ratio(e, Tension::calibrated);
+            CHECK(restitution_of(ratio, Tension::calibrated) == doctest::Approx(e).epsilon(1e-12));
+            // exp(-2 ln(2 b) (1 + 1/(2 b^2)) + ...) = 1/(4 b^2) to O(e ln e): 4 % at 1e-2
+            CHECK(ratio == doctest::Approx(0.5 / std::sqrt(e)).epsilon(e * (1 - std::log(e)) + 1e-12));
+        }
+        CHECK(std::isinf(damping_ratio(0, Tension::calibrated)));
+    }
+
     TEST_CASE("a pair's own properties replace the mixing rules, in both orders, and survive a checkpoint") {
         Materials m;
         const auto ball = m.add({.name = "ball", .friction = 0.3, .restitution = 0.81});

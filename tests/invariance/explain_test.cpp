@@ -21,7 +21,7 @@ std::pair<std::string, std::string> parts(const std::string& text) {
 TEST_SUITE("invariance/explain") {
     TEST_CASE("a frictionless scene of two spheres runs without history, facets, planes, servo, weight and damping") {
         World world = make_world(Grains::spheres);
-        const auto material = add_material(world, contact_material(1e5));
+        const auto material = add_material(world, linear_material(1e5));
         add_sphere(world, Vec3(0, 0, 0), 0.01, material);
         add_sphere(world, Vec3(0, 0, 0.021), 0.01, material);
         Simulation sim = start(std::move(world), {.law = LawName::linear_frictionless});

@@ -7,6 +7,7 @@
 #include "systems/build/sphere_bed.hpp"
 #include "systems/output/record.hpp"
 #include "systems/steps.hpp"
+#include "tests/performance/compiler.hpp"
 
 #include <fmt/format.h>
 
@@ -124,14 +125,6 @@ std::string first_of(const char* file, const std::string& key) {
                                               : line.substr(colon + 2);
         }
     return "unknown";
-}
-
-std::string compiler() {
-#ifdef __clang__
-    return "clang " __clang_version__;
-#else
-    return "g++ " __VERSION__;
-#endif
 }
 
 std::string flags() {

@@ -14,13 +14,13 @@ constexpr double radius = 0.01;
 
 Vec3 rebound(const std::function<void(World&, std::uint32_t)>& add_target) {
     World world = make_world(Grains::spheres);
-    const auto material = add_material(world, contact_material(1e5, 5e4, 0.5));
+    const auto material = add_material(world, linear_material(1e5, 5e4, 0.5));
     add_target(world, material);
     const EntityId ball = add_sphere(world, Vec3(0, 0, radius + 0.5e-4), radius, material);
-    of<Velocity>(world, ball) = Vec3(0, 0, -1);
+    value_of<Velocity>(world, ball) = Vec3(0, 0, -1);
     Simulation sim = start(std::move(world), {.dt = 2e-6});
     sim.advance(1000);
-    return of<Velocity>(sim, ball);
+    return value_of<Velocity>(sim, ball);
 }
 
 /// A floor that a sphere slides and rolls on.
@@ -35,13 +35,13 @@ struct Track {
 
 Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity, const Vec3& spin, double friction) {
     World world = make_world(Grains::spheres);
-    Material m = contact_material(1e5, 5e4, friction);
+    Material m = linear_material(1e5, 5e4, friction);
     const auto material = add_material(world, m);
     floor(world, material);
     const EntityId ball = add_sphere(world, begin, radius, material);
-    const double overlap = of<Mass>(world, ball) * 9.81 / 1e5;
-    of<Position>(world, ball) = begin + Vec3(0, 0, radius - 1.5 * overlap);
-    of<Velocity>(world, ball) = velocity;
+    const double overlap = value_of<Mass>(world, ball) * 9.81 / 1e5;
+    value_of<Position>(world, ball) = begin + Vec3(0, 0, radius - 1.5 * overlap);
+    value_of<Velocity>(world, ball) = velocity;
     set_spin(world, ball, spin);
     world.add_resource<Gravity>();
     Simulation sim = start(std::move(world), {.dt = 2e-5});
@@ -50,10 +50,10 @@ Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity, co
         for (int j = 0; j < 10; ++j) {
             sim.advance();
             // of this step, about to be overwritten by the next
-            track.force.push_back(of<Force>(sim, ball));
+            track.force.push_back(value_of<Force>(sim, ball));
         }
-        track.position.push_back(of<Position>(sim, ball));
-        track.spin.push_back(of<Spin>(sim, ball));
+        track.position.push_back(value_of<Position>(sim, ball));
+        track.spin.push_back(value_of<Spin>(sim, ball));
     }
     return track;
 }
@@ -138,15 +138,15 @@ TEST_SUITE("physics/facets") {
     TEST_CASE("a box of facets is a box of planes to a sphere in its corner") {
         const auto path = [](bool facets) {
             World world = make_world(Grains::spheres);
-            Material m = contact_material(1e5, 5e4, 0.3);
+            Material m = linear_material(1e5, 5e4, 0.3);
             const auto material = add_material(world, m);
             if (facets) add_facet_box(world, Vec3::Zero(), Vec3(0.1, 0.1, 0.1), 3, material);
             else add_box(world, Vec3::Zero(), Vec3(0.1, 0.1, 0.1), material);
             const EntityId ball = add_sphere(world, Vec3(0.03, 0.025, 0.02), radius, material);
-            of<Velocity>(world, ball) = Vec3(-1, -0.8, -0.7);
+            value_of<Velocity>(world, ball) = Vec3(-1, -0.8, -0.7);
             Simulation sim = start(std::move(world), {.dt = 1e-5});
             sim.advance(3000); // into the corner and out of it
-            return of<Position>(sim, ball);
+            return value_of<Position>(sim, ball);
         };
         // three rebounds; rounding of 1e-17 m against 1e-4 m of overlap
         CHECK((path(true) - path(false)).norm() < 1e-10);
@@ -156,18 +156,18 @@ TEST_SUITE("physics/facets") {
         // pushed along x below the limit, the sphere creeps over the seam at x = 0 and back
         const auto shear_force = [](const Floor& floor) {
             World world = make_world(Grains::spheres);
-            const auto material = add_material(world, contact_material(1e5, 5e4, 0.8));
+            const auto material = add_material(world, linear_material(1e5, 5e4, 0.8));
             floor(world, material);
             const EntityId ball = add_sphere(world, Vec3(-1e-7, 0.001, 0), radius, material);
-            of<Position>(world, ball).z() = radius - of<Mass>(world, ball) * 9.81 / 1e5;
+            value_of<Position>(world, ball).z() = radius - value_of<Mass>(world, ball) * 9.81 / 1e5;
             world.add_resource<Gravity>({Vec3(2, 0, -9.81)});
             Simulation sim = start(std::move(world), {.dt = 2e-5});
             std::vector<Vec3> forces;
             for (int k = 0; k < 500; ++k) {
                 sim.advance();
-                forces.push_back(of<Force>(sim, ball));
+                forces.push_back(value_of<Force>(sim, ball));
             }
-            REQUIRE(of<Position>(sim, ball).x() > 0);
+            REQUIRE(value_of<Position>(sim, ball).x() > 0);
             return forces;
         };
         CHECK(largest_difference(shear_force(plane), shear_force(hundred)) < 1e-7);

@@ -9,21 +9,21 @@ TEST_SUITE("physics/free_motion") {
     TEST_CASE("a body in free fall is on the parabola of the leapfrog") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             World world = make_world(grains);
-            const auto material = add_material(world, contact_material(1e5));
+            const auto material = add_material(world, linear_material(1e5));
             const EntityId ball = grains == Grains::spheres
                                       ? add_sphere(world, Vec3(1, 2, 3), 0.01, material)
                                       : add_clump(world, scaled(small_rock(), 0.02), 0, Vec3(1, 2, 3), Quat(Quat::Identity()), material);
             const Vec3 v(0.3, -0.2, 1);
             const double dt = 1e-4, g = 9.81;
             // v(0) = v means v(-dt/2) = v + g dt/2
-            of<Velocity>(world, ball) = v + Vec3(0, 0, g * dt / 2);
+            value_of<Velocity>(world, ball) = v + Vec3(0, 0, g * dt / 2);
             world.add_resource<Gravity>();
             Simulation sim = start(std::move(world), {.dt = dt});
             sim.advance(5000);
             const double t = 0.5;
             const Vec3 exact = Vec3(1, 2, 3) + t * v - Vec3(0, 0, 0.5 * g * t * t);
             // 5000 additions, each rounded by eps times the position
-            CHECK((of<Position>(sim, ball) - exact).norm() < 5000 * 1.1e-16 * 4);
+            CHECK((value_of<Position>(sim, ball) - exact).norm() < 5000 * 1.1e-16 * 4);
             CHECK(sim.world().resource<Clock>().time() == doctest::Approx(t).epsilon(1e-15));
         }
     }
@@ -31,7 +31,7 @@ TEST_SUITE("physics/free_motion") {
     TEST_CASE("a sliding block slows down at mu g") {
         const double friction = 0.3, g = 9.81, dt = 2e-6;
         World world = make_world(Grains::clumps);
-        Material m = contact_material(1e6, 5e5, friction);
+        Material m = linear_material(1e6, 5e5, friction);
         m.normal_damping = m.shear_damping = 3000; // calms the pitching that braking begins with
         const auto material = add_material(world, m);
         add_floor(world, material);
@@ -40,13 +40,13 @@ TEST_SUITE("physics/free_motion") {
             for (const double y : {-1.0, 1.0}) feet.push_back({Vec3(0.02 * x, 0.02 * y, 0), 0.005});
         const Clump block = make_clump("block", feet);
         const EntityId body = add_clump(world, block, 0, Vec3(0, 0, 0.005), Quat(Quat::Identity()), material);
-        of<Velocity>(world, body) = Vec3(1, 0, 0);
+        value_of<Velocity>(world, body) = Vec3(1, 0, 0);
         world.add_resource<Gravity>();
         Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
         sim.advance(5000); // springs are at Coulomb's limit by then
-        const Vec3 before = of<Velocity>(sim, body);
+        const Vec3 before = value_of<Velocity>(sim, body);
         sim.advance(20'000);
-        const Vec3 change = of<Velocity>(sim, body) - before;
+        const Vec3 change = value_of<Velocity>(sim, body) - before;
         const double time = 20'000 * dt;
         // friction is mu N at every foot in every step, so dv_x + mu dv_z = -mu g t whatever N does;
         // 20 000 roundings of v ~ 1 m/s
@@ -59,14 +59,14 @@ TEST_SUITE("physics/free_motion") {
         const double radius = 0.01, v0 = 0.1, g = 9.81, dt = 1e-5;
         for (const double friction : {0.2, 0.5, 1.0}) {
             World world = make_world(Grains::spheres);
-            Material m = contact_material(1e6, 8e5, friction);
+            Material m = linear_material(1e6, 8e5, friction);
             m.normal_damping = m.shear_damping = 2000;
             const auto material = add_material(world, m);
             add_floor(world, material);
             const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-            const double overlap = of<Mass>(world, ball) * g / 1e6; // 1e-5 of the radius
-            of<Position>(world, ball) = Vec3(0, 0, radius - overlap);
-            of<Velocity>(world, ball) = Vec3(v0, 0, 0);
+            const double overlap = value_of<Mass>(world, ball) * g / 1e6; // 1e-5 of the radius
+            value_of<Position>(world, ball) = Vec3(0, 0, radius - overlap);
+            value_of<Velocity>(world, ball) = Vec3(v0, 0, 0);
             world.add_resource<Gravity>();
             Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
             const double slip_time = 2.0 / 7 * v0 / (friction * g);
@@ -82,7 +82,7 @@ TEST_SUITE("physics/free_motion") {
                 if (stopped == 0 && t > 0.1 * slip_time && shear < friction * f.normal_force * (1 - 1e-9)) stopped = t;
             }
             CAPTURE(friction);
-            const double speed = of<Velocity>(sim, ball).x(), rim = radius * of<Spin>(sim, ball).y();
+            const double speed = value_of<Velocity>(sim, ball).x(), rim = radius * value_of<Spin>(sim, ball).y();
             MESSAGE("mu ", friction, ": slip time off by ", stopped / slip_time - 1, ", speed by ", speed / v0 * 7 / 5 - 1);
             // accuracy.md: t to 5e-3 (a step is 1e-3 to 5e-3 of it), v to 2e-4 (the arm is R - overlap/2)
             CHECK(std::abs(stopped / slip_time - 1) < 5e-3 + 2 * dt / slip_time);
@@ -94,7 +94,7 @@ TEST_SUITE("physics/free_motion") {
     TEST_CASE("without walls a cloud of colliding grains keeps momentum and angular momentum") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             World world = make_world(grains);
-            Material m = contact_material(1e5, 5e4, 0.5);
+            Material m = linear_material(1e5, 5e4, 0.5);
             m.normal_damping = m.shear_damping = 500;
             const auto material = add_material(world, m);
             Random random(17, 1);
@@ -104,7 +104,7 @@ TEST_SUITE("physics/free_motion") {
                 const EntityId id = grains == Grains::spheres ? add_sphere(world, place, 0.01, material)
                                                               : add_clump(world, rock, 0, place, random.rotation(), material);
                 // all fly towards the middle
-                of<Velocity>(world, id) = -40 * (place - Vec3::Constant(0.036)) + 0.3 * random.direction();
+                value_of<Velocity>(world, id) = -40 * (place - Vec3::Constant(0.036)) + 0.3 * random.direction();
                 set_spin(world, id, 50 * random.direction());
             }
             Simulation sim = start(std::move(world), {.dt = 5e-6, .law = LawName::linear_viscous});
@@ -121,8 +121,8 @@ TEST_SUITE("physics/free_motion") {
             };
             double scale = 0, turning_scale = 0;
             for (EntityId b = 0; b < 64; ++b) {
-                scale += of<InertialMass>(sim, b) * of<Velocity>(sim, b).norm();
-                turning_scale += of<AngularMomentum>(sim, b).norm() + of<InertialMass>(sim, b) * 0.05;
+                scale += value_of<InertialMass>(sim, b) * value_of<Velocity>(sim, b).norm();
+                turning_scale += value_of<AngularMomentum>(sim, b).norm() + value_of<InertialMass>(sim, b) * 0.05;
             }
             const auto before = totals();
             std::size_t touched = 0;
@@ -140,22 +140,22 @@ TEST_SUITE("physics/free_motion") {
 
     TEST_CASE("a dumbbell that falls flat rebounds flat") {
         World world = make_world(Grains::clumps);
-        const auto material = add_material(world, contact_material(1e5, 5e4, 0.5));
+        const auto material = add_material(world, linear_material(1e5, 5e4, 0.5));
         add_floor(world, material);
         const std::vector<Ball> balls{{Vec3(-0.01, 0, 0), 0.008}, {Vec3(0.01, 0, 0), 0.008}};
         const Clump dumbbell = make_clump("dumbbell", balls);
         const EntityId body = add_clump(world, dumbbell, 0, Vec3(0, 0, 0.01), Quat(Quat::Identity()), material);
-        of<Velocity>(world, body) = Vec3(0, 0, -1);
-        const double mass = of<Mass>(world, body), dt = pi / std::sqrt(2 * 1e5 / mass) / 200;
+        value_of<Velocity>(world, body) = Vec3(0, 0, -1);
+        const double mass = value_of<Mass>(world, body), dt = pi / std::sqrt(2 * 1e5 / mass) / 200;
         Simulation sim = start(std::move(world), {.dt = dt});
         sim.advance(static_cast<std::uint64_t>(0.002 / dt) + 100);
         sim.advance(300);
         REQUIRE(touching_pairs<PlanePairs>(sim.world()).empty());
-        REQUIRE(of<Position>(sim, body).z() > 0.008);
+        REQUIRE(value_of<Position>(sim, body).z() > 0.008);
         // both balls touch: a contact of t_c/200 gives the speed back to 2 (omega dt)^2/8
-        CHECK(std::abs(of<Velocity>(sim, body).z() - 1) < 2 * pi * pi / (8 * 200 * 200));
+        CHECK(std::abs(value_of<Velocity>(sim, body).z() - 1) < 2 * pi * pi / (8 * 200 * 200));
         // the principal frame of make_clump is known to its quadrature; what is left is rounding of the
         // two arms against each other
-        CHECK(of<Spin>(sim, body).norm() * 0.01 < 1e-9);
+        CHECK(value_of<Spin>(sim, body).norm() * 0.01 < 1e-9);
     }
 }

@@ -9,14 +9,14 @@ TEST_SUITE("physics/local_damping") {
     TEST_CASE("with local damping 0.7 a body falls at 0.3 g and rises at 1.7 g") {
         for (const double direction : {-1.0, 1.0}) {
             World world = make_world(Grains::spheres);
-            const auto material = add_material(world, contact_material(1e5));
+            const auto material = add_material(world, linear_material(1e5));
             const EntityId ball = add_sphere(world, Vec3::Zero(), 0.01, material);
-            of<Velocity>(world, ball) = Vec3(0, 0, 3 * direction);
+            value_of<Velocity>(world, ball) = Vec3(0, 0, 3 * direction);
             world.add_resource<Gravity>();
             world.add_resource(LocalDamping{0.7});
             Simulation sim = start(std::move(world), {.dt = 1e-4});
             sim.advance(1000);
-            const double change = of<Velocity>(sim, ball).z() - 3 * direction;
+            const double change = value_of<Velocity>(sim, ball).z() - 3 * direction;
             // 1000 additions to a speed of 3 m/s
             CHECK(std::abs(change + (direction < 0 ? 0.3 : 1.7) * 9.81 * 0.1) < 1000 * 2.2e-16 * 4);
         }
@@ -26,16 +26,16 @@ TEST_SUITE("physics/local_damping") {
         const double exact = std::sqrt(0.3 / 1.7); // 0.420084
         const auto restitution = [](double steps, double phase) {
             World world = make_world(Grains::spheres);
-            const auto material = add_material(world, contact_material(1e6));
+            const auto material = add_material(world, linear_material(1e6));
             add_floor(world, material);
             const EntityId ball = add_sphere(world, Vec3::Zero(), 0.01, material);
-            const double dt = pi / std::sqrt(1e6 / of<Mass>(world, ball)) / steps;
-            of<Position>(world, ball) = Vec3(0, 0, 0.01 + dt * (10 - phase));
-            of<Velocity>(world, ball) = Vec3(0, 0, -1);
+            const double dt = pi / std::sqrt(1e6 / value_of<Mass>(world, ball)) / steps;
+            value_of<Position>(world, ball) = Vec3(0, 0, 0.01 + dt * (10 - phase));
+            value_of<Velocity>(world, ball) = Vec3(0, 0, -1);
             world.add_resource(LocalDamping{0.7});
             Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
             sim.advance(static_cast<std::uint64_t>(3 * steps));
-            return of<Velocity>(sim, ball).z();
+            return value_of<Velocity>(sim, ball).z();
         };
         double worst = 0, coarse = 0;
         for (const double phase : {0.05, 0.25, 0.5, 0.75, 0.95}) {
@@ -50,14 +50,14 @@ TEST_SUITE("physics/local_damping") {
         // the same impact seen from a frame that moves along: the rebound is not the same
         const auto rebound = [](double boost) {
             World world = make_world(Grains::spheres);
-            const auto material = add_material(world, contact_material(1e6));
+            const auto material = add_material(world, linear_material(1e6));
             const EntityId a = add_sphere(world, Vec3(0, 0, 0), 0.01, material), b = add_sphere(world, Vec3(0, 0, 0.0201), 0.01, material);
-            of<Velocity>(world, a) = Vec3(0, 0, 1 + boost);
-            of<Velocity>(world, b) = Vec3(0, 0, -1 + boost);
+            value_of<Velocity>(world, a) = Vec3(0, 0, 1 + boost);
+            value_of<Velocity>(world, b) = Vec3(0, 0, -1 + boost);
             world.add_resource(LocalDamping{0.7});
             Simulation sim = start(std::move(world), {.dt = 1e-6, .law = LawName::linear_frictionless});
             sim.advance(1500);
-            return of<Velocity>(sim, b).z() - of<Velocity>(sim, a).z();
+            return value_of<Velocity>(sim, b).z() - value_of<Velocity>(sim, a).z();
         };
         CHECK(rebound(0) == doctest::Approx(2 * std::sqrt(0.3 / 1.7)).epsilon(1e-3));
         CHECK(std::abs(rebound(10) - rebound(0)) > 0.1);

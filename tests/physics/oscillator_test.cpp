@@ -10,16 +10,16 @@ TEST_SUITE("physics/oscillator") {
         const double radius = 0.01, stiffness = 1e5, g = 1000; // strong gravity holds the contact
         for (const double omega_dt : {0.01, 0.3, 1.0, 1.9}) {
             World world = make_world(Grains::spheres);
-            const auto material = add_material(world, contact_material(stiffness));
+            const auto material = add_material(world, linear_material(stiffness));
             add_floor(world, material);
             const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-            const double mass = of<Mass>(world, ball), omega = std::sqrt(stiffness / mass), dt = omega_dt / omega;
+            const double mass = value_of<Mass>(world, ball), omega = std::sqrt(stiffness / mass), dt = omega_dt / omega;
             const double rest = radius - mass * g / stiffness; // 1e-4 m of overlap
             const double amplitude = 0.2 * mass * g / stiffness; // no step could carry it past the surface
             const double omega_num = 2 / dt * std::asin(0.5 * omega_dt);
-            of<Position>(world, ball) = Vec3(0, 0, rest + amplitude);
+            value_of<Position>(world, ball) = Vec3(0, 0, rest + amplitude);
             // x(-dt) = A cos(-w dt): the velocity half a step back is the difference
-            of<Velocity>(world, ball) = Vec3(0, 0, amplitude * (1 - std::cos(omega_num * dt)) / dt);
+            value_of<Velocity>(world, ball) = Vec3(0, 0, amplitude * (1 - std::cos(omega_num * dt)) / dt);
             world.add_resource<Gravity>({Vec3(0, 0, -g)});
             Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
             double worst = 0;
@@ -27,7 +27,7 @@ TEST_SUITE("physics/oscillator") {
             for (int n = 1; n <= steps; ++n) {
                 sim.advance();
                 const double exact = rest + amplitude * std::cos(omega_num * n * dt);
-                worst = std::max(worst, std::abs(of<Position>(sim, ball).z() - exact));
+                worst = std::max(worst, std::abs(value_of<Position>(sim, ball).z() - exact));
             }
             CAPTURE(omega_dt);
             // each step rounds the position by eps R and the force by eps (relative to R k); near
@@ -40,18 +40,18 @@ TEST_SUITE("physics/oscillator") {
     TEST_CASE("the conserved quantity of the discrete oscillator does not drift") {
         const double radius = 0.01, stiffness = 1e5, g = 1000;
         World world = make_world(Grains::spheres);
-        const auto material = add_material(world, contact_material(stiffness));
+        const auto material = add_material(world, linear_material(stiffness));
         add_floor(world, material);
         const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-        const double mass = of<Mass>(world, ball), omega = std::sqrt(stiffness / mass), dt = 0.5 / omega;
+        const double mass = value_of<Mass>(world, ball), omega = std::sqrt(stiffness / mass), dt = 0.5 / omega;
         const double rest = radius - mass * g / stiffness, amplitude = 0.5 * mass * g / stiffness;
-        of<Position>(world, ball) = Vec3(0, 0, rest + amplitude);
+        value_of<Position>(world, ball) = Vec3(0, 0, rest + amplitude);
         world.add_resource<Gravity>({Vec3(0, 0, -g)});
         Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
         const auto invariant = [&] {
             // x(t) and the mean of the velocities around t: x^2 (1 - (w dt / 2)^2) + v^2 / w^2
-            const double x = of<Position>(sim, ball).z() - rest;
-            const double next_a = -omega * omega * x, v = of<Velocity>(sim, ball).z() + 0.5 * dt * next_a;
+            const double x = value_of<Position>(sim, ball).z() - rest;
+            const double next_a = -omega * omega * x, v = value_of<Velocity>(sim, ball).z() + 0.5 * dt * next_a;
             return x * x * (1 - 0.25 * omega * omega * dt * dt) + v * v / (omega * omega);
         };
         sim.advance();

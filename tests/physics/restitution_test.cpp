@@ -18,18 +18,18 @@ struct Impact {
 double restitution(const Impact& s) {
     const double radius = 0.01, stiffness = 1e6;
     World world = make_world(Grains::spheres);
-    Material m = contact_material(stiffness);
+    Material m = linear_material(stiffness);
     m.normal_damping = s.rate;
     const auto material = add_material(world, m);
     add_floor(world, material);
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-    const double omega2 = stiffness / of<Mass>(world, ball);
+    const double omega2 = stiffness / value_of<Mass>(world, ball);
     const double contact_time = pi / std::sqrt(omega2 - 0.25 * s.rate * s.rate), dt = contact_time / s.steps;
-    of<Position>(world, ball) = Vec3(0, 0, radius + s.speed * dt * (10 - s.phase));
-    of<Velocity>(world, ball) = Vec3(0, 0, -s.speed);
+    value_of<Position>(world, ball) = Vec3(0, 0, radius + s.speed * dt * (10 - s.phase));
+    value_of<Velocity>(world, ball) = Vec3(0, 0, -s.speed);
     Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
     sim.advance(static_cast<std::uint64_t>(1.2 * s.steps) + 20);
-    return of<Velocity>(sim, ball).z() / s.speed;
+    return value_of<Velocity>(sim, ball).z() / s.speed;
 }
 
 double closed_form(double rate) {

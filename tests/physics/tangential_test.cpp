@@ -51,13 +51,13 @@ Turned turn_once(const Vec3& axis, const Vec3& normal, const Vec3& stretch, int 
 std::pair<double, int> tangential_growth(double omega_dt) {
     const double radius = 0.01, kn = 1e6, ks = 4e5, g = 100;
     World world = make_world(Grains::spheres);
-    const auto material = add_material(world, contact_material(kn, ks, 1e6));
+    const auto material = add_material(world, linear_material(kn, ks, 1e6));
     add_floor(world, material);
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-    const double mass = of<Mass>(world, ball), overlap = mass * g / kn, arm = radius - 0.5 * overlap;
-    const double dt = omega_dt / std::sqrt(ks / mass + ks * arm * arm / of<SphereInertia>(world, ball));
-    of<Position>(world, ball) = Vec3(0, 0, radius - overlap);
-    of<Velocity>(world, ball) = Vec3(1e-4, 0, 0);
+    const double mass = value_of<Mass>(world, ball), overlap = mass * g / kn, arm = radius - 0.5 * overlap;
+    const double dt = omega_dt / std::sqrt(ks / mass + ks * arm * arm / value_of<SphereInertia>(world, ball));
+    value_of<Position>(world, ball) = Vec3(0, 0, radius - overlap);
+    value_of<Velocity>(world, ball) = Vec3(1e-4, 0, 0);
     world.add_resource<Gravity>({Vec3(0, 0, -g)});
     Simulation sim = start(std::move(world), {.dt = dt});
     // the largest force of many periods
@@ -65,7 +65,7 @@ std::pair<double, int> tangential_growth(double omega_dt) {
         double most = 0;
         for (int k = 0; k < 1000; ++k) {
             sim.advance();
-            most = std::max(most, std::abs(of<Force>(sim, ball).x()));
+            most = std::max(most, std::abs(value_of<Force>(sim, ball).x()));
         }
         return most;
     };
@@ -139,22 +139,22 @@ TEST_SUITE("physics/tangential") {
         const double radius = 0.01, kn = 1e6, ks = 4e5, pull = 2.0, g = 100;
         const auto error_at = [&](int steps) {
             World world = make_world(Grains::spheres);
-            const auto material = add_material(world, contact_material(kn, ks, 1e6));
+            const auto material = add_material(world, linear_material(kn, ks, 1e6));
             add_floor(world, material);
             const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-            const double mass = of<Mass>(world, ball), inertia = of<SphereInertia>(world, ball);
+            const double mass = value_of<Mass>(world, ball), inertia = value_of<SphereInertia>(world, ball);
             const double overlap = mass * g / kn, arm = radius - 0.5 * overlap;
             const double omega2 = ks / mass + ks * arm * arm / inertia;
             const double time = 2.3 * 2 * pi / std::sqrt(omega2), dt = time / steps;
-            of<Position>(world, ball) = Vec3(0, 0, radius - overlap);
-            of<Velocity>(world, ball) = Vec3(-0.5 * dt * pull, 0, 0); // at rest at t = 0
+            value_of<Position>(world, ball) = Vec3(0, 0, radius - overlap);
+            value_of<Velocity>(world, ball) = Vec3(-0.5 * dt * pull, 0, 0); // at rest at t = 0
             world.add_resource<Gravity>({Vec3(pull, 0, -g)});
             Simulation sim = start(std::move(world), {.dt = dt});
             sim.advance(static_cast<std::uint64_t>(steps));
             // x'' = pull - ks s / m, s'' = pull - omega2 s from rest
             const double exact = 0.5 * pull * time * time -
                                  ks / mass * pull / omega2 * (0.5 * time * time - (1 - std::cos(std::sqrt(omega2) * time)) / omega2);
-            return std::abs(of<Position>(sim, ball).x() / exact - 1);
+            return std::abs(value_of<Position>(sim, ball).x() / exact - 1);
         };
         const double coarse = error_at(100), middle = error_at(200), fine = error_at(400);
         MESSAGE("tangential spring: errors ", coarse, ", ", middle, ", ", fine, ", orders ", order_of(coarse, middle), ", ", order_of(middle, fine));
@@ -174,15 +174,15 @@ TEST_SUITE("physics/tangential") {
 
     TEST_CASE("a frictionless contact leaves the spin alone") {
         World world = make_world(Grains::spheres);
-        const auto material = add_material(world, contact_material(1e5, 1e5, 0));
+        const auto material = add_material(world, linear_material(1e5, 1e5, 0));
         add_floor(world, material);
         const EntityId ball = add_sphere(world, Vec3(0, 0, 0.0101), 0.01, material);
-        of<Velocity>(world, ball) = Vec3(1, 0, -1);
+        value_of<Velocity>(world, ball) = Vec3(1, 0, -1);
         set_spin(world, ball, Vec3(1, 2, 3));
         Simulation sim = start(std::move(world), {.dt = 1e-5});
         sim.advance(2000);
-        CHECK(of<Velocity>(sim, ball).z() > 0.9);
-        CHECK(of<Velocity>(sim, ball).x() == 1);
-        CHECK((of<Spin>(sim, ball) - Vec3(1, 2, 3)).norm() < 1e-15);
+        CHECK(value_of<Velocity>(sim, ball).z() > 0.9);
+        CHECK(value_of<Velocity>(sim, ball).x() == 1);
+        CHECK((value_of<Spin>(sim, ball) - Vec3(1, 2, 3)).norm() < 1e-15);
     }
 }

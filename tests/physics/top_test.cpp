@@ -46,8 +46,8 @@ struct Errors { double attitude, spin; };
 Errors error_at(const Exact& exact, int steps_per_unit) {
     Top top = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 1.0 / steps_per_unit);
     top.sim.advance(static_cast<std::uint64_t>(exact.time * steps_per_unit));
-    const Quat& q = of<Orientation>(top.sim, top.body);
-    const Vec3 local = q.conjugate() * of<Spin>(top.sim, top.body);
+    const Quat& q = value_of<Orientation>(top.sim, top.body);
+    const Vec3 local = q.conjugate() * value_of<Spin>(top.sim, top.body);
     return {angle_between(q, exact.attitude), (local - exact.spin).norm()};
 }
 
@@ -72,16 +72,16 @@ TEST_SUITE("physics/top") {
     TEST_CASE("angular momentum, the attitude's norm and energy stay") {
         const Vec3 inertia(1, 2, 3);
         Top top = make_top(inertia, Vec3(1, 0, 1), 1.0 / 28);
-        const Vec3 before = of<AngularMomentum>(top.sim, top.body);
+        const Vec3 before = value_of<AngularMomentum>(top.sim, top.body);
         double worst_energy = 0, worst_norm = 0;
         for (int k = 0; k < 2000; ++k) {
             top.sim.advance(50);
-            const Quat& q = of<Orientation>(top.sim, top.body);
-            const Vec3 local = q.conjugate() * of<Spin>(top.sim, top.body);
+            const Quat& q = value_of<Orientation>(top.sim, top.body);
+            const Vec3 local = q.conjugate() * value_of<Spin>(top.sim, top.body);
             worst_energy = std::max(worst_energy, std::abs(local.cwiseAbs2().dot(inertia) / 4 - 1)); // 2 E = 4
             worst_norm = std::max(worst_norm, std::abs(q.norm() - 1));
         }
-        CHECK((of<AngularMomentum>(top.sim, top.body) - before).norm() / before.norm() < 1e-14);
+        CHECK((value_of<AngularMomentum>(top.sim, top.body) - before).norm() / before.norm() < 1e-14);
         CHECK(worst_norm < 1e-14);
         MESSAGE("10^5 steps of 0.05 rad: energy off by at most ", worst_energy);
         // not symplectic: the fourth-order attitude lets the energy drift with h^5 a step; 1e5 steps of
@@ -94,24 +94,24 @@ TEST_SUITE("physics/top") {
         Top slow = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 5e-5), quick = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 1.0 / 1000);
         slow.sim.advance(20'000);
         quick.sim.advance(1000);
-        const double off = angle_between(of<Orientation>(slow.sim, slow.body), one.attitude);
+        const double off = angle_between(value_of<Orientation>(slow.sim, slow.body), one.attitude);
         MESSAGE("midpoint rule at 7e-5 rad a step, t = 1: off by ", off, " rad");
         // turn() promises a difference below 1e-12 rad a step of 1e-4 rad, falling with its cube
         CHECK(off < 20'000 * 1e-12);
-        CHECK(angle_between(of<Orientation>(quick.sim, quick.body), one.attitude) < 1e-11);
+        CHECK(angle_between(value_of<Orientation>(quick.sim, quick.body), one.attitude) < 1e-11);
     }
 
     TEST_CASE("a top spun about a principal axis keeps its axis") {
         Top top = make_top(Vec3(1, 2, 3), Vec3(0, 0, 2), 0.01);
         top.sim.advance(1000);
         // 1000 compositions, each rounded by eps
-        CHECK(angle_between(of<Orientation>(top.sim, top.body), exponential_map(Vec3(0, 0, 20))) < 1000 * 4e-16);
+        CHECK(angle_between(value_of<Orientation>(top.sim, top.body), exponential_map(Vec3(0, 0, 20))) < 1000 * 4e-16);
     }
 
     TEST_CASE("a body with equal moments turns at constant spin, whatever the step") {
         Top top = make_top(Vec3(2, 2, 2), Vec3(0.3, -0.5, 0.7), 0.5);
         top.sim.advance(40);
         const Quat exact = exponential_map(20 * Vec3(0.3, -0.5, 0.7));
-        CHECK(angle_between(of<Orientation>(top.sim, top.body), exact) < 1e-13);
+        CHECK(angle_between(value_of<Orientation>(top.sim, top.body), exact) < 1e-13);
     }
 }

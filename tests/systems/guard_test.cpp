@@ -19,7 +19,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 /// Five spheres far apart above a floor.
 Simulation five(Grains grains, bool facets, const std::function<void(World&)>& change = [](World&) {}) {
     World world = make_world(grains);
-    const auto material = add_material(world, contact_material(1e5, 5e4, 0.5));
+    const auto material = add_material(world, linear_material(1e5, 5e4, 0.5));
     for (int k = 0; k < 5; ++k) add_sphere(world, Vec3(0.05 * k, 0, 0.011), 0.01, material);
     if (facets) add_facet_floor(world, -0.3, 0.3, 3, material);
     else add_floor(world, material);
@@ -52,7 +52,7 @@ TEST_SUITE("guard") {
                 CAPTURE(bad);
                 Simulation sim = five(grains, false);
                 sim.advance(10);
-                of<Velocity>(sim, 3).y() = bad;
+                value_of<Velocity>(sim, 3).y() = bad;
                 const std::string text = message_of(sim, 100);
                 CAPTURE(text);
                 CHECK(has(text, "body 3"));
@@ -62,7 +62,7 @@ TEST_SUITE("guard") {
 
                 Simulation other = five(grains, false);
                 other.advance(10);
-                of<Position>(other, 2).x() = bad;
+                value_of<Position>(other, 2).x() = bad;
                 CHECK(has(message_of(other, 100), "body 2"));
             }
     }
@@ -70,7 +70,7 @@ TEST_SUITE("guard") {
     TEST_CASE("a spin that is not a number stops a clump's run") {
         Simulation sim = five(Grains::clumps, false);
         sim.advance(10);
-        of<AngularMomentum>(sim, 1).z() = not_a_number;
+        value_of<AngularMomentum>(sim, 1).z() = not_a_number;
         const std::string text = message_of(sim, 100);
         CAPTURE(text);
         CHECK(has(text, "body 1"));
@@ -79,7 +79,7 @@ TEST_SUITE("guard") {
 
     TEST_CASE("a scene that begins with a position that is not a number stops, and does not hang") {
         for (const double bad : {not_a_number, infinity}) {
-            Simulation sim = five(Grains::spheres, false, [&](World& w) { of<Position>(w, 0).x() = bad; });
+            Simulation sim = five(Grains::spheres, false, [&](World& w) { value_of<Position>(w, 0).x() = bad; });
             const std::string text = message_of(sim, 3);
             CAPTURE(text);
             CHECK(has(text, "body 0"));
@@ -87,7 +87,7 @@ TEST_SUITE("guard") {
     }
 
     TEST_CASE("a body faster than the limit stops the run") {
-        Simulation sim = five(Grains::spheres, false, [](World& w) { of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
+        Simulation sim = five(Grains::spheres, false, [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
         const std::string text = message_of(sim, 100);
         CAPTURE(text);
         CHECK(has(text, "body 4"));
@@ -99,9 +99,9 @@ TEST_SUITE("guard") {
         Simulation sim = five(Grains::spheres, false, [](World& w) {
             w.resource<Limits>().low = Vec3(-0.1, -0.1, 0);
             w.resource<Limits>().high = Vec3(0.3, 0.1, 0.3);
-            of<Velocity>(w, 2) = Vec3(0, 20, 0);
-            of<MotionOf>(w, 1) = static_cast<std::uint32_t>(Motion::fixed);
-            of<Position>(w, 1) = Vec3(0, 0, -5);
+            value_of<Velocity>(w, 2) = Vec3(0, 20, 0);
+            value_of<MotionOf>(w, 1) = static_cast<std::uint32_t>(Motion::fixed);
+            value_of<Position>(w, 1) = Vec3(0, 0, -5);
         });
         const std::string text = message_of(sim, 1000); // 0.1 m at 20 m/s
         CAPTURE(text);
@@ -114,7 +114,7 @@ TEST_SUITE("guard") {
     TEST_CASE("a spin that is not a number stops a single sphere's run before it touches anything") {
         Simulation sim = five(Grains::spheres, false);
         sim.advance(10);
-        of<AngularMomentum>(sim, 1).z() = not_a_number;
+        value_of<AngularMomentum>(sim, 1).z() = not_a_number;
         const std::string text = message_of(sim, 100);
         CAPTURE(text);
         CHECK(has(text, "body 1"));
@@ -123,25 +123,25 @@ TEST_SUITE("guard") {
 
     TEST_CASE("a body that goes farther in a step than a surface may go unseen stops the run") {
         // a quarter of 0.01 m in 1e-5 s: 250 m/s
-        Simulation sim = five(Grains::spheres, false, [](World& w) { of<Velocity>(w, 4) = Vec3(0, 260, 0); });
+        Simulation sim = five(Grains::spheres, false, [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 260, 0); });
         const std::string text = message_of(sim, 100);
         CAPTURE(text);
         CHECK(has(text, "body 4"));
         CHECK(has(text, "a way up to 0.0025 m in a step, found 0.0026 m"));
-        Simulation slower = five(Grains::spheres, false, [](World& w) { of<Velocity>(w, 4) = Vec3(0, 240, 0); });
+        Simulation slower = five(Grains::spheres, false, [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 240, 0); });
         CHECK(message_of(slower, 3) == "no error");
     }
 
     TEST_CASE("a wall that goes farther in a step than its smallest grain allows stops the run") {
         Simulation sim = five(Grains::spheres, true, [](World& w) {
-            of<MotionOf>(w, 5) = static_cast<std::uint32_t>(Motion::prescribed);
-            of<DriveVelocity>(w, 5) = Vec3(260, 0, 0);
+            value_of<MotionOf>(w, 5) = static_cast<std::uint32_t>(Motion::prescribed);
+            value_of<DriveVelocity>(w, 5) = Vec3(260, 0, 0);
         });
         CHECK(has(message_of(sim, 100), "body 5"));
     }
 
     TEST_CASE("two spheres too deep in each other are named") {
-        Simulation sim = five(Grains::spheres, false, [](World& w) { of<Position>(w, 2) = of<Position>(w, 1) + Vec3(0.0, 0, 0.016); });
+        Simulation sim = five(Grains::spheres, false, [](World& w) { value_of<Position>(w, 2) = value_of<Position>(w, 1) + Vec3(0.0, 0, 0.016); });
         const std::string text = message_of(sim, 100);
         CAPTURE(text);
         CHECK(has(text, "bodies 1 and 2"));
@@ -151,17 +151,17 @@ TEST_SUITE("guard") {
 
     TEST_CASE("a sphere too deep in a plane or a facet is named, and so is the boundary") {
         for (const bool facets : {false, true}) {
-            Simulation sim = five(Grains::spheres, facets, [](World& w) { of<Position>(w, 3).z() = 0.0074; });
+            Simulation sim = five(Grains::spheres, facets, [](World& w) { value_of<Position>(w, 3).z() = 0.0074; });
             const std::string text = message_of(sim, 100);
             CAPTURE(text);
             CHECK(has(text, "bodies 3 and 5"));
-            Simulation just = five(Grains::spheres, facets, [](World& w) { of<Position>(w, 3).z() = 0.0076; });
+            Simulation just = five(Grains::spheres, facets, [](World& w) { value_of<Position>(w, 3).z() = 0.0076; });
             CHECK(message_of(just, 1) == "no error"); // a quarter of the radius is allowed
         }
     }
 
     TEST_CASE("the run stays stopped") {
-        Simulation sim = five(Grains::spheres, false, [](World& w) { of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
+        Simulation sim = five(Grains::spheres, false, [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
         CHECK_THROWS_AS(sim.advance(100), SimulationError);
         CHECK(sim.world().resource<Clock>().step == 1);
         CHECK_THROWS_AS(sim.advance(100), SimulationError);

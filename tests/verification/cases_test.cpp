@@ -38,9 +38,11 @@ TEST_SUITE("verification") {
     TEST_CASE("overlapping balls have the volume and moments of their union") { check_all("mass_properties"); }
     TEST_CASE("chains of beads have their dispersion and Nesterenko's wave") { check_all("chains"); }
     TEST_CASE("crystals have the moduli of their lattices") { check_all("crystals"); }
+    TEST_CASE("long waves run through crystals at the root of modulus over density") { check_all("waves"); }
     TEST_CASE("steps are stable up to the limits of lattices and pairs, and no further") { check_all("stability"); }
     TEST_CASE("a contact's shear loop, rigid turns and torques are exact") { check_all("contact_pair"); }
     TEST_CASE("a gas keeps its energy, and what stiffens in contact gives what it must") { check_all("energy"); }
+    TEST_CASE("a gas that loses energy cools as Haff says") { check_all("cooling"); }
     TEST_CASE("what has come to rest stays, and carries its weight") { check_all("rest"); }
     TEST_CASE("physics is the same in another frame, unit, order or number of threads") { check_all("descriptions"); }
 }

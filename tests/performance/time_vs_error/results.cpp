@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "tests/performance/compiler.hpp"
 
 #include <fmt/format.h>
 
@@ -17,14 +18,6 @@ namespace {
 constexpr auto header = "scene,knob,value,seed,wall_time_s,steps,contacts,error_kind,error,measured,reference,fingerprint,compiler,machine,load,"
                         "settings,note";
 constexpr std::size_t columns = 17;
-
-std::string compiler() {
-#ifdef __clang__
-    return "clang " __clang_version__;
-#else
-    return "g++ " __VERSION__;
-#endif
-}
 
 std::string flags() {
 #if defined(__AVX512F__)

@@ -23,7 +23,7 @@ TEST_SUITE("broadphase/sphere_pairs") {
     TEST_CASE(
         "of spheres of very different sizes all touching pairs are found, each once, whichever has the lower id") {
         World world = make_world(Grains::spheres);
-        const auto material = add_material(world, contact_material(1, 0, 0)); // soft: they overlap as they like
+        const auto material = add_material(world, linear_material(1, 0, 0)); // soft: they overlap as they like
         world.resource<Limits>().overlap = 1e9;
         std::vector<Vec3> place;
         std::vector<double> size;

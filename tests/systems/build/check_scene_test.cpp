@@ -16,7 +16,7 @@ namespace {
 /// What check_scene says of two spheres over a floor that `change` has spoilt; empty if it accepts them.
 std::string said(LawName law, const std::function<void(World&)>& change) {
     World world = make_world(Grains::spheres);
-    Material m = contact_material(1e5, 5e4, 0.5);
+    Material m = linear_material(1e5, 5e4, 0.5);
     m.young_modulus = 1e9;
     m.poisson_ratio = 0.25;
     const auto grain = add_material(world, m);
@@ -36,7 +36,7 @@ std::string said(LawName law, const std::function<void(World&)>& change) {
 /// What check_overlaps says of two spheres whose centres are `apart` radii from each other and `high` above a boundary.
 std::string said_of_start(double apart, double high, bool facets) {
     World world = make_world(Grains::spheres);
-    const auto grain = add_material(world, contact_material(1e5, 5e4, 0.5));
+    const auto grain = add_material(world, linear_material(1e5, 5e4, 0.5));
     add_sphere(world, Vec3(0, 0, 0.01 * high), 0.01, grain);
     add_sphere(world, Vec3(0.01 * apart, 0, 0.01 * high), 0.01, grain);
     if (facets) add_facet_floor(world, -0.1, 0.1, 2, grain);
@@ -81,12 +81,27 @@ TEST_SUITE("build/check_scene") {
     TEST_CASE("properties given for a pair are looked at too") {
         CHECK(said(LawName::linear, [](World& w) { w.resource<Materials>().set_pair(0, 0, {.friction = -1}); }) ==
               "materials 'grain' and 'grain': friction: expected at least 0, found -1");
+        CHECK(said(LawName::linear, [](World& w) { w.resource<Materials>().set_pair(0, 0, {.restitution = 1.2}); }) ==
+              "materials 'grain' and 'grain': restitution: expected from 0 to 1, found 1.2");
+    }
+
+    TEST_CASE("restitution 0 is refused where no dashpot can give it: when its force may not pull and it is calibrated") {
+        const auto with = [](Tension tension, double restitution) {
+            return said(LawName::linear_viscous, [=](World& w) {
+                w.resource<Materials>().policy.tension = tension;
+                w.resource<Materials>().list[0].restitution = restitution;
+            });
+        };
+        for (const Tension tension : {Tension::allowed, Tension::cut}) CHECK(with(tension, 0) == "");
+        CHECK(with(Tension::calibrated, 1e-6) == "");
+        CHECK(with(Tension::calibrated, 0) ==
+              "materials 'grain' and 'grain': restitution under calibrated tension: expected above 0 to 1, found 0");
     }
 
     TEST_CASE("a free body without mass or inertia is refused; a boundary needs none") {
-        CHECK(said(LawName::linear, [](World& w) { of<Mass>(w, 1) = 0; }) == "body 1: mass: expected above 0 kg, found 0 kg");
-        CHECK(said(LawName::linear, [](World& w) { of<SphereInertia>(w, 0) = 0; }) == "body 0: inertia: expected above 0 kg m2, found 0 kg m2");
-        CHECK(said(LawName::linear, [](World& w) { of<Mass>(w, 2) = 0; }) == "");
+        CHECK(said(LawName::linear, [](World& w) { value_of<Mass>(w, 1) = 0; }) == "body 1: mass: expected above 0 kg, found 0 kg");
+        CHECK(said(LawName::linear, [](World& w) { value_of<SphereInertia>(w, 0) = 0; }) == "body 0: inertia: expected above 0 kg m2, found 0 kg m2");
+        CHECK(said(LawName::linear, [](World& w) { value_of<Mass>(w, 2) = 0; }) == "");
     }
 
     TEST_CASE("a start is refused where spheres stand deeper in each other than the limit, or in one place") {

@@ -56,15 +56,15 @@ Shots shoot(const std::function<EntityId(World&, std::uint32_t)>& add_vessel, co
     constexpr int shots = 2000, steps = 20000;
     constexpr double dt = 3e-6, speed = 5, pitch = 0.003;
     World world = make_world(Grains::spheres);
-    const auto material = add_material(world, contact_material(2e4, 0, 0));
-    of<Spin>(world, add_vessel(world, material)) = spin;
+    const auto material = add_material(world, linear_material(2e4, 0, 0));
+    value_of<Spin>(world, add_vessel(world, material)) = spin;
     const Eigen::Vector3i n = (block.sizes() / pitch).cast<int>();
     REQUIRE(n.prod() >= shots);
     for (int k = 0; k < shots; ++k) {
         Random random(5, static_cast<std::uint64_t>(k));
         const Vec3 site(k % n.x() + 0.5, k / n.x() % n.y() + 0.5, k / n.x() / n.y() + 0.5);
         const EntityId id = add_sphere(world, Vec3(block.min()) + pitch * site, 5e-4, material);
-        of<Velocity>(world, id) = speed * random.direction();
+        value_of<Velocity>(world, id) = speed * random.direction();
     }
     // a wall stops a sphere of 1.4 mg within v sqrt(m/kn) = 0.04 mm; a contact takes 9 steps
     Simulation sim = start(std::move(world),

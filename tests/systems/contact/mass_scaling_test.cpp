@@ -14,7 +14,8 @@ namespace {
 double kinetic(Simulation& sim) {
     double sum = 0;
     for (EntityId b = 0; b < 30; ++b)
-        sum += 0.5 * of<InertialMass>(sim, b) * of<Velocity>(sim, b).squaredNorm() + 0.5 * of<AngularMomentum>(sim, b).dot(of<Spin>(sim, b));
+        sum += 0.5 * value_of<InertialMass>(sim, b) * value_of<Velocity>(sim, b).squaredNorm() +
+               0.5 * value_of<AngularMomentum>(sim, b).dot(value_of<Spin>(sim, b));
     return sum;
 }
 
@@ -34,18 +35,18 @@ TEST_SUITE("contact/mass_scaling") {
         CHECK(done.dt == dt);
         // dt is `safety` of the stable step of the body that needs it most
         CHECK(stable_step(sim.world()) >= dt / safety * (1 - 1e-12));
-        for (const EntityId b : {0u, 7u, 29u}) CHECK(of<Mass>(sim, b) == weight[b]);
+        for (const EntityId b : {0u, 7u, 29u}) CHECK(value_of<Mass>(sim, b) == weight[b]);
         double total = 0;
-        for (EntityId b = 0; b < 30; ++b) total += of<InertialMass>(sim, b);
+        for (EntityId b = 0; b < 30; ++b) total += value_of<InertialMass>(sim, b);
         CHECK(done.total_mass == doctest::Approx(total).epsilon(1e-13));
         double booked = 0;
-        for (EntityId b = 0; b < 30; ++b) booked += of<ScalingWork>(sim, b);
+        for (EntityId b = 0; b < 30; ++b) booked += value_of<ScalingWork>(sim, b);
         CHECK(kinetic(sim) - before == doctest::Approx(booked).epsilon(1e-9));
         CHECK(std::abs(booked) > 1e-9);
         for (const EntityId b : {0u, 7u, 29u}) { // spin is what the new momentum says
-            const Vec3 local = of<Orientation>(sim, b).conjugate() * of<AngularMomentum>(sim, b);
-            CHECK((of<Orientation>(sim, b) * Vec3(local.cwiseQuotient(of<InertialInertia>(sim, b))) - of<Spin>(sim, b)).norm() <
-                  0.1 * of<Spin>(sim, b).norm()); // half a step apart
+            const Vec3 local = value_of<Orientation>(sim, b).conjugate() * value_of<AngularMomentum>(sim, b);
+            CHECK((value_of<Orientation>(sim, b) * Vec3(local.cwiseQuotient(value_of<InertialInertia>(sim, b))) - value_of<Spin>(sim, b)).norm() <
+                  0.1 * value_of<Spin>(sim, b).norm()); // half a step apart
         }
     }
 
@@ -53,7 +54,7 @@ TEST_SUITE("contact/mass_scaling") {
         Simulation sim = start(bed({.grains = Grains::clumps, .bodies = 30}), {.dt = 2e-5, .law = LawName::linear});
         sim.advance(2500);
         double total = 0;
-        for (EntityId b = 0; b < 30; ++b) total += of<Mass>(sim, b);
+        for (EntityId b = 0; b < 30; ++b) total += value_of<Mass>(sim, b);
         const MassScaling done = scale_masses(sim.world(), 0, 0.8, false);
         CHECK(done.total_mass == doctest::Approx(total).epsilon(1e-12));
         CHECK(done.smallest_factor < 1);

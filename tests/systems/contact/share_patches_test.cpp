@@ -30,16 +30,16 @@ Rebound drop(int balls, PatchStiffness patch, LawName law, bool on_clump) {
     if (on_clump) add_clump(world, clump, 0, Vec3(0, 0, -0.01), Quat(Eigen::AngleAxisd(pi / 2, Vec3::UnitZ())), grain, Motion::fixed);
     else add_floor(world, grain);
     const EntityId ball = add_clump(world, clump, 0, Vec3(0, 0, 0.0101), Quat::Identity(), grain);
-    of<Velocity>(world, ball) = Vec3(0, 0, -0.5);
+    value_of<Velocity>(world, ball) = Vec3(0, 0, -0.5);
     world.resource<Clock>().dt = 1e-6;
     add_lists(world, law);
     Simulation sim(std::move(world), steps(law, false, patch), 1, {});
     double least = 1;
     for (int k = 0; k < 3000; ++k) {
         sim.advance();
-        least = std::min(least, of<Position>(sim, ball).z());
+        least = std::min(least, value_of<Position>(sim, ball).z());
     }
-    return {of<Velocity>(sim, ball).z() / 0.5, 0.01 - least};
+    return {value_of<Velocity>(sim, ball).z() / 0.5, 0.01 - least};
 }
 
 } // namespace

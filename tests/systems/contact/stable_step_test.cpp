@@ -22,25 +22,25 @@ double estimate(Simulation& sim) {
 /// A sphere pressed on a floor, a little beside its equilibrium in every direction.
 Simulation on_floor(double ks, double dt) {
     World world = make_world(Grains::spheres);
-    const auto material = add_material(world, contact_material(kn, ks, 1e6));
+    const auto material = add_material(world, linear_material(kn, ks, 1e6));
     add_floor(world, material);
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-    const double overlap = of<Mass>(world, ball) * 1000 / kn;
-    of<Position>(world, ball) = Vec3(0, 0, radius - 1.001 * overlap);
-    of<Velocity>(world, ball) = Vec3(1e-5, 0, 0);
+    const double overlap = value_of<Mass>(world, ball) * 1000 / kn;
+    value_of<Position>(world, ball) = Vec3(0, 0, radius - 1.001 * overlap);
+    value_of<Velocity>(world, ball) = Vec3(1e-5, 0, 0);
     world.add_resource<Gravity>({Vec3(0, 0, -1000)});
     return start(std::move(world), {.dt = dt});
 }
 
 /// Whether the motion stays as small as it began.
 bool stays_small(Simulation& sim, EntityId body, double dt) {
-    const Vec3 begin = of<Position>(sim, body);
+    const Vec3 begin = value_of<Position>(sim, body);
     sim.world().resource<Clock>().dt = dt;
     try {
         for (int k = 0; k < 300; ++k) {
             sim.advance();
             // the begin is 1e-3 of the overlap off; a tenth of the radius is far beyond any bounded motion
-            if ((of<Position>(sim, body) - begin).norm() > 0.02 * radius) return false;
+            if ((value_of<Position>(sim, body) - begin).norm() > 0.02 * radius) return false;
         }
     } catch (const std::exception&) {
         return false;
@@ -51,10 +51,10 @@ bool stays_small(Simulation& sim, EntityId body, double dt) {
 /// Estimate over limit of two free spheres in touch.
 double pair_estimate(double ratio) {
     World world = make_world(Grains::spheres);
-    const auto material = add_material(world, contact_material(kn, ratio * kn, 1));
+    const auto material = add_material(world, linear_material(kn, ratio * kn, 1));
     const EntityId a = add_sphere(world, Vec3(0, 0, 0), radius, material);
     add_sphere(world, Vec3(0, 0, 1.9999 * radius), radius, material);
-    const double mass = of<Mass>(world, a);
+    const double mass = value_of<Mass>(world, a);
     Simulation sim = start(std::move(world), {});
     // sqrt 2 sqrt(m/kn), and 2/sqrt 7 = 0.7559 sqrt(m/ks)
     const double limit = std::min(std::sqrt(2 * mass / kn), ratio > 0 ? 2 / std::sqrt(7.0) * std::sqrt(mass / (ratio * kn)) : 1.0);
@@ -68,10 +68,10 @@ TEST_SUITE("contact/stable_step") {
         for (const double ratio : {0.0, 2.0 / 7, 0.5, 1.0}) {
             CAPTURE(ratio);
             Simulation sim = on_floor(ratio * kn, 1e-12);
-            const double mass = of<Mass>(sim, 1), step = estimate(sim);
+            const double mass = value_of<Mass>(sim, 1), step = estimate(sim);
             // 2 sqrt(m/kn) for the normal; about 1.0690 sqrt(m/ks) for rolling, with the arm to the middle of the overlap
             const double arm = radius - 0.5 * 1.001 * mass * 1000 / kn;
-            const double rolling = ratio * kn * (1 / mass + arm * arm / of<SphereInertia>(sim, 1));
+            const double rolling = ratio * kn * (1 / mass + arm * arm / value_of<SphereInertia>(sim, 1));
             const double limit = std::min(2 * std::sqrt(mass / kn), ratio > 0 ? 2 / std::sqrt(rolling) : 1.0);
             CHECK(step <= limit);
             CHECK(step >= 0.998 * limit); // a margin of 1e-3, and an eigenvalue at most 0.05 % too large
@@ -100,18 +100,18 @@ TEST_SUITE("contact/stable_step") {
 
     TEST_CASE("a clump counts every sphere that it stands on, and its rotation") {
         World world = make_world(Grains::clumps);
-        const auto material = add_material(world, contact_material(kn, 0, 0));
+        const auto material = add_material(world, linear_material(kn, 0, 0));
         add_floor(world, material);
         std::vector<Ball> feet;
         for (const double x : {-1.0, 1.0})
             for (const double y : {-1.0, 1.0}) feet.push_back({Vec3(0.02 * x, 0.015 * y, 0), radius});
         const Clump block = make_clump("block", feet);
         const EntityId body = add_clump(world, block, 0, Vec3::Zero(), Quat(Quat::Identity()), material);
-        const double mass = of<Mass>(world, body);
-        of<Position>(world, body) = Vec3(0, 0, radius - mass * 1000 / (4 * kn));
+        const double mass = value_of<Mass>(world, body);
+        value_of<Position>(world, body) = Vec3(0, 0, radius - mass * 1000 / (4 * kn));
         set_spin(world, body, Vec3(1e-3, 1e-3, 0));
         world.add_resource<Gravity>({Vec3(0, 0, -1000)});
-        const Vec3 inertia = of<Inertia>(world, body);
+        const Vec3 inertia = value_of<Inertia>(world, body);
         Simulation sim = start(std::move(world), {});
         const double step = estimate(sim);
         // four springs: heave 4k/m, pitch 4 k x^2 / I_y, roll 4 k y^2 / I_x
@@ -127,9 +127,9 @@ TEST_SUITE("contact/stable_step") {
         for (const double ratio : {0.0, 0.1, 2.0 / 7}) {
             CAPTURE(ratio);
             World world = make_world(Grains::spheres);
-            const auto material = add_material(world, contact_material(kn, ratio * kn, 1));
+            const auto material = add_material(world, linear_material(kn, ratio * kn, 1));
             const EntityId a = add_sphere(world, Vec3::Zero(), radius, material);
-            const double mass = of<Mass>(world, a);
+            const double mass = value_of<Mass>(world, a);
             Simulation sim = start(std::move(world), {});
             CHECK(std::isinf(stable_step(sim.world())));
             const double limit = std::min(std::sqrt(2 * mass / kn), ratio > 0 ? 2 / std::sqrt(7.0) * std::sqrt(mass / (ratio * kn)) : 1.0);

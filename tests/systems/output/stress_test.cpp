@@ -12,16 +12,16 @@ TEST_SUITE("systems/output/stress") {
     TEST_CASE("the stress of a standing column of three spheres is the one of its weights") {
         constexpr double radius = 0.01, kn = 1e6, g = 9.81;
         World world = make_world(Grains::spheres);
-        const auto material = add_material(world, contact_material(kn, 0, 0));
+        const auto material = add_material(world, linear_material(kn, 0, 0));
         add_floor(world, material);
         EntityId ball{};
         double mass = 0, top = 0;
         for (int k = 0; k < 3; ++k) {
             ball = add_sphere(world, Vec3::Zero(), radius, material);
-            mass = of<Mass>(world, ball);
+            mass = value_of<Mass>(world, ball);
             // each contact carries the weight of what is above
             top += (k == 0 ? 1 : 2) * radius - (3 - k) * mass * g / kn;
-            of<Position>(world, ball) = Vec3(0, 0, top);
+            value_of<Position>(world, ball) = Vec3(0, 0, top);
         }
         world.add_resource<Gravity>({Vec3(0, 0, -g)});
         Simulation sim = start(std::move(world), {.dt = 1e-9});
@@ -36,7 +36,7 @@ TEST_SUITE("systems/output/stress") {
 
     TEST_CASE("a falling sphere carries a stress that nothing outside balances") {
         World world = make_world(Grains::spheres);
-        const auto material = add_material(world, contact_material(1e6, 0, 0));
+        const auto material = add_material(world, linear_material(1e6, 0, 0));
         add_sphere(world, Vec3(0, 0, 1), 0.01, material);
         world.add_resource<Gravity>({Vec3(0, 0, -9.81)});
         Simulation sim = start(std::move(world), {.dt = 1e-6});

@@ -12,7 +12,7 @@ namespace {
 /// Spheres of 1 cm on a lattice with overlaps of `overlap` of the diameter, in a box with `room` for them.
 World squeezed(double overlap, double room) {
     World world = make_world(Grains::spheres);
-    Material m = contact_material(1e5, 5e4, 0.5);
+    Material m = linear_material(1e5, 5e4, 0.5);
     m.young_modulus = 1e8;
     m.poisson_ratio = 0.25;
     const auto grain = add_material(world, m);
@@ -39,12 +39,12 @@ TEST_SUITE("procedure/relax") {
                 CHECK(r.stored_energy > 0);
                 CHECK(r.peak_energy <= r.stored_energy);
                 // the caller's scene: at rest in the new places, with its own weight and limits
-                CHECK(of<Velocity>(world, 13).norm() == 0);
+                CHECK(value_of<Velocity>(world, 13).norm() == 0);
                 CHECK(world.resource<Gravity>().value.z() == -9.81);
                 CHECK(world.resource<Limits>().overlap == 0.25);
                 double least = 1;
                 for (EntityId a = 0; a < 27; ++a)
-                    for (EntityId b = 0; b < a; ++b) least = std::min(least, (of<Position>(world, a) - of<Position>(world, b)).norm());
+                    for (EntityId b = 0; b < a; ++b) least = std::min(least, (value_of<Position>(world, a) - value_of<Position>(world, b)).norm());
                 CHECK(least >= 0.02 * (1 - 0.01) - 1e-12);
             }
     }
@@ -60,10 +60,10 @@ TEST_SUITE("procedure/relax") {
 
     TEST_CASE("a start without overlaps is left where it is") {
         World world = squeezed(-0.2, 0.06);
-        const Vec3 before = of<Position>(world, 5);
+        const Vec3 before = value_of<Position>(world, 5);
         const Relaxed r = relax(world, LawName::linear);
         CHECK(r.done);
         CHECK(r.steps == 0);
-        CHECK((of<Position>(world, 5) - before).norm() == 0);
+        CHECK((value_of<Position>(world, 5) - before).norm() == 0);
     }
 }

@@ -15,20 +15,20 @@ TEST_SUITE("procedure/true_masses") {
         sim.world().table<Bodies>().add<ScalingWork>();
         sim.advance(2500);
         std::vector<Vec3> momentum;
-        for (EntityId b = 0; b < 30; ++b) momentum.push_back(of<AngularMomentum>(sim, b));
+        for (EntityId b = 0; b < 30; ++b) momentum.push_back(value_of<AngularMomentum>(sim, b));
         scale_masses(sim.world(), 5e-4, 0.8, false);
-        REQUIRE(std::abs(of<InertialMass>(sim, 0) / of<Mass>(sim, 0) - 1) > 0.01);
-        const double one_way = of<ScalingWork>(sim, 0);
+        REQUIRE(std::abs(value_of<InertialMass>(sim, 0) / value_of<Mass>(sim, 0) - 1) > 0.01);
+        const double one_way = value_of<ScalingWork>(sim, 0);
         REQUIRE(one_way != 0);
         const double step = restore_masses(sim.world());
         CHECK(step <= stable_step(sim.world()));
         CHECK(step > 0);
         for (EntityId b = 0; b < 30; ++b) {
-            CHECK(of<InertialMass>(sim, b) == of<Mass>(sim, b));
-            CHECK(of<InertialInertia>(sim, b) == of<Inertia>(sim, b));
+            CHECK(value_of<InertialMass>(sim, b) == value_of<Mass>(sim, b));
+            CHECK(value_of<InertialInertia>(sim, b) == value_of<Inertia>(sim, b));
             // there and back are a multiplication and a division of each number: a few roundings
-            CHECK((of<AngularMomentum>(sim, b) - momentum[b]).norm() <= 1e-15 * 4 * momentum[b].norm());
+            CHECK((value_of<AngularMomentum>(sim, b) - momentum[b]).norm() <= 1e-15 * 4 * momentum[b].norm());
         }
-        CHECK(std::abs(of<ScalingWork>(sim, 0)) <= 1e-14 * std::abs(one_way));
+        CHECK(std::abs(value_of<ScalingWork>(sim, 0)) <= 1e-14 * std::abs(one_way));
     }
 }
