@@ -141,8 +141,8 @@ public:
             const Vec3 arm = samples_[k].position - balls[i].centre;
             const double weight = samples_[k].weight * (s < 0 ? settings_.bulge_weight : 1.0) *
                                   std::pow(std::abs(s) / size_ + 1e-3, settings_.exponent - 2);
-            Vec4 gradient;
-            gradient << -arm / std::max(arm.norm(), 1e-12 * size_), -1.0;
+            const double distance = std::max(arm.norm(), 1e-12 * size_);
+            const Vec4 gradient(-arm[0] / distance, -arm[1] / distance, -arm[2] / distance, -1);
             normal[i] += weight * gradient * gradient.transpose();
             right[i] -= weight * s * gradient;
         }
