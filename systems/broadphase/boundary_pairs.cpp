@@ -145,9 +145,14 @@ void find_facet_pairs(World& world, double skin) {
     std::vector<Eigen::AlignedBox3d> within_reach = boxes;
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(largest_reach(bodies, skin));
     for (auto& box : within_reach) box = {box.min() - margin, box.max() + margin};
+    // a grid of few boxes costs more than it saves where fast bodies want new lists in every step
+    const auto all = all_rows(facets.size());
+    const bool few = all.size() <= 16;
+    if (few) within_reach.clear();
     const BoxGrid grid(within_reach);
     find_pairs<FacetPairs>(
-        world, facets.column<FacetId>(), host, [&](Row b) { return grid.around(position[b]); },
+        world, facets.column<FacetId>(), host,
+        [&](Row b) { return few ? std::span<const Row>(all) : grid.around(position[b]); },
         [&](Row b, Row e) { return reaches(position[b], radius[b], e); }, reaches);
 }
 

@@ -104,8 +104,9 @@ void choose_skins(World& world, ListSettings& settings) {
             ++count;
         }
     const double mean = count > 0 ? sum / count : 1;
-    // beyond it the candidates grow faster than their life
-    if (!(settings.largest_skin > 0)) settings.largest_skin = std::max(0.3 * mean, settings.outer_skin);
+    // beyond it the candidates grow faster than their life: of clumps, whose bounds hold many spheres, sooner
+    const double most = world.table<Bodies>().has<SphereInertia>() ? 1.2 : 0.3;
+    if (!(settings.largest_skin > 0)) settings.largest_skin = std::max(most * mean, settings.outer_skin);
     if (!(settings.inner_skin > 0)) settings.inner_skin = 0.02 * mean;
     if (!(settings.outer_skin > 0)) settings.outer_skin = 5 * settings.inner_skin;
 }

@@ -25,7 +25,7 @@ struct TriaxialSettings {
     double damping = 0.7;               ///< local, but for compaction
     unsigned lifts = 4;
     unsigned move_steps = 60;           ///< over which the platen moves in a stage
-    unsigned longest_stage = 20000;     ///< steps, beyond which an equilibrium has stalled
+    unsigned longest_stage = 100000;    ///< steps, beyond which an equilibrium has stalled; a specimen that slips takes 20 000
     unsigned longest_compaction = 150000; ///< steps, beyond which the porosity is not reached
     double safety = 0.9;                ///< of the stable step in mass scaling
     bool mass_scaling = true;           ///< from consolidation on; else true masses, and a step that follows the contacts
