@@ -10,7 +10,8 @@ struct Spheres { static constexpr auto name = "spheres"; };
 struct Facets  { static constexpr auto name = "facets"; };
 struct Planes  { static constexpr auto name = "planes"; };
 struct Elements { static constexpr auto name = "elements"; }; // of a membrane
-/// Packed rows of the spheres that are on some short list, a run for each body.
+/// Packed rows of the spheres that are on some short list, a run for each body; of single spheres all, in the rows of
+/// their bodies.
 struct Listed  { static constexpr auto name = "listed"; };
 
 struct NearSpheres { static constexpr auto name = "near_spheres"; };

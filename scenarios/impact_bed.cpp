@@ -23,7 +23,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 
 namespace {
 
@@ -210,11 +209,7 @@ void report(const ImpactTest& t, BulkRun& run) {
 }
 
 void run(const ImpactTest& t, const Common& common) {
-    BulkRun bulk(common, t.bulk, make_case(t, common.seed));
-    if (common.explain)
-        std::puts(bulk.explain().c_str());
-    else if (bulk.run())
-        report(t, bulk);
+    run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 
 } // namespace

@@ -21,7 +21,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 
 namespace {
@@ -231,11 +230,7 @@ void report(const SiloTest& t, BulkRun& run) {
 
 void run(const SiloTest& t, const Common& common) {
     require(t.window.size() == 2 && t.window[0] < t.window[1], "--window: expected two times, the second one later");
-    BulkRun bulk(common, t.bulk, make_case(t, common.seed));
-    if (common.explain)
-        std::puts(bulk.explain().c_str());
-    else if (bulk.run())
-        report(t, bulk);
+    run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 
 } // namespace

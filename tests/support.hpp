@@ -67,20 +67,13 @@ inline EntityId add_triangle_floor(World& world, double low, double high, std::u
 /// A box of facets, each side cut into n x n, grains inside.
 inline EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, int n, std::uint32_t material) {
     const EntityId host = add_boundary(world, Vec3::Zero(), material, Motion::fixed, high.norm() + low.norm());
-    const auto side = [&](const Vec3& corner, const Vec3& u, const Vec3& v) { // normal u x v
+    stress::for_sides_of_box(low, high, [&](const Vec3& corner, const Vec3& u, const Vec3& v) {
         for (int j = 0; j < n; ++j)
             for (int i = 0; i < n; ++i) {
                 const auto at = [&](int a, int b) -> Vec3 { return corner + u * a / n + v * b / n; };
                 add_facet(world, host, {{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)}});
             }
-    };
-    const Vec3 d = high - low, x = d.x() * Vec3::UnitX(), y = d.y() * Vec3::UnitY(), z = d.z() * Vec3::UnitZ();
-    side(low, x, y);
-    side(low, y, z);
-    side(low, z, x);
-    side(high, -y, -x);
-    side(high, -z, -y);
-    side(high, -x, -z);
+    });
     return host;
 }
 

@@ -22,22 +22,12 @@ std::vector<EntityId> add_beads(World& world, unsigned count, double spacing, do
     return ids;
 }
 
-NormalContact contact_of_beads(const Material& material, LawName law, double radius, double speed) {
-    Impact pair;
-    pair.target = Target::sphere;
-    pair.radius = pair.partner_radius = radius;
-    pair.material = pair.partner_material = material;
-    pair.law = law;
-    pair.speed = speed;
-    return normal_contact(pair);
-}
-
 } // namespace
 
 ChainWaveResult measure(const ChainWave& s) {
     require(s.mode >= 1 && s.mode <= s.beads, "chain: expected a mode from 1 to the number of beads");
     const double gap = s.overlap * s.radius, spacing = 2 * s.radius - gap;
-    const NormalContact c = contact_of_beads(s.material, s.law, s.radius, 1);
+    const NormalContact c = like_spheres(s.material, s.law, s.radius, 1);
     const double mass = 2 * c.mass;
     ChainWaveResult r;
     r.stiffness = c.hertz ? 1.5 * c.stiffness * std::sqrt(gap) : c.stiffness;
@@ -80,7 +70,7 @@ ChainWaveResult measure(const ChainWave& s) {
 ChainPulseResult measure(const ChainPulse& s) {
     require(s.beads >= 10 && s.front > 0 && s.front < s.rear && s.rear < 1,
             "chain: expected 10 beads or more, and 0 < front < rear < 1");
-    const NormalContact c = contact_of_beads(s.material, s.law, s.radius, s.speed);
+    const NormalContact c = like_spheres(s.material, s.law, s.radius, s.speed);
     const double mass = 2 * c.mass;
     ChainPulseResult r;
     r.time_unit = c.hertz ? std::pow(mass * mass / (c.stiffness * c.stiffness * s.speed), 0.2) : std::sqrt(mass / c.stiffness);

@@ -50,13 +50,7 @@ struct Outcome {
 };
 
 double step_of(const Cluster& s) {
-    Impact pair;
-    pair.target = Target::sphere;
-    pair.radius = pair.partner_radius = radius;
-    pair.material = pair.partner_material = grain();
-    pair.law = s.law;
-    pair.speed = speed;
-    return normal_contact(pair).time() / s.steps_per_contact;
+    return like_spheres(grain(), s.law, radius, speed).time() / s.steps_per_contact;
 }
 
 Outcome run(const Cluster& s, const Description& d) {

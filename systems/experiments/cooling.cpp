@@ -28,13 +28,7 @@ double motion_of(const World& world) {
 CoolingResult measure(const Cooling& s) {
     require(s.material.restitution > 0 && s.material.restitution < 1, "cooling: expected a restitution between 0 and 1");
     require(s.pitch > 1 && s.from <= 1 && s.to < s.from && s.to > 0, "cooling: expected a pitch above 1 and 1 >= from > to > 0");
-    Impact pair;
-    pair.target = Target::sphere;
-    pair.radius = pair.partner_radius = s.radius;
-    pair.material = pair.partner_material = s.material;
-    pair.law = s.law;
-    pair.speed = s.speed;
-    const double dt = normal_contact(pair).time() / s.steps_per_contact, unit = 2 * s.radius / s.speed;
+    const double dt = like_spheres(s.material, s.law, s.radius, s.speed).time() / s.steps_per_contact, unit = 2 * s.radius / s.speed;
 
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();

@@ -12,13 +12,7 @@
 namespace bris {
 
 GasResult measure(const Gas& s) {
-    Impact pair;
-    pair.target = Target::sphere;
-    pair.radius = pair.partner_radius = s.radius;
-    pair.material = pair.partner_material = s.material;
-    pair.law = s.law;
-    pair.speed = s.speed;
-    const double time = normal_contact(pair).time(), dt = time / s.steps_per_contact;
+    const double time = like_spheres(s.material, s.law, s.radius, s.speed).time(), dt = time / s.steps_per_contact;
 
     World world = make_world(Grains::spheres);
     const auto material = world.resource<Materials>().add(s.material);

@@ -131,6 +131,16 @@ double NormalContact::time() const {
     return hertz ? 0.8 * std::beta(0.4, 0.5) * largest_overlap() / speed : pi * std::sqrt(mass / stiffness);
 }
 
+NormalContact like_spheres(const Material& material, LawName law, double radius, double speed) {
+    Impact pair;
+    pair.target = Target::sphere;
+    pair.radius = pair.partner_radius = radius;
+    pair.material = pair.partner_material = material;
+    pair.law = law;
+    pair.speed = speed;
+    return normal_contact(pair);
+}
+
 NormalContact normal_contact(const Impact& s) {
     NormalContact c{};
     const double m = sphere_mass(s.material, s.radius);

@@ -37,6 +37,8 @@ struct NormalContact {
     double time() const;            ///< s, undamped: 4/5 B(2/5, 1/2) overlap / speed, or pi sqrt(m/k)
 };
 NormalContact normal_contact(const Impact& impact);
+/// Of two like spheres that meet head on.
+NormalContact like_spheres(const Material& material, LawName law, double radius, double speed);
 
 struct ImpactResult {
     double largest_overlap = 0;       ///< m, by a parabola through the three largest

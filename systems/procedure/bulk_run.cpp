@@ -234,4 +234,13 @@ void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
     fmt::print("results in {}\n", common_.out.string());
 }
 
+void run_bulk(const Common& common, const BulkSettings& settings, BulkCase bulk_case,
+              const std::function<void(BulkRun&)>& report) {
+    BulkRun bulk(common, settings, std::move(bulk_case));
+    if (common.explain)
+        fmt::print("{}\n", bulk.explain());
+    else if (bulk.run())
+        report(bulk);
+}
+
 } // namespace bris

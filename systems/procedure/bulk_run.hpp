@@ -88,6 +88,10 @@ private:
     std::uint64_t first_step_ = 0;
 };
 
+/// Runs a case, or explains its schedule; `report` is called if it ran.
+void run_bulk(const Common& common, const BulkSettings& settings, BulkCase bulk_case,
+              const std::function<void(BulkRun&)>& report);
+
 /// Time (s) of an elastic Hertz impact of two like spheres, 2.87 (m*^2 / (R* E*^2 v))^(1/5) (Johnson 1985, 11.24).
 /// radius m, density kg/m3, young_modulus Pa (Poisson's ratio 0.2), speed m/s.
 double hertz_contact_time(double radius, double density, double young_modulus, double speed);

@@ -27,17 +27,10 @@ Simulation begin(World world, const Setup& s) {
 
 EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material) {
     const EntityId host = add_boundary(world, Vec3::Zero(), material, Motion::fixed, high.norm() + low.norm());
-    const auto side = [&](const Vec3& corner, const Vec3& u, const Vec3& v) { // normal u x v
+    for_sides_of_box(low, high, [&](const Vec3& corner, const Vec3& u, const Vec3& v) {
         add_facet(world, host, {{corner, corner + u, corner + u + v, corner + u + v}});
         add_facet(world, host, {{corner, corner + u + v, corner + v, corner + v}});
-    };
-    const Vec3 d = high - low, x = d.x() * Vec3::UnitX(), y = d.y() * Vec3::UnitY(), z = d.z() * Vec3::UnitZ();
-    side(low, x, y);
-    side(low, y, z);
-    side(low, z, x);
-    side(high, -y, -x);
-    side(high, -z, -y);
-    side(high, -x, -z);
+    });
     return host;
 }
 

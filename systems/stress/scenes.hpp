@@ -27,6 +27,17 @@ struct Setup {
 /// Adds the lists and the steps to a scene that is complete.
 Simulation begin(World world, const Setup& setup);
 
+/// Calls side(corner, u, v) for the six sides of a box: the parallelogram from the corner along u and v, u x v inwards.
+template <class Side> void for_sides_of_box(const Vec3& low, const Vec3& high, Side&& side) {
+    const Vec3 d = high - low, x = d.x() * Vec3::UnitX(), y = d.y() * Vec3::UnitY(), z = d.z() * Vec3::UnitZ();
+    side(low, x, y);
+    side(low, y, z);
+    side(low, z, x);
+    side(high, -y, -x);
+    side(high, -z, -y);
+    side(high, -x, -z);
+}
+
 /// A box of facets, each side two triangles, grains inside.
 EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material);
 

@@ -44,8 +44,9 @@ struct CoulombSpring {
     static constexpr bool has_history = true;
 
     template <class Normal, class Damping>
-    [[gnu::always_inline]] static void force(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step, const StiffnessLanes& stiffness,
-                      const DashpotLanes& rates, SpringLanes& spring, ForceLanes& f) {
+    [[gnu::always_inline]] static void force(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step,
+                                             const StiffnessLanes& stiffness, const DashpotLanes& rates, SpringLanes& spring,
+                                             ForceLanes& f) {
         const Lane un = c.ux * c.nx + c.uy * c.ny + c.uz * c.nz;
         const LaneMask fresh = spring.stiffness == 0.0;
         const Lane share = share_of_step(c, fresh, step.dt) * step.dt;
