@@ -99,13 +99,14 @@ bool is_at_home(const std::string& file, const Library& library) {
 }
 
 bool may_include_library(const std::string& file, const std::string& target) {
-    static const std::array<Library, 5> libraries{{
+    static const std::array<Library, 6> libraries{{
         {{"tbb/", "oneapi/"},
          {"engine/parallel.hpp", "engine/parallel.cpp", "engine/schedule.cpp"}},
         {{"hdf5", "H5"}, {"engine/io/hdf5.cpp"}},
         {{"nanoflann"}, {"systems/broadphase/kdtree.cpp", "systems/build/packing.cpp"}},
         {{"openvdb/"}, {"systems/fields/*.cpp", "systems/build/fill_clump.cpp"}},
         {{"CLI/"}, {"engine/options.cpp"}},
+        {{"boost/"}, {"engine/signal/chi_squared.cpp"}},
     }};
     return std::none_of(libraries.begin(), libraries.end(), [&](const Library& library) {
         return std::any_of(library.beginnings.begin(), library.beginnings.end(),

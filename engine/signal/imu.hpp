@@ -1,0 +1,74 @@
+#pragma once
+
+#include "engine/random.hpp"
+#include "engine/signal/inertial_filter.hpp"
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+namespace bris {
+
+/// What is built into an inertial sensor: a triple of accelerometers and one of gyroscopes. Densities are those of the
+/// mean over a time T, which scatters by density / sqrt(T).
+struct ImuModel {
+    double rate = 200;                          ///< Hz
+    double bandwidth = 0;                       ///< Hz, of a first-order low pass before sampling; 0: none
+    double force_range = 0, rate_range = 0;     ///< m/s2 and rad/s, largest; 0: no limit
+    unsigned bits = 0;                          ///< of a sample over the range; 0: not rounded
+    InertialNoise noise;
+    double force_bias = 0, rate_bias = 0;       ///< m/s2 and rad/s, deviation from switch-on to switch-on
+    double scale_error = 0, misalignment = 0;   ///< of 1, and rad: deviations from device to device
+    Vec3 arm = Vec3::Zero();                    ///< m, from the body's centre, in its axes
+    Quat mounting = Quat::Identity();           ///< from the sensor's axes to the body's
+    double clock_offset = 0, clock_drift = 0;   ///< s, and s a second: of its time stamps
+    double loss = 0;                            ///< share of samples that never arrive
+};
+
+/// Figures of classes of devices: "ideal" (no error at all), "lab-grade", "smartrock-like" and "cheap". Noise of common
+/// devices: 60-300 micro-g and 4-10 mdeg/s per root hertz, biases after calibration at rest. Throws InputError.
+ImuModel imu_preset(std::string_view name);
+inline constexpr std::array<std::string_view, 4> imu_presets{"ideal", "lab-grade", "smartrock-like", "cheap"};
+
+/// How a body really moves at one time: world frame.
+struct TrueMotion {
+    Quat orientation = Quat::Identity();
+    Vec3 acceleration = Vec3::Zero();         ///< m/s2
+    Vec3 spin = Vec3::Zero();                 ///< rad/s
+    Vec3 angular_acceleration = Vec3::Zero(); ///< rad/s2
+};
+
+struct ImuSample {
+    double time = 0; ///< s, by its own clock
+    std::uint64_t sequence = 0;
+    Vec3 force = Vec3::Zero(), rate = Vec3::Zero(); ///< m/s2 and rad/s, in the sensor's axes
+    bool saturated = false, lost = false;
+};
+
+/// One device, with biases, scales and misalignments of its own, drawn from (seed, id): the same numbers whatever else
+/// is drawn elsewhere. Order of effects: lever arm, axes, scale and misalignment, low pass, bias and its walk, noise,
+/// range, rounding, time stamp, loss.
+class Imu {
+public:
+    Imu(const ImuModel& model, const Vec3& gravity, std::uint64_t seed, std::uint64_t id);
+    /// The next sample, at the true time `time` (s); one call every 1 / rate.
+    ImuSample sample(double time, const TrueMotion& motion);
+    Vec3 force_bias() const { return force_bias_; }
+    Vec3 rate_bias() const { return rate_bias_; }
+
+private:
+    Vec3 scatter(double deviation) { return deviation * Vec3(random_.normal(), random_.normal(), random_.normal()); }
+    Mat3 distortion();
+    Vec3 passed(Vec3& memory, const Vec3& value) const;
+    Vec3 digits(const Vec3& value, double range, bool& saturated) const;
+
+    ImuModel model_;
+    Vec3 gravity_;
+    Random random_;
+    Mat3 force_distortion_, rate_distortion_;
+    Vec3 force_bias_, rate_bias_, force_memory_ = Vec3::Zero(), rate_memory_ = Vec3::Zero();
+    std::uint64_t sequence_ = 0;
+};
+
+} // namespace bris

@@ -1,0 +1,132 @@
+#include "engine/errors.hpp"
+#include "engine/signal/imu.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+
+namespace {
+
+const Vec3 earth(0, 0, -9.80665);
+
+/// Deviation of means over `length` samples, from each to the next (Allan 1966).
+double allan_deviation(const std::vector<double>& samples, std::size_t length) {
+    std::vector<double> means;
+    for (std::size_t k = 0; k + length <= samples.size(); k += length) {
+        double sum = 0;
+        for (std::size_t j = k; j < k + length; ++j) sum += samples[j];
+        means.push_back(sum / static_cast<double>(length));
+    }
+    double sum = 0;
+    for (std::size_t k = 1; k < means.size(); ++k) sum += (means[k] - means[k - 1]) * (means[k] - means[k - 1]);
+    return std::sqrt(0.5 * sum / static_cast<double>(means.size() - 1));
+}
+
+} // namespace
+
+TEST_SUITE("engine/signal/imu") {
+    TEST_CASE("at rest a sensor reads one g upwards, in free fall nothing, however it lies") {
+        Random random(2, 0);
+        Imu imu(imu_preset("ideal"), earth, 1, 1);
+        for (int k = 0; k < 20; ++k) {
+            const Quat q = random.rotation();
+            CHECK((imu.sample(0, {.orientation = q}).force - q.conjugate() * Vec3(-earth)).norm() < 1e-13);
+            CHECK(imu.sample(0, {.orientation = q, .acceleration = earth}).force.norm() < 1e-13);
+        }
+    }
+
+    TEST_CASE("off the centre of a spinning body it reads its pull, and the spin, in axes of its own") {
+        ImuModel model = imu_preset("ideal");
+        model.arm = Vec3(0.02, 0, 0);
+        model.mounting = exponential_map(Vec3(0, 0, pi / 2)); // its x along the body's y
+        Imu imu(model, Vec3::Zero(), 1, 1);
+        const ImuSample s = imu.sample(0, {.spin = Vec3(0, 0, 10), .angular_acceleration = Vec3(0, 0, 50)});
+        // the body reads -w2 r along x and alpha r along y
+        CHECK((s.force - Vec3(50 * 0.02, 100 * 0.02, 0)).norm() < 1e-13);
+        CHECK((s.rate - Vec3(0, 0, 10)).norm() < 1e-13);
+    }
+
+    TEST_CASE("noise falls with the root of the time of averaging, at the density that was set") {
+        ImuModel model;
+        model.noise = {.force = 1e-3, .rate = 1e-4};
+        Imu imu(model, Vec3::Zero(), 3, 1);
+        std::vector<double> force, rate;
+        for (int k = 0; k < 400000; ++k) {
+            const ImuSample s = imu.sample(k / model.rate, {});
+            force.push_back(s.force.x());
+            rate.push_back(s.rate.y());
+        }
+        for (const std::size_t length : {1u, 10u, 100u}) {
+            const double time = static_cast<double>(length) / model.rate;
+            CHECK(allan_deviation(force, length) == doctest::Approx(1e-3 / std::sqrt(time)).epsilon(0.05));
+            CHECK(allan_deviation(rate, length) == doctest::Approx(1e-4 / std::sqrt(time)).epsilon(0.05));
+        }
+    }
+
+    TEST_CASE("biases differ from device to device as set, and walk") {
+        ImuModel model;
+        model.force_bias = 0.02;
+        model.noise.rate_bias_walk = 1e-3;
+        double squares = 0, walked = 0;
+        constexpr int devices = 2000, samples = 100;
+        for (std::uint64_t id = 0; id < devices; ++id) {
+            Imu imu(model, Vec3::Zero(), 5, id);
+            squares += imu.force_bias().squaredNorm() / (3 * devices);
+            for (int k = 0; k < samples; ++k) (void)imu.sample(k / model.rate, {});
+            walked += imu.rate_bias().squaredNorm() / (3 * devices);
+        }
+        CHECK(std::sqrt(squares) == doctest::Approx(0.02).epsilon(0.05));
+        CHECK(std::sqrt(walked) == doctest::Approx(1e-3 * std::sqrt(samples / model.rate)).epsilon(0.05));
+    }
+
+    TEST_CASE("a sample is rounded to its bits, held in its range, and says so") {
+        ImuModel model;
+        model.force_range = 16;
+        model.rate_range = 8;
+        model.bits = 8;
+        Imu imu(model, Vec3::Zero(), 1, 1);
+        const ImuSample s = imu.sample(0, {.acceleration = Vec3(0.3, 20, -3), .spin = Vec3(0.05, 0, 0)});
+        CHECK(s.force.x() == 0.25); // steps of 16/128
+        CHECK(s.force.y() == 16);
+        CHECK(s.saturated);
+        CHECK(s.rate.x() == 0.0625);
+        CHECK_FALSE(imu.sample(0, {}).saturated);
+    }
+
+    TEST_CASE("samples of a clock that goes wrong are stamped so, and some never arrive") {
+        ImuModel model;
+        model.clock_offset = 0.5;
+        model.clock_drift = 1e-3;
+        model.loss = 0.3;
+        Imu imu(model, Vec3::Zero(), 1, 1);
+        int lost = 0;
+        for (int k = 0; k < 10000; ++k) lost += imu.sample(0, {}).lost ? 1 : 0;
+        CHECK(lost == doctest::Approx(3000).epsilon(0.05));
+        const ImuSample s = imu.sample(100, {});
+        CHECK(s.time == doctest::Approx(100.6).epsilon(1e-12));
+        CHECK(s.sequence == 10000);
+    }
+
+    TEST_CASE("a low pass takes off what is faster than its bandwidth") {
+        ImuModel model;
+        model.rate = 1000;
+        model.bandwidth = 20;
+        const auto amplitude = [&](double frequency) {
+            Imu imu(model, Vec3::Zero(), 1, 1);
+            double largest = 0;
+            for (int k = 0; k < 4000; ++k) {
+                const double force = imu.sample(0, {.acceleration = Vec3(std::sin(2 * pi * frequency * k / 1000), 0, 0)}).force.x();
+                if (k > 2000) largest = std::max(largest, force);
+            }
+            return largest;
+        };
+        CHECK(amplitude(1) == doctest::Approx(1).epsilon(0.01));
+        CHECK(amplitude(20) == doctest::Approx(std::sqrt(0.5)).epsilon(0.06));
+        CHECK(amplitude(200) < 0.15);
+    }
+
+    TEST_CASE("an unknown class of sensors is refused by name") {
+        CHECK_THROWS_WITH_AS((void)imu_preset("gold"), doctest::Contains("found 'gold'"), InputError);
+        for (const auto name : imu_presets) CHECK_NOTHROW((void)imu_preset(name));
+    }
+}
