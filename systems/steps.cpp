@@ -5,6 +5,8 @@
 #include "systems/contact/gather.hpp"
 #include "systems/contact/list_contacts.hpp"
 #include "systems/contact/share_patches.hpp"
+#include "systems/fusion/correct.hpp"
+#include "systems/fusion/fuse.hpp"
 #include "systems/guard.hpp"
 #include "systems/integration/motion.hpp"
 #include "systems/servo/membrane.hpp"
@@ -32,6 +34,7 @@ StepList steps(LawName law, bool ledger, PatchStiffness patch) {
         when(places_due, row_local("place_spheres again", place_spheres)),
         when(places_due, row_local("place again", place)),
         when(places_due, row_local("place_kicks again", place_kicks)),
+        when(places_due, row_local("tell_corrections again", tell_corrections)),
         when(places_due, system("place_planes again", place_planes)),
         when(places_due, system("place_facets again", place_facets)),
         when(places_due, system("note_places", note_places)),
@@ -55,13 +58,17 @@ StepList steps(LawName law, bool ledger, PatchStiffness patch) {
         gather_of<PlanePairs>("gather_planes", law, ledger),
         row_local("gather_membrane", gather<MembranePairs>),
         row_local("book_boundary_work", book_boundary_work),
+        row_local("book_corrections", book_corrections),
         required(ledger ? row_local("damp_and_book", damp_and_book) : row_local("damp", damp)),
         row_local("integrate", integrate),
         row_local("turn_spheres", turn_spheres),
         row_local("turn", turn),
+        row_local("turn_corrections", turn_corrections),
+        row_local("shift_corrections", shift_corrections),
         row_local("place_spheres", place_spheres),
         row_local("place", place),
         row_local("place_kicks", place_kicks),
+        row_local("tell_corrections", tell_corrections),
         row_local("measure_travel", measure_travel),
         row_local("measure_travel_and_turn", measure_travel_and_turn),
         // boundaries
@@ -73,6 +80,9 @@ StepList steps(LawName law, bool ledger, PatchStiffness patch) {
         system("book_platen_work", book_platen_work),
         system("place_planes", place_planes),
         system("place_facets", place_facets),
+        // what sensors have recorded of their bodies
+        when(fusion_is_due, system("fuse_spheres", fuse_spheres)),
+        when(fusion_is_due, system("fuse_clumps", fuse_clumps)),
         // stop on what cannot be
         system("guard_motion", guard_motion),
         system("guard_spheres", guard_overlap<SpherePairs>),

@@ -30,14 +30,14 @@ template <class S> GaussianOf<S> predict(const GaussianOf<S>& now, const Transit
 }
 
 template <class S>
-CorrectionOf<S> correct(const GaussianOf<S>& before, const VectorOf<S>& innovation, const MatrixOf<S>& H, const MatrixOf<S>& R) {
+UpdateOf<S> correct(const GaussianOf<S>& before, const VectorOf<S>& innovation, const MatrixOf<S>& H, const MatrixOf<S>& R) {
     const Eigen::Index n = before.mean.size(), m = innovation.size();
     MatrixOf<S> roots = MatrixOf<S>::Zero(m + n, m + n);
     roots.topLeftCorner(m, m) = root_of<S>(R);
     roots.topRightCorner(m, n) = H * before.root;
     roots.bottomRightCorner(n, n) = before.root;
     const MatrixOf<S> after = triangle_of<S>(roots);
-    CorrectionOf<S> c;
+    UpdateOf<S> c;
     c.innovation = innovation;
     c.innovation_root = after.topLeftCorner(m, m);
     const MatrixOf<S> cross = after.bottomLeftCorner(n, m), cross_rows = cross.transpose();
@@ -52,7 +52,7 @@ CorrectionOf<S> correct(const GaussianOf<S>& before, const VectorOf<S>& innovati
 }
 
 template <class S>
-CorrectionOf<S> measure(const GaussianOf<S>& before, const VectorOf<S>& y, const MatrixOf<S>& H, const MatrixOf<S>& R) {
+UpdateOf<S> measure(const GaussianOf<S>& before, const VectorOf<S>& y, const MatrixOf<S>& H, const MatrixOf<S>& R) {
     return correct<S>(before, y - H * before.mean, H, R);
 }
 
@@ -66,8 +66,8 @@ double squared_distance(const Gaussian& estimate, const Vector& x) {
     template MatrixOf<S> root_of<S>(const MatrixOf<S>&);                                                                     \
     template struct GaussianOf<S>;                                                                                           \
     template GaussianOf<S> predict<S>(const GaussianOf<S>&, const TransitionOf<S>&);                                         \
-    template CorrectionOf<S> correct<S>(const GaussianOf<S>&, const VectorOf<S>&, const MatrixOf<S>&, const MatrixOf<S>&);   \
-    template CorrectionOf<S> measure<S>(const GaussianOf<S>&, const VectorOf<S>&, const MatrixOf<S>&, const MatrixOf<S>&)
+    template UpdateOf<S> correct<S>(const GaussianOf<S>&, const VectorOf<S>&, const MatrixOf<S>&, const MatrixOf<S>&);   \
+    template UpdateOf<S> measure<S>(const GaussianOf<S>&, const VectorOf<S>&, const MatrixOf<S>&, const MatrixOf<S>&)
 BRIS_KALMAN_OF(double);
 BRIS_KALMAN_OF(float);
 #undef BRIS_KALMAN_OF

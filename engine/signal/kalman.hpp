@@ -39,7 +39,7 @@ using Transition = TransitionOf<double>;
 template <class S> GaussianOf<S> predict(const GaussianOf<S>& now, const TransitionOf<S>& t);
 
 /// What a measurement of m numbers makes of an estimate of n.
-template <class S> struct CorrectionOf {
+template <class S> struct UpdateOf {
     GaussianOf<S> estimate;
     MatrixOf<S> gain;            ///< n x m
     VectorOf<S> innovation;
@@ -47,17 +47,17 @@ template <class S> struct CorrectionOf {
     S squared_distance = 0;      ///< of the innovation, in its covariance: chi square of m degrees (NIS)
     S log_likelihood = 0;        ///< of the measurement
 };
-using Correction = CorrectionOf<double>;
+using Update = UpdateOf<double>;
 
 /// Kalman's update for the measurement y = H x + v, v of covariance R, given the innovation y - H x. By one orthogonal
 /// triangularisation of roots (the array form: Kailath, Sayed and Hassibi 2000, 12.3), which needs no inverse; what it
 /// gives is that of Joseph's form, (I - K H) P (I - K H)^T + K R K^T. H P H^T + R must be regular.
 template <class S>
-CorrectionOf<S> correct(const GaussianOf<S>& before, const VectorOf<S>& innovation, const MatrixOf<S>& H, const MatrixOf<S>& R);
+UpdateOf<S> correct(const GaussianOf<S>& before, const VectorOf<S>& innovation, const MatrixOf<S>& H, const MatrixOf<S>& R);
 
 /// The same, given the measurement y.
 template <class S>
-CorrectionOf<S> measure(const GaussianOf<S>& before, const VectorOf<S>& y, const MatrixOf<S>& H, const MatrixOf<S>& R);
+UpdateOf<S> measure(const GaussianOf<S>& before, const VectorOf<S>& y, const MatrixOf<S>& H, const MatrixOf<S>& R);
 
 /// Squared distance of x from the mean, in the covariance, which must be regular: chi square of n degrees (NEES).
 double squared_distance(const Gaussian& estimate, const Vector& x);

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "engine/component.hpp"
+#include "engine/entity.hpp"
+#include "engine/math.hpp"
+
+namespace bris {
+
+struct Sensors { static constexpr auto name = "sensors"; };
+
+// A SmartRock in the scene: the body that it is, and how far its recording has been used.
+struct SensorId   : State<EntityId> { static constexpr auto name = "id", unit = ""; static constexpr bool is_key = true; };
+struct SensorHost : State<EntityId> { static constexpr auto name = "host", unit = ""; };
+struct NextSample : State<std::uint64_t> { static constexpr auto name = "next_sample", unit = ""; };      // of its recording
+struct Accepted   : State<std::uint64_t> { static constexpr auto name = "accepted", unit = ""; };         // vectors measured
+struct Refused    : State<std::uint64_t> { static constexpr auto name = "refused", unit = ""; };          // too far from the forecast
+struct LargestInnovation : State<double> { static constexpr auto name = "largest_innovation", unit = ""; }; // chi square of three degrees
+
+/// How a body's motion is to be corrected: a part of the way in each of the steps to come. `felt` 1: as motion, which
+/// friction feels; 0: the body is put there. A row of zeros is no correction.
+struct CorrectionRow {
+    Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();           ///< m and rad, in a step
+    Vec3 last_shift = Vec3::Zero(), last_turn = Vec3::Zero(); ///< in the step before
+    double steps = 0, felt = 0;
+};
+struct Correction : State<CorrectionRow> { static constexpr auto name = "correction", unit = "m, rad"; };
+/// Energy that corrections have put into the scene, since the start.
+struct FusionWork : State<double> { static constexpr auto name = "fusion_work", unit = "J"; };
+
+} // namespace bris

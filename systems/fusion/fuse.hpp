@@ -1,0 +1,56 @@
+#pragma once
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/sensor.hpp"
+#include "engine/clock.hpp"
+#include "engine/rows.hpp"
+#include "systems/fusion/sensor_filter.hpp"
+
+namespace bris {
+
+/// What was measured, and when by the clock of the simulation (s).
+struct TimedMeasurement {
+    double time;
+    Measured what;
+};
+
+/// The recordings of a scene's sensors, by their rows, each in order of time.
+struct Replay {
+    static constexpr auto name = "replay";
+    std::vector<std::vector<TimedMeasurement>> samples;
+};
+
+/// The filters of a scene's sensors, by their rows.
+struct Fusion {
+    static constexpr auto name = "fusion";
+    static constexpr bool is_state = true;
+    std::vector<SensorFilter> filters;
+    unsigned injection_steps = 1; ///< in which a correction of position enters; 1: it jumps (give_correction)
+
+    void save(Archive& archive) const;
+    void load(const Archive& archive);
+};
+
+/// Makes sensors of bodies: their table, filters and recordings, and the columns by which corrections enter.
+/// One for each host; throws InputError if a recording's times do not grow, or a host is twice among them.
+void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<std::vector<TimedMeasurement>> samples, const FilterSettings& settings,
+                 unsigned injection_steps = 1);
+
+using FusedSensors = Rows<Sensors, const SensorHost, NextSample, Accepted, Refused, LargestInnovation>;
+template <class... Shape>
+using FusedBodies = Rows<Bodies, const BodyId, const Position, const Acceleration, const InertialMass, Velocity, Spin, StepSpin, AngularMomentum, Correction,
+                         FusionWork, Shape...>;
+
+/// Whether a sample has been taken by the end of this step.
+bool fusion_is_due(const World& world);
+
+/// Corrects the bodies of sensors by the samples that have been taken by now: velocity and spin at once, position and
+/// attitude in the steps to come. What velocities gain in energy is booked.
+void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion, const Replay& replay, const Clock& clock);
+void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const InertialInertia> bodies, Fusion& fusion, const Replay& replay, const Clock& clock);
+
+/// J, put into the scene by all corrections.
+double fusion_work(const World& world);
+
+} // namespace bris

@@ -1,0 +1,105 @@
+#include "systems/fusion/sensor_filter.hpp"
+
+#include "engine/signal/chi_squared.hpp"
+#include "engine/signal/constant_velocity.hpp"
+
+#include <array>
+#include <limits>
+
+namespace bris {
+
+namespace {
+
+constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+
+Mat3 square(double deviation) { return deviation * deviation * Mat3::Identity(); }
+
+} // namespace
+
+Measured::Measured() : position(Vec3::Constant(unknown)), velocity(position), spin(position), attitude(unknown, unknown, unknown, unknown) {}
+
+SensorFilter::SensorFilter(const FilterSettings& settings) : settings_(settings) {
+    filter_.begin(settings.position, settings.velocity, settings.attitude, settings.spin, 0, 0);
+    filter_.gate = settings.gate < 1 ? chi_squared_quantile(settings.gate, 3) : 0;
+}
+
+Analysis SensorFilter::analyse(const BodyForecast& forecast, const Measured& measured) {
+    const double dt = begun_ ? forecast.time - last_time_ : 0;
+    begun_ = true;
+    last_time_ = forecast.time;
+    if (settings_.kind == FilterKind::printed) return analyse_as_printed(forecast, measured, dt);
+    // the simulation has moved the body on; what it may have missed meanwhile adds to what was not known before
+    if (dt > 0) filter_.advance(dt, settings_.acceleration_density, settings_.angular_acceleration_density);
+    filter_.state = forecast.state;
+    Analysis a;
+    const auto take = [&](const Verdict& v) {
+        ++(v.accepted ? a.accepted : a.refused);
+        a.largest_distance = std::max(a.largest_distance, v.squared_distance);
+    };
+    if (measured.position.allFinite()) take(filter_.observe_position(measured.position, square(measured.position_deviation)));
+    if (measured.velocity.allFinite()) take(filter_.observe_velocity(measured.velocity, square(measured.velocity_deviation)));
+    if (measured.attitude.coeffs().allFinite()) take(filter_.observe_attitude(measured.attitude, square(measured.attitude_deviation)));
+    if (measured.spin.allFinite()) take(filter_.observe_spin(measured.spin, square(measured.spin_deviation)));
+    a.shift = filter_.state.position - forecast.state.position;
+    a.velocity = filter_.state.velocity - forecast.state.velocity;
+    a.turn = attitude_error(filter_.state.orientation, forecast.state.orientation);
+    a.spin = filter_.state.spin - forecast.state.spin;
+    return a;
+}
+
+// Steps 3 to 6 of the report. It needs all six numbers at once, and knows no gate.
+Analysis SensorFilter::analyse_as_printed(const BodyForecast& forecast, const Measured& measured, double dt) {
+    Analysis a;
+    if (!measured.position.allFinite() || !measured.velocity.allFinite()) return a;
+    const Transition t = white_acceleration(3, dt, settings_.acceleration_density);
+    printed_.A = t.F;
+    printed_.Q = t.Q;
+    printed_.R = Matrix::Zero(6, 6);
+    printed_.R.diagonal() << Vec3::Constant(measured.position_deviation * measured.position_deviation),
+        Vec3::Constant(measured.velocity_deviation * measured.velocity_deviation);
+    Vector simulated(6), seen(6);
+    simulated << forecast.state.position, forecast.state.velocity;
+    seen << measured.position, measured.velocity;
+    const Vector fused = printed_.fuse(simulated, seen);
+    a.shift = fused.head<3>() - forecast.state.position;
+    a.velocity = fused.tail<3>() - forecast.state.velocity;
+    a.accepted = 2;
+    if (!measured.spin.allFinite()) return a;
+    printed_.q = settings_.angular_acceleration_density * dt * Matrix::Identity(3, 3);
+    printed_.r = measured.spin_deviation * measured.spin_deviation * Matrix::Identity(3, 3);
+    a.spin = printed_.fuse_spin(forecast.state.spin, measured.spin) - Vector(forecast.state.spin);
+    ++a.accepted;
+    return a;
+}
+
+std::array<double, 4> SensorFilter::deviations() const {
+    std::array<double, 4> d{};
+    for (std::size_t k = 0; k < 4; ++k) {
+        const auto rows = filter_.error().root.middleRows<3>(static_cast<Eigen::Index>(3 * k));
+        d[k] = std::sqrt(rows.squaredNorm() / 3);
+    }
+    return d;
+}
+
+void SensorFilter::save(Archive& archive, const std::string& path) const {
+    const auto put = [&](const std::string& name, const Matrix& m) { archive.put(path + name, std::span<const double>(m.data(), static_cast<std::size_t>(m.size()))); };
+    put("/root", filter_.error().root);
+    put("/COV", printed_.COV);
+    put("/cov", printed_.cov);
+    put_fields(archive, path + "/time", std::tie(last_time_, begun_));
+}
+
+void SensorFilter::load(const Archive& archive, const std::string& path) {
+    const auto get = [&](const std::string& name, Matrix& m) {
+        const auto numbers = archive.get<double>(path + name);
+        std::copy(numbers.begin(), numbers.end(), m.data());
+    };
+    Gaussian error = filter_.error();
+    get("/root", error.root);
+    filter_.restore(error);
+    get("/COV", printed_.COV);
+    get("/cov", printed_.cov);
+    get_fields(archive, path + "/time", std::tie(last_time_, begun_));
+}
+
+} // namespace bris
