@@ -1,21 +1,17 @@
 // Drained triaxial compression of railway ballast (clumps of 30 spheres) inside a servo membrane of
 // 8 rings x 12 elements, after the TRB report: one specimen, tested at each confining pressure.
 
+#include "engine/clock.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
-#include "engine/io/csv.hpp"
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
-#include "systems/broadphase/lists.hpp"
-#include "systems/build/check_scene.hpp"
-#include "systems/build/clump_library.hpp"
-#include "systems/contact/ledger.hpp"
 #include "systems/output/picture.hpp"
 #include "systems/output/record.hpp"
 #include "systems/procedure/triaxial.hpp"
+#include "systems/procedure/triaxial_scene.hpp"
 #include "systems/procedure/triaxial_results.hpp"
-#include "systems/steps.hpp"
 
 #include <fmt/format.h>
 
@@ -25,108 +21,7 @@
 
 namespace bris {
 
-struct Triaxial {
-    unsigned bodies = 400;
-    std::vector<double> confining_pressure{55e3, 110e3, 165e3};
-    std::string grading = "arema_4";
-    SpecimenSettings specimen;
-    TriaxialSettings test;
-    double initial_porosity = 0.37;
-    std::string sensor_shape = "rock_01";
-    std::filesystem::path sensor_poses;
-    unsigned frame_stages = 10;
-
-    void describe(auto& option) {
-        option.group("test");
-        option("confining_pressure", confining_pressure, "Pa", "one or several, each tested on the same specimen", above(0));
-        option("stage_strain", test.stage_strain, "", "axial strain of a stage", within(1e-6, 1e-2));
-        option("final_axial_strain", test.final_axial_strain, "", "at which the test ends", within(1e-4, 0.12));
-        option("tolerance", test.tolerance, "", "unbalanced force ratio of an equilibrium", within(1e-8, 0.1));
-        option("pressure_tolerance", test.pressure_tolerance, "", "of each ring's pressure at stage ends", within(1e-6, 0.1));
-        option("gravity", test.gravity, "", "keep weight during the test (a fifth of the lowest pressure)");
-        option.group("specimen");
-        option("bodies", bodies, "", "rocks, sensor rocks included", within(60, 1e6));
-        option("grading", grading, "", "a file of assets/gradings",
-               {"arema_24", "arema_25", "arema_3", "arema_4a", "arema_4", "arema_5", "arema_57"});
-        option("porosity", test.porosity, "", "of the core (0.6 of the radius, middle half of the height)", within(0.2, 0.6));
-        option("porosity_tolerance", test.porosity_tolerance, "", "within which a porosity counts as reached", within(1e-4, 0.1));
-        option("initial_porosity", initial_porosity, "", "that sets the size of the mould (a little more below 400 rocks)", within(0.2, 0.7));
-        option("compaction_friction", test.compaction_friction, "", "between rocks while the specimen is made", at_least(0));
-        option("compaction_pressure", test.compaction_pressure, "Pa", "of the platen while the specimen is made", above(0));
-        option("vibration", test.vibration, "", "speed of a rock while the specimen is made: of its bounding radius in a step", within(1e-6, 1e-3));
-        option("longest_compaction", test.longest_compaction, "", "steps, beyond which the porosity is not reached", at_least(1));
-        option("sensor_shape", sensor_shape, "", "a clump of assets/clumps, as cube");
-        option("sensor_poses", sensor_poses, "", "CSV file of the sensor rocks' poses; without it ten between the lifts, or 7 or 3 in a small specimen");
-        option("servo_per_element", specimen.per_element, "", "each membrane element on its own, else each ring");
-        option.group("material");
-        option("density", specimen.density, "kg/m3", "of the rocks", above(0));
-        option("friction", test.friction, "", "rock on rock and rock on platen", at_least(0));
-        option("clump_stiffness", specimen.clump_stiffness, "N/m", "normal and shear, of one partner", above(0));
-        option("wall_stiffness", specimen.wall_stiffness, "N/m", "of platens and membrane", above(0));
-        option("damping", test.damping, "", "local damping", within(0, 0.95));
-        option.group("numerics");
-        option("safety", test.safety, "", "of the stable step in mass scaling", within(0.05, 1));
-        option("mass_scaling", test.mass_scaling, "", "scaled masses from consolidation on, else true ones");
-        option("move_steps", test.move_steps, "", "over which the platen moves in a stage", at_least(1));
-        option("frame_stages", frame_stages, "", "stages between frames of the run file", at_least(1));
-    }
-};
-
 namespace {
-
-/// The specimen's parts; the same for every pressure.
-struct Scene {
-    std::vector<Clump> clumps;
-    Clump smart_rock;
-    Grading grading;
-    RockSample sample;
-    SpecimenSettings specimen;
-    std::vector<SmartRockPose> poses;
-};
-
-/// What the walls add to the porosity of a specimen of fewer rocks than the usual 400: it goes with the
-/// rocks' size over the specimen's. 0.06 was measured: core and whole at 400 and 4 000 rocks.
-double wall_porosity(std::size_t rocks) { return 0.06 * std::max(0.0, std::cbrt(400.0 / static_cast<double>(rocks)) - 1); }
-
-Scene make_scene(const Triaxial& t, const Common& common) {
-    const std::filesystem::path assets = BRIS_ASSETS;
-    Scene s;
-    s.clumps = read_clumps(assets / "clumps");
-    const auto sensor = std::find_if(s.clumps.begin(), s.clumps.end(), [&](const Clump& c) { return c.name == t.sensor_shape; });
-    require(sensor != s.clumps.end(), "--sensor-shape: expected a clump of assets/clumps, found \"" + t.sensor_shape + "\"");
-    s.smart_rock = scaled(*sensor, t.specimen.smartrock_size / sensor->sieve);
-    std::erase_if(s.clumps, [](const Clump& c) { return c.name == "cube"; });
-    s.grading = read_grading(assets / "gradings" / (t.grading + ".csv"));
-    s.specimen = t.specimen;
-    s.specimen.seed = common.seed;
-    s.specimen.friction = t.test.friction;
-    const auto room_for = [&](std::size_t sensors) {
-        require(sensors < t.bodies, fmt::format("--bodies: expected more than the {} sensor rocks, found {}", sensors, t.bodies));
-        s.sample = sample_rocks(s.grading, s.clumps, t.bodies - sensors, common.seed);
-        const double solids = s.sample.solid_volume + static_cast<double>(sensors) * s.smart_rock.volume;
-        s.specimen.radius = radius_for(solids, t.initial_porosity + wall_porosity(t.bodies), s.specimen.sectors);
-        s.specimen.height = 4 * s.specimen.radius;
-        return SensorRoom{s.specimen.radius, s.specimen.height, s.smart_rock.bounding_radius};
-    };
-    if (!t.sensor_poses.empty()) {
-        s.poses = read_smart_rock_poses(t.sensor_poses, room_for(read_csv(t.sensor_poses).rows.size()));
-    } else {
-        const std::size_t sensors = smart_rock_count(room_for(10));
-        s.poses = smart_rock_poses(room_for(sensors), common.seed, sensors);
-    }
-    return s;
-}
-
-Simulation make_simulation(const Scene& s, unsigned threads, const Common& common) {
-    World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rock, s.sample.rocks, s.poses);
-    check_scene(world, LawName::linear);
-    add_lists(world, LawName::linear);
-    add_ledger(world);
-    world.add_resource<TriaxialState>();
-    Simulation simulation(std::move(world), steps(LawName::linear, true), threads, {.serial = common.serial});
-    simulation.on_restore(forget_lists);
-    return simulation;
-}
 
 std::string name_of(double pressure) { return fmt::format("{:.4g}kPa", pressure / 1e3); }
 
@@ -159,7 +54,7 @@ const std::initializer_list<std::string_view> of_the_test_alone{
 struct Shared {
     const Triaxial& settings;
     const Common& common;
-    const Scene& scene;
+    const TriaxialScene& scene;
     Progress& progress;
     std::mutex files;               ///< HDF5 and gnuplot: one at a time
     double preparation_wall = 0;    ///< s
@@ -171,7 +66,7 @@ class Test {
 public:
     Test(Shared& shared, double pressure, std::filesystem::path out, unsigned threads, const char* checkpoint = test_file)
         : shared_(shared), settings_(settings_at(shared.settings, pressure)), out_(std::move(out)),
-          simulation_(make_simulation(shared.scene, threads, shared.common)), test_(simulation_, settings_),
+          simulation_(make_simulation(shared.scene, threads, shared.common.serial)), test_(simulation_, settings_),
           keeper_({out_ / checkpoint, shared.common.scenario, settings_of(shared.common, pressure)}) {
         std::filesystem::create_directories(out_);
     }
@@ -343,7 +238,7 @@ void check(const Triaxial& t) {
     require(twice == names.end(), "--confining-pressure: expected different pressures, found twice " + (twice == names.end() ? "" : *twice));
 }
 
-void print_specimen(const Triaxial& t, const Scene& scene) {
+void print_specimen(const Triaxial& t, const TriaxialScene& scene) {
     fmt::print("{}", describe(scene.sample, sieve_back(scene.sample.rocks, scene.clumps, scene.grading, scene.sample.truncated_fraction)));
     fmt::print("specimen: {} rocks, {} of them sensor rocks, diameter {:.1f} mm, height about {:.0f} mm, D/d_max {:.2f}\n",
                t.bodies, scene.poses.size(),
@@ -406,9 +301,9 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
 }
 
 void run(const Triaxial& t, const Common& common) {
-    const Scene scene = make_scene(t, common);
+    const TriaxialScene scene = make_scene(t, common.seed);
     if (common.explain) {
-        fmt::print("{}", make_simulation(scene, 1, common).schedule().explain());
+        fmt::print("{}", make_simulation(scene, 1, common.serial).schedule().explain());
         return;
     }
     check(t);

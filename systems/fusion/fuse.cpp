@@ -16,7 +16,9 @@ namespace {
 
 double end_of_step(const Clock& clock) { return clock.time() + clock.dt; }
 // times are sums of steps: a sample within a millionth of a step of its end has been taken
-bool is_taken(double sample, const Clock& clock) { return sample <= end_of_step(clock) + 1e-6 * clock.dt; }
+bool is_taken(double sample, const Fusion& fusion, const Clock& clock) {
+    return fusion.by_strain ? sample <= fusion.strain * (1 + 1e-9) : sample <= end_of_step(clock) + 1e-6 * clock.dt;
+}
 
 Vec3 momentum_of(double inertia, const Vec3& spin) { return inertia * spin; }
 Vec3 momentum_of(const Vec3& inertia, const Quat& q, const Vec3& spin) { return q * Vec3(inertia.cwiseProduct(q.conjugate() * spin)); }
@@ -52,15 +54,15 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, const Re
     for (Row s = sensors.first(); s < sensors.last(); ++s) {
         std::uint64_t& next = sensors.column<NextSample>()[s];
         const auto& samples = replay.samples[s];
-        if (next >= samples.size() || !is_taken(samples[next].time, clock)) continue;
+        if (next >= samples.size() || !is_taken(samples[next].time, fusion, clock)) continue;
         const Row b = row_of(bodies, sensors.column<SensorHost>()[s]);
         Vec3 &velocity = bodies.template column<Velocity>()[b], &spin = bodies.template column<Spin>()[b];
         CorrectionRow& correction = bodies.template column<Correction>()[b];
         const RigidState now{bodies.template column<Position>()[b], velocity + 0.5 * clock.dt * bodies.template column<Acceleration>()[b], orientation_of(b), spin};
         Analysis to_come{.shift = correction.steps * correction.shift, .turn = correction.steps * correction.turn};
-        for (; next < samples.size() && is_taken(samples[next].time, clock); ++next) {
-            const double time = samples[next].time;
-            add_to(to_come, fusion.filters[s].analyse({time, state_at(end_of_step(clock) - time, now, to_come)}, samples[next].what));
+        for (; next < samples.size() && is_taken(samples[next].time, fusion, clock); ++next) {
+            const double time = samples[next].time, earlier = fusion.by_strain ? 0 : end_of_step(clock) - time;
+            add_to(to_come, fusion.filters[s].analyse({time, state_at(earlier, now, to_come)}, samples[next].what));
         }
         const Vec3 &dv = to_come.velocity, &dw = to_come.spin, dL = momentum(b, dw);
         bodies.template column<FusionWork>()[b] += bodies.template column<InertialMass>()[b] * dv.dot(now.velocity + 0.5 * dv) + dL.dot(now.spin + 0.5 * dw);
@@ -79,10 +81,12 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, const Re
 } // namespace
 
 void Fusion::save(Archive& archive) const {
+    put_fields(archive, "fusion/strain", std::tie(strain));
     for (std::size_t k = 0; k < filters.size(); ++k) filters[k].save(archive, fmt::format("fusion/{}", k));
 }
 
 void Fusion::load(const Archive& archive) {
+    get_fields(archive, "fusion/strain", std::tie(strain));
     for (std::size_t k = 0; k < filters.size(); ++k) filters[k].load(archive, fmt::format("fusion/{}", k));
 }
 
@@ -114,10 +118,11 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<s
 bool fusion_is_due(const World& world) {
     if (!world.has_resource<Replay>()) return false;
     const auto& samples = world.resource<Replay>().samples;
+    const Fusion& fusion = world.resource<Fusion>();
     const Clock& clock = world.resource<Clock>();
     const auto next = world.column<Sensors, NextSample>();
     for (std::size_t s = 0; s < samples.size(); ++s)
-        if (next[s] < samples[s].size() && is_taken(samples[s][next[s]].time, clock)) return true;
+        if (next[s] < samples[s].size() && is_taken(samples[s][next[s]].time, fusion, clock)) return true;
     return false;
 }
 

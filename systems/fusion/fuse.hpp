@@ -9,7 +9,7 @@
 
 namespace bris {
 
-/// What was measured, and when by the clock of the simulation (s).
+/// What was measured, and when: s by the clock of the simulation, or axial strain (Fusion::by_strain).
 struct TimedMeasurement {
     double time;
     Measured what;
@@ -27,6 +27,8 @@ struct Fusion {
     static constexpr bool is_state = true;
     std::vector<SensorFilter> filters;
     unsigned injection_steps = 1; ///< in which a correction of position enters; 1: it jumps (give_correction)
+    bool by_strain = false;       ///< in a test by stages time means nothing: samples are taken by axial strain
+    double strain = 0;            ///< to which they have been
 
     void save(Archive& archive) const;
     void load(const Archive& archive);

@@ -24,13 +24,16 @@ SensorFilter::SensorFilter(const FilterSettings& settings) : settings_(settings)
 }
 
 Analysis SensorFilter::analyse(const BodyForecast& forecast, const Measured& measured) {
-    const double dt = begun_ ? forecast.time - last_time_ : 0;
+    const double dt = begun_ ? forecast.time - last_time_ : 0; // deviations at the start are those at the first sample
     begun_ = true;
     last_time_ = forecast.time;
     if (settings_.kind == FilterKind::printed) return analyse_as_printed(forecast, measured, dt);
     // the simulation has moved the body on; what it may have missed meanwhile adds to what was not known before
     if (dt > 0) filter_.advance(dt, settings_.acceleration_density, settings_.angular_acceleration_density);
-    filter_.state = forecast.state;
+    Matrix walk = Matrix::Zero(12, 12);
+    walk.diagonal().head<3>().setConstant(settings_.drift * dt);
+    walk.diagonal().segment<3>(6).setConstant(settings_.turning * dt);
+    filter_.move_to(forecast.state, walk);
     Analysis a;
     const auto take = [&](const Verdict& v) {
         ++(v.accepted ? a.accepted : a.refused);

@@ -19,18 +19,20 @@ inline const std::vector<std::string> filter_names{"printed", "corrected", "erro
 
 struct FilterSettings {
     FilterKind kind = FilterKind::corrected;
-    // deviations at the start, of placement and levelling
+    // deviations at the first sample: of placement, of levelling, and of what came since
     double position = 3e-3, velocity = 1e-3; ///< m, m/s
     double attitude = 0.03, spin = 1e-2;     ///< rad, rad/s
-    // what the model may miss: white noise of acceleration
+    // what the model may miss: white noise of acceleration, where inertia matters; random walks, where it does not
     double acceleration_density = 1e-4;         ///< (m/s2)2/Hz
     double angular_acceleration_density = 1e-2; ///< (rad/s2)2/Hz
+    double drift = 0;                           ///< m2 in a unit of time, or of what stands for it
+    double turning = 0;                         ///< rad2, likewise
     double gate = 0.99;                         ///< probability with which a right measurement is let in; 1: all are
 };
 
-/// What the simulation says of a body, at the time of a measurement.
+/// What the simulation says of a body, at the time of a measurement: s, or strain in a test that knows no time.
 struct BodyForecast {
-    double time = 0; ///< s
+    double time = 0;
     RigidState state;
 };
 

@@ -62,7 +62,8 @@ void TriaxialTest::start_consolidation() {
 void TriaxialTest::consolidate() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
-    // set here: one specimen may be taken to several pressures from the same snapshot
+    // set here: one specimen may be taken to several pressures and frictions from the same snapshot
+    if (state.phase_steps == 0) set_friction(world, settings_.friction);
     world.resource<Membrane>().target_pressure = settings_.confining_pressure;
     world.resource<Platen>().target_pressure = settings_.confining_pressure;
     run(50);

@@ -4,6 +4,7 @@
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
 #include "systems/build/scene.hpp"
+#include "systems/fusion/fuse.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/procedure/specimen_state.hpp"
@@ -115,6 +116,18 @@ void TriaxialTest::move_platen() {
     platen.speed = 0;
 }
 
+// Sensors that have recorded this strain correct their rocks; the stage then comes to rest again. False: there are none,
+// or it has been done.
+bool TriaxialTest::analyse() {
+    World& world = simulation_.world();
+    if (!world.has_resource<Fusion>()) return false;
+    auto& fusion = world.resource<Fusion>();
+    fusion.strain = static_cast<double>(state().stage + 1) * settings_.stage_strain;
+    if (!fusion_is_due(world)) return false;
+    run(1 + fusion.injection_steps);
+    return true;
+}
+
 void TriaxialTest::shear() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
@@ -126,6 +139,7 @@ void TriaxialTest::shear() {
     if (state.phase_steps == 0) move_platen();
     run(20);
     if (is_in_equilibrium()) {
+        if (analyse()) return;
         ++state.stage;
         state.points.push_back(measure_point());
         state.phase_steps = 0;

@@ -127,6 +127,7 @@ private:
     void start_shear();
     void shear();
     void move_platen();
+    bool analyse();
     void run(std::uint64_t steps);
     void rescale();
     void keep_stable();

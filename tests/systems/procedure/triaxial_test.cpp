@@ -1,8 +1,8 @@
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/clump_library.hpp"
 #include "systems/contact/ledger.hpp"
-#include "systems/procedure/triaxial.hpp"
 #include "systems/procedure/triaxial_results.hpp"
+#include "systems/procedure/twin.hpp"
 #include "systems/steps.hpp"
 
 #include <doctest/doctest.h>
@@ -16,17 +16,23 @@ namespace {
 constexpr double pressure = 110e3;
 
 // 160 rocks: too few to say anything of ballast, enough for every mechanism of the test
-Simulation small_test(unsigned threads, ListSettings lists = {}, ScheduleSettings schedule = {}) {
+TriaxialScene small_scene() {
     const std::filesystem::path assets = BRIS_ASSETS;
-    auto clumps = read_clumps(assets / "clumps");
-    std::erase_if(clumps, [](const Clump& c) { return c.name == "cube"; });
-    const auto sample = sample_rocks(read_grading(assets / "gradings" / "arema_4.csv"), clumps, 150, 3);
-    SpecimenSettings s;
-    s.seed = 3;
-    const Clump smart = scaled(clumps[0], 0.02);
-    s.radius = radius_for(sample.solid_volume + 10 * smart.volume, 0.42, s.sectors);
-    s.height = 4 * s.radius;
-    World world = make_triaxial_world(s, clumps, smart, sample.rocks, smart_rock_poses({s.radius, s.height, smart.bounding_radius}, s.seed, 10));
+    TriaxialScene s;
+    s.clumps = read_clumps(assets / "clumps");
+    std::erase_if(s.clumps, [](const Clump& c) { return c.name == "cube"; });
+    s.sample = sample_rocks(read_grading(assets / "gradings" / "arema_4.csv"), s.clumps, 150, 3);
+    s.specimen.seed = 3;
+    s.smart_rock = scaled(s.clumps[0], 0.02);
+    s.specimen.radius = radius_for(s.sample.solid_volume + 10 * s.smart_rock.volume, 0.42, s.specimen.sectors);
+    s.specimen.height = 4 * s.specimen.radius;
+    s.poses = smart_rock_poses({s.specimen.radius, s.specimen.height, s.smart_rock.bounding_radius}, s.specimen.seed, 10);
+    return s;
+}
+
+Simulation small_test(unsigned threads, ListSettings lists = {}, ScheduleSettings schedule = {}) {
+    const TriaxialScene s = small_scene();
+    World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rock, s.sample.rocks, s.poses);
     add_lists(world, LawName::linear, lists);
     add_ledger(world);
     world.add_resource<TriaxialState>();
@@ -96,6 +102,15 @@ TEST_SUITE("procedure/triaxial") {
             CAPTURE(k);
             CHECK(end_from(saved[k], small_test(2)) == whole);
         }
+        // one specimen serves for tests of other frictions
+        {
+            Simulation other = small_test(1);
+            other.restore(saved[2]);
+            TriaxialSettings rough = short_test();
+            rough.friction = 0.9;
+            (void)TriaxialTest(other, rough).advance();
+            CHECK(other.world().resource<Materials>().list[other.world().resource<Specimen>().rock_material].friction == 0.9);
+        }
         // and whatever runs the steps: threads, graph, order, sorting, skins
         const Archive& stage = saved[3];
         for (const unsigned threads : {1u, 2u, 3u, 7u}) CHECK(end_from(stage, small_test(threads, {}, {.grain = 16})) == whole);
@@ -105,5 +120,38 @@ TEST_SUITE("procedure/triaxial") {
         CHECK(end_from(stage, small_test(1, {.sort_every = 1})) == whole);
         CHECK(end_from(stage, small_test(1, {.outer_skin = 0.002, .inner_skin = 0.0002, .tune = false})) == whole);
         CHECK(end_from(stage, small_test(1, {.outer_skin = 0.005, .inner_skin = 0.001, .tune = false})) == whole);
+    }
+
+    TEST_CASE("a model told what the sensor rocks do is corrected at every stage, and says what work that took") {
+        const TriaxialScene scene = small_scene();
+        Simulation simulation = make_simulation(scene, 1, false);
+        TriaxialTest test(simulation, short_test());
+        while (test.state().phase < TriaxialPhase::consolidate) REQUIRE(test.advance());
+        const Archive specimen = simulation.snapshot();
+        const auto run = [&](const TwinArm& arm, const TwinRun* truth) { return run_arm(scene, short_test(), specimen, arm, truth, 1, [](double, const std::string&) {}); };
+        const TwinRun truth = run({}, nullptr);
+        TwinArm arm;
+        arm.friction = 0.3;
+        const TwinRun free = run(arm, &truth);
+        arm.fused = true;
+        arm.position_noise = 1e-7;
+        arm.attitude_noise = 1e-5;
+        arm.filter.acceleration_density = 1;
+        arm.filter.angular_acceleration_density = 100;
+        arm.filter.drift = 1e-6;
+        arm.filter.turning = 1e-2;
+        arm.filter.gate = 1;
+        const TwinRun fused = run(arm, &truth);
+        const TwinErrors same = errors_of(run({}, nullptr), truth), without = errors_of(free, truth);
+        CHECK(same.q == 0);
+        CHECK(same.displacement[1] == 0);
+        CHECK(without.q > 1e3);
+        CHECK(without.displacement[1] > 1e-6);
+        CHECK(fused.accepted == 4 * 10 * 20); // places, attitudes, and that both rest
+        CHECK(fused.refused == 0);
+        CHECK(fused.fusion_work > 0);
+        CHECK(fused.steps > free.steps); // the stages come to rest again
+        CHECK(*std::max_element(truth.shell.begin(), truth.shell.end()) >= 2);
+        CHECK(std::count(truth.shell.begin(), truth.shell.end(), 0u) == 10);
     }
 }
