@@ -113,6 +113,17 @@ void check(const Impact& s) {
             is_hertz(s.law) ? "impact: expected Young's moduli above 0 Pa" : "impact: expected normal stiffnesses above 0 N/m");
 }
 
+/// A dashpot that takes more than the whole speed in a step turns it round: the leapfrog is stable up to c dt = m.
+void check_dashpot(const Run& run, const Impact& s, double dt) {
+    const NormalContact c = normal_contact(s);
+    const auto& materials = run.sim.world().resource<Materials>();
+    const LawRow& row = materials.pairs(s.law)[materials.pair(0, 1)];
+    const double tangent = c.hertz ? 1.5 * c.stiffness * std::sqrt(c.largest_overlap()) : c.stiffness;
+    const double part = dt * (row.normal_ratio * std::sqrt(tangent / c.mass) + row.normal_rate);
+    require(part < 1, fmt::format("impact: expected a dashpot that takes less than the whole speed in a step, found {:.2g} times: {:.0f} steps a contact "
+                                  "are not enough, {:.0f} are", part, s.steps_per_contact, std::ceil(1.01 * part * s.steps_per_contact)));
+}
+
 double work(Run& run, auto component) {
     using C = decltype(component);
     return run.sim.world().table<Bodies>().has<C>() ? value_of<C>(run.sim, run.ball) + value_of<C>(run.sim, run.partner) : 0;
@@ -161,6 +172,7 @@ ImpactResult measure(const Impact& s) {
     check(s);
     const double dt = normal_contact(s).time() / s.steps_per_contact, lead = 3;
     Run run = make_run(s, dt, (lead - s.phase) * dt);
+    check_dashpot(run, s, dt);
     ImpactResult r;
     r.energy_before = run.energy();
     r.slip_before = run.slip().x();
