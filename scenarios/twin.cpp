@@ -41,6 +41,7 @@ struct Twin {
         option("filter", filter, "", "what turns recordings into corrections", {"corrected", "error_state"});
         option("interval", fused.interval, "", "axial strain between samples", above(0));
         option("injection_steps", fused.injection_steps, "", "in which a correction enters; 1: it jumps, as in the report", at_least(1));
+        option("spread", fused.spread, "", "corrections over the contact network, else sensor rocks move alone, as in the report");
         option("position_noise", fused.position_noise, "m", "of the recordings", above(0));
         option("attitude_noise", fused.attitude_noise, "rad", "of the recordings", above(0));
         option("drift", fused.filter.drift, "m2", "that the model may go astray in a unit of strain", at_least(0));

@@ -47,7 +47,6 @@ template <class S> struct UpdateOf {
     S squared_distance = 0;      ///< of the innovation, in its covariance: chi square of m degrees (NIS)
     S log_likelihood = 0;        ///< of the measurement
 };
-using Update = UpdateOf<double>;
 
 /// Kalman's update for the measurement y = H x + v, v of covariance R, given the innovation y - H x. By one orthogonal
 /// triangularisation of roots (the array form: Kailath, Sayed and Hassibi 2000, 12.3), which needs no inverse; what it

@@ -27,6 +27,7 @@ struct Fusion {
     static constexpr bool is_state = true;
     std::vector<SensorFilter> filters;
     unsigned injection_steps = 1; ///< in which a correction of position enters; 1: it jumps (give_correction)
+    bool spread = false;          ///< corrections are spread over the contact network (spread_corrections)
     bool by_strain = false;       ///< in a test by stages time means nothing: samples are taken by axial strain
     double strain = 0;            ///< to which they have been
 

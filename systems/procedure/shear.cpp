@@ -5,6 +5,7 @@
 #include "engine/ordering.hpp"
 #include "systems/build/scene.hpp"
 #include "systems/fusion/fuse.hpp"
+#include "systems/fusion/spread.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/procedure/specimen_state.hpp"
@@ -124,7 +125,9 @@ bool TriaxialTest::analyse() {
     auto& fusion = world.resource<Fusion>();
     fusion.strain = static_cast<double>(state().stage + 1) * settings_.stage_strain;
     if (!fusion_is_due(world)) return false;
-    run(1 + fusion.injection_steps);
+    run(1);
+    if (fusion.spread) (void)spread_corrections(world);
+    run(fusion.injection_steps);
     return true;
 }
 

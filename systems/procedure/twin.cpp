@@ -99,6 +99,7 @@ void give_sensors(Simulation& simulation, const TwinArm& arm, const TwinRun& tru
     World& world = simulation.world();
     add_sensors(world, hosts, std::move(samples), arm.filter, arm.injection_steps);
     world.resource<Fusion>().by_strain = true;
+    world.resource<Fusion>().spread = arm.spread;
     simulation.prepare();
 }
 
