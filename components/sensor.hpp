@@ -24,6 +24,9 @@ struct CorrectionRow {
     double steps = 0, felt = 0;
 };
 struct Correction : State<CorrectionRow> { static constexpr auto name = "correction", unit = "m, rad"; };
+/// Force (N) and torque (N m) that pull a sensor's body to where it was measured; they stay until the next measurement.
+struct PullRow { Vec3 force = Vec3::Zero(), torque = Vec3::Zero(); };
+struct Pull : State<PullRow> { static constexpr auto name = "pull", unit = "N, N m"; };
 /// Energy that corrections have put into the scene, since the start.
 struct FusionWork : State<double> { static constexpr auto name = "fusion_work", unit = "J"; };
 

@@ -29,6 +29,7 @@ struct Twin {
         // velocities are known to be none at stage ends, and forgotten in between
         fused.filter.acceleration_density = 1;
         fused.filter.angular_acceleration_density = 100;
+        fused.pull.largest_force = 100; // about the contact forces at 55 kPa
         fused.filter.drift = 1e-5; // 0.03 mm in a stage of 0.01 %
         fused.filter.turning = 0.1;
         fused.filter.gate = 1;
@@ -42,6 +43,8 @@ struct Twin {
         option("interval", fused.interval, "", "axial strain between samples", above(0));
         option("injection_steps", fused.injection_steps, "", "in which a correction enters; 1: it jumps, as in the report", at_least(1));
         option("spread", fused.spread, "", "corrections over the contact network, else sensor rocks move alone, as in the report");
+        option("pull_stiffness", fused.pull.stiffness, "N/m", "of forces that pull sensor rocks; 0: they are put", at_least(0));
+        option("largest_pull", fused.pull.largest_force, "N", "of them", at_least(0));
         option("position_noise", fused.position_noise, "m", "of the recordings", above(0));
         option("attitude_noise", fused.attitude_noise, "rad", "of the recordings", above(0));
         option("drift", fused.filter.drift, "m2", "that the model may go astray in a unit of strain", at_least(0));

@@ -59,6 +59,7 @@ StepList steps(LawName law, bool ledger, PatchStiffness patch) {
         row_local("gather_membrane", gather<MembranePairs>),
         row_local("book_boundary_work", book_boundary_work),
         row_local("book_corrections", book_corrections),
+        row_local("pull_sensors", pull_sensors),
         required(ledger ? row_local("damp_and_book", damp_and_book) : row_local("damp", damp)),
         row_local("integrate", integrate),
         row_local("turn_spheres", turn_spheres),

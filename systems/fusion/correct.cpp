@@ -13,6 +13,18 @@ void book_corrections(Rows<Bodies, const Force, const Torque, const Correction, 
     }
 }
 
+void pull_sensors(Rows<Bodies, const Pull, const Velocity, const StepSpin, Force, Torque, FusionWork> bodies, const Clock& clock) {
+    const PullRow* pull = bodies.column<Pull>();
+    const Vec3 *velocity = bodies.column<Velocity>(), *spin = bodies.column<StepSpin>();
+    Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
+    double* work = bodies.column<FusionWork>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        work[b] += clock.dt * (pull[b].force.dot(velocity[b]) + pull[b].torque.dot(spin[b]));
+        force[b] += pull[b].force;
+        torque[b] += pull[b].torque;
+    }
+}
+
 void turn_corrections(Rows<Bodies, const Correction, Orientation> bodies) {
     const CorrectionRow* correction = bodies.column<Correction>();
     Quat* orientation = bodies.column<Orientation>();

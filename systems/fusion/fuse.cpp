@@ -38,6 +38,12 @@ void add_to(Analysis& sum, const Analysis& more) {
     sum.largest_distance = std::max(sum.largest_distance, more.largest_distance);
 }
 
+Vec3 at_most(const Vec3& v, double largest) { return v.norm() > largest ? Vec3(largest / v.norm() * v) : v; }
+
+PullRow pull_for(const Analysis& wanted, const PullSettings& s) {
+    return {at_most(s.stiffness * wanted.shift, s.largest_force), at_most(s.stiffness * s.arm * s.arm * wanted.turn, s.largest_force * s.arm)};
+}
+
 /// Where the body would be at a time of the past step, corrections to come included.
 RigidState state_at(double earlier, const RigidState& now, const Analysis& to_come) {
     RigidState s = now;
@@ -70,7 +76,8 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, const Re
         spin += dw;
         bodies.template column<StepSpin>()[b] += dw;
         bodies.template column<AngularMomentum>()[b] += dL;
-        give_correction(correction, to_come.shift, to_come.turn, fusion.injection_steps);
+        if (fusion.pull.stiffness > 0) bodies.template column<Pull>()[b] = pull_for(to_come, fusion.pull);
+        else give_correction(correction, to_come.shift, to_come.turn, fusion.injection_steps);
         sensors.column<Accepted>()[s] += to_come.accepted;
         sensors.column<Refused>()[s] += to_come.refused;
         double& largest = sensors.column<LargestInnovation>()[s];
@@ -110,9 +117,12 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<s
         table.column<SensorHost>()[s] = hosts[s];
     }
     world.table<Bodies>().add<Correction>();
+    world.table<Bodies>().add<Pull>();
     world.table<Bodies>().add<FusionWork>();
     world.add_resource(Replay{std::move(samples)});
-    world.add_resource(Fusion{std::vector<SensorFilter>(hosts.size(), SensorFilter(settings)), injection_steps});
+    auto& fusion = world.add_resource<Fusion>();
+    fusion.filters.assign(hosts.size(), SensorFilter(settings));
+    fusion.injection_steps = injection_steps;
 }
 
 bool fusion_is_due(const World& world) {

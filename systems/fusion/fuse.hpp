@@ -21,12 +21,20 @@ struct Replay {
     std::vector<std::vector<TimedMeasurement>> samples;
 };
 
+/// Pulling instead of putting: a force that grows with what is to be corrected, up to one at which contacts yield.
+struct PullSettings {
+    double stiffness = 0;     ///< N/m; 0: bodies are put
+    double largest_force = 0; ///< N
+    double arm = 0.01;        ///< m: torques are as forces at this arm
+};
+
 /// The filters of a scene's sensors, by their rows.
 struct Fusion {
     static constexpr auto name = "fusion";
     static constexpr bool is_state = true;
     std::vector<SensorFilter> filters;
     unsigned injection_steps = 1; ///< in which a correction of position enters; 1: it jumps (give_correction)
+    PullSettings pull;
     bool spread = false;          ///< corrections are spread over the contact network (spread_corrections)
     bool by_strain = false;       ///< in a test by stages time means nothing: samples are taken by axial strain
     double strain = 0;            ///< to which they have been
@@ -43,7 +51,7 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<s
 using FusedSensors = Rows<Sensors, const SensorHost, NextSample, Accepted, Refused, LargestInnovation>;
 template <class... Shape>
 using FusedBodies = Rows<Bodies, const BodyId, const Position, const Acceleration, const InertialMass, Velocity, Spin, StepSpin, AngularMomentum, Correction,
-                         FusionWork, Shape...>;
+                         Pull, FusionWork, Shape...>;
 
 /// Whether a sample has been taken by the end of this step.
 bool fusion_is_due(const World& world);

@@ -100,6 +100,7 @@ void give_sensors(Simulation& simulation, const TwinArm& arm, const TwinRun& tru
     add_sensors(world, hosts, std::move(samples), arm.filter, arm.injection_steps);
     world.resource<Fusion>().by_strain = true;
     world.resource<Fusion>().spread = arm.spread;
+    world.resource<Fusion>().pull = arm.pull;
     simulation.prepare();
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "systems/fusion/sensor_filter.hpp"
+#include "systems/fusion/fuse.hpp"
 #include "systems/procedure/triaxial_scene.hpp"
 
 #include <functional>
@@ -18,6 +18,7 @@ struct TwinArm {
     bool fused = false;          ///< gets the true run's recordings
     FilterSettings filter;       ///< by strain: drift and turning per unit of axial strain
     unsigned injection_steps = 60;
+    PullSettings pull;
     bool spread = false;         ///< over the contact network
     double interval = 1e-4;      ///< axial strain between samples
     double position_noise = 1e-6, attitude_noise = 1e-4; ///< m and rad, of what is recorded
