@@ -12,6 +12,13 @@ namespace bris {
 /// that they do not depend on the rows.
 std::vector<Row> rows_by_id(std::span<const EntityId> ids);
 
+/// The sum of a column in that order.
+inline double sum_by_id(std::span<const Row> rows, std::span<const double> values) {
+    double sum = 0;
+    for (const Row r : rows) sum += values[r];
+    return sum;
+}
+
 /// Interleaves the low 21 bits of three cell numbers.
 std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z);
 

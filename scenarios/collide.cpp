@@ -76,7 +76,7 @@ void run(const Game& game, const Common& common) {
     s.material = game.material.material;
     s.material.friction = game.friction;
     s.material.restitution = game.restitution;
-    s.filter.kind = static_cast<FilterKind>(std::ranges::find(filter_names, game.filter) - filter_names.begin());
+    s.filter.kind = named<FilterKind>(filter_names, game.filter);
     s.seed = common.seed;
     const CollideResult r = measure(s);
     std::vector<std::vector<double>> rows;

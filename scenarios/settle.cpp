@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
+#include "engine/stopwatch.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/check_scene.hpp"
 #include "systems/build/sphere_bed.hpp"
@@ -16,7 +17,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -49,10 +49,6 @@ struct Settle {
 };
 
 constexpr std::uint64_t samples = 200, samples_per_frame = 4, longest_block = 50;
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 constexpr LawName law = LawName::linear_viscous;
 
@@ -109,7 +105,7 @@ public:
     std::string explain() { return simulation_.schedule().explain(); }
 
     void run() {
-        const auto began = std::chrono::steady_clock::now();
+        const auto began = this_instant();
         begin();
         try {
             go();
@@ -157,7 +153,7 @@ private:
         while (now() < total_) {
             const std::uint64_t next =
                 std::min(total_, (now() / sample_every_ + 1) * sample_every_);
-            const auto began = std::chrono::steady_clock::now();
+            const auto began = this_instant();
             simulation_.advance(std::min(next - now(), longest_block));
             stepping_ += seconds_since(began);
             if (now() == next) {
@@ -215,7 +211,7 @@ private:
         frames_->file().close();
     }
 
-    void report(std::chrono::steady_clock::time_point began) const {
+    void report(Instant began) const {
         const auto& lists = world().resource<ListState>();
         const auto done = static_cast<double>(now() - first_step_);
         Summary summary;

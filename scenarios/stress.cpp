@@ -2,12 +2,12 @@
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
+#include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "systems/stress/suite.hpp"
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cstdio>
 
 namespace {
@@ -51,9 +51,9 @@ void run(const Stress& stress, const Common& common) {
     StressRows all;
     Summary summary;
     for (const StressCase& c : cases) {
-        const auto began = std::chrono::steady_clock::now();
+        const auto began = this_instant();
         const StressRows rows = run_case(c, settings);
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+        const double seconds = seconds_since(began);
         fmt::print("\n{} {}: {} of {} rows pass, {:.1f} s\n{}", c.id, c.title, rows.size() - failures(rows), rows.size(), seconds, table_of(rows));
         std::fflush(stdout);
         summary.add(fmt::format("{}_rows", c.id), rows.size());

@@ -6,6 +6,7 @@
 #include "engine/errors.hpp"
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
+#include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "systems/output/picture.hpp"
 #include "systems/output/record.hpp"
@@ -16,7 +17,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <mutex>
 
 namespace bris {
@@ -37,10 +37,6 @@ std::vector<NamedValue> settings_of(const Common& common, double pressure) {
     for (NamedValue& entry : settings)
         if (entry.key == "confining_pressure_Pa") entry.value = fmt::format("{:g}", pressure);
     return settings;
-}
-
-double seconds_since(std::chrono::steady_clock::time_point began) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
 constexpr auto specimen_file = "specimen.ckpt.h5", test_file = "triaxial.ckpt.h5";
@@ -79,7 +75,7 @@ public:
 
     /// Makes the specimen, up to where the pressure begins to matter.
     Archive prepare() {
-        const auto began = std::chrono::steady_clock::now();
+        const auto began = this_instant();
         while (test_.state().phase < TriaxialPhase::consolidate) advance(0);
         shared_.preparation_wall = seconds_since(began);
         shared_.preparation_steps = clock().step;
@@ -91,7 +87,7 @@ public:
     }
 
     void run(unsigned slot) {
-        const auto began = std::chrono::steady_clock::now();
+        const auto began = this_instant();
         const std::uint64_t first_step = clock().step;
         first_point_ = recorded_ = test_.state().points.size();
         try {

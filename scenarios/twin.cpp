@@ -6,6 +6,7 @@
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
+#include "systems/experiments/names.hpp"
 #include "systems/output/plot.hpp"
 #include "systems/procedure/twin.hpp"
 
@@ -106,7 +107,7 @@ void run(const Twin& t, const Common& common) {
     arms[1].disturbance = t.disturbance;
     arms[2].name = "fused";
     arms[2].fused = true;
-    arms[2].filter.kind = t.filter == "corrected" ? FilterKind::corrected : FilterKind::error_state;
+    arms[2].filter.kind = named<FilterKind>(filter_names, t.filter);
     for (const std::size_t k : {0u, 2u}) {
         arms[k].friction = t.model_friction;
         arms[k].stiffness = t.model_stiffness;

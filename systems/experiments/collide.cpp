@@ -1,6 +1,7 @@
 #include "systems/experiments/collide.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "systems/experiments/bench.hpp"
 #include "systems/experiments/impact.hpp"
@@ -55,11 +56,11 @@ double kinetic_energy(const Collide& s, World& world) {
     return sum;
 }
 
-double dissipated(const Collide& s, World& world) {
-    double sum = 0;
-    if (world.table<Bodies>().has<FrictionWork>())
-        for (EntityId b = 0; b < s.balls; ++b) sum += value_of<FrictionWork>(world, b) + value_of<ViscousWork>(world, b) + value_of<RollingWork>(world, b);
-    return sum;
+double dissipated(const World& world) {
+    const Table& bodies = world.table<Bodies>();
+    if (!bodies.has<FrictionWork>()) return 0;
+    const auto rows = rows_by_id(bodies.column<BodyId>());
+    return sum_by_id(rows, bodies.column<FrictionWork>()) + sum_by_id(rows, bodies.column<ViscousWork>()) + sum_by_id(rows, bodies.column<RollingWork>());
 }
 
 std::vector<Vec3> velocities(const Collide& s, World& world) {
@@ -129,7 +130,7 @@ CollideResult measure(const Collide& s) {
     r.accepted = fused.world().column<Sensors, Accepted>()[0];
     r.refused = fused.world().column<Sensors, Refused>()[0];
     r.fusion_work = fusion_work(fused.world());
-    r.energy_open = kinetic_energy(s, fused.world()) - energy_before + dissipated(s, fused.world()) - r.fusion_work;
+    r.energy_open = kinetic_energy(s, fused.world()) - energy_before + dissipated(fused.world()) - r.fusion_work;
     return r;
 }
 

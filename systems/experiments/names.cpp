@@ -17,6 +17,7 @@ template Tension named(const std::vector<std::string>&, const std::string&);
 template ShearHistory named(const std::vector<std::string>&, const std::string&);
 template Target named(const std::vector<std::string>&, const std::string&);
 template Lattice named(const std::vector<std::string>&, const std::string&);
+template FilterKind named(const std::vector<std::string>&, const std::string&);
 
 std::string explain_step(LawName law, Grains grains) {
     World world = make_world(grains);

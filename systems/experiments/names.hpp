@@ -5,6 +5,7 @@
 #include "systems/build/scene.hpp"
 #include "systems/experiments/crystal.hpp"
 #include "systems/experiments/impact.hpp"
+#include "systems/fusion/sensor_filter.hpp"
 
 #include <string>
 #include <vector>
@@ -28,6 +29,7 @@ extern template Tension named(const std::vector<std::string>&, const std::string
 extern template ShearHistory named(const std::vector<std::string>&, const std::string&);
 extern template Target named(const std::vector<std::string>&, const std::string&);
 extern template Lattice named(const std::vector<std::string>&, const std::string&);
+extern template FilterKind named(const std::vector<std::string>&, const std::string&);
 
 /// What runs, and what does not, in a step of two spheres on a plane under a law: for --explain.
 std::string explain_step(LawName law, Grains grains);

@@ -126,7 +126,6 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<s
 }
 
 bool fusion_is_due(const World& world) {
-    if (!world.has_resource<Replay>()) return false;
     const auto& samples = world.resource<Replay>().samples;
     const Fusion& fusion = world.resource<Fusion>();
     const Clock& clock = world.resource<Clock>();
@@ -149,9 +148,7 @@ void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const Iner
 }
 
 double fusion_work(const World& world) {
-    double sum = 0;
-    for (const Row b : rows_by_id(world.column<Bodies, BodyId>())) sum += world.column<Bodies, FusionWork>()[b];
-    return sum;
+    return sum_by_id(rows_by_id(world.column<Bodies, BodyId>()), world.column<Bodies, FusionWork>());
 }
 
 } // namespace bris

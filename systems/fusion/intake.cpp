@@ -20,6 +20,7 @@ public:
     void look() {
         if (r_.size() < 2) return refuse("length", fmt::format("expected two samples or more, found {}", r_.size()));
         if (!look_at_numbers() || !look_at_times()) return; // what follows would be of no use
+        rest_ = static_cast<std::size_t>(std::ranges::count_if(r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
         look_at_clock();
         if (!r_.force.empty()) {
             look_at_range("force", r_.force, r_.info.force_range, "m/s2");
@@ -34,14 +35,10 @@ public:
 private:
     void note(std::string check, std::string text) { findings_.push_back({Finding::Kind::note, r_.info.id, std::move(check), std::move(text)}); }
     void refuse(std::string check, std::string text) { findings_.push_back({Finding::Kind::refusal, r_.info.id, std::move(check), std::move(text)}); }
-    std::size_t samples_at_rest() const {
-        return static_cast<std::size_t>(std::ranges::count_if(r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
-    }
     Vec3 mean_at_rest(const std::vector<Vec3>& values) const {
         Vec3 sum = Vec3::Zero();
-        const std::size_t n = samples_at_rest();
-        for (std::size_t k = 0; k < n; ++k) sum += values[k];
-        return sum / static_cast<double>(n);
+        for (std::size_t k = 0; k < rest_; ++k) sum += values[k];
+        return sum / static_cast<double>(rest_);
     }
 
     bool look_at_numbers() {
@@ -106,12 +103,11 @@ private:
         for (std::size_t k = 1; k < values.size(); ++k) longest = std::max(longest, run = values[k] == values[k - 1] ? run + 1 : std::size_t{0});
         const double stuck = static_cast<double>(longest) / r_.info.sampling_rate;
         if (stuck > limits_.stuck) return refuse("stuck", fmt::format("{} stays the same for {:.3g} s, expected noise", what, stuck));
+        if (rest_ < 20) return note("noise", fmt::format("{}: too few samples at rest to tell, {}", what, rest_));
         const Vec3 mean = mean_at_rest(values);
-        const std::size_t n = samples_at_rest();
-        if (n < 20) return note("noise", fmt::format("{}: too few samples at rest to tell, {}", what, n));
         double squares = 0;
-        for (std::size_t k = 0; k < n; ++k) squares += (values[k] - mean).squaredNorm();
-        const double found = std::sqrt(squares / (3 * static_cast<double>(n - 1)) / r_.info.sampling_rate), ratio = found / density;
+        for (std::size_t k = 0; k < rest_; ++k) squares += (values[k] - mean).squaredNorm();
+        const double found = std::sqrt(squares / (3 * static_cast<double>(rest_ - 1)) / r_.info.sampling_rate), ratio = found / density;
         if (ratio > limits_.noise_ratio || ratio < 1 / limits_.noise_ratio)
             note("noise", fmt::format("{} at rest: declared {:.3g} {}, found {:.3g}", what, density, unit, found));
     }
@@ -120,7 +116,7 @@ private:
         const Vec3 pull = mean_at_rest(r_.force);
         const double g = gravity_.norm(), size = pull.norm();
         if (std::abs(size / g - 1) > limits_.gravity) {
-            const bool in_g = std::abs(size * g / g - 1) < 2 * limits_.gravity, twice = std::abs(size / (g * g) - 1) < 2 * limits_.gravity;
+            const bool in_g = std::abs(size - 1) < 2 * limits_.gravity, twice = std::abs(size / (g * g) - 1) < 2 * limits_.gravity;
             return refuse("gravity", fmt::format("at rest expected {:.3f} m/s2 within {:.0f} %, found {:.3f}{}", g, 100 * limits_.gravity, size,
                                                  in_g ? ": the recording seems to be in g" : twice ? ": the recording seems to be in m/s2, not in g" : ""));
         }
@@ -134,6 +130,7 @@ private:
     Vec3 gravity_;
     const IntakeLimits& limits_;
     std::vector<Finding>& findings_;
+    std::size_t rest_ = 0; // samples in which the rock lies still
 };
 
 /// Correlation of two series of vectors over the samples that both have.

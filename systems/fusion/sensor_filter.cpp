@@ -3,7 +3,6 @@
 #include "engine/signal/chi_squared.hpp"
 #include "engine/signal/constant_velocity.hpp"
 
-#include <array>
 #include <limits>
 
 namespace bris {
@@ -73,15 +72,6 @@ Analysis SensorFilter::analyse_as_printed(const BodyForecast& forecast, const Me
     a.spin = printed_.fuse_spin(forecast.state.spin, measured.spin) - Vector(forecast.state.spin);
     ++a.accepted;
     return a;
-}
-
-std::array<double, 4> SensorFilter::deviations() const {
-    std::array<double, 4> d{};
-    for (std::size_t k = 0; k < 4; ++k) {
-        const auto rows = filter_.error().root.middleRows<3>(static_cast<Eigen::Index>(3 * k));
-        d[k] = std::sqrt(rows.squaredNorm() / 3);
-    }
-    return d;
 }
 
 void SensorFilter::save(Archive& archive, const std::string& path) const {

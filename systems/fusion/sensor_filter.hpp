@@ -58,8 +58,6 @@ public:
     explicit SensorFilter(const FilterSettings& settings);
 
     Analysis analyse(const BodyForecast& forecast, const Measured& measured);
-    /// Deviations of position, velocity, attitude and spin: root mean square over axes.
-    std::array<double, 4> deviations() const;
 
     void save(Archive& archive, const std::string& path) const;
     void load(const Archive& archive, const std::string& path);

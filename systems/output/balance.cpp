@@ -3,9 +3,8 @@
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
-#include "components/sensor.hpp"
-#include "components/settings.hpp"
 #include "engine/ordering.hpp"
+#include "systems/output/outer_force.hpp"
 
 #include <vector>
 
@@ -41,19 +40,15 @@ Balance measure_balance(const World& world) {
     std::vector<Sum> sums(world.table<Bodies>().size());
     for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, sums, balance); });
     const auto motion = world.column<Bodies, MotionOf>();
-    const auto mass = world.column<Bodies, Mass>();
-    const Vec3 gravity = world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero());
-    const Table& bodies = world.table<Bodies>();
-    const PullRow* pull = bodies.has<Pull>() ? bodies.column<Pull>().data() : nullptr;
+    const OuterForces outer(world);
     double unbalanced = 0, total = 0;
     for (const Row b : rows_by_id(world.column<Bodies, BodyId>())) {
         if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
         ++balance.free_bodies;
         if (sums[b].contacts == 0) ++balance.idle_bodies;
-        const Vec3 weight = mass[b] * gravity;
-        const Vec3 outer = pull != nullptr ? Vec3(weight + pull[b].force) : weight;
-        unbalanced += (sums[b].resultant + outer).norm();
-        total += sums[b].total + outer.norm();
+        const Vec3 more = outer(b);
+        unbalanced += (sums[b].resultant + more).norm();
+        total += sums[b].total + more.norm();
     }
     if (total > 0) balance.unbalanced_ratio = unbalanced / total;
     return balance;

@@ -2,10 +2,9 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
-#include "components/sensor.hpp"
-#include "components/settings.hpp"
 #include "engine/ordering.hpp"
 #include "systems/output/contacts.hpp"
+#include "systems/output/outer_force.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -44,18 +43,11 @@ Stresses measure_stresses(const World& world) {
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     Stresses s;
     for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, rows, s); });
-    // forces from elsewhere: weight, and what pulls sensors
-    const Table& bodies = world.table<Bodies>();
-    const PullRow* pull = bodies.has<Pull>() ? bodies.column<Pull>().data() : nullptr;
-    const bool weighs = world.has_resource<Gravity>();
-    if (!weighs && pull == nullptr) return s;
-    const auto motion = bodies.column<MotionOf>();
-    const auto position = bodies.column<Position>();
-    for (const Row r : rows) {
-        if (motion[r] != static_cast<std::uint32_t>(Motion::free)) continue;
-        if (weighs) add(s.boundary, bodies.column<Mass>()[r] * world.resource<Gravity>().value, -position[r]);
-        if (pull != nullptr) add(s.boundary, pull[r].force, -position[r]);
-    }
+    const OuterForces outer(world);
+    if (!outer.any()) return s;
+    const auto motion = world.column<Bodies, MotionOf>();
+    for (const Row r : rows)
+        if (motion[r] == static_cast<std::uint32_t>(Motion::free)) add(s.boundary, outer(r), -world.column<Bodies, Position>()[r]);
     return s;
 }
 

@@ -7,6 +7,7 @@
 #include "engine/io/csv.hpp"
 #include "engine/ordering.hpp"
 #include "engine/state.hpp"
+#include "engine/stopwatch.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/steps.hpp"
@@ -34,10 +35,6 @@ std::uint64_t steps_of(double time, double step, const char* option) {
     require(number >= 1 && number < 1e15,
             fmt::format("--{}: expected 1 to 1e15 steps of {:.3g} s, found {:.3g}", option, step, number));
     return static_cast<std::uint64_t>(number);
-}
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
 }
 
 std::size_t free_bodies(const World& world) {
@@ -160,7 +157,7 @@ void BulkRun::go() {
     while (run_step() < total_) {
         const std::uint64_t next = std::min(total_, (run_step() / sample_every_ + 1) * sample_every_),
                             before = run_step();
-        const auto began = std::chrono::steady_clock::now();
+        const auto began = this_instant();
         simulation_.advance(std::min(next - before, longest_block));
         stepping_ += seconds_since(began);
         body_steps_ += static_cast<double>((run_step() - before) * free_bodies(world()));

@@ -41,7 +41,6 @@ void TriaxialTest::start_consolidation() {
     membrane.ring_height = top / membrane.rings;
     const auto& materials = world.resource<Materials>();
     const auto& specimen = world.resource<Specimen>();
-    set_friction(world, settings_.friction);
     world.resource<LocalDamping>().fraction = settings_.damping;
     for (const EntityId id : specimen.smart_rocks)
         world.column<Bodies, MotionOf>()[row_of_body(world, id)] = static_cast<std::uint32_t>(Motion::free);

@@ -40,12 +40,6 @@ double inertial_number(const World& world, const std::vector<Row>& rows, double 
     return rate * size / all * std::sqrt(density * moving / all / stress);
 }
 
-double sum_by_id(const std::vector<Row>& rows, std::span<const double> values) {
-    double sum = 0;
-    for (const Row r : rows) sum += values[r];
-    return sum;
-}
-
 } // namespace
 
 TriaxialPoint TriaxialTest::measure_point() const {

@@ -5,12 +5,12 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
+#include "engine/stopwatch.hpp"
 #include "systems/build/scene.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/output/contacts.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <map>
 #include <queue>
 
@@ -48,16 +48,12 @@ std::vector<unsigned> shells_of(const World& world, const std::vector<EntityId>&
         shell[k] = 0;
         next.push(k);
     }
-    for (std::vector<bool> seen(rocks.size(), false); !next.empty(); next.pop()) {
-        const std::size_t k = next.front();
-        if (seen[k]) continue;
-        seen[k] = true;
-        for (const std::size_t n : neighbours[k])
-            if (!seen[n] && shell[k] + 1 <= shell[n]) {
-                shell[n] = std::min(shell[n], shell[k] + 1);
+    for (; !next.empty(); next.pop())
+        for (const std::size_t n : neighbours[next.front()])
+            if (shell[next.front()] + 1 < shell[n]) {
+                shell[n] = shell[next.front()] + 1;
                 next.push(n);
             }
-    }
     return shell;
 }
 
@@ -111,7 +107,7 @@ double root_mean(double squares, double count) { return count > 0 ? std::sqrt(sq
 TwinRun run_arm(const TriaxialScene& scene, const TriaxialSettings& given, const Archive& specimen, const TwinArm& arm, const TwinRun* truth,
                 std::uint64_t seed, const std::function<void(double, const std::string&)>& watch) {
     require(!arm.fused || truth != nullptr, "twin: expected a true run to record");
-    const auto began = std::chrono::steady_clock::now();
+    const auto began = this_instant();
     TriaxialSettings settings = given;
     settings.friction = arm.friction;
     Simulation simulation = make_simulation(scene, 1, false);
@@ -157,7 +153,7 @@ TwinRun run_arm(const TriaxialScene& scene, const TriaxialSettings& given, const
             run.refused += world.column<Sensors, Refused>()[s];
         }
     }
-    run.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    run.wall_time = seconds_since(began);
     return run;
 }
 

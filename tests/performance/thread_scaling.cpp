@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
+#include "engine/stopwatch.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/sphere_bed.hpp"
 #include "systems/output/record.hpp"
@@ -12,7 +13,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -42,10 +42,6 @@ struct Scaling {
 };
 
 constexpr double gravity = 9.81;
-
-double seconds_since(std::chrono::steady_clock::time_point begin) {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-}
 
 /// The bed of `settle`.
 World make_scene(unsigned spheres) {
@@ -104,7 +100,7 @@ std::vector<Measured> measure_all(const Scaling& s, const Archive& bed, unsigned
     same_bits = true;
     for (unsigned round = 0; round < s.rounds; ++round) {
         for (Measured& m : all) {
-            const auto began = std::chrono::steady_clock::now();
+            const auto began = this_instant();
             m.simulation->advance(s.steps);
             m.wall.push_back(seconds_since(began));
             m.contacts += static_cast<double>(measure(m.simulation->world()).contacts);

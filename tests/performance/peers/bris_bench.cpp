@@ -4,6 +4,7 @@
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
+#include "engine/stopwatch.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/contacts.hpp"
@@ -13,7 +14,6 @@
 
 #include <fmt/format.h>
 
-#include <chrono>
 #include <map>
 
 namespace {
@@ -78,9 +78,9 @@ void run(const Bench& s) {
     const ListState before = world.resource<ListState>();
     const std::map<std::string, double> seconds_before = simulation.schedule().seconds();
 
-    const auto began = std::chrono::steady_clock::now();
+    const auto began = this_instant();
     simulation.advance(s.steps);
-    const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+    const double wall = seconds_since(began);
 
     const ListState& lists = world.resource<ListState>();
     fmt::print("code=bris scene={} law={} spheres={} threads={} check_steps={} steps={} wall_s={:.6g} particle_steps_per_s={:.5g} ",

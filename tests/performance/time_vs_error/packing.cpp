@@ -29,16 +29,6 @@ constexpr double radius = 0.01, spread = 0.2; // m, of radii
 constexpr double speed = 0.5;                 // m/s, at which Hertz's contacts last as long as linear ones
 constexpr double longest = 3;                 // s, simulated
 
-Impact pair_of(const Material& m, LawName law) {
-    Impact pair;
-    pair.target = Target::sphere;
-    pair.radius = pair.partner_radius = radius;
-    pair.material = pair.partner_material = m;
-    pair.law = law;
-    pair.speed = speed;
-    return pair;
-}
-
 /// Of a pair of mean spheres a contact lasts as long whatever the law.
 Material grain_of(const Settings& settings) {
     const double kn = settings.number("stiffness");
@@ -46,8 +36,8 @@ Material grain_of(const Settings& settings) {
     m.restitution = settings.number("restitution");
     m.poisson_ratio = 0.25;
     m.young_modulus = 1e8;
-    const double linear = normal_contact(pair_of(m, LawName::linear)).time();
-    const double hertz = normal_contact(pair_of(m, LawName::hertz_mindlin)).time();
+    const double linear = like_spheres(m, LawName::linear, radius, speed).time();
+    const double hertz = like_spheres(m, LawName::hertz_mindlin, radius, speed).time();
     m.young_modulus *= std::pow(hertz / linear, 2.5); // contact time goes with the modulus to the power -2/5
     return m;
 }
@@ -69,7 +59,7 @@ Simulation make_bed(const Settings& settings, std::uint64_t seed, double& contac
     auto& materials = world.resource<Materials>();
     materials.list.front() = grain_of(settings);
     materials.mix();
-    contact_time = normal_contact(pair_of(materials.list.front(), LawName::linear)).time();
+    contact_time = like_spheres(materials.list.front(), LawName::linear, radius, speed).time();
     world.resource<Clock>().dt = settings.number("step") * contact_time;
     // so fast that the lattice is forgotten
     const auto mass = world.column<Bodies, Mass>();

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/sensor.hpp"
+#include "components/settings.hpp"
+#include "engine/world.hpp"
+
+namespace bris {
+
+/// What acts on bodies from elsewhere than contacts: weight, and what pulls sensors. For as long as the world's tables
+/// stay as they are.
+class OuterForces {
+public:
+    explicit OuterForces(const World& world)
+        : mass_(world.column<Bodies, Mass>().data()),
+          pull_(world.table<Bodies>().has<Pull>() ? world.column<Bodies, Pull>().data() : nullptr),
+          gravity_(world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero())),
+          any_(pull_ != nullptr || world.has_resource<Gravity>()) {}
+    bool any() const { return any_; }
+    /// N, on the body of a row.
+    Vec3 operator()(Row row) const {
+        const Vec3 weight = mass_[row] * gravity_;
+        return pull_ != nullptr ? Vec3(weight + pull_[row].force) : weight;
+    }
+
+private:
+    const double* mass_;
+    const PullRow* pull_;
+    Vec3 gravity_;
+    bool any_;
+};
+
+} // namespace bris
