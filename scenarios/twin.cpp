@@ -3,53 +3,79 @@
 // the true parameters from a start disturbed by less than a grain of dust: no model can know more than that.
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
 #include "engine/progress.hpp"
+#include "engine/random.hpp"
 #include "engine/scenario.hpp"
+#include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "systems/experiments/names.hpp"
 #include "systems/output/plot.hpp"
+#include "systems/procedure/analysis.hpp"
+#include "systems/procedure/triaxial_results.hpp"
 #include "systems/procedure/twin.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
+#include <sstream>
 
 namespace bris {
 
 namespace {
 
+constexpr std::array<std::string_view, 9> arm_names{"free", "chaos", "jumped", "spread", "pulled", "learned", "both", "ensemble", "analysed"};
+
 struct Twin {
     Triaxial triaxial;
-    double model_friction = 0.5, model_stiffness = 1, disturbance = 1e-7;
-    TwinArm fused;
+    RockBelief model{0.5, 1};
+    std::string arms = "free,chaos,learned,ensemble,analysed";
+    std::filesystem::path record;
+    double disturbance = 1e-7, interval = 1e-3, change = 0.03;
+    double position_noise = 1e-4, attitude_noise = 2e-3;
+    bool catch_up = true;
+    Learning learning;
+    Corrections corrections;
     std::string filter = "corrected";
 
     Twin() {
         triaxial.confining_pressure = {55e3};
         triaxial.test.final_axial_strain = 0.025;
         // velocities are known to be none at stage ends, and forgotten in between
-        fused.filter.acceleration_density = 1;
-        fused.filter.angular_acceleration_density = 100;
-        fused.pull.largest_force = 100; // about the contact forces at 55 kPa
-        fused.filter.drift = 1e-5; // 0.03 mm in a stage of 0.01 %
-        fused.filter.turning = 0.1;
-        fused.filter.gate = 1;
+        corrections.filter.acceleration_density = 1;
+        corrections.filter.angular_acceleration_density = 100;
+        corrections.filter.drift = 1e-5; // 0.1 mm in a stage of 0.1 %
+        corrections.filter.turning = 0.1;
+        corrections.filter.gate = 1;
+        corrections.pull = {5e6, 100, 0.01}; // about the contact forces at 55 kPa
     }
     void describe(auto& option) {
         option.group("twin");
-        option("model_friction", model_friction, "", "of rocks in the model; the truth's is --friction", at_least(0));
-        option("model_stiffness", model_stiffness, "", "of contacts in the model, of the truth's", above(0));
+        option("arms", arms, "", "none; or of free: told nothing; chaos: the truth from a start disturbed; jumped: sensor rocks put, as in the report; spread: with all "
+               "others along; pulled: by bounded forces; learned: friction and stiffness; both: learned and pulled; ensemble: what the worlds that learned foretell together; analysed: that, and the recordings of the sensors carried to all rocks");
+        option("model_friction", model.friction, "", "of rocks in the model; the truth's is --friction", above(0));
+        option("model_stiffness", model.stiffness, "", "of contacts in the model, of the truth's", above(0));
         option("disturbance", disturbance, "m", "of all places, in the run that shows chaos alone", at_least(0));
+        option("worlds", learning.worlds, "", "in each of two generations, that friction and stiffness are learned from", within(6, 1000));
+        option("first_strain", learning.first_strain, "", "to which the first of two generations of worlds runs", above(0));
+        option("learning_strain", learning.final_strain, "", "to which it goes on", above(0));
+        option("learning_window", learning.window, "", "axial strain over which q is averaged", above(0));
+        option("friction_deviation", learning.friction_deviation, "", "of its logarithm, before the test", above(0));
+        option("stiffness_deviation", learning.stiffness_deviation, "", "likewise", above(0));
+        option("force_noise", learning.force_noise, "", "of q as measured, relative", at_least(0));
+        option("change", change, "", "of friction or stiffness, from which on the model is told of it", above(0));
+        option("catch_up", catch_up, "", "begin again with what was learned, else go on from where the model is");
+        option("record", record, "", "a folder for what the sensors of the truth record, as smart_triaxial reads it; empty: none");
         option("filter", filter, "", "what turns recordings into corrections", {"corrected", "error_state"});
-        option("interval", fused.interval, "", "axial strain between samples", above(0));
-        option("injection_steps", fused.injection_steps, "", "in which a correction enters; 1: it jumps, as in the report", at_least(1));
-        option("spread", fused.spread, "", "corrections over the contact network, else sensor rocks move alone, as in the report");
-        option("pull_stiffness", fused.pull.stiffness, "N/m", "of forces that pull sensor rocks; 0: they are put", at_least(0));
-        option("largest_pull", fused.pull.largest_force, "N", "of them", at_least(0));
-        option("position_noise", fused.position_noise, "m", "of the recordings", above(0));
-        option("attitude_noise", fused.attitude_noise, "rad", "of the recordings", above(0));
-        option("drift", fused.filter.drift, "m2", "that the model may go astray in a unit of strain", at_least(0));
-        option("turning", fused.filter.turning, "rad2", "likewise", at_least(0));
+        option("interval", interval, "", "axial strain between samples", above(0));
+        option("injection_steps", corrections.injection_steps, "", "in which a correction enters; 1: it jumps, as in the report", at_least(1));
+        option("pull_stiffness", corrections.pull.stiffness, "N/m", "of forces that pull sensor rocks", above(0));
+        option("largest_pull", corrections.pull.largest_force, "N", "of them", at_least(0));
+        option("position_noise", position_noise, "m", "of the recordings", above(0));
+        option("attitude_noise", attitude_noise, "rad", "of the recordings", above(0));
+        option("drift", corrections.filter.drift, "m2", "that the model may go astray in a unit of strain", at_least(0));
+        option("turning", corrections.filter.turning, "rad2", "likewise", at_least(0));
         triaxial.describe(option);
     }
 };
@@ -66,15 +92,16 @@ Archive prepare(const Triaxial& t, const TriaxialScene& scene, Progress& progres
 
 constexpr std::array shell_names{"sensors", "shell_1", "shell_2", "shell_3", "shell_4"};
 
-void add_errors(Summary& summary, const std::string& name, const TwinErrors& e) {
-    summary.add(name + "_rmse_q_Pa", e.q);
-    summary.add(name + "_rmse_volumetric_strain", e.volumetric_strain);
-    summary.add(name + "_rmse_ring_radius_m", e.ring_radius);
-    for (std::size_t s = 0; s < shell_names.size(); ++s) summary.add(fmt::format("{}_rmse_displacement_{}_m", name, shell_names[s]), e.displacement[s]);
-    for (std::size_t s = 0; s < shell_names.size(); ++s) summary.add(fmt::format("{}_rmse_rotation_{}_rad", name, shell_names[s]), e.rotation[s]);
+/// Calls visit(name, unit, error) for each of a run's errors.
+void visit_errors(const TwinErrors& e, auto&& visit) {
+    visit("q", "Pa", e.q);
+    visit("volumetric_strain", "", e.volumetric_strain);
+    visit("ring_radius", "m", e.ring_radius);
+    for (std::size_t s = 0; s < shell_names.size(); ++s) visit(fmt::format("displacement_{}", shell_names[s]), "m", e.displacement[s]);
+    for (std::size_t s = 0; s < shell_names.size(); ++s) visit(fmt::format("rotation_{}", shell_names[s]), "rad", e.rotation[s]);
 }
 
-Curve curve_of(const std::string& label, const TwinRun& run, double scale, double TriaxialPoint::* value) {
+Curve curve_of(const std::string& label, const ModelRun& run, double scale, double TriaxialPoint::* value) {
     Curve c{.label = label};
     for (const TriaxialPoint& p : run.points) {
         c.x.push_back(100 * p.axial_strain);
@@ -83,64 +110,251 @@ Curve curve_of(const std::string& label, const TwinRun& run, double scale, doubl
     return c;
 }
 
+std::vector<std::string> names_of_arms(const std::string& list) {
+    std::vector<std::string> names;
+    if (list == "none") return names; // the truth alone, to be recorded
+    std::istringstream text(list);
+    for (std::string name; std::getline(text, name, ',');) {
+        require(std::ranges::count(arm_names, name) == 1, fmt::format("--arms: expected free, chaos, jumped, spread, pulled, learned, both, ensemble and analysed, found '{}'", name));
+        names.push_back(name);
+    }
+    return names;
+}
+
+/// From the worlds that learn, not by a run of its own.
+bool is_computed(const std::string& arm) { return arm == "ensemble" || arm == "analysed"; }
+
+bool learns(const std::string& arm) { return arm == "learned" || arm == "both" || is_computed(arm); }
+
+/// What each world foretold of q, stage by stage.
+void write_worlds(const std::filesystem::path& csv, const Worlds& worlds) {
+    std::vector<std::string> names{"axial_strain"}, comments;
+    for (const RockBelief& b : worlds.beliefs) {
+        names.push_back(fmt::format("q_{}_Pa", names.size()));
+        comments.push_back(fmt::format("world {}: friction {:.4g}, stiffness {:.4g}", comments.size() + 1, b.friction, b.stiffness));
+    }
+    std::vector<std::vector<double>> rows;
+    for (std::size_t k = 0; k < worlds.runs.front().points.size(); ++k) {
+        rows.push_back({worlds.runs.front().points[k].axial_strain});
+        for (const ModelRun& run : worlds.runs) rows.back().push_back(run.points[k].deviatoric_stress);
+    }
+    write_csv(csv, names, rows, comments, 7);
+}
+
+/// The pieces of one experiment.
+class Experiment {
+public:
+    Experiment(const Twin& settings, const Common& common)
+        : t_(settings), common_(common), scene_(make_scene(t_.triaxial, common.seed)), names_(names_of_arms(t_.arms)), test_(t_.triaxial.test),
+          progress_(std::max(2u, common.threads), common.quiet ? Progress::Style::quiet : Progress::Style::automatic) {
+        test_.confining_pressure = t_.triaxial.confining_pressure.front();
+    }
+    void run();
+    void report();
+
+private:
+    ModelArm arm_of(const std::string& name) const;
+    void learn_parameters();
+    void write_recording() const;
+    std::vector<std::vector<double>> measured_rows() const;
+    std::vector<ModelRun> run_all(const std::vector<ModelArm>& arms, const TriaxialSettings& test);
+
+    const Twin& t_;
+    const Common& common_;
+    TriaxialScene scene_;
+    std::vector<std::string> names_;
+    TriaxialSettings test_;
+    Progress progress_;
+    Archive specimen_;
+    ModelRun truth_;
+    Learned learned_;
+    std::vector<ModelArm> arms_;
+    std::vector<ModelRun> runs_;
+    Likeness displacement_, rotation_;
+    double learning_wall_ = 0;
+};
+
+ModelArm Experiment::arm_of(const std::string& name) const {
+    ModelArm arm{.name = name, .rocks = t_.model, .corrections = t_.corrections};
+    arm.corrections.filter.kind = named<FilterKind>(filter_names, t_.filter);
+    arm.corrections.position_noise = t_.position_noise;
+    arm.corrections.attitude_noise = t_.attitude_noise;
+    if (name == "chaos") {
+        arm.rocks = {test_.friction, 1};
+        arm.disturbance = t_.disturbance;
+    }
+    if (learns(name)) {
+        arm.learned = schedule_of(learned_.known, t_.model, t_.change);
+        arm.catch_up = t_.catch_up;
+    }
+    if (name == "jumped" || name == "spread" || name == "pulled" || name == "both" || name == "analysed")
+        arm.ways = recorded_ways(truth_, t_.interval, t_.position_noise, t_.attitude_noise, common_.seed);
+    if (name == "jumped" || name == "spread") arm.corrections.pull.stiffness = 0;
+    arm.corrections.spread = name == "spread";
+    return arm;
+}
+
+std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, const TriaxialSettings& test) {
+    std::vector<ModelRun> runs(arms.size());
+    run_ensemble(arms.size(), common_.threads, [&](std::size_t k) {
+        const ModelWatch watch{[&, k](double fraction, const std::string& text) { progress_.report(static_cast<unsigned>(k % std::max(2u, common_.threads)), fraction, text); }};
+        runs[k] = run_model(scene_, test, specimen_, arms[k], common_.seed, watch);
+    });
+    progress_.pause();
+    return runs;
+}
+
+void Experiment::learn_parameters() {
+    const auto began = this_instant();
+    MeasuredStress measured = measured_stress(truth_.points);
+    Random random(common_.seed, 999);
+    for (double& q : measured.q) q *= 1 + t_.learning.force_noise * random.normal();
+    const bool all_the_way = std::ranges::any_of(names_, is_computed);
+    learned_ = learn_in_two_generations(prior_of(t_.model, t_.learning), measured, t_.learning, all_the_way ? test_.final_axial_strain : t_.learning.final_strain,
+                                        [&](const std::vector<ModelArm>& arms, double strain) {
+                                            TriaxialSettings test = test_;
+                                            test.final_axial_strain = std::min(strain, test.final_axial_strain);
+                                            return run_all(arms, test);
+                                        });
+    write_worlds(common_.out / "worlds.csv", learned_.second);
+    learning_wall_ = seconds_since(began);
+}
+
+std::vector<std::string> names_of_test(std::size_t rings) {
+    std::vector<std::string> names{"axial_strain", "deviatoric_stress_Pa", "volumetric_strain"};
+    for (std::size_t r = 1; r <= rings; ++r) names.push_back(fmt::format("ring_{}_radius_m", r));
+    return names;
+}
+
+std::vector<std::vector<double>> Experiment::measured_rows() const {
+    Random random(common_.seed, 999);
+    std::vector<std::vector<double>> rows;
+    for (const TriaxialPoint& p : truth_.points) {
+        rows.push_back({p.axial_strain, p.deviatoric_stress * (1 + t_.learning.force_noise * random.normal()), p.volumetric_strain});
+        rows.back().insert(rows.back().end(), p.ring_radius.begin(), p.ring_radius.end());
+    }
+    return rows;
+}
+
+/// The truth as a folder of recordings, with what is known of the sensors beforehand.
+void Experiment::write_recording() const {
+    RecordingSettings settings;
+    settings.interval = t_.interval;
+    settings.displacement_noise = t_.position_noise;
+    settings.attitude_noise = t_.attitude_noise;
+    const auto recordings = record_sensors(truth_, settings, common_.seed);
+    const auto folder = t_.record / fmt::format("{:.4g}kPa", test_.confining_pressure / 1e3);
+    std::filesystem::create_directories(folder);
+    for (const Recording& r : recordings) write_sensor_info(t_.record / fmt::format("rock_{:02}.txt", r.info.id), r.info);
+    write_recordings(folder / "recordings.csv", recordings,
+                     {"ten sensor rocks in a triaxial test: a line for each, every 12 s; t by the sensor's own clock (s), strain: axial, of the test",
+                      "ax ay az: specific force (m/s2), gx gy gz: rate (rad/s), in the rock's axes, means of the time since the line before",
+                      "ux uy uz: displacement (m), qw qx qy qz: attitude, body to world, as another means of tracking would measure them"});
+    std::vector<std::vector<double>> poses;
+    for (const SmartRockPose& p : scene_.poses)
+        poses.push_back({p.position.x() / scene_.specimen.radius, p.position.y() / scene_.specimen.radius, p.position.z() / scene_.specimen.height, p.orientation.w(), p.orientation.x(), p.orientation.y(), p.orientation.z()});
+    write_csv(t_.record / "sensor_poses.csv", {"x_over_radius", "y_over_radius", "z_over_height", "qw", "qx", "qy", "qz"}, poses, {"where the sensor rocks were put"}, 9);
+    write_csv(folder / "test.csv", names_of_test(truth_.points.front().ring_radius.size()), measured_rows(), {"what the machine measured, stage by stage; compression positive"}, 6);
+}
+
+void Experiment::run() {
+    specimen_ = prepare(t_.triaxial, scene_, progress_);
+    truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_).front();
+    if (!t_.record.empty()) write_recording();
+    if (std::ranges::any_of(names_, learns)) learn_parameters();
+    std::vector<ModelArm> to_run;
+    for (const std::string& name : names_) {
+        arms_.push_back(arm_of(name));
+        if (!is_computed(name)) to_run.push_back(arms_.back());
+    }
+    auto runs = run_all(to_run, test_);
+    auto next = runs.begin();
+    for (const ModelArm& arm : arms_) {
+        if (!is_computed(arm.name)) {
+            runs_.push_back(std::move(*next++));
+            continue;
+        }
+        runs_.push_back(foretold_by(learned_, prior_of(t_.model, t_.learning)));
+        if (arm.name != "analysed") continue;
+        SensorAnalysis analysis = analyse(std::move(runs_.back()), learned_.second, arm.ways, t_.position_noise, t_.attitude_noise);
+        runs_.back() = std::move(analysis.run);
+        displacement_ = analysis.displacement;
+        rotation_ = analysis.rotation;
+    }
+}
+
+void Experiment::report() {
+    Summary summary;
+    const auto free = std::ranges::find(names_, "free");
+    TwinErrors reference;
+    if (free != names_.end()) reference = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
+    for (std::size_t k = 0; k < arms_.size(); ++k) {
+        const TwinErrors errors = errors_of(runs_[k], truth_);
+        std::vector<double> left;
+        visit_errors(reference, [&](const std::string&, const char*, double e) { left.push_back(e); });
+        auto of_free = left.begin();
+        visit_errors(errors, [&](const std::string& what, const char* unit, double e) {
+            summary.add(fmt::format("{}_rmse_{}{}{}", arms_[k].name, what, *unit ? "_" : "", unit), e);
+            if (free != names_.end() && arms_[k].name != "free") summary.add(fmt::format("{}_error_left_{}", arms_[k].name, what), e / *of_free);
+            ++of_free;
+        });
+        summary.add(arms_[k].name + "_steps", runs_[k].steps);
+        summary.add(arms_[k].name + "_wall_time_s", runs_[k].wall_time);
+        const TriaxialProperties properties = properties_of(runs_[k].points, test_.confining_pressure);
+        summary.add(arms_[k].name + "_secant_modulus_E50_Pa", properties.secant_modulus);
+        summary.add(arms_[k].name + "_poisson_ratio_E50", properties.poisson_ratio);
+        summary.add(arms_[k].name + "_peak_friction_angle_deg", properties.peak_friction_angle);
+        if (arms_[k].ways.empty() || is_computed(arms_[k].name)) continue;
+        summary.add(arms_[k].name + "_fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].platen_work);
+        summary.add(arms_[k].name + "_measurements_accepted", runs_[k].accepted);
+        summary.add(arms_[k].name + "_measurements_refused", runs_[k].refused);
+    }
+    const TriaxialProperties truth = properties_of(truth_.points, test_.confining_pressure);
+    summary.add("truth_secant_modulus_E50_Pa", truth.secant_modulus);
+    summary.add("truth_poisson_ratio_E50", truth.poisson_ratio);
+    summary.add("truth_peak_friction_angle_deg", truth.peak_friction_angle);
+    if (displacement_.length > 0) {
+        summary.add("likeness_of_displacements", displacement_.near);
+        summary.add("likeness_of_displacements_length_m", displacement_.length);
+        summary.add("likeness_of_rotations", rotation_.near);
+        summary.add("likeness_of_rotations_length_m", rotation_.length);
+    }
+    if (!learned_.known.empty()) {
+        const Gaussian& last = learned_.known.back().belief;
+        const RockBelief mean = mean_of(last);
+        const Matrix covariance = last.covariance();
+        summary.add("learned_friction", mean.friction);
+        summary.add("learned_friction_deviation", mean.friction * std::sqrt(covariance(0, 0)));
+        summary.add("learned_stiffness_ratio", mean.stiffness);
+        summary.add("learned_stiffness_ratio_deviation", mean.stiffness * std::sqrt(covariance(1, 1)));
+        summary.add("learned_squared_distance_of_truth", squared_distance(last, logarithms_of({test_.friction, 1})));
+        summary.add("learning_wall_time_s", learning_wall_);
+        std::vector<std::vector<double>> rows;
+        for (const KnownAt& k : learned_.known) {
+            const Matrix c = k.belief.covariance();
+            rows.push_back({k.strain, std::exp(k.belief.mean[0]), std::sqrt(c(0, 0)), std::exp(k.belief.mean[1]), std::sqrt(c(1, 1)), k.squared_distance});
+        }
+        write_csv(common_.out / "learned.csv", {"axial_strain", "friction", "friction_log_deviation", "stiffness_ratio", "stiffness_log_deviation", "squared_distance"}, rows, {}, 6);
+    }
+    const auto panel = [&](const char* title, double scale, double TriaxialPoint::* value) {
+        Plot plot{.title = title, .x_label = "axial strain (%)", .y_label = title, .curves = {curve_of("truth", truth_, scale, value)}};
+        for (std::size_t k = 0; k < arms_.size(); ++k) plot.curves.push_back(curve_of(arms_[k].name, runs_[k], scale, value));
+        return plot;
+    };
+    draw_plots(common_.out / "twin.png", {panel("q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress), panel("volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain)});
+    report_results(common_, summary);
+}
+
 void run(const Twin& t, const Common& common) {
     require(t.triaxial.confining_pressure.size() == 1, "--confining-pressure: expected one, found several");
     require(common.resume.empty(), "--resume: expected none");
-    const TriaxialScene scene = make_scene(t.triaxial, common.seed);
     if (common.explain) {
-        fmt::print("{}", make_simulation(scene, 1, common.serial).schedule().explain());
+        fmt::print("{}", make_simulation(make_scene(t.triaxial, common.seed), 1, common.serial).schedule().explain());
         return;
     }
-    TriaxialSettings settings = t.triaxial.test;
-    settings.confining_pressure = t.triaxial.confining_pressure.front();
-    Progress progress(3, common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
-    const Archive specimen = prepare(t.triaxial, scene, progress);
-    const auto watch = [&](unsigned slot, const std::string& name) {
-        return [&progress, slot, name](double fraction, const std::string& text) { progress.report(slot, fraction, name + ": " + text); };
-    };
-    TwinArm true_arm;
-    true_arm.friction = settings.friction;
-    const TwinRun truth = run_arm(scene, settings, specimen, true_arm, nullptr, common.seed, watch(0, "truth"));
-    std::array<TwinArm, 3> arms{true_arm, true_arm, t.fused};
-    arms[0].name = "free";
-    arms[1].name = "chaos";
-    arms[1].disturbance = t.disturbance;
-    arms[2].name = "fused";
-    arms[2].fused = true;
-    arms[2].filter.kind = named<FilterKind>(filter_names, t.filter);
-    for (const std::size_t k : {0u, 2u}) {
-        arms[k].friction = t.model_friction;
-        arms[k].stiffness = t.model_stiffness;
-    }
-    std::array<TwinRun, 3> runs;
-    run_ensemble(arms.size(), common.threads, [&](std::size_t k) {
-        runs[k] = run_arm(scene, settings, specimen, arms[k], &truth, common.seed, watch(static_cast<unsigned>(k), arms[k].name));
-    });
-    progress.pause();
-    Summary summary;
-    std::array<TwinErrors, 3> errors;
-    for (std::size_t k = 0; k < arms.size(); ++k) add_errors(summary, arms[k].name, errors[k] = errors_of(runs[k], truth));
-    const TwinErrors &free = errors[0], &fused = errors[2];
-    summary.add("error_left_q", fused.q / free.q);
-    summary.add("error_left_volumetric_strain", fused.volumetric_strain / free.volumetric_strain);
-    summary.add("error_left_ring_radius", fused.ring_radius / free.ring_radius);
-    for (std::size_t s = 0; s < shell_names.size(); ++s) summary.add(fmt::format("error_left_displacement_{}", shell_names[s]), fused.displacement[s] / free.displacement[s]);
-    for (std::size_t s = 0; s < shell_names.size(); ++s) summary.add(fmt::format("error_left_rotation_{}", shell_names[s]), fused.rotation[s] / free.rotation[s]);
-    summary.add("fusion_work_J", runs[2].fusion_work);
-    summary.add("fusion_work_over_boundary_work", runs[2].fusion_work / runs[2].platen_work);
-    summary.add("measurements_accepted", runs[2].accepted);
-    summary.add("measurements_refused", runs[2].refused);
-    summary.add("free_wall_time_s", runs[0].wall_time);
-    summary.add("fused_wall_time_s", runs[2].wall_time);
-    summary.add("free_steps", runs[0].steps);
-    summary.add("fused_steps", runs[2].steps);
-    const auto panel = [&](const char* title, double scale, double TriaxialPoint::* value) {
-        Plot plot{.title = title, .x_label = "axial strain (%)", .y_label = title, .curves = {curve_of("truth", truth, scale, value)}};
-        for (std::size_t k = 0; k < arms.size(); ++k) plot.curves.push_back(curve_of(arms[k].name, runs[k], scale, value));
-        return plot;
-    };
-    draw_plots(common.out / "twin.png", {panel("q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress), panel("volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain)});
-    report_results(common, summary);
+    Experiment experiment(t, common);
+    experiment.run();
+    experiment.report();
 }
 
 } // namespace

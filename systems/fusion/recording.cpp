@@ -2,12 +2,14 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
+#include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
 #include <map>
+#include <tuple>
 
 namespace bris {
 
@@ -42,7 +44,24 @@ std::uint64_t count_of(const CsvTable& table, std::size_t row, const char* name,
     return static_cast<std::uint64_t>(value);
 }
 
+/// A line for each option of a metadata file.
+struct InfoLines {
+    std::string text;
+    template <class T, class... Rest>
+    void operator()(const std::string& name, const T& value, const std::string& unit, const std::string& help, const Rest&...) {
+        text += fmt::format("{} = {}  # {}{}{}\n", name, value, unit, unit.empty() ? "" : ", ", help);
+    }
+    void operator()(const std::string& name, const std::string& value, const std::string& unit, const std::string& help, std::initializer_list<const char*>) {
+        operator()<std::string>(name, value, unit, help);
+    }
+};
+
 } // namespace
+
+void SensorInfo::set_pose(const Vec3& position, const Quat& attitude) {
+    std::tie(x, y, z) = std::tuple(position.x(), position.y(), position.z());
+    std::tie(qw, qx, qy, qz) = std::tuple(attitude.w(), attitude.x(), attitude.y(), attitude.z());
+}
 
 SensorInfo read_sensor_info(const std::filesystem::path& path) {
     SensorInfo info;
@@ -55,6 +74,46 @@ SensorInfo read_sensor_info(const std::filesystem::path& path) {
                                   std::pair{Quat(info.mounting_w, info.mounting_x, info.mounting_y, info.mounting_z), "mounting_w x y z"}})
         require(std::abs(q.norm() - 1) < 1e-3, fmt::format("{}: {}: expected a unit quaternion, found one of norm {:.6g}", path.string(), what, q.norm()));
     return info;
+}
+
+void write_sensor_info(const std::filesystem::path& path, SensorInfo info) {
+    InfoLines lines;
+    info.describe(lines);
+    write_whole(path, lines.text);
+}
+
+void write_recordings(const std::filesystem::path& csv, const std::vector<Recording>& recordings, const std::vector<std::string>& comments) {
+    const auto all_have = [&](auto channel) { return std::ranges::none_of(recordings, [&](const Recording& r) { return (r.*channel).empty(); }); };
+    const bool strain = all_have(&Recording::strain), sequence = all_have(&Recording::sequence), force = all_have(&Recording::force),
+               rate = all_have(&Recording::rate), displacement = all_have(&Recording::displacement), attitude = all_have(&Recording::attitude);
+    std::vector<std::string> names{"t", "id"};
+    const auto name = [&](bool there, std::initializer_list<const char*> columns) {
+        if (there) names.insert(names.end(), columns.begin(), columns.end());
+    };
+    name(sequence, {"seq"});
+    name(strain, {"strain"});
+    name(force, {"ax", "ay", "az"});
+    name(rate, {"gx", "gy", "gz"});
+    name(displacement, {"ux", "uy", "uz"});
+    name(attitude, {"qw", "qx", "qy", "qz"});
+    std::vector<std::vector<double>> rows;
+    for (const Recording& r : recordings)
+        for (std::size_t k = 0; k < r.size(); ++k) {
+            std::vector<double> row{r.time[k], static_cast<double>(r.info.id)};
+            const auto put = [&](bool there, const auto& values) {
+                if (there) row.insert(row.end(), values.begin(), values.end());
+            };
+            const Quat to_sensor = r.info.mounting().conjugate();
+            if (sequence) row.push_back(static_cast<double>(r.sequence[k]));
+            if (strain) row.push_back(r.strain[k]);
+            if (force) put(true, Vec3((r.info.force_unit == "g" ? 1 / standard_gravity : 1) * (to_sensor * r.force[k])));
+            if (rate) put(true, Vec3((r.info.rate_unit == "deg/s" ? 180 / pi : 1) * (to_sensor * r.rate[k])));
+            if (displacement) put(true, r.displacement[k]);
+            if (attitude) put(true, std::array{r.attitude[k].w(), r.attitude[k].x(), r.attitude[k].y(), r.attitude[k].z()});
+            rows.push_back(std::move(row));
+        }
+    std::ranges::stable_sort(rows, {}, [](const auto& row) { return row[0]; });
+    write_csv(csv, names, rows, comments, 7);
 }
 
 std::vector<Recording> read_recordings(const std::filesystem::path& csv, const std::vector<SensorInfo>& sensors) {

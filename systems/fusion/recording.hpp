@@ -23,8 +23,11 @@ struct SensorInfo {
     double sampling_rate = 200;                      ///< Hz
     double force_range = 160, rate_range = 35;       ///< m/s2 and rad/s
     double force_noise = 1e-3, rate_noise = 1e-4;    ///< m/s2/sqrt(Hz) and rad/s/sqrt(Hz)
+    double force_bias = 1e-2, rate_bias = 2e-3;      ///< m/s2 and rad/s, deviation after calibration
+    double displacement_noise = 1e-4, attitude_noise = 2e-3; ///< m and rad, of these channels
 
     void describe(auto& option);
+    void set_pose(const Vec3& position, const Quat& attitude);
     Vec3 position() const { return {x, y, z}; }
     Quat attitude() const { return Quat(qw, qx, qy, qz).normalized(); }
     Quat mounting() const { return Quat(mounting_w, mounting_x, mounting_y, mounting_z).normalized(); }
@@ -32,6 +35,9 @@ struct SensorInfo {
 
 /// Reads a metadata file. Throws InputError with file:line, what was expected and what was found.
 SensorInfo read_sensor_info(const std::filesystem::path& path);
+
+/// Writes one. Throws OutputError.
+void write_sensor_info(const std::filesystem::path& path, SensorInfo info);
 
 /// What one SmartRock recorded, in SI units and in its body's axes, in the order of arrival. A vector of a sample that
 /// lacks it is NaN; a channel that the file lacks is empty.
@@ -50,6 +56,9 @@ struct Recording {
 /// qw qx qy qz, seq and strain those that there are; others are let be. Rows of an id without metadata, and a vector of
 /// which a column is missing, are refused. Throws InputError with file:line.
 std::vector<Recording> read_recordings(const std::filesystem::path& csv, const std::vector<SensorInfo>& sensors);
+
+/// Writes the channels that all of them have, sample by sample. SI units; mountings are turned back. Throws OutputError.
+void write_recordings(const std::filesystem::path& csv, const std::vector<Recording>& recordings, const std::vector<std::string>& comments);
 
 void SensorInfo::describe(auto& option) {
     option("id", id, "", "as in the recordings");
@@ -76,6 +85,10 @@ void SensorInfo::describe(auto& option) {
     option("rate_range", rate_range, "rad/s", "likewise", above(0));
     option("force_noise", force_noise, "m/s2/sqrt(Hz)", "density", at_least(0));
     option("rate_noise", rate_noise, "rad/s/sqrt(Hz)", "density", at_least(0));
+    option("force_bias", force_bias, "m/s2", "deviation after calibration", at_least(0));
+    option("rate_bias", rate_bias, "rad/s", "deviation after calibration", at_least(0));
+    option("displacement_noise", displacement_noise, "m", "of ux uy uz", above(0));
+    option("attitude_noise", attitude_noise, "rad", "of qw qx qy qz", above(0));
 }
 
 } // namespace bris

@@ -15,7 +15,7 @@ Mat3 square(double deviation) { return deviation * deviation * Mat3::Identity();
 
 } // namespace
 
-Measured::Measured() : position(Vec3::Constant(unknown)), velocity(position), spin(position), attitude(unknown, unknown, unknown, unknown) {}
+Measured::Measured() : position(Vec3::Constant(unknown)), velocity(position), spin(position), up(position), attitude(unknown, unknown, unknown, unknown) {}
 
 SensorFilter::SensorFilter(const FilterSettings& settings) : settings_(settings) {
     filter_.begin(settings.position, settings.velocity, settings.attitude, settings.spin, 0, 0);
@@ -41,6 +41,10 @@ Analysis SensorFilter::analyse(const BodyForecast& forecast, const Measured& mea
     if (measured.position.allFinite()) take(filter_.observe_position(measured.position, square(measured.position_deviation)));
     if (measured.velocity.allFinite()) take(filter_.observe_velocity(measured.velocity, square(measured.velocity_deviation)));
     if (measured.attitude.coeffs().allFinite()) take(filter_.observe_attitude(measured.attitude, square(measured.attitude_deviation)));
+    if (measured.up.allFinite()) { // turned no further than upwards is off: yaw stays the model's
+        const Quat now = filter_.state.orientation;
+        take(filter_.observe_attitude(Quat::FromTwoVectors(now * measured.up, Vec3::UnitZ()) * now, square(measured.attitude_deviation)));
+    }
     if (measured.spin.allFinite()) take(filter_.observe_spin(measured.spin, square(measured.spin_deviation)));
     a.shift = filter_.state.position - forecast.state.position;
     a.velocity = filter_.state.velocity - forecast.state.velocity;

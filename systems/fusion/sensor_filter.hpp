@@ -39,6 +39,7 @@ struct BodyForecast {
 /// What was measured of it. NaN: not measured. Deviations hold for each axis.
 struct Measured {
     Vec3 position, velocity, spin;
+    Vec3 up; ///< unit vector upwards, in the body's axes: tilt without yaw
     Quat attitude;
     double position_deviation = 1e-4, velocity_deviation = 1e-3, spin_deviation = 1e-2, attitude_deviation = 0.01;
     Measured();

@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <stdexcept>
 
 namespace bris {
@@ -116,7 +117,7 @@ BodyFrame frame_of_bodies(const World& world) {
 View view_of_bodies(const World& world, const BodyFrame& frame,
                     const std::function<Colour(std::size_t place)>& colour) {
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
-    std::vector<Colour> colours(rows.size());
+    std::vector<std::optional<Colour>> colours(rows.size());
     for (std::size_t place = 0; place < frame.ids.size(); ++place)
         colours[static_cast<std::size_t>(frame.ids[place])] = colour(place);
     const Table& bodies = world.table<Bodies>();
@@ -124,11 +125,12 @@ View view_of_bodies(const World& world, const BodyFrame& frame,
     const auto ball = world.column<Spheres, LocalBall>();
     View view;
     for (std::size_t s = 0; s < ball.size(); ++s) {
+        if (!colours[parent[s]]) continue;
         const Row row = rows[parent[s]];
         Vec3 centre = ball[s].centre;
         if (bodies.has<Orientation>()) centre = bodies.column<Orientation>()[row] * centre;
         view.balls.push_back(
-            {bodies.column<Position>()[row] + centre, ball[s].radius, colours[parent[s]]});
+            {bodies.column<Position>()[row] + centre, ball[s].radius, *colours[parent[s]]});
     }
     for (std::size_t q = 0; q < frame.quads(); ++q)
         view.quads.push_back({frame.corners[4 * q], frame.corners[4 * q + 1],

@@ -1,6 +1,5 @@
 #include "components/body.hpp"
 #include "components/kinds.hpp"
-#include "components/material.hpp"
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
 #include "components/settings.hpp"
@@ -39,18 +38,14 @@ void TriaxialTest::start_consolidation() {
     auto& platen = world.resource<Platen>();
     const double top = platen_height(world);
     membrane.ring_height = top / membrane.rings;
-    const auto& materials = world.resource<Materials>();
-    const auto& specimen = world.resource<Specimen>();
     world.resource<LocalDamping>().fraction = settings_.damping;
-    for (const EntityId id : specimen.smart_rocks)
+    for (const EntityId id : world.resource<Specimen>().smart_rocks)
         world.column<Bodies, MotionOf>()[row_of_body(world, id)] = static_cast<std::uint32_t>(Motion::free);
     stop_rocks(world);
     if (settings_.gravity) world.resource<Gravity>().value = Vec3(0, 0, -9.81);
-    const double wall_contact =
-        materials.linear_pairs[materials.pair(specimen.rock_material, specimen.membrane_material)].kn;
     membrane.active = platen.controlled = true;
     membrane.aim = platen.aim = {}; // what follows starts from rest: no pressure is held that could change
-    membrane.contact_stiffness = platen.contact_stiffness = wall_contact;
+    membrane.contact_stiffness = platen.contact_stiffness = wall_contact_stiffness(world);
     membrane.largest_step = platen.largest_step = 2e-6 * top;
     invalidate_lists(world);
     state.phase = TriaxialPhase::consolidate;

@@ -4,6 +4,7 @@
 #include "components/kinds.hpp"
 #include "components/material.hpp"
 #include "components/membrane.hpp"
+#include "components/platen.hpp"
 #include "systems/build/scene.hpp"
 #include "systems/servo/membrane.hpp"
 
@@ -30,6 +31,19 @@ void set_friction(World& world, double friction) {
     materials.list[specimen.rock_material].friction = friction;
     materials.list[specimen.platen_material].friction = friction;
     materials.mix();
+}
+
+void set_rocks(World& world, double friction, double stiffness) {
+    Material& rock = world.resource<Materials>().list[world.resource<Specimen>().rock_material];
+    rock.normal_stiffness = rock.shear_stiffness = stiffness;
+    set_friction(world, friction);
+    world.resource<Membrane>().contact_stiffness = world.resource<Platen>().contact_stiffness = wall_contact_stiffness(world);
+}
+
+double wall_contact_stiffness(const World& world) {
+    const auto& materials = world.resource<Materials>();
+    const auto& specimen = world.resource<Specimen>();
+    return materials.linear_pairs[materials.pair(specimen.rock_material, specimen.membrane_material)].kn;
 }
 
 std::vector<SensorDrift> sensor_drift(const World& world) {

@@ -21,6 +21,11 @@ CylinderRegion core(const World& world);
 
 /// Friction of rock on rock and rock on platen.
 void set_friction(World& world, double friction);
+/// And the stiffness of rocks in contacts, normal and shear, of one partner (N/m); servos go by it.
+void set_rocks(World& world, double friction, double stiffness);
+
+/// Normal stiffness (N/m) of a contact of a rock with the membrane, by which the servos go.
+double wall_contact_stiffness(const World& world);
 
 /// A sensor rock's way from its given pose, in a specimen of the present height, to where it is.
 struct SensorDrift {

@@ -112,6 +112,9 @@ public:
     /// when an equilibrium stalls or nothing carries load.
     bool advance();
 
+    /// Masses and step anew for the contacts there are; after their properties were changed from outside.
+    void rescale();
+
     const TriaxialState& state() const;
     /// 0 to 1, and what is going on, for the progress line.
     double fraction() const;
@@ -129,7 +132,6 @@ private:
     void move_platen();
     bool analyse();
     void run(std::uint64_t steps);
-    void rescale();
     void keep_stable();
     bool is_in_equilibrium() const;
     TriaxialPoint measure_point() const;

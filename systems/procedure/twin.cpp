@@ -1,18 +1,10 @@
 #include "systems/procedure/twin.hpp"
 
-#include "components/body.hpp"
-#include "components/material.hpp"
-#include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
-#include "engine/stopwatch.hpp"
-#include "systems/build/scene.hpp"
-#include "systems/fusion/fuse.hpp"
-#include "systems/output/contacts.hpp"
+#include "engine/signal/imu.hpp"
 
 #include <algorithm>
-#include <map>
-#include <queue>
 
 namespace bris {
 
@@ -20,144 +12,82 @@ namespace {
 
 constexpr std::size_t shells = 5; // sensors, 1, 2, 3, 4 and beyond
 
-struct RockPose {
-    Vec3 position;
-    Quat orientation;
-};
-
-std::vector<RockPose> poses_of(World& world, const std::vector<EntityId>& rocks) {
-    std::vector<RockPose> poses;
-    for (const EntityId id : rocks) poses.push_back({value_of<Position>(world, id), value_of<Orientation>(world, id)});
-    return poses;
-}
-
-/// Contacts from each rock to the nearest sensor rock.
-std::vector<unsigned> shells_of(const World& world, const std::vector<EntityId>& rocks, std::size_t sensors) {
-    std::map<EntityId, std::size_t> place;
-    for (std::size_t k = 0; k < rocks.size(); ++k) place[rocks[k]] = k;
-    std::vector<std::vector<std::size_t>> neighbours(rocks.size());
-    for (const TouchingPair& pair : touching_pairs<SpherePairs>(world)) {
-        const auto a = place.find(pair.names.owner), b = place.find(pair.names.partner);
-        if (a == place.end() || b == place.end()) continue;
-        neighbours[a->second].push_back(b->second);
-        neighbours[b->second].push_back(a->second);
-    }
-    std::vector<unsigned> shell(rocks.size(), shells - 1);
-    std::queue<std::size_t> next;
-    for (std::size_t k = 0; k < sensors; ++k) {
-        shell[k] = 0;
-        next.push(k);
-    }
-    for (; !next.empty(); next.pop())
-        for (const std::size_t n : neighbours[next.front()])
-            if (shell[next.front()] + 1 < shell[n]) {
-                shell[n] = shell[next.front()] + 1;
-                next.push(n);
-            }
-    return shell;
-}
-
-void disturb(World& world, const std::vector<EntityId>& rocks, double size, std::uint64_t seed) {
-    for (const EntityId id : rocks) value_of<Position>(world, id) += size * Random(seed, id).direction();
-}
-
-void soften(World& world, double factor) {
-    auto& materials = world.resource<Materials>();
-    Material& rock = materials.list[world.resource<Specimen>().rock_material];
-    rock.normal_stiffness *= factor;
-    rock.shear_stiffness *= factor;
-    materials.mix();
-}
-
-/// Sensors on the first rocks, which record what the truth did, from where they stand now.
-void give_sensors(Simulation& simulation, const TwinArm& arm, const TwinRun& truth, const std::vector<RockPose>& start, std::uint64_t seed) {
-    std::vector<std::vector<TimedMeasurement>> samples(truth.sensors);
-    std::vector<EntityId> hosts;
-    for (std::size_t s = 0; s < truth.sensors; ++s) {
-        hosts.push_back(truth.rocks[s]);
-        Random random(seed, 1000 + s);
-        double last = 0;
-        for (std::size_t stage = 1; stage < truth.points.size(); ++stage) {
-            const double strain = truth.points[stage].axial_strain;
-            if (strain - last < 0.999 * arm.interval) continue;
-            last = strain;
-            TimedMeasurement m{strain, {}};
-            const auto noise = [&](double deviation) { return Vec3(deviation * Vec3(random.normal(), random.normal(), random.normal())); };
-            m.what.position = start[s].position + truth.displacement[stage][s] + noise(arm.position_noise);
-            m.what.attitude = exponential_map(noise(arm.attitude_noise)) * exponential_map(truth.rotation[stage][s]) * start[s].orientation;
-            m.what.velocity = m.what.spin = Vec3::Zero(); // at the end of a stage all is at rest
-            m.what.velocity_deviation = m.what.spin_deviation = 1e-6;
-            m.what.position_deviation = arm.position_noise;
-            m.what.attitude_deviation = arm.attitude_noise;
-            samples[s].push_back(m);
-        }
-    }
-    World& world = simulation.world();
-    add_sensors(world, hosts, std::move(samples), arm.filter, arm.injection_steps);
-    world.resource<Fusion>().by_strain = true;
-    world.resource<Fusion>().spread = arm.spread;
-    world.resource<Fusion>().pull = arm.pull;
-    simulation.prepare();
-}
-
 double root_mean(double squares, double count) { return count > 0 ? std::sqrt(squares / count) : 0; }
 
 } // namespace
 
-TwinRun run_arm(const TriaxialScene& scene, const TriaxialSettings& given, const Archive& specimen, const TwinArm& arm, const TwinRun* truth,
-                std::uint64_t seed, const std::function<void(double, const std::string&)>& watch) {
-    require(!arm.fused || truth != nullptr, "twin: expected a true run to record");
-    const auto began = this_instant();
-    TriaxialSettings settings = given;
-    settings.friction = arm.friction;
-    Simulation simulation = make_simulation(scene, 1, false);
-    simulation.restore(specimen);
-    World& world = simulation.world();
-    soften(world, arm.stiffness);
-    TriaxialTest test(simulation, settings);
-    TwinRun run;
-    const auto& parts = world.resource<Specimen>();
-    run.rocks = parts.smart_rocks;
-    run.sensors = run.rocks.size();
-    run.rocks.insert(run.rocks.end(), parts.rocks.begin(), parts.rocks.end());
-    if (arm.disturbance > 0) disturb(world, run.rocks, arm.disturbance, seed);
-    std::vector<RockPose> start;
-    double work_before = 0;
-    bool more = true;
-    while (more) {
-        more = test.advance();
-        watch(test.fraction(), test.description());
-        const auto& points = test.state().points;
-        if (points.size() <= run.displacement.size()) continue;
-        const auto now = poses_of(world, run.rocks);
-        if (start.empty()) {
-            start = now;
-            run.shell = shells_of(world, run.rocks, run.sensors);
-            work_before = points.back().boundary_work;
-            if (arm.fused) give_sensors(simulation, arm, *truth, start, seed);
-        }
-        run.displacement.emplace_back();
-        run.rotation.emplace_back();
-        for (std::size_t k = 0; k < now.size(); ++k) {
-            run.displacement.back().push_back(now[k].position - start[k].position);
-            run.rotation.back().push_back(attitude_error(now[k].orientation, start[k].orientation));
+std::vector<SensorWay> recorded_ways(const ModelRun& truth, double interval, double position_noise, double attitude_noise, std::uint64_t seed) {
+    std::vector<SensorWay> ways(truth.sensors);
+    for (std::size_t s = 0; s < truth.sensors; ++s) {
+        Random random(seed, 1000 + s);
+        const auto noise = [&](double deviation) -> Vec3 { return deviation * Vec3(random.normal(), random.normal(), random.normal()); };
+        double last = 0;
+        for (std::size_t stage = 1; stage < truth.points.size(); ++stage) {
+            const double strain = truth.points[stage].axial_strain;
+            if (strain - last < 0.999 * interval) continue;
+            last = strain;
+            ways[s].strain.push_back(strain);
+            ways[s].displacement.push_back(truth.displacement[stage][s] + noise(position_noise));
+            const Quat turned = exponential_map(noise(attitude_noise)) * exponential_map(truth.rotation[stage][s]);
+            ways[s].rotation.push_back(attitude_error(turned, Quat::Identity()));
         }
     }
-    run.points = test.state().points;
-    run.platen_work = run.points.back().boundary_work - work_before;
-    run.steps = world.resource<Clock>().step;
-    if (arm.fused) {
-        run.fusion_work = fusion_work(world);
-        for (std::size_t s = 0; s < run.sensors; ++s) {
-            run.accepted += world.column<Sensors, Accepted>()[s];
-            run.refused += world.column<Sensors, Refused>()[s];
-        }
-    }
-    run.wall_time = seconds_since(began);
-    return run;
+    return ways;
 }
 
-TwinErrors errors_of(const TwinRun& run, const TwinRun& truth) {
+std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSettings& settings, std::uint64_t seed) {
+    const double period = settings.interval / 1e-4 * settings.stage_time;
+    ImuModel model = imu_preset(settings.imu);
+    model.rate = 1 / period; // of the means that are kept
+    model.bandwidth = model.loss = 0;
+    model.bits = 0; // noise lets a mean be finer than a digit
+    const auto ways = recorded_ways(truth, settings.interval, settings.displacement_noise, settings.attitude_noise, seed);
+    std::vector<Recording> recordings(truth.sensors);
+    for (std::size_t s = 0; s < truth.sensors; ++s) {
+        Recording& r = recordings[s];
+        Random random(seed, 2000 + s);
+        const auto noise = [&](double deviation) -> Vec3 { return deviation * Vec3(random.normal(), random.normal(), random.normal()); };
+        const RockPose& start = truth.start[s];
+        r.info.id = static_cast<unsigned>(s + 1);
+        r.info.set_pose(start.position + noise(settings.placement_noise), exponential_map(noise(settings.levelling_noise)) * start.orientation);
+        r.info.position_deviation = settings.placement_noise;
+        r.info.attitude_deviation = settings.levelling_noise * 180 / pi;
+        r.info.sampling_rate = model.rate;
+        r.info.force_range = model.force_range;
+        r.info.rate_range = model.rate_range;
+        r.info.force_noise = model.noise.force;
+        r.info.rate_noise = model.noise.rate;
+        r.info.force_bias = model.force_bias;
+        r.info.rate_bias = model.rate_bias;
+        r.info.displacement_noise = settings.displacement_noise;
+        r.info.attitude_noise = settings.attitude_noise;
+        Imu imu(model, Vec3(0, 0, -9.81), seed, 3000 + s);
+        Quat before = start.orientation;
+        double time = 0;
+        const auto sample = [&](double strain, const Vec3& turned, const Vec3& displacement, const Vec3& rotation) {
+            const Quat now = exponential_map(turned) * start.orientation;
+            time += period;
+            const ImuSample one = imu.sample(time, {.orientation = now, .spin = attitude_error(now, before) / period});
+            before = now;
+            r.time.push_back(one.time);
+            r.sequence.push_back(one.sequence);
+            r.strain.push_back(strain);
+            r.force.push_back(one.force);
+            r.rate.push_back(one.rate);
+            r.displacement.push_back(displacement);
+            r.attitude.push_back(exponential_map(rotation) * r.info.attitude());
+        };
+        for (double t = 0; t < settings.rest - 0.5 * period; t += period) sample(0, Vec3::Zero(), noise(settings.displacement_noise), noise(settings.attitude_noise));
+        std::size_t stage = 0;
+        for (std::size_t k = 0; k < ways[s].strain.size(); ++k) {
+            while (truth.points[stage].axial_strain < ways[s].strain[k]) ++stage;
+            sample(ways[s].strain[k], truth.rotation[stage][s], ways[s].displacement[k], ways[s].rotation[k]);
+        }
+    }
+    return recordings;
+}
+
+TwinErrors errors_of(const ModelRun& run, const ModelRun& truth) {
     TwinErrors e;
     const std::size_t stages = std::min(run.points.size(), truth.points.size());
     double q = 0, volume = 0, ring = 0, rings = 0;

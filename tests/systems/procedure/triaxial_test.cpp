@@ -128,21 +128,17 @@ TEST_SUITE("procedure/triaxial") {
         TriaxialTest test(simulation, short_test());
         while (test.state().phase < TriaxialPhase::consolidate) REQUIRE(test.advance());
         const Archive specimen = simulation.snapshot();
-        const auto run = [&](const TwinArm& arm, const TwinRun* truth) { return run_arm(scene, short_test(), specimen, arm, truth, 1, [](double, const std::string&) {}); };
-        const TwinRun truth = run({}, nullptr);
-        TwinArm arm;
-        arm.friction = 0.3;
-        const TwinRun free = run(arm, &truth);
-        arm.fused = true;
-        arm.position_noise = 1e-7;
-        arm.attitude_noise = 1e-5;
-        arm.filter.acceleration_density = 1;
-        arm.filter.angular_acceleration_density = 100;
-        arm.filter.drift = 1e-6;
-        arm.filter.turning = 1e-2;
-        arm.filter.gate = 1;
-        const TwinRun fused = run(arm, &truth);
-        const TwinErrors same = errors_of(run({}, nullptr), truth), without = errors_of(free, truth);
+        const auto run = [&](const ModelArm& arm) { return run_model(scene, short_test(), specimen, arm, 1); };
+        const ModelRun truth = run({});
+        ModelArm arm;
+        arm.rocks.friction = 0.3;
+        const ModelRun free = run(arm);
+        arm.ways = recorded_ways(truth, 1e-4, 1e-7, 1e-5, 1);
+        arm.corrections.position_noise = 1e-7;
+        arm.corrections.attitude_noise = 1e-5;
+        arm.corrections.filter = {.acceleration_density = 1, .angular_acceleration_density = 100, .drift = 1e-6, .turning = 1e-2, .gate = 1};
+        const ModelRun fused = run(arm);
+        const TwinErrors same = errors_of(run({}), truth), without = errors_of(free, truth);
         CHECK(same.q == 0);
         CHECK(same.displacement[1] == 0);
         CHECK(without.q > 1e3);
@@ -153,5 +149,23 @@ TEST_SUITE("procedure/triaxial") {
         CHECK(fused.steps > free.steps); // the stages come to rest again
         CHECK(*std::max_element(truth.shell.begin(), truth.shell.end()) >= 2);
         CHECK(std::count(truth.shell.begin(), truth.shell.end(), 0u) == 10);
+        // without a recording, or with none that was accepted, nothing is different
+        arm.ways.assign(10, {});
+        const ModelRun deaf = run(arm);
+        CHECK(errors_of(deaf, free).q == 0);
+        CHECK(deaf.fusion_work == 0);
+
+        // told in the middle that friction is another: it goes on from where it is, or as if it had known from the beginning
+        arm = {.rocks = {.friction = 0.3}, .learned = {{1e-3, {.friction = 0.7}}}};
+        const ModelRun goes_on = run(arm);
+        arm.catch_up = true;
+        const ModelRun catches_up = run(arm);
+        for (std::size_t k = 0; k < truth.points.size(); ++k) {
+            const double told = goes_on.points[k].deviatoric_stress, caught_up = catches_up.points[k].deviatoric_stress;
+            CHECK(caught_up == (k <= 10 ? free : truth).points[k].deviatoric_stress);
+            if (k <= 10) CHECK(told == free.points[k].deviatoric_stress);
+        }
+        CHECK(goes_on.points.back().deviatoric_stress != free.points.back().deviatoric_stress);
+        CHECK(catches_up.steps > truth.steps);
     }
 }

@@ -1,0 +1,425 @@
+// SMART computing of a triaxial test: what a test machine and SmartRocks recorded, and the model of it, which learns the
+// friction and stiffness of its rocks from them while the test goes on; beside it the model alone.
+#include "engine/ensemble.hpp"
+#include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/io/whole_file.hpp"
+#include "engine/progress.hpp"
+#include "engine/scenario.hpp"
+#include "engine/stopwatch.hpp"
+#include "engine/summary.hpp"
+#include "systems/fusion/intake.hpp"
+#include "systems/output/picture.hpp"
+#include "systems/output/plot.hpp"
+#include "systems/output/record.hpp"
+#include "systems/procedure/learning.hpp"
+#include "systems/procedure/triaxial_results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <mutex>
+
+namespace bris {
+
+namespace {
+
+struct Smart {
+    Triaxial triaxial;
+    std::filesystem::path recordings = std::filesystem::path(BRIS_ASSETS) / "smartrock";
+    RockBelief model{0.5, 1};
+    Learning learning{.specimen_scatter = 0.15};
+    Corrections corrections;
+    double interval = 1e-3, change = 0.03, stage_time = 1.2, drift = 1e-3, turn = 0.1, rest = 60;
+    bool channel_displacement = true, channel_attitude = true;
+
+    Smart() {
+        // velocities are known to be none at stage ends, and forgotten in between
+        corrections.filter = {.acceleration_density = 1, .angular_acceleration_density = 100, .drift = 1e-5, .turning = 0.1, .gate = 0.999};
+        corrections.pull = {0, 100, 0.01};
+    }
+    void describe(auto& option) {
+        option.group("recordings");
+        option("recordings", recordings, "", "a folder: rock_NN.txt, sensor_poses.csv, and for each pressure recordings.csv and test.csv in a folder as 55kPa");
+        option("rest", rest, "s", "at their beginning, in which the rocks lie still", above(0));
+        option("use_displacement", channel_displacement, "", "ux uy uz, where recorded, else what an inertial sensor knows of it: nothing");
+        option("use_attitude", channel_attitude, "", "qw qx qy qz, where recorded, else tilt by gravity");
+        option.group("model");
+        option("model_friction", model.friction, "", "of rocks, before anything is measured", above(0));
+        option("model_stiffness", model.stiffness, "", "of contacts, of --clump-stiffness, likewise", above(0));
+        option("friction_deviation", learning.friction_deviation, "", "of its logarithm, likewise", above(0));
+        option("stiffness_deviation", learning.stiffness_deviation, "", "likewise", above(0));
+        option("specimen_scatter", learning.specimen_scatter, "", "by which the real specimen may be stronger than the model's for other reasons, of ln q", at_least(0));
+        option("force_noise", learning.force_noise, "", "of q as measured, relative", at_least(0));
+        option("worlds", learning.worlds, "", "in each of two generations, that friction and stiffness are learned from", within(6, 1000));
+        option("first_strain", learning.first_strain, "", "to which the first generation runs", above(0));
+        option("learning_strain", learning.final_strain, "", "to which learning goes on", above(0));
+        option("change", change, "", "of friction or stiffness, from which on the model is told of it", above(0));
+        option.group("corrections of sensor rocks");
+        option("pull_stiffness", corrections.pull.stiffness, "N/m", "of forces that pull them; 0: their poses are compared, not corrected", at_least(0));
+        option("largest_pull", corrections.pull.largest_force, "N", "of them", at_least(0));
+        option("interval", interval, "", "axial strain between samples", above(0));
+        option("drift", drift, "m", "that rocks of the model may be off by, at the end", above(0));
+        option("turn", turn, "rad", "likewise", above(0));
+        option("stage_time", stage_time, "s", "that the real test took for 0.01 % of strain", above(0));
+        triaxial.describe(option);
+    }
+};
+
+std::string name_of(double pressure) { return fmt::format("{:.4g}kPa", pressure / 1e3); }
+
+/// What was recorded at one pressure.
+struct Test {
+    double pressure = 0;
+    std::vector<Recording> recordings;
+    std::vector<Finding> findings;
+    std::vector<SensorWay> ways; ///< of all sensors; one that was refused tells nothing
+    std::vector<TriaxialPoint> measured; ///< strain, q, volumetric strain and ring radii
+};
+
+std::vector<SensorInfo> read_infos(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    if (!std::filesystem::is_directory(folder)) throw OutputError(fmt::format("cannot read folder '{}'", folder.string()));
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".txt" && entry.path().filename().string().starts_with("rock_")) files.push_back(entry.path());
+    require(!files.empty(), fmt::format("--recordings: expected files rock_NN.txt in '{}', found none", folder.string()));
+    std::ranges::sort(files);
+    std::vector<SensorInfo> infos;
+    for (const auto& file : files) infos.push_back(read_sensor_info(file));
+    return infos;
+}
+
+std::vector<TriaxialPoint> read_test(const std::filesystem::path& csv) {
+    const CsvTable table = read_csv(csv);
+    const auto strain = table.column("axial_strain"), q = table.column("deviatoric_stress_Pa");
+    std::vector<TriaxialPoint> points;
+    const auto volume = table.has("volumetric_strain") ? table.column("volumetric_strain") : std::vector<double>(strain.size(), std::nan(""));
+    std::vector<std::vector<double>> rings;
+    for (std::size_t r = 1; table.has(fmt::format("ring_{}_radius_m", r)); ++r) rings.push_back(table.column(fmt::format("ring_{}_radius_m", r)));
+    for (std::size_t k = 0; k < strain.size(); ++k) {
+        const std::string at = fmt::format("{}:{}", csv.string(), table.lines[k]);
+        require(std::isfinite(strain[k]) && (k == 0 || strain[k] > strain[k - 1]), fmt::format("{}: axial_strain: expected numbers that grow, found {}", at, strain[k]));
+        require(std::isfinite(q[k]), fmt::format("{}: deviatoric_stress_Pa: expected a number, found {}", at, q[k]));
+        TriaxialPoint& p = points.emplace_back();
+        p.axial_strain = strain[k];
+        p.deviatoric_stress = q[k];
+        p.volumetric_strain = volume[k];
+        for (const auto& ring : rings) p.ring_radius.push_back(ring[k]);
+    }
+    require(points.size() > 1, fmt::format("{}: expected at least two rows, found {}", csv.string(), points.size()));
+    return points;
+}
+
+Test read_recorded(const Smart& s, double pressure, const std::vector<SensorInfo>& infos) {
+    const auto folder = s.recordings / name_of(pressure);
+    Test test;
+    test.pressure = pressure;
+    test.recordings = read_recordings(folder / "recordings.csv", infos);
+    test.measured = read_test(folder / "test.csv");
+    for (Recording& r : test.recordings) {
+        if (!s.channel_displacement) r.displacement.clear();
+        if (!s.channel_attitude) r.attitude.clear();
+    }
+    IntakeLimits limits;
+    limits.rest = s.rest;
+    limits.stuck = std::max(limits.stuck, 3 / infos.front().sampling_rate);
+    test.findings = look_at(test.recordings, Vec3(0, 0, -9.81), limits);
+    for (const Recording& r : test.recordings)
+        test.ways.push_back(accepted(test.findings, r.info.id) ? way_of(r, s.interval) : SensorWay{});
+    return test;
+}
+
+/// What the sensors see of their directions, and what not.
+std::string observability(const Smart& s, const Test& test) {
+    std::string text = "sensor  direction  by                      deviation   gain  verdict\n";
+    const double duration = s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time;
+    for (const Recording& r : test.recordings)
+        for (const Seen& seen : what_is_seen(r, duration, s.drift, s.turn))
+            text += fmt::format("{:6}  {:<9}  {:<22}  {:9.2g}  {:5.2f}  {}\n", r.info.id, seen.direction, seen.source, seen.deviation, seen.gain,
+                                seen.observable() ? "observable" : "not observable");
+    return text;
+}
+
+/// One test, computed: the model alone and the one that learns.
+struct Computed {
+    Learned learned;
+    ModelRun free, fused;
+    std::vector<View> views;
+};
+
+class Computation {
+public:
+    Computation(const Smart& settings, const Common& common, std::vector<Test> tests)
+        : s_(settings), common_(common), tests_(std::move(tests)), scene_(make_scene(s_.triaxial, common.seed)),
+          progress_(std::max(2u, common.threads), common.quiet ? Progress::Style::quiet : Progress::Style::automatic), done_(tests_.size()) {}
+    void run();
+    void report();
+
+private:
+    TriaxialSettings settings_at(double pressure) const {
+        TriaxialSettings settings = s_.triaxial.test;
+        settings.confining_pressure = pressure;
+        return settings;
+    }
+    void prepare();
+    void learn();
+    void run_arms();
+    void show(std::size_t test, const World& world, const TriaxialPoint& point, std::unique_ptr<FrameWriter>& frames);
+    void draw() const;
+    void each(std::size_t jobs, const std::function<void(std::size_t, const ModelWatch&)>& job);
+
+    const Smart& s_;
+    const Common& common_;
+    std::vector<Test> tests_;
+    TriaxialScene scene_;
+    Progress progress_;
+    Archive specimen_;
+    std::vector<Computed> done_;
+    std::mutex files_;
+    double preparation_wall_ = 0, learning_wall_ = 0, arms_wall_ = 0;
+};
+
+void Computation::each(std::size_t jobs, const std::function<void(std::size_t, const ModelWatch&)>& job) {
+    run_ensemble(jobs, common_.threads, [&](std::size_t k) {
+        const auto slot = static_cast<unsigned>(k % std::max(2u, common_.threads));
+        job(k, {.progress = [&, slot](double fraction, const std::string& text) { progress_.report(slot, fraction, text); }});
+    });
+    progress_.pause();
+}
+
+void Computation::prepare() {
+    const auto began = this_instant();
+    Simulation simulation = make_simulation(scene_, common_.threads, common_.serial);
+    TriaxialTest test(simulation, settings_at(tests_.front().pressure));
+    while (test.state().phase < TriaxialPhase::consolidate) {
+        test.advance();
+        progress_.report(0, test.fraction(), fmt::format("specimen: {}", test.description()));
+    }
+    progress_.pause();
+    specimen_ = simulation.snapshot();
+    preparation_wall_ = seconds_since(began);
+}
+
+// What was learned at one pressure is known before the next test.
+void Computation::learn() {
+    const auto began = this_instant();
+    Gaussian known = prior_of(s_.model, s_.learning);
+    for (std::size_t k = 0; k < tests_.size(); ++k) {
+        done_[k].learned = learn_in_two_generations(known, measured_stress(tests_[k].measured), s_.learning, s_.learning.final_strain,
+                                                    [&](const std::vector<ModelArm>& arms, double strain) {
+                                                        TriaxialSettings settings = settings_at(tests_[k].pressure);
+                                                        settings.final_axial_strain = std::min(strain, settings.final_axial_strain);
+                                                        std::vector<ModelRun> runs(arms.size());
+                                                        each(arms.size(), [&](std::size_t j, const ModelWatch& watch) {
+                                                            runs[j] = run_model(scene_, settings, specimen_, arms[j], common_.seed, watch);
+                                                        });
+                                                        return runs;
+                                                    });
+        const RockBelief before = mean_of(known);
+        if (!done_[k].learned.known.empty()) known = done_[k].learned.known.back().belief;
+        const RockBelief now = mean_of(known);
+        fmt::print("{}: friction {:.3f} -> {:.3f}, stiffness {:.2f} -> {:.2f}\n", name_of(tests_[k].pressure), before.friction, now.friction, before.stiffness, now.stiffness);
+    }
+    learning_wall_ = seconds_since(began);
+}
+
+void Computation::show(std::size_t test, const World& world, const TriaxialPoint& point, std::unique_ptr<FrameWriter>& frames) {
+    const auto stage = static_cast<std::size_t>(std::llround(point.axial_strain / s_.triaxial.test.stage_strain));
+    const auto stages = static_cast<std::size_t>(std::llround(s_.triaxial.test.final_axial_strain / s_.triaxial.test.stage_strain));
+    const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
+    if (stage % s_.triaxial.frame_stages != 0 && !shown) return;
+    const std::lock_guard lock(files_);
+    if (!frames) frames = std::make_unique<FrameWriter>(common_.out / name_of(tests_[test].pressure) / "smart_triaxial.vtkhdf", common_.settings);
+    BodyFrame frame = frame_of_bodies(world);
+    frames->add(frame);
+    if (!shown) return;
+    const auto& sensors = world.resource<Specimen>().smart_rocks;
+    frame.ids.assign(sensors.begin(), sensors.end());
+    View view = view_of_bodies(world, frame, [&](std::size_t place) { return stone_colour(static_cast<std::uint32_t>(3 * place)); });
+    view.caption = fmt::format("{:.1f} %", 100 * point.axial_strain);
+    done_[test].views.push_back(std::move(view));
+}
+
+void Computation::run_arms() {
+    const auto began = this_instant();
+    Gaussian known = prior_of(s_.model, s_.learning);
+    std::vector<ModelArm> fused(tests_.size());
+    for (std::size_t k = 0; k < tests_.size(); ++k) {
+        const auto& learned = done_[k].learned.known;
+        const RockBelief first = mean_of(known);
+        fused[k] = {.name = "fused", .rocks = first, .learned = schedule_of(learned, first, s_.change), .catch_up = true, .corrections = s_.corrections};
+        const SensorInfo& info = tests_[k].recordings.front().info;
+        fused[k].corrections.position_noise = info.displacement_noise;
+        fused[k].corrections.attitude_noise = info.attitude_noise;
+        if (s_.corrections.pull.stiffness > 0) fused[k].ways = tests_[k].ways;
+        if (!learned.empty()) known = learned.back().belief;
+    }
+    std::vector<std::unique_ptr<FrameWriter>> frames(tests_.size());
+    each(2 * tests_.size(), [&](std::size_t job, ModelWatch watch) {
+        const std::size_t k = job / 2;
+        const TriaxialSettings settings = settings_at(tests_[k].pressure);
+        if (job % 2 == 0) {
+            done_[k].free = run_model(scene_, settings, specimen_, {.name = "DEM only", .rocks = s_.model}, common_.seed, watch);
+            return;
+        }
+        watch.stage = [&, k](const World& world, const TriaxialPoint& point) { show(k, world, point, frames[k]); };
+        done_[k].fused = run_model(scene_, settings, specimen_, fused[k], common_.seed, watch);
+    });
+    arms_wall_ = seconds_since(began);
+}
+
+void Computation::run() {
+    prepare();
+    learn();
+    run_arms();
+}
+
+/// Root mean square of the difference of two curves, at the strains that both have; NaN where nothing was measured.
+double difference(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured, double TriaxialPoint::* value) {
+    double squares = 0, count = 0;
+    std::size_t at = 0;
+    for (const TriaxialPoint& m : measured) {
+        if (m.axial_strain <= 0) continue;
+        while (at + 1 < run.size() && run[at].axial_strain < m.axial_strain - 1e-7) ++at;
+        if (std::abs(run[at].axial_strain - m.axial_strain) > 1e-5) continue;
+        squares += std::pow(run[at].*value - m.*value, 2);
+        ++count;
+    }
+    return std::sqrt(squares / count);
+}
+
+/// Radial strain of the rings at the end, against what was measured there.
+double ring_difference(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured) {
+    if (measured.back().ring_radius.size() != run.back().ring_radius.size()) return std::nan("");
+    double squares = 0;
+    const std::size_t rings = run.back().ring_radius.size();
+    for (std::size_t r = 0; r < rings; ++r)
+        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - measured.back().ring_radius[r] / measured.front().ring_radius[r], 2);
+    return std::sqrt(squares / static_cast<double>(rings));
+}
+
+/// Root mean square of what sensor rocks of the model are off by, as far as they were measured.
+double sensor_difference(const ModelRun& run, const std::vector<SensorWay>& ways) {
+    double squares = 0, count = 0;
+    for (std::size_t s = 0; s < std::min(run.sensors, ways.size()); ++s) {
+        std::size_t stage = 0;
+        for (std::size_t k = 0; k < ways[s].strain.size(); ++k) {
+            while (stage + 1 < run.points.size() && run.points[stage].axial_strain < ways[s].strain[k] - 1e-7) ++stage;
+            if (!ways[s].displacement[k].allFinite() || std::abs(run.points[stage].axial_strain - ways[s].strain[k]) > 1e-5) continue;
+            squares += (run.displacement[stage][s] - ways[s].displacement[k]).squaredNorm();
+            ++count;
+        }
+    }
+    return std::sqrt(squares / count);
+}
+
+Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& points, double scale, double TriaxialPoint::* value, Curve::Style style) {
+    Curve c{.label = label, .style = style};
+    for (const TriaxialPoint& p : points) {
+        c.x.push_back(100 * p.axial_strain);
+        c.y.push_back(scale * p.*value);
+    }
+    return c;
+}
+
+Curve profile_of(const std::string& label, const std::vector<TriaxialPoint>& points, Curve::Style style) {
+    Curve c{.label = label, .style = style};
+    for (std::size_t r = 0; r < points.back().ring_radius.size(); ++r) {
+        c.x.push_back(100 * (points.back().ring_radius[r] / points.front().ring_radius[r] - 1));
+        c.y.push_back(static_cast<double>(r + 1));
+    }
+    return c;
+}
+
+void Computation::draw() const {
+    std::vector<Plot> panels;
+    for (std::size_t k = 0; k < tests_.size(); ++k) {
+        const auto three = [&](const std::string& title, const char* x, const char* y, auto&& curve) {
+            panels.push_back({.title = title, .x_label = x, .y_label = y,
+                              .curves = {curve("measured", tests_[k].measured, Curve::Style::points), curve("DEM only", done_[k].free.points, Curve::Style::dashed),
+                                         curve("fused", done_[k].fused.points, Curve::Style::line)}});
+        };
+        const std::string at = fmt::format(" at {}", name_of(tests_[k].pressure));
+        three(fmt::format("Deviatoric stress{}", at), "axial strain (%)", "q (kPa)",
+              [](const std::string& label, const auto& points, Curve::Style style) { return curve_of(label, points, 1e-3, &TriaxialPoint::deviatoric_stress, style); });
+        three(fmt::format("Volumetric strain{}", at), "axial strain (%)", "volumetric strain (%)",
+              [](const std::string& label, const auto& points, Curve::Style style) { return curve_of(label, points, 100, &TriaxialPoint::volumetric_strain, style); });
+        three(fmt::format("Rings at the end{}", at), "radial strain, widening positive (%)", "ring, from below", profile_of);
+    }
+    draw_plots(common_.out / "smart_triaxial.png", panels, 3);
+    for (std::size_t k = 0; k < tests_.size(); ++k)
+        if (!done_[k].views.empty()) draw_picture(common_.out / name_of(tests_[k].pressure) / "smart_rocks.png", done_[k].views, {.azimuth = 0.3, .elevation = 0.15}, 700);
+}
+
+void Computation::report() {
+    Summary summary;
+    for (std::size_t k = 0; k < tests_.size(); ++k) {
+        const Test& test = tests_[k];
+        const Computed& c = done_[k];
+        const std::string at = fmt::format("{}_", name_of(test.pressure));
+        const auto add = [&](const char* what, const auto& value) { summary.add(fmt::format("{}{}", at, what), value); };
+        const auto both = [&](const char* what, const char* unit, double free, double fused) {
+            summary.add(fmt::format("{}DEM_only_rmse_{}{}", at, what, unit), free);
+            summary.add(fmt::format("{}fused_rmse_{}{}", at, what, unit), fused);
+            summary.add(fmt::format("{}error_left_{}", at, what), fused / free);
+        };
+        if (!c.learned.known.empty()) {
+            const Gaussian& belief = c.learned.known.back().belief;
+            const Matrix covariance = belief.covariance();
+            add("friction", mean_of(belief).friction);
+            add("friction_deviation", mean_of(belief).friction * std::sqrt(covariance(0, 0)));
+            add("stiffness_ratio", mean_of(belief).stiffness);
+            add("stiffness_ratio_deviation", mean_of(belief).stiffness * std::sqrt(covariance(1, 1)));
+        }
+        both("q", "_Pa", difference(c.free.points, test.measured, &TriaxialPoint::deviatoric_stress), difference(c.fused.points, test.measured, &TriaxialPoint::deviatoric_stress));
+        both("volumetric_strain", "", difference(c.free.points, test.measured, &TriaxialPoint::volumetric_strain),
+             difference(c.fused.points, test.measured, &TriaxialPoint::volumetric_strain));
+        both("ring_strain", "", ring_difference(c.free.points, test.measured), ring_difference(c.fused.points, test.measured));
+        both("sensor_displacement", "_m", sensor_difference(c.free, test.ways), sensor_difference(c.fused, test.ways));
+        add("sensors_refused", std::ranges::count_if(test.recordings, [&](const Recording& r) { return !accepted(test.findings, r.info.id); }));
+        add("measurements_accepted", c.fused.accepted);
+        add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.platen_work);
+        write_curve(common_.out / name_of(test.pressure) / "dem_only.csv", c.free.points);
+        write_curve(common_.out / name_of(test.pressure) / "fused.csv", c.fused.points);
+    }
+    summary.add("preparation_wall_time_s", preparation_wall_);
+    summary.add("learning_wall_time_s", learning_wall_);
+    summary.add("tests_wall_time_s", arms_wall_);
+    draw();
+    report_results(common_, summary);
+    fmt::print("results in {}\n", common_.out.string());
+}
+
+void run(const Smart& given, const Common& common) {
+    Smart s = given;
+    require(common.resume.empty(), "--resume: expected none");
+    const auto infos = read_infos(s.recordings);
+    if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(s.recordings / "sensor_poses.csv")) s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
+    if (common.explain) {
+        fmt::print("{}", make_simulation(make_scene(s.triaxial, common.seed), 1, common.serial).schedule().explain());
+        return;
+    }
+    std::vector<Test> tests;
+    std::string report;
+    for (const double pressure : s.triaxial.confining_pressure) {
+        tests.push_back(read_recorded(s, pressure, infos));
+        report += fmt::format("{}\n{}", name_of(pressure), intake_report(tests.back().findings, tests.back().recordings));
+        std::filesystem::create_directories(common.out / name_of(pressure));
+    }
+    report += fmt::format("\n{}", observability(s, tests.front()));
+    write_whole(common.out / "intake.txt", report);
+    const auto refused = [](const Test& t) { return std::ranges::count_if(t.recordings, [&](const Recording& r) { return !accepted(t.findings, r.info.id); }); };
+    for (const Test& t : tests) fmt::print("{}: {} recordings, {} refused ({})\n", name_of(t.pressure), t.recordings.size(), refused(t), (common.out / "intake.txt").string());
+    Computation computation(s, common, std::move(tests));
+    computation.run();
+    computation.report();
+}
+
+} // namespace
+
+} // namespace bris
+
+int main(int argc, char** argv) {
+    return bris::run_scenario<bris::Smart>(argc, argv, "smart_triaxial",
+                                           "a triaxial test recorded by SmartRocks, and a model that learns from the recordings while it runs", bris::run);
+}

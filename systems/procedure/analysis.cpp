@@ -1,0 +1,139 @@
+#include "systems/procedure/analysis.hpp"
+
+#include "engine/errors.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+
+namespace bris {
+
+namespace {
+
+using Motions = std::vector<std::vector<Vec3>> ModelRun::*; // displacement or rotation
+
+/// What the worlds leave beyond their regression at one stage: worlds x (3 rocks).
+Matrix left_at(const Worlds& worlds, const Matrix& leaves, Motions motion, std::size_t stage) {
+    const auto n = static_cast<Eigen::Index>(worlds.runs.size());
+    const auto rocks = static_cast<Eigen::Index>(worlds.runs.front().rocks.size());
+    Matrix all(n, 3 * rocks);
+    for (Eigen::Index j = 0; j < n; ++j)
+        for (Eigen::Index r = 0; r < rocks; ++r)
+            for (Eigen::Index c = 0; c < 3; ++c)
+                all(j, 3 * r + c) = (worlds.runs[static_cast<std::size_t>(j)].*motion)[stage][static_cast<std::size_t>(r)][c];
+    return leaves * all;
+}
+
+/// Likeness over distance, from all pairs of rocks at some stages: sums in bins, then a line through the logarithms.
+Likeness likeness_of(const Worlds& worlds, const Matrix& leaves, Motions motion, const std::vector<std::size_t>& stages) {
+    const ModelRun& like = worlds.runs.front();
+    const std::size_t rocks = like.rocks.size();
+    double reach = 0;
+    for (const RockPose& p : like.start) reach = std::max(reach, (p.position - like.start.front().position).norm());
+    constexpr std::size_t bins = 24;
+    std::array<double, bins> products{}, count{}, distance{};
+    for (const std::size_t stage : stages) {
+        const Matrix left = left_at(worlds, leaves, motion, stage);
+        const double scale = left.squaredNorm() / static_cast<double>(rocks);
+        if (!(scale > 0)) continue;
+        for (std::size_t a = 0; a < rocks; ++a)
+            for (std::size_t b = a + 1; b < rocks; ++b) {
+                const double d = (like.start[a].position - like.start[b].position).norm();
+                const auto bin = static_cast<std::size_t>(2 * bins * d / reach); // of half the reach
+                if (bin >= bins) continue;
+                const auto ca = static_cast<Eigen::Index>(3 * a), cb = static_cast<Eigen::Index>(3 * b);
+                products[bin] += left.middleCols<3>(ca).cwiseProduct(left.middleCols<3>(cb)).sum() / scale;
+                distance[bin] += d;
+                ++count[bin];
+            }
+    }
+    // weighted line: log likeness = log near - distance / length, as far as it is above a twentieth
+    double n = 0, x = 0, y = 0, xx = 0, xy = 0;
+    for (std::size_t k = 0; k < bins; ++k) {
+        if (count[k] < 1) continue;
+        const double d = distance[k] / count[k], value = products[k] / count[k];
+        if (value < 0.05) break;
+        const double w = count[k] * value * value;
+        n += w;
+        x += w * d;
+        y += w * std::log(value);
+        xx += w * d * d;
+        xy += w * d * std::log(value);
+    }
+    const double slope = n * xx - x * x > 0 ? (n * xy - x * y) / (n * xx - x * x) : 0;
+    if (!(slope < 0)) return {};
+    return {std::min(std::exp((y - slope * x) / n), 0.95), -1 / slope};
+}
+
+/// The last sample of each sensor up to a strain; nothing: none yet.
+std::vector<std::optional<Vec3>> samples_at(const std::vector<SensorWay>& ways, std::vector<Vec3> SensorWay::* channel, double strain) {
+    std::vector<std::optional<Vec3>> samples(ways.size());
+    for (std::size_t s = 0; s < ways.size(); ++s) {
+        const auto after = std::upper_bound(ways[s].strain.begin(), ways[s].strain.end(), strain + 1e-9);
+        if (after == ways[s].strain.begin()) continue;
+        const Vec3& value = (ways[s].*channel)[static_cast<std::size_t>(after - ways[s].strain.begin() - 1)];
+        if (value.allFinite()) samples[s] = value;
+    }
+    return samples;
+}
+
+/// Innovations of the sensors at one stage, carried to all rocks.
+void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<std::optional<Vec3>>& samples, const std::vector<Vec3>& expected,
+           const Likeness& likeness, double variance, double noise) {
+    std::vector<std::size_t> heard;
+    for (std::size_t s = 0; s < samples.size(); ++s)
+        if (samples[s]) heard.push_back(s);
+    const auto m = static_cast<Eigen::Index>(heard.size());
+    if (m == 0 || !(variance > 0)) return;
+    const auto place = [&](std::size_t rock) -> const Vec3& { return run.start[rock].position; };
+    Matrix alike(m, m), innovation(m, 3);
+    for (Eigen::Index i = 0; i < m; ++i) {
+        const std::size_t s = heard[static_cast<std::size_t>(i)];
+        innovation.row(i) = (*samples[s] - expected[s]).transpose();
+        for (Eigen::Index j = 0; j < m; ++j) alike(i, j) = likeness((place(s) - place(heard[static_cast<std::size_t>(j)])).norm());
+        alike(i, i) += noise * noise / variance;
+    }
+    const Matrix weights = alike.ldlt().solve(innovation);
+    for (std::size_t rock = 0; rock < run.rocks.size(); ++rock)
+        for (Eigen::Index i = 0; i < m; ++i) {
+            const double share = likeness((place(rock) - place(heard[static_cast<std::size_t>(i)])).norm());
+            (run.*motion)[stage][rock] += share * weights.row(i).transpose();
+        }
+}
+
+} // namespace
+
+SensorAnalysis analyse(ModelRun forecast, const Worlds& worlds, const std::vector<SensorWay>& ways, double position_noise, double attitude_noise) {
+    require(!worlds.runs.empty() && ways.size() <= forecast.rocks.size(), "analysis: expected worlds, and sensors among their rocks");
+    const auto n = static_cast<Eigen::Index>(worlds.beliefs.size());
+    Matrix design(n, 3);
+    for (Eigen::Index j = 0; j < n; ++j) design.row(j) << 1, logarithms_of(worlds.beliefs[static_cast<std::size_t>(j)]).transpose();
+    const Matrix leaves = Matrix::Identity(n, n) - design * ((design.transpose() * design).inverse() * design.transpose());
+    const auto freedom = static_cast<double>(n - 3), rocks = static_cast<double>(forecast.rocks.size());
+    const std::size_t end = std::min(forecast.points.size(), worlds.runs.front().points.size());
+    std::vector<std::size_t> some;
+    for (std::size_t k = 1; k <= 10; ++k) some.push_back(k * (end - 1) / 10);
+    SensorAnalysis analysis{std::move(forecast), likeness_of(worlds, leaves, &ModelRun::displacement, some), likeness_of(worlds, leaves, &ModelRun::rotation, some)};
+    ModelRun& run = analysis.run;
+    // innovations are held from one sample to the next: of the sample and of what was foretold for its strain
+    std::array<std::vector<Vec3>, 2> expected;
+    std::vector<double> sampled(ways.size(), -1);
+    for (auto& e : expected) e.assign(ways.size(), Vec3::Zero());
+    for (std::size_t stage = 1; stage < end; ++stage) {
+        const double strain = run.points[stage].axial_strain;
+        for (std::size_t s = 0; s < ways.size(); ++s) {
+            const auto after = std::upper_bound(ways[s].strain.begin(), ways[s].strain.end(), strain + 1e-9);
+            if (after == ways[s].strain.begin() || *(after - 1) == sampled[s]) continue;
+            sampled[s] = *(after - 1);
+            expected[0][s] = run.displacement[stage][s];
+            expected[1][s] = run.rotation[stage][s];
+        }
+        const auto variance = [&](Motions motion) { return left_at(worlds, leaves, motion, stage).squaredNorm() / (freedom * 3 * rocks); };
+        carry(run, &ModelRun::displacement, stage, samples_at(ways, &SensorWay::displacement, strain), expected[0], analysis.displacement, variance(&ModelRun::displacement), position_noise);
+        carry(run, &ModelRun::rotation, stage, samples_at(ways, &SensorWay::rotation, strain), expected[1], analysis.rotation, variance(&ModelRun::rotation), attitude_noise);
+    }
+    return analysis;
+}
+
+} // namespace bris

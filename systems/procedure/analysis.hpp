@@ -1,0 +1,25 @@
+#pragma once
+
+#include "systems/procedure/learning.hpp"
+
+namespace bris {
+
+/// How alike rocks at a distance err: near * exp(-distance / length) for two, 1 for one and the same.
+struct Likeness {
+    double near = 0, length = 0; ///< -, m
+    double operator()(double distance) const { return distance > 0 ? near * std::exp(-distance / length) : 1; }
+};
+
+/// What sensors make of the forecast of an ensemble of worlds, rock by rock.
+struct SensorAnalysis {
+    ModelRun run;                ///< the forecast, its displacements and rotations corrected
+    Likeness displacement, rotation;
+};
+
+/// Corrects what the worlds foretold by what the sensor rocks did: optimal interpolation (Gandin 1963). What is left of
+/// each world beyond the regression on its beliefs shows how far rocks scatter at each stage, and how alike at which
+/// distance; the innovations of the sensors are carried to all others by it. The worlds themselves are not touched, so
+/// nothing is put off its equilibrium. No sample is used before its strain. Noise: m and rad, of the ways.
+SensorAnalysis analyse(ModelRun forecast, const Worlds& worlds, const std::vector<SensorWay>& ways, double position_noise, double attitude_noise);
+
+} // namespace bris

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "engine/signal/kalman.hpp"
+#include "systems/procedure/model_run.hpp"
+
+#include <functional>
+#include <vector>
+
+namespace bris {
+
+/// How friction and stiffness are learned while a test goes on.
+struct Learning {
+    unsigned worlds = 8;            ///< in each of two generations: drawn from what is known before the test, and after its beginning
+    double first_strain = 2e-3;     ///< to which the first generation runs
+    double final_strain = 0.01;     ///< to which learning goes on
+    double first_window = 1e-4, window = 1e-3; ///< of axial strain, over which q is averaged: half of it, within these
+    double friction_deviation = 0.3, stiffness_deviation = 0.4; ///< of their logarithms, before anything is measured
+    double specimen_scatter = 0;    ///< by which the real specimen may be stronger or weaker than the model's, of ln q
+    double force_noise = 0.01;      ///< of ln q as measured
+};
+
+/// What a test machine measured: q (Pa) by axial strain, in order of strain.
+struct MeasuredStress {
+    std::vector<double> strain, q;
+};
+MeasuredStress measured_stress(const std::vector<TriaxialPoint>& points);
+
+/// Logarithms of friction and stiffness.
+Vector logarithms_of(const RockBelief& rocks);
+RockBelief mean_of(const Gaussian& belief);
+/// What is known of them before a test.
+Gaussian prior_of(const RockBelief& middle, const Learning& settings);
+
+/// Beliefs of `worlds` worlds, spread evenly over a distribution.
+std::vector<RockBelief> beliefs_of_worlds(const Gaussian& belief, unsigned worlds);
+
+/// What is known at an axial strain.
+struct KnownAt {
+    double strain;
+    Gaussian belief;
+    double squared_distance; ///< of the last measurement from what was expected: chi square of one degree
+};
+
+/// Worlds that differ in what they believe, and what they foretold.
+struct Worlds {
+    std::vector<RockBelief> beliefs;
+    std::vector<ModelRun> runs;
+};
+
+/// Learns window by window up to `final_strain`, from no measurement before its time.
+std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredStress& measured, const Learning& settings, double final_strain);
+
+/// Two generations of worlds, and what is known at the end of each window.
+struct Learned {
+    Worlds first, second;
+    std::vector<KnownAt> known;
+};
+/// `run`: the runs of some arms to an axial strain. The second generation runs to `strain`.
+Learned learn_in_two_generations(const Gaussian& prior, const MeasuredStress& measured, const Learning& settings, double strain,
+                                 const std::function<std::vector<ModelRun>(const std::vector<ModelArm>&, double strain)>& run);
+
+/// What a model is told of it: its beliefs after windows in which one of them changed by more than `change`, relative, and
+/// than its deviation.
+std::vector<LearnedBelief> schedule_of(const std::vector<KnownAt>& known, const RockBelief& first, double change);
+
+/// What the worlds foretell together for the parameters as they are known at each strain: their regression on their
+/// beliefs. Chaos of single worlds averages out; a run cannot know better where its rocks go. Curves and motions only.
+ModelRun foretold_by(const Learned& learned, const Gaussian& prior);
+
+} // namespace bris

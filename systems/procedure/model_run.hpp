@@ -1,0 +1,75 @@
+#pragma once
+
+#include "systems/fusion/fuse.hpp"
+#include "systems/fusion/sensor_way.hpp"
+#include "systems/procedure/triaxial_scene.hpp"
+
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// What a model believes of its rocks.
+struct RockBelief {
+    double friction = 0.7; ///< rock on rock and platen, from consolidation on
+    double stiffness = 1;  ///< of contacts of rocks, of that in the scene's settings
+};
+
+/// From some strain on, another one.
+struct LearnedBelief {
+    double strain;
+    RockBelief rocks;
+};
+
+/// How recordings correct a model.
+struct Corrections {
+    FilterSettings filter;       ///< by strain: drift and turning per unit of axial strain
+    unsigned injection_steps = 60;
+    PullSettings pull;
+    bool spread = false;         ///< over the contact network
+    double position_noise = 1e-6, attitude_noise = 1e-4; ///< m and rad, of the ways
+};
+
+/// One run of a model of a triaxial test, and what it is told.
+struct ModelArm {
+    std::string name = "model";
+    RockBelief rocks;
+    std::vector<LearnedBelief> learned = {}; ///< in order of strain
+    bool catch_up = false;       ///< begin again from the specimen when the belief changes, and catch up; else go on from where it is
+    double disturbance = 0;      ///< m, random, of every rock's place at the start: chaos alone
+    std::vector<SensorWay> ways = {}; ///< of the sensor rocks, in their order; empty: none is told
+    Corrections corrections = {};
+};
+
+struct RockPose {
+    Vec3 position;    ///< m, of the centre of mass
+    Quat orientation; ///< body to world
+};
+
+/// Motion of all rocks since the start of shearing, stage by stage, in the order of `rocks`.
+struct ModelRun {
+    std::vector<TriaxialPoint> points;           ///< one at the start, one for each stage
+    std::vector<std::vector<Vec3>> displacement; ///< m, of each stage
+    std::vector<std::vector<Vec3>> rotation;     ///< rad, rotation vectors, likewise
+    std::vector<EntityId> rocks;                 ///< sensor rocks first
+    std::vector<RockPose> start;                 ///< where they stood
+    std::size_t sensors = 0;
+    std::vector<unsigned> shell;                 ///< contacts from the nearest sensor rock at the start; 0: itself
+    double fusion_work = 0, platen_work = 0;     ///< J, of the corrections, and of the boundaries while shearing
+    std::uint64_t accepted = 0, refused = 0, steps = 0; ///< vectors measured
+    double wall_time = 0;                        ///< s
+};
+
+/// Who watches a run: is told of fraction and description, and sees the world after each stage.
+struct ModelWatch {
+    std::function<void(double, const std::string&)> progress = [](double, const std::string&) {};
+    std::function<void(const World&, const TriaxialPoint&)> stage = [](const World&, const TriaxialPoint&) {};
+};
+
+/// Runs one arm from the prepared specimen, on one thread.
+ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
+                   const ModelWatch& watch = {});
+
+} // namespace bris

@@ -1,0 +1,99 @@
+#include "engine/errors.hpp"
+#include "engine/random.hpp"
+#include "systems/procedure/learning.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+
+namespace {
+
+/// A model of one line: q and a displacement by friction and stiffness, with chaos that grows.
+ModelRun simple_run(const RockBelief& rocks, double strain, std::uint64_t seed) {
+    ModelRun run;
+    Random random(seed, 11);
+    const double push = 0.05 * random.normal();
+    for (int k = 0; k <= std::lround(strain / 1e-4); ++k) {
+        TriaxialPoint p;
+        p.axial_strain = k * 1e-4;
+        const double stiff = 1e8 * rocks.stiffness * p.axial_strain, strong = 4e5 * std::pow(rocks.friction, 0.8) * (1 + push * std::min(1.0, p.axial_strain / 5e-3));
+        p.deviatoric_stress = stiff * strong / (stiff + strong);
+        p.ring_radius.assign(8, 0.1);
+        run.points.push_back(p);
+        run.displacement.push_back({Vec3(0, 0, -p.axial_strain * (1 + rocks.friction))});
+        run.rotation.push_back({Vec3::Zero()});
+    }
+    run.rocks = {0};
+    return run;
+}
+
+} // namespace
+
+TEST_SUITE("procedure/learning") {
+    TEST_CASE("friction and stiffness of a test are learned from its axial force, and what is foretold is then right") {
+        const RockBelief truth{0.7, 1}, wrong{0.5, 1.3};
+        Learning learning;
+        const ModelRun real = simple_run(truth, 0.02, 77);
+        const Gaussian prior = prior_of(wrong, learning);
+        unsigned runs = 0, longest = 0;
+        const Learned learned = learn_in_two_generations(prior, measured_stress(real.points), learning, 0.02, [&](const std::vector<ModelArm>& arms, double strain) {
+            std::vector<ModelRun> all;
+            for (const ModelArm& arm : arms) all.push_back(simple_run(arm.rocks, strain, 100 + runs++));
+            longest = std::max(longest, static_cast<unsigned>(all.front().points.size()));
+            return all;
+        });
+        CHECK(runs == 16);
+        CHECK(longest == 201);
+        const Gaussian& known = learned.known.back().belief;
+        CHECK(learned.known.back().strain == doctest::Approx(learning.final_strain));
+        CHECK(std::abs(mean_of(known).friction - 0.7) < 0.05);
+        CHECK(squared_distance(known, logarithms_of(truth)) < 9.2);
+        CHECK(known.covariance()(0, 0) < 0.1 * prior.covariance()(0, 0));
+        CHECK(known.covariance()(1, 1) < 0.25 * prior.covariance()(1, 1));
+        for (std::size_t k = 1; k < learned.known.size(); ++k) CHECK(learned.known[k].strain > learned.known[k - 1].strain);
+        const ModelRun together = foretold_by(learned, prior), without = simple_run(wrong, 0.02, 5);
+        const auto off = [&](const ModelRun& run) { return std::abs(run.points.back().deviatoric_stress / real.points.back().deviatoric_stress - 1); };
+        CHECK(off(together) < 0.5 * off(without));
+        CHECK(together.displacement.back()[0].z() == doctest::Approx(-0.02 * 1.7).epsilon(0.03));
+    }
+
+    TEST_CASE("nothing is learned from a measurement before its time") {
+        Learning learning;
+        const RockBelief middle{0.5, 1};
+        const Gaussian prior = prior_of(middle, learning);
+        Worlds worlds{beliefs_of_worlds(prior, 8), {}};
+        for (const RockBelief& b : worlds.beliefs) worlds.runs.push_back(simple_run(b, 0.01, worlds.runs.size()));
+        MeasuredStress one = measured_stress(simple_run({0.6, 1}, 0.01, 50).points), other = one;
+        for (std::size_t k = 0; k < other.q.size(); ++k)
+            if (other.strain[k] > 5e-3) other.q[k] *= 2;
+        const auto a = learn(prior, worlds, one, learning, 0.01), b = learn(prior, worlds, other, learning, 0.01);
+        REQUIRE(a.size() == b.size());
+        for (std::size_t k = 0; k < a.size(); ++k) CHECK((a[k].belief.mean == b[k].belief.mean) == (a[k].strain <= 5e-3));
+    }
+
+    TEST_CASE("beliefs of worlds are spread as what is known is") {
+        Gaussian g(2);
+        g.mean << -0.5, 0.1;
+        g.root << 0.3, 0, 0.1, 0.2;
+        const auto worlds = beliefs_of_worlds(g, 400);
+        Vector mean = Vector::Zero(2);
+        Matrix covariance = Matrix::Zero(2, 2);
+        for (const RockBelief& b : worlds) mean += logarithms_of(b) / 400;
+        for (const RockBelief& b : worlds) covariance += (logarithms_of(b) - mean) * (logarithms_of(b) - mean).transpose() / 400;
+        CHECK((mean - g.mean).norm() < 0.01);
+        CHECK((covariance - g.covariance()).norm() < 0.01);
+    }
+
+    TEST_CASE("a model is told of changes that matter only") {
+        const auto known = [](double strain, double friction, double deviation) {
+            Gaussian g(2);
+            g.mean = logarithms_of({friction, 1});
+            g.root.diagonal() << deviation, 0.1;
+            return KnownAt{strain, g, 0};
+        };
+        const auto told = schedule_of({known(1e-3, 0.51, 0.01), known(2e-3, 0.6, 0.01), known(3e-3, 0.61, 0.01), known(4e-3, 0.7, 0.3)}, {0.5, 1}, 0.03);
+        REQUIRE(told.size() == 1);
+        CHECK(told[0].strain == 2e-3);
+        CHECK(told[0].rocks.friction == doctest::Approx(0.6));
+    }
+}
