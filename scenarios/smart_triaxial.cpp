@@ -50,6 +50,7 @@ struct Smart {
         option("friction_deviation", learning.friction_deviation, "", "of its logarithm, likewise", above(0));
         option("stiffness_deviation", learning.stiffness_deviation, "", "likewise", above(0));
         option("specimen_scatter", learning.specimen_scatter, "", "by which the real specimen may be stronger than the model's for other reasons, of ln q", at_least(0));
+        option("learn_by_sensors", learning.by_sensors, "", "too, by how far they move outwards, where that was recorded, not by q alone");
         option("force_noise", learning.force_noise, "", "of q as measured, relative", at_least(0));
         option("worlds", learning.worlds, "", "in each of two generations, that friction and stiffness are learned from", within(6, 1000));
         option("first_strain", learning.first_strain, "", "to which the first generation runs", above(0));
@@ -165,6 +166,7 @@ private:
     void learn();
     void run_arms();
     void show(std::size_t test, const World& world, const TriaxialPoint& point, std::unique_ptr<FrameWriter>& frames);
+    std::unique_ptr<FrameWriter> make_frames(const Test& test) const;
     void draw() const;
     void each(std::size_t jobs, const std::function<void(std::size_t, const ModelWatch&)>& job);
 
@@ -189,14 +191,8 @@ void Computation::each(std::size_t jobs, const std::function<void(std::size_t, c
 
 void Computation::prepare() {
     const auto began = this_instant();
-    Simulation simulation = make_simulation(scene_, common_.threads, common_.serial);
-    TriaxialTest test(simulation, settings_at(tests_.front().pressure));
-    while (test.state().phase < TriaxialPhase::consolidate) {
-        test.advance();
-        progress_.report(0, test.fraction(), fmt::format("specimen: {}", test.description()));
-    }
+    specimen_ = make_specimen(scene_, settings_at(tests_.front().pressure), common_, [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
     progress_.pause();
-    specimen_ = simulation.snapshot();
     preparation_wall_ = seconds_since(began);
 }
 
@@ -205,7 +201,10 @@ void Computation::learn() {
     const auto began = this_instant();
     Gaussian known = prior_of(s_.model, s_.learning);
     for (std::size_t k = 0; k < tests_.size(); ++k) {
-        done_[k].learned = learn_in_two_generations(known, measured_stress(tests_[k].measured), s_.learning, s_.learning.final_strain,
+        MeasuredTest measured = measured_test(tests_[k].measured);
+        measured.ways = tests_[k].ways;
+        measured.displacement_noise = tests_[k].recordings.front().info.displacement_noise;
+        done_[k].learned = learn_in_two_generations(known, measured, s_.learning, s_.learning.final_strain,
                                                     [&](const std::vector<ModelArm>& arms, double strain) {
                                                         TriaxialSettings settings = settings_at(tests_[k].pressure);
                                                         settings.final_axial_strain = std::min(strain, settings.final_axial_strain);
@@ -223,13 +222,19 @@ void Computation::learn() {
     learning_wall_ = seconds_since(began);
 }
 
+std::unique_ptr<FrameWriter> Computation::make_frames(const Test& test) const {
+    auto settings = common_.settings;
+    settings.emplace_back("intake", intake_report(test.findings, test.recordings));
+    return std::make_unique<FrameWriter>(common_.out / name_of(test.pressure) / "smart_triaxial.vtkhdf", settings);
+}
+
 void Computation::show(std::size_t test, const World& world, const TriaxialPoint& point, std::unique_ptr<FrameWriter>& frames) {
     const auto stage = static_cast<std::size_t>(std::llround(point.axial_strain / s_.triaxial.test.stage_strain));
     const auto stages = static_cast<std::size_t>(std::llround(s_.triaxial.test.final_axial_strain / s_.triaxial.test.stage_strain));
     const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
     if (stage % s_.triaxial.frame_stages != 0 && !shown) return;
     const std::lock_guard lock(files_);
-    if (!frames) frames = std::make_unique<FrameWriter>(common_.out / name_of(tests_[test].pressure) / "smart_triaxial.vtkhdf", common_.settings);
+    if (!frames) frames = make_frames(tests_[test]);
     BodyFrame frame = frame_of_bodies(world);
     frames->add(frame);
     if (!shown) return;
@@ -331,12 +336,21 @@ Curve profile_of(const std::string& label, const std::vector<TriaxialPoint>& poi
     return c;
 }
 
+/// A hundred of the points, and the last.
+std::vector<TriaxialPoint> thinned(const std::vector<TriaxialPoint>& points) {
+    std::vector<TriaxialPoint> some;
+    const std::size_t every = std::max<std::size_t>(1, points.size() / 100);
+    for (std::size_t k = 0; k < points.size(); k += every) some.push_back(points[k]);
+    if ((points.size() - 1) % every != 0) some.push_back(points.back());
+    return some;
+}
+
 void Computation::draw() const {
     std::vector<Plot> panels;
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         const auto three = [&](const std::string& title, const char* x, const char* y, auto&& curve) {
             panels.push_back({.title = title, .x_label = x, .y_label = y,
-                              .curves = {curve("measured", tests_[k].measured, Curve::Style::points), curve("DEM only", done_[k].free.points, Curve::Style::dashed),
+                              .curves = {curve("measured", thinned(tests_[k].measured), Curve::Style::points), curve("DEM only", done_[k].free.points, Curve::Style::dashed),
                                          curve("fused", done_[k].fused.points, Curve::Style::line)}});
         };
         const std::string at = fmt::format(" at {}", name_of(tests_[k].pressure));
@@ -392,7 +406,6 @@ void Computation::report() {
 
 void run(const Smart& given, const Common& common) {
     Smart s = given;
-    require(common.resume.empty(), "--resume: expected none");
     const auto infos = read_infos(s.recordings);
     if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(s.recordings / "sensor_poses.csv")) s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
     if (common.explain) {

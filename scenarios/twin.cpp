@@ -63,6 +63,7 @@ struct Twin {
         option("learning_window", learning.window, "", "axial strain over which q is averaged", above(0));
         option("friction_deviation", learning.friction_deviation, "", "of its logarithm, before the test", above(0));
         option("stiffness_deviation", learning.stiffness_deviation, "", "likewise", above(0));
+        option("learn_by_sensors", learning.by_sensors, "", "too, by how far they move outwards, not by q alone");
         option("force_noise", learning.force_noise, "", "of q as measured, relative", at_least(0));
         option("change", change, "", "of friction or stiffness, from which on the model is told of it", above(0));
         option("catch_up", catch_up, "", "begin again with what was learned, else go on from where the model is");
@@ -79,16 +80,6 @@ struct Twin {
         triaxial.describe(option);
     }
 };
-
-Archive prepare(const Triaxial& t, const TriaxialScene& scene, Progress& progress) {
-    Simulation simulation = make_simulation(scene, 1, false);
-    TriaxialTest test(simulation, t.test);
-    while (test.state().phase < TriaxialPhase::consolidate) {
-        test.advance();
-        progress.report(0, test.fraction(), "specimen: " + test.description());
-    }
-    return simulation.snapshot();
-}
 
 constexpr std::array shell_names{"sensors", "shell_1", "shell_2", "shell_3", "shell_4"};
 
@@ -206,7 +197,9 @@ std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, con
 
 void Experiment::learn_parameters() {
     const auto began = this_instant();
-    MeasuredStress measured = measured_stress(truth_.points);
+    MeasuredTest measured = measured_test(truth_.points);
+    measured.ways = recorded_ways(truth_, t_.interval, t_.position_noise, t_.attitude_noise, common_.seed);
+    measured.displacement_noise = t_.position_noise;
     Random random(common_.seed, 999);
     for (double& q : measured.q) q *= 1 + t_.learning.force_noise * random.normal();
     const bool all_the_way = std::ranges::any_of(names_, is_computed);
@@ -258,7 +251,8 @@ void Experiment::write_recording() const {
 }
 
 void Experiment::run() {
-    specimen_ = prepare(t_.triaxial, scene_, progress_);
+    specimen_ = make_specimen(scene_, test_, common_, [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
+    progress_.pause();
     truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_).front();
     if (!t_.record.empty()) write_recording();
     if (std::ranges::any_of(names_, learns)) learn_parameters();
@@ -347,7 +341,6 @@ void Experiment::report() {
 
 void run(const Twin& t, const Common& common) {
     require(t.triaxial.confining_pressure.size() == 1, "--confining-pressure: expected one, found several");
-    require(common.resume.empty(), "--resume: expected none");
     if (common.explain) {
         fmt::print("{}", make_simulation(make_scene(t.triaxial, common.seed), 1, common.serial).schedule().explain());
         return;

@@ -16,8 +16,8 @@ constexpr std::array specimens{-2.5, -2.0, -1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5,
 
 } // namespace
 
-ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels)
-    : prior_(prior), known_(prior), middle_(worlds.colwise().mean()) {
+ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels, double trust)
+    : prior_(prior), known_(prior), trust_(trust), middle_(worlds.colwise().mean()) {
     for (const ParameterChannel& c : channels) channels_.push_back({c, {}});
     const Eigen::Index n = worlds.rows();
     require(prior.mean.size() == 2 && worlds.cols() == 2, fmt::format("worlds: expected two parameters, found {} and {}", prior.mean.size(), worlds.cols()));
@@ -106,7 +106,7 @@ Gaussian ParameterEstimate::integral_over(const Box& box, double share) const {
             const Vector terms = terms_at(a, b);
             const double u = (a - prior_.mean[0]) / prior_.root(0, 0), v = (b - prior_.mean[1] - prior_.root(1, 0) * u) / prior_.root(1, 1);
             for (const double own : specimens)
-                if (scattered || own == 0) nodes.push_back({share * log_likelihood(terms, own) - 0.5 * (u * u + v * v + own * own), a - box[0][0], b - box[1][0]});
+                if (scattered || own == 0) nodes.push_back({trust_ * share * log_likelihood(terms, own) - 0.5 * (u * u + v * v + own * own), a - box[0][0], b - box[1][0]});
         }
     const double largest = std::ranges::max(nodes, {}, &Node::log).log;
     double sum = 0, ma = 0, mb = 0, aa = 0, ab = 0, bb = 0;

@@ -26,7 +26,8 @@ class ParameterEstimate {
 public:
     /// `prior`: of two parameters. `worlds`: N x 2, what each believes; N at least 6. The regression is of second order from
     /// 12 on. Throws InputError.
-    ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels);
+    /// `trust`: power of the likelihood, below 1 where measurements have shown to tell less than they seem to.
+    ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels, double trust = 1);
 
     /// One more measurement of a channel, and what each world foretold of it. Returns its squared distance from what was
     /// expected, chi square of one degree if all is well and worlds are many.
@@ -53,6 +54,7 @@ private:
     Gaussian integral() const;
 
     Gaussian prior_, known_;
+    double trust_;
     Eigen::Index terms_ = 3;
     Matrix design_;      // N x terms: 1, parameters less their mean, and their products
     Matrix information_; // inverse of design^T design

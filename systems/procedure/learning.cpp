@@ -15,7 +15,7 @@ namespace {
 constexpr double no_stress = 1e3; // Pa, below which a logarithm of q says nothing
 
 /// Mean of q over a window of strain; NaN if nothing was measured there.
-double mean_q(const MeasuredStress& s, double from, double to) {
+double mean_q(const MeasuredTest& s, double from, double to) {
     double sum = 0, count = 0;
     for (std::size_t k = 0; k < s.strain.size(); ++k)
         if (s.strain[k] > from + 1e-9 && s.strain[k] <= to + 1e-9) {
@@ -55,10 +55,106 @@ void add_blend(ModelRun& sum, const Worlds& worlds, const Vector& weights, std::
     sum.rotation.push_back(std::move(rotation));
 }
 
+/// Mean displacement away from the axis of the sensor rocks that do not stand in the middle and have been heard of.
+double outwards(const ModelRun& run, const std::vector<SensorWay>& ways, const std::function<Vec3(std::size_t)>& displacement) {
+    constexpr double middle = 0.02; // m
+    double sum = 0, count = 0;
+    for (std::size_t s = 0; s < ways.size() && s < run.sensors; ++s) {
+        Vec3 out = run.start[s].position;
+        out.z() = 0;
+        if (ways[s].strain.empty() || out.norm() < middle) continue;
+        sum += displacement(s).dot(out.normalized());
+        ++count;
+    }
+    return count > 0 ? sum / count : 0;
+}
+
+/// The last sample of a window that all sensors have.
+bool see_sensors(ParameterEstimate& estimate, const Worlds& worlds, const MeasuredTest& measured, double from, double to) {
+    const auto heard = std::ranges::find_if(measured.ways, [](const SensorWay& w) { return !w.strain.empty(); });
+    if (heard == measured.ways.end()) return false;
+    const auto after = std::upper_bound(heard->strain.begin(), heard->strain.end(), to + 1e-9);
+    if (after == heard->strain.begin() || *(after - 1) <= from + 1e-9) return false;
+    const double strain = *(after - 1);
+    const auto& points = worlds.runs.front().points;
+    const auto stage = static_cast<std::size_t>(std::ranges::lower_bound(points, strain - 1e-9, {}, &TriaxialPoint::axial_strain) - points.begin());
+    if (stage >= points.size() || std::abs(points[stage].axial_strain - strain) > 1e-7) return false;
+    const auto sample = static_cast<std::size_t>(after - heard->strain.begin() - 1);
+    for (const SensorWay& w : measured.ways)
+        if (!w.strain.empty() && (sample >= w.strain.size() || w.strain[sample] != strain || !w.displacement[sample].allFinite())) return false;
+    Vector foretold(static_cast<Eigen::Index>(worlds.runs.size()));
+    for (std::size_t j = 0; j < worlds.runs.size(); ++j)
+        foretold[static_cast<Eigen::Index>(j)] = outwards(worlds.runs[j], measured.ways, [&](std::size_t s) { return worlds.runs[j].displacement[stage][s]; });
+    (void)estimate.see(1, foretold, outwards(worlds.runs.front(), measured.ways, [&](std::size_t s) { return measured.ways[s].displacement[sample]; }));
+    return true;
+}
+
+std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain, double trust) {
+    const std::size_t n = worlds.beliefs.size();
+    require(worlds.runs.size() == n, fmt::format("worlds: expected {} runs, found {}", n, worlds.runs.size()));
+    std::vector<MeasuredTest> foretold;
+    for (const ModelRun& run : worlds.runs) foretold.push_back(measured_test(run.points));
+    // another specimen differs in how it widens as it does in strength
+    const auto last = std::min(worlds.runs.front().points.size(), worlds.runs.front().displacement.size()) - 1;
+    double widening = 0;
+    for (const ModelRun& run : worlds.runs) widening += std::abs(outwards(run, measured.ways, [&](std::size_t s) { return run.displacement[last][s]; })) / static_cast<double>(n);
+    ParameterEstimate estimate(prior, design_of(worlds.beliefs),
+                               {{settings.specimen_scatter, settings.force_noise},
+                                {settings.specimen_scatter * widening, measured.displacement_noise / std::sqrt(std::max(1.0, static_cast<double>(measured.ways.size())))}},
+                               trust);
+    std::vector<KnownAt> known;
+    // narrow windows at first, where stiffness shows, then wide ones
+    for (double from = 0, to = 0; to < final_strain - 1e-9; from = to) {
+        to = std::min(from + std::clamp(0.5 * from, settings.first_window, settings.window), final_strain);
+        double distance = -1;
+        const double found = mean_q(measured, from, to);
+        Vector q(static_cast<Eigen::Index>(n));
+        bool says_something = found > no_stress;
+        for (std::size_t j = 0; j < n; ++j) {
+            const double world = mean_q(foretold[j], from, to);
+            says_something = says_something && world > no_stress;
+            q[static_cast<Eigen::Index>(j)] = std::log(world);
+        }
+        if (says_something) distance = estimate.see(0, q, std::log(found));
+        if (settings.by_sensors && see_sensors(estimate, worlds, measured, from, to)) says_something = true;
+        if (says_something) known.push_back({to, estimate.parameters(), distance});
+    }
+    return known;
+}
+
+/// What would have been measured of a world, at the strains of a real test.
+MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
+    MeasuredTest m = measured_test(run.points);
+    m.displacement_noise = like.displacement_noise;
+    m.ways = like.ways;
+    for (std::size_t s = 0; s < m.ways.size() && s < run.sensors; ++s)
+        for (std::size_t k = 0; k < m.ways[s].strain.size(); ++k) {
+            const auto stage = static_cast<std::size_t>(std::ranges::lower_bound(run.points, m.ways[s].strain[k] - 1e-9, {}, &TriaxialPoint::axial_strain) - run.points.begin());
+            if (stage < run.points.size()) m.ways[s].displacement[k] = run.displacement[stage][s];
+        }
+    return m;
+}
+
+/// How far the worlds themselves can be trusted: each in turn is taken for the truth and its parameters learned from the
+/// others. Where they come out farther off than they should, chaos lasts longer than a correlation from one time to the
+/// next tells, and measurements count for less.
+double trust_in(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain) {
+    if (worlds.runs.size() < 7) return 1;
+    double sum = 0;
+    for (std::size_t j = 0; j < worlds.runs.size(); ++j) {
+        Worlds others = worlds;
+        others.beliefs.erase(others.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
+        others.runs.erase(others.runs.begin() + static_cast<std::ptrdiff_t>(j));
+        const auto known = learn_trusting(prior, others, as_measured(worlds.runs[j], measured), settings, final_strain, 1);
+        if (!known.empty()) sum += squared_distance(known.back().belief, logarithms_of(worlds.beliefs[j]));
+    }
+    return std::min(1.0, 2 * static_cast<double>(worlds.runs.size()) / sum);
+}
+
 } // namespace
 
-MeasuredStress measured_stress(const std::vector<TriaxialPoint>& points) {
-    MeasuredStress s;
+MeasuredTest measured_test(const std::vector<TriaxialPoint>& points) {
+    MeasuredTest s;
     for (const TriaxialPoint& p : points) {
         s.strain.push_back(p.axial_strain);
         s.q.push_back(p.deviatoric_stress);
@@ -93,32 +189,11 @@ std::vector<RockBelief> beliefs_of_worlds(const Gaussian& belief, unsigned world
     return beliefs;
 }
 
-std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredStress& measured, const Learning& settings, double final_strain) {
-    const auto n = static_cast<Eigen::Index>(worlds.beliefs.size());
-    require(worlds.runs.size() == worlds.beliefs.size(), fmt::format("worlds: expected {} runs, found {}", worlds.beliefs.size(), worlds.runs.size()));
-    std::vector<MeasuredStress> foretold;
-    for (const ModelRun& run : worlds.runs) foretold.push_back(measured_stress(run.points));
-    ParameterEstimate estimate(prior, design_of(worlds.beliefs), {{settings.specimen_scatter, settings.force_noise}});
-    std::vector<KnownAt> known;
-    // narrow windows at first, where stiffness shows, then wide ones
-    for (double from = 0, to = 0; to < final_strain - 1e-9; from = to) {
-        to = std::min(from + std::clamp(0.5 * from, settings.first_window, settings.window), final_strain);
-        const double found = mean_q(measured, from, to);
-        bool says_something = found > no_stress;
-        Vector q(n);
-        for (Eigen::Index j = 0; j < n; ++j) {
-            const double world = mean_q(foretold[static_cast<std::size_t>(j)], from, to);
-            says_something = says_something && world > no_stress;
-            q[j] = std::log(world);
-        }
-        if (!says_something) continue;
-        const double distance = estimate.see(0, q, std::log(found));
-        known.push_back({to, estimate.parameters(), distance});
-    }
-    return known;
+std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain) {
+    return learn_trusting(prior, worlds, measured, settings, final_strain, trust_in(prior, worlds, measured, settings, final_strain));
 }
 
-Learned learn_in_two_generations(const Gaussian& prior, const MeasuredStress& measured, const Learning& settings, double strain,
+Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured, const Learning& settings, double strain,
                                  const std::function<std::vector<ModelRun>(const std::vector<ModelArm>&, double strain)>& run) {
     const auto run_worlds = [&](const Gaussian& belief, const char* name, double to) {
         Worlds worlds{beliefs_of_worlds(belief, settings.worlds), {}};

@@ -17,13 +17,16 @@ struct Learning {
     double friction_deviation = 0.3, stiffness_deviation = 0.4; ///< of their logarithms, before anything is measured
     double specimen_scatter = 0;    ///< by which the real specimen may be stronger or weaker than the model's, of ln q
     double force_noise = 0.01;      ///< of ln q as measured
+    bool by_sensors = true;         ///< and not by q alone
 };
 
-/// What a test machine measured: q (Pa) by axial strain, in order of strain.
-struct MeasuredStress {
+/// What was measured in a test: q (Pa) by axial strain, in order of strain, and the ways of the sensor rocks, if there are.
+struct MeasuredTest {
     std::vector<double> strain, q;
+    std::vector<SensorWay> ways = {};
+    double displacement_noise = 1e-4; ///< m, of them
 };
-MeasuredStress measured_stress(const std::vector<TriaxialPoint>& points);
+MeasuredTest measured_test(const std::vector<TriaxialPoint>& points);
 
 /// Logarithms of friction and stiffness.
 Vector logarithms_of(const RockBelief& rocks);
@@ -47,8 +50,9 @@ struct Worlds {
     std::vector<ModelRun> runs;
 };
 
-/// Learns window by window up to `final_strain`, from no measurement before its time.
-std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredStress& measured, const Learning& settings, double final_strain);
+/// Learns window by window up to `final_strain`, from no measurement before its time: from the logarithm of q, and from how
+/// far the sensor rocks have moved outwards in the mean.
+std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain);
 
 /// Two generations of worlds, and what is known at the end of each window.
 struct Learned {
@@ -56,7 +60,7 @@ struct Learned {
     std::vector<KnownAt> known;
 };
 /// `run`: the runs of some arms to an axial strain. The second generation runs to `strain`.
-Learned learn_in_two_generations(const Gaussian& prior, const MeasuredStress& measured, const Learning& settings, double strain,
+Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured, const Learning& settings, double strain,
                                  const std::function<std::vector<ModelRun>(const std::vector<ModelArm>&, double strain)>& run);
 
 /// What a model is told of it: its beliefs after windows in which one of them changed by more than `change`, relative, and

@@ -1,14 +1,18 @@
 #include "systems/procedure/model_run.hpp"
 
 #include "components/body.hpp"
+#include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
 #include "engine/stopwatch.hpp"
 #include "systems/build/scene.hpp"
 #include "systems/output/contacts.hpp"
+#include "systems/output/record.hpp"
 #include "systems/procedure/specimen_state.hpp"
 
 #include <algorithm>
+#include <array>
 #include <map>
 #include <queue>
 
@@ -114,6 +118,7 @@ struct Model {
         while (test.state().points.size() == seen) {
             if (!test.advance()) return false;
             watch.progress(test.fraction(), what + test.description());
+            if (interrupted()) throw Interrupted("interrupted; the specimen is kept: go on with --resume and the folder of the results");
         }
         if (!start.empty()) return true;
         start = poses_of(simulation.world(), rocks);
@@ -142,7 +147,34 @@ void keep_stage(const Model& model, World& world, ModelRun& run) {
     }
 }
 
+/// Settings that a specimen depends on.
+std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all) {
+    constexpr std::array names{"seed", "bodies", "grading", "porosity", "porosity_tolerance", "initial_porosity", "compaction_friction", "compaction_pressure_Pa", "vibration",
+                               "longest_compaction", "sensor_shape", "sensor_poses", "recordings", "servo_per_element", "density_kg_per_m3", "clump_stiffness_N_per_m",
+                               "wall_stiffness_N_per_m", "damping", "safety"};
+    std::vector<NamedValue> some;
+    std::ranges::copy_if(all, std::back_inserter(some), [&](const NamedValue& v) { return std::ranges::count(names, v.key) > 0; });
+    return some;
+}
+
 } // namespace
+
+Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings, const Common& common, const std::function<void(double, const std::string&)>& watch) {
+    constexpr auto file = "specimen.ckpt.h5";
+    const auto of_specimen = settings_of_specimen(common.settings);
+    Simulation simulation = make_simulation(scene, common.threads, common.serial);
+    TriaxialTest test(simulation, settings);
+    if (!common.resume.empty())
+        (void)resume(simulation, std::filesystem::is_directory(common.resume) ? common.resume / file : common.resume, "specimen", of_specimen);
+    CheckpointKeeper keeper({common.out / file, "specimen", of_specimen});
+    while (test.state().phase < TriaxialPhase::consolidate) {
+        test.advance();
+        watch(test.fraction(), "specimen: " + test.description());
+        keeper.attend(simulation);
+    }
+    keeper.save(simulation);
+    return simulation.snapshot();
+}
 
 ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
                    const ModelWatch& watch) {

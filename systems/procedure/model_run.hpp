@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/scenario.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/sensor_way.hpp"
 #include "systems/procedure/triaxial_scene.hpp"
@@ -68,7 +69,12 @@ struct ModelWatch {
     std::function<void(const World&, const TriaxialPoint&)> stage = [](const World&, const TriaxialPoint&) {};
 };
 
-/// Runs one arm from the prepared specimen, on one thread.
+/// Makes the specimen of a scene, up to where the pressure begins to matter, on all threads asked for; or takes it from
+/// --resume, a checkpoint or a folder with one. Keeps it as specimen.ckpt.h5: what follows is soon run again, to the same
+/// bits. Throws Interrupted when the user stops it.
+Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings, const Common& common, const std::function<void(double, const std::string&)>& watch);
+
+/// Runs one arm from the prepared specimen, on one thread. Throws Interrupted when the user stops it.
 ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
                    const ModelWatch& watch = {});
 

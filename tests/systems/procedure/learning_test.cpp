@@ -24,6 +24,7 @@ ModelRun simple_run(const RockBelief& rocks, double strain, std::uint64_t seed) 
         run.rotation.push_back({Vec3::Zero()});
     }
     run.rocks = {0};
+    run.start = {{Vec3(0.1, 0, 0), Quat::Identity()}};
     return run;
 }
 
@@ -36,7 +37,7 @@ TEST_SUITE("procedure/learning") {
         const ModelRun real = simple_run(truth, 0.02, 77);
         const Gaussian prior = prior_of(wrong, learning);
         unsigned runs = 0, longest = 0;
-        const Learned learned = learn_in_two_generations(prior, measured_stress(real.points), learning, 0.02, [&](const std::vector<ModelArm>& arms, double strain) {
+        const Learned learned = learn_in_two_generations(prior, measured_test(real.points), learning, 0.02, [&](const std::vector<ModelArm>& arms, double strain) {
             std::vector<ModelRun> all;
             for (const ModelArm& arm : arms) all.push_back(simple_run(arm.rocks, strain, 100 + runs++));
             longest = std::max(longest, static_cast<unsigned>(all.front().points.size()));
@@ -63,7 +64,7 @@ TEST_SUITE("procedure/learning") {
         const Gaussian prior = prior_of(middle, learning);
         Worlds worlds{beliefs_of_worlds(prior, 8), {}};
         for (const RockBelief& b : worlds.beliefs) worlds.runs.push_back(simple_run(b, 0.01, worlds.runs.size()));
-        MeasuredStress one = measured_stress(simple_run({0.6, 1}, 0.01, 50).points), other = one;
+        MeasuredTest one = measured_test(simple_run({0.6, 1}, 0.01, 50).points), other = one;
         for (std::size_t k = 0; k < other.q.size(); ++k)
             if (other.strain[k] > 5e-3) other.q[k] *= 2;
         const auto a = learn(prior, worlds, one, learning, 0.01), b = learn(prior, worlds, other, learning, 0.01);

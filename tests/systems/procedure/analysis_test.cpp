@@ -1,0 +1,84 @@
+#include "engine/random.hpp"
+#include "systems/procedure/analysis.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+
+namespace {
+
+constexpr std::size_t rocks = 216, sensors = 8;
+constexpr double length = 0.05; // m, over which displacements are alike
+
+/// Rocks on a grid of 30 mm whose displacement is a random field, alike by exp(-distance / length), times the strain.
+ModelRun random_run(std::uint64_t seed) {
+    ModelRun run;
+    run.sensors = sensors;
+    for (std::size_t k = 0; k < rocks; ++k) {
+        const std::size_t place = k < sensors ? 27 * k + 13 : 0; // sensors first: change places with those on the grid
+        run.rocks.push_back(static_cast<EntityId>(k));
+        run.start.push_back({0.03 * Vec3(static_cast<double>((k + place) % 6), static_cast<double>((k + place) / 6 % 6), static_cast<double>((k + place) % 216 / 36)), Quat::Identity()});
+    }
+    for (std::size_t k = 0; k < sensors; ++k) run.start[k].position += Vec3(0.011, 0.012, 0.013); // nobody stands twice
+    Matrix alike(rocks, rocks);
+    for (std::size_t a = 0; a < rocks; ++a)
+        for (std::size_t b = 0; b < rocks; ++b)
+            alike(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) = std::exp(-(run.start[a].position - run.start[b].position).norm() / length);
+    const Matrix root = root_of<double>(alike);
+    Random random(seed, 5);
+    Matrix white(rocks, 6);
+    for (Eigen::Index i = 0; i < white.rows(); ++i)
+        for (Eigen::Index c = 0; c < 6; ++c) white(i, c) = random.normal();
+    const Matrix field = root * white;
+    for (int stage = 0; stage <= 10; ++stage) {
+        TriaxialPoint p;
+        p.axial_strain = 1e-3 * stage;
+        run.points.push_back(p);
+        run.displacement.emplace_back();
+        run.rotation.emplace_back();
+        for (Eigen::Index r = 0; r < field.rows(); ++r) {
+            run.displacement.back().push_back(1e-4 * stage * Vec3(field(r, 0), field(r, 1), field(r, 2)));
+            run.rotation.back().push_back(1e-2 * stage * Vec3(field(r, 3), field(r, 4), field(r, 5)));
+        }
+    }
+    return run;
+}
+
+double error(const ModelRun& run, const ModelRun& truth, std::size_t first, std::size_t last) {
+    double sum = 0;
+    for (std::size_t r = first; r < last; ++r) sum += (run.displacement.back()[r] - truth.displacement.back()[r]).squaredNorm();
+    return std::sqrt(sum / static_cast<double>(last - first));
+}
+
+} // namespace
+
+TEST_SUITE("procedure/analysis") {
+    TEST_CASE("sensors tell of their neighbours as far as the worlds say that neighbours are alike") {
+        Worlds worlds{beliefs_of_worlds(prior_of({}, {}), 10), {}};
+        for (std::uint64_t j = 0; j < 10; ++j) worlds.runs.push_back(random_run(j + 1));
+        ModelRun forecast = random_run(1);
+        for (auto& stage : forecast.displacement) std::ranges::fill(stage, Vec3::Zero()); // the mean of the field
+        for (auto& stage : forecast.rotation) std::ranges::fill(stage, Vec3::Zero());
+        const ModelRun truth = random_run(99);
+        std::vector<SensorWay> ways(sensors);
+        for (std::size_t s = 0; s < sensors; ++s)
+            for (std::size_t k = 1; k <= 10; ++k) {
+                ways[s].strain.push_back(truth.points[k].axial_strain);
+                ways[s].displacement.push_back(truth.displacement[k][s]);
+                ways[s].rotation.push_back(Vec3::Constant(std::nan("")));
+            }
+        const SensorAnalysis analysis = analyse(forecast, worlds, ways, 1e-6, 1e-6);
+        CHECK(analysis.displacement.length == doctest::Approx(length).epsilon(0.35));
+        CHECK(analysis.displacement.near == doctest::Approx(0.95).epsilon(0.2));
+        CHECK(error(analysis.run, truth, 0, sensors) < 0.02 * error(forecast, truth, 0, sensors));
+        CHECK(error(analysis.run, truth, sensors, rocks) < 0.95 * error(forecast, truth, sensors, rocks));
+        CHECK(analysis.run.rotation.back() == forecast.rotation.back()); // not measured
+        CHECK(analysis.run.points.back().axial_strain == forecast.points.back().axial_strain);
+        // sensors that know nothing change nothing
+        const SensorAnalysis vague = analyse(forecast, worlds, ways, 1e3, 1e3);
+        CHECK(error(vague.run, forecast, 0, rocks) < 1e-9);
+        // and a sample that comes late is not used before
+        for (SensorWay& way : ways) way.strain.assign(1, 1e-2), way.displacement.resize(1), way.rotation.resize(1);
+        CHECK(analyse(forecast, worlds, ways, 1e-6, 1e-6).run.displacement[9] == forecast.displacement[9]);
+    }
+}
