@@ -2,17 +2,16 @@
 // friction and stiffness of its rocks from them while the test goes on; beside it the model alone.
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
-#include "engine/io/csv.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
-#include "systems/fusion/intake.hpp"
 #include "systems/output/picture.hpp"
 #include "systems/output/plot.hpp"
 #include "systems/output/record.hpp"
 #include "systems/procedure/learning.hpp"
+#include "systems/procedure/recorded_test.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 
 #include <fmt/format.h>
@@ -30,8 +29,8 @@ struct Smart {
     RockBelief model{0.5, 1};
     Learning learning{.specimen_scatter = 0.15};
     Corrections corrections;
-    double interval = 1e-3, change = 0.03, stage_time = 1.2, drift = 1e-3, turn = 0.1, rest = 60;
-    bool channel_displacement = true, channel_attitude = true;
+    IntakeSettings intake;
+    double change = 0.03, stage_time = 1.2, drift = 1e-3, turn = 0.1;
 
     Smart() {
         // velocities are known to be none at stage ends, and forgotten in between
@@ -41,9 +40,9 @@ struct Smart {
     void describe(auto& option) {
         option.group("recordings");
         option("recordings", recordings, "", "a folder: rock_NN.txt, sensor_poses.csv, and for each pressure recordings.csv and test.csv in a folder as 55kPa");
-        option("rest", rest, "s", "at their beginning, in which the rocks lie still", above(0));
-        option("use_displacement", channel_displacement, "", "ux uy uz, where recorded, else what an inertial sensor knows of it: nothing");
-        option("use_attitude", channel_attitude, "", "qw qx qy qz, where recorded, else tilt by gravity");
+        option("rest", intake.rest, "s", "at their beginning, in which the rocks lie still", above(0));
+        option("use_displacement", intake.displacement, "", "ux uy uz, where recorded, else what an inertial sensor knows of it: nothing");
+        option("use_attitude", intake.attitude, "", "qw qx qy qz, where recorded, else tilt by gravity");
         option.group("model");
         option("model_friction", model.friction, "", "of rocks, before anything is measured", above(0));
         option("model_stiffness", model.stiffness, "", "of contacts, of --clump-stiffness, likewise", above(0));
@@ -59,7 +58,7 @@ struct Smart {
         option.group("corrections of sensor rocks");
         option("pull_stiffness", corrections.pull.stiffness, "N/m", "of forces that pull them; 0: their poses are compared, not corrected", at_least(0));
         option("largest_pull", corrections.pull.largest_force, "N", "of them", at_least(0));
-        option("interval", interval, "", "axial strain between samples", above(0));
+        option("interval", intake.interval, "", "axial strain between samples", above(0));
         option("drift", drift, "m", "that rocks of the model may be off by, at the end", above(0));
         option("turn", turn, "rad", "likewise", above(0));
         option("stage_time", stage_time, "s", "that the real test took for 0.01 % of strain", above(0));
@@ -67,71 +66,8 @@ struct Smart {
     }
 };
 
-std::string name_of(double pressure) { return fmt::format("{:.4g}kPa", pressure / 1e3); }
-
-/// What was recorded at one pressure.
-struct Test {
-    double pressure = 0;
-    std::vector<Recording> recordings;
-    std::vector<Finding> findings;
-    std::vector<SensorWay> ways; ///< of all sensors; one that was refused tells nothing
-    std::vector<TriaxialPoint> measured; ///< strain, q, volumetric strain and ring radii
-};
-
-std::vector<SensorInfo> read_infos(const std::filesystem::path& folder) {
-    std::vector<std::filesystem::path> files;
-    if (!std::filesystem::is_directory(folder)) throw OutputError(fmt::format("cannot read folder '{}'", folder.string()));
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.path().extension() == ".txt" && entry.path().filename().string().starts_with("rock_")) files.push_back(entry.path());
-    require(!files.empty(), fmt::format("--recordings: expected files rock_NN.txt in '{}', found none", folder.string()));
-    std::ranges::sort(files);
-    std::vector<SensorInfo> infos;
-    for (const auto& file : files) infos.push_back(read_sensor_info(file));
-    return infos;
-}
-
-std::vector<TriaxialPoint> read_test(const std::filesystem::path& csv) {
-    const CsvTable table = read_csv(csv);
-    const auto strain = table.column("axial_strain"), q = table.column("deviatoric_stress_Pa");
-    std::vector<TriaxialPoint> points;
-    const auto volume = table.has("volumetric_strain") ? table.column("volumetric_strain") : std::vector<double>(strain.size(), std::nan(""));
-    std::vector<std::vector<double>> rings;
-    for (std::size_t r = 1; table.has(fmt::format("ring_{}_radius_m", r)); ++r) rings.push_back(table.column(fmt::format("ring_{}_radius_m", r)));
-    for (std::size_t k = 0; k < strain.size(); ++k) {
-        const std::string at = fmt::format("{}:{}", csv.string(), table.lines[k]);
-        require(std::isfinite(strain[k]) && (k == 0 || strain[k] > strain[k - 1]), fmt::format("{}: axial_strain: expected numbers that grow, found {}", at, strain[k]));
-        require(std::isfinite(q[k]), fmt::format("{}: deviatoric_stress_Pa: expected a number, found {}", at, q[k]));
-        TriaxialPoint& p = points.emplace_back();
-        p.axial_strain = strain[k];
-        p.deviatoric_stress = q[k];
-        p.volumetric_strain = volume[k];
-        for (const auto& ring : rings) p.ring_radius.push_back(ring[k]);
-    }
-    require(points.size() > 1, fmt::format("{}: expected at least two rows, found {}", csv.string(), points.size()));
-    return points;
-}
-
-Test read_recorded(const Smart& s, double pressure, const std::vector<SensorInfo>& infos) {
-    const auto folder = s.recordings / name_of(pressure);
-    Test test;
-    test.pressure = pressure;
-    test.recordings = read_recordings(folder / "recordings.csv", infos);
-    test.measured = read_test(folder / "test.csv");
-    for (Recording& r : test.recordings) {
-        if (!s.channel_displacement) r.displacement.clear();
-        if (!s.channel_attitude) r.attitude.clear();
-    }
-    IntakeLimits limits;
-    limits.rest = s.rest;
-    limits.stuck = std::max(limits.stuck, 3 / infos.front().sampling_rate);
-    test.findings = look_at(test.recordings, Vec3(0, 0, -9.81), limits);
-    for (const Recording& r : test.recordings)
-        test.ways.push_back(accepted(test.findings, r.info.id) ? way_of(r, s.interval) : SensorWay{});
-    return test;
-}
-
 /// What the sensors see of their directions, and what not.
-std::string observability(const Smart& s, const Test& test) {
+std::string observability(const Smart& s, const RecordedTest& test) {
     std::string text = "sensor  direction  by                      deviation   gain  verdict\n";
     const double duration = s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time;
     for (const Recording& r : test.recordings)
@@ -150,7 +86,7 @@ struct Computed {
 
 class Computation {
 public:
-    Computation(const Smart& settings, const Common& common, std::vector<Test> tests)
+    Computation(const Smart& settings, const Common& common, std::vector<RecordedTest> tests)
         : s_(settings), common_(common), tests_(std::move(tests)), scene_(make_scene(s_.triaxial, common.seed)),
           progress_(std::max(2u, common.threads), common.quiet ? Progress::Style::quiet : Progress::Style::automatic), done_(tests_.size()) {}
     void run();
@@ -166,13 +102,13 @@ private:
     void learn();
     void run_arms();
     void show(std::size_t test, const World& world, const TriaxialPoint& point, std::unique_ptr<FrameWriter>& frames);
-    std::unique_ptr<FrameWriter> make_frames(const Test& test) const;
+    std::unique_ptr<FrameWriter> make_frames(const RecordedTest& test) const;
     void draw() const;
     void each(std::size_t jobs, const std::function<void(std::size_t, const ModelWatch&)>& job);
 
     const Smart& s_;
     const Common& common_;
-    std::vector<Test> tests_;
+    std::vector<RecordedTest> tests_;
     TriaxialScene scene_;
     Progress progress_;
     Archive specimen_;
@@ -217,15 +153,15 @@ void Computation::learn() {
         const RockBelief before = mean_of(known);
         if (!done_[k].learned.known.empty()) known = done_[k].learned.known.back().belief;
         const RockBelief now = mean_of(known);
-        fmt::print("{}: friction {:.3f} -> {:.3f}, stiffness {:.2f} -> {:.2f}\n", name_of(tests_[k].pressure), before.friction, now.friction, before.stiffness, now.stiffness);
+        fmt::print("{}: friction {:.3f} -> {:.3f}, stiffness {:.2f} -> {:.2f}\n", folder_of(tests_[k].pressure), before.friction, now.friction, before.stiffness, now.stiffness);
     }
     learning_wall_ = seconds_since(began);
 }
 
-std::unique_ptr<FrameWriter> Computation::make_frames(const Test& test) const {
+std::unique_ptr<FrameWriter> Computation::make_frames(const RecordedTest& test) const {
     auto settings = common_.settings;
     settings.emplace_back("intake", intake_report(test.findings, test.recordings));
-    return std::make_unique<FrameWriter>(common_.out / name_of(test.pressure) / "smart_triaxial.vtkhdf", settings);
+    return std::make_unique<FrameWriter>(common_.out / folder_of(test.pressure) / "smart_triaxial.vtkhdf", settings);
 }
 
 void Computation::show(std::size_t test, const World& world, const TriaxialPoint& point, std::unique_ptr<FrameWriter>& frames) {
@@ -279,45 +215,6 @@ void Computation::run() {
     run_arms();
 }
 
-/// Root mean square of the difference of two curves, at the strains that both have; NaN where nothing was measured.
-double difference(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured, double TriaxialPoint::* value) {
-    double squares = 0, count = 0;
-    std::size_t at = 0;
-    for (const TriaxialPoint& m : measured) {
-        if (m.axial_strain <= 0) continue;
-        while (at + 1 < run.size() && run[at].axial_strain < m.axial_strain - 1e-7) ++at;
-        if (std::abs(run[at].axial_strain - m.axial_strain) > 1e-5) continue;
-        squares += std::pow(run[at].*value - m.*value, 2);
-        ++count;
-    }
-    return std::sqrt(squares / count);
-}
-
-/// Radial strain of the rings at the end, against what was measured there.
-double ring_difference(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured) {
-    if (measured.back().ring_radius.size() != run.back().ring_radius.size()) return std::nan("");
-    double squares = 0;
-    const std::size_t rings = run.back().ring_radius.size();
-    for (std::size_t r = 0; r < rings; ++r)
-        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - measured.back().ring_radius[r] / measured.front().ring_radius[r], 2);
-    return std::sqrt(squares / static_cast<double>(rings));
-}
-
-/// Root mean square of what sensor rocks of the model are off by, as far as they were measured.
-double sensor_difference(const ModelRun& run, const std::vector<SensorWay>& ways) {
-    double squares = 0, count = 0;
-    for (std::size_t s = 0; s < std::min(run.sensors, ways.size()); ++s) {
-        std::size_t stage = 0;
-        for (std::size_t k = 0; k < ways[s].strain.size(); ++k) {
-            while (stage + 1 < run.points.size() && run.points[stage].axial_strain < ways[s].strain[k] - 1e-7) ++stage;
-            if (!ways[s].displacement[k].allFinite() || std::abs(run.points[stage].axial_strain - ways[s].strain[k]) > 1e-5) continue;
-            squares += (run.displacement[stage][s] - ways[s].displacement[k]).squaredNorm();
-            ++count;
-        }
-    }
-    return std::sqrt(squares / count);
-}
-
 Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& points, double scale, double TriaxialPoint::* value, Curve::Style style) {
     Curve c{.label = label, .style = style};
     for (const TriaxialPoint& p : points) {
@@ -353,7 +250,7 @@ void Computation::draw() const {
                               .curves = {curve("measured", thinned(tests_[k].measured), Curve::Style::points), curve("DEM only", done_[k].free.points, Curve::Style::dashed),
                                          curve("fused", done_[k].fused.points, Curve::Style::line)}});
         };
-        const std::string at = fmt::format(" at {}", name_of(tests_[k].pressure));
+        const std::string at = fmt::format(" at {}", folder_of(tests_[k].pressure));
         three(fmt::format("Deviatoric stress{}", at), "axial strain (%)", "q (kPa)",
               [](const std::string& label, const auto& points, Curve::Style style) { return curve_of(label, points, 1e-3, &TriaxialPoint::deviatoric_stress, style); });
         three(fmt::format("Volumetric strain{}", at), "axial strain (%)", "volumetric strain (%)",
@@ -362,20 +259,20 @@ void Computation::draw() const {
     }
     draw_plots(common_.out / "smart_triaxial.png", panels, 3);
     for (std::size_t k = 0; k < tests_.size(); ++k)
-        if (!done_[k].views.empty()) draw_picture(common_.out / name_of(tests_[k].pressure) / "smart_rocks.png", done_[k].views, {.azimuth = 0.3, .elevation = 0.15}, 700);
+        if (!done_[k].views.empty()) draw_picture(common_.out / folder_of(tests_[k].pressure) / "smart_rocks.png", done_[k].views, {.azimuth = 0.3, .elevation = 0.15}, 700);
 }
 
 void Computation::report() {
     Summary summary;
     for (std::size_t k = 0; k < tests_.size(); ++k) {
-        const Test& test = tests_[k];
+        const RecordedTest& test = tests_[k];
         const Computed& c = done_[k];
-        const std::string at = fmt::format("{}_", name_of(test.pressure));
+        const std::string at = fmt::format("{}_", folder_of(test.pressure));
         const auto add = [&](const char* what, const auto& value) { summary.add(fmt::format("{}{}", at, what), value); };
-        const auto both = [&](const char* what, const char* unit, double free, double fused) {
-            summary.add(fmt::format("{}DEM_only_rmse_{}{}", at, what, unit), free);
-            summary.add(fmt::format("{}fused_rmse_{}{}", at, what, unit), fused);
-            summary.add(fmt::format("{}error_left_{}", at, what), fused / free);
+        const auto both = [&](const char* what, const char* unit, double without, double with) {
+            summary.add(fmt::format("{}DEM_only_rmse_{}{}", at, what, unit), without);
+            summary.add(fmt::format("{}fused_rmse_{}{}", at, what, unit), with);
+            summary.add(fmt::format("{}error_left_{}", at, what), with / without);
         };
         if (!c.learned.known.empty()) {
             const Gaussian& belief = c.learned.known.back().belief;
@@ -385,16 +282,16 @@ void Computation::report() {
             add("stiffness_ratio", mean_of(belief).stiffness);
             add("stiffness_ratio_deviation", mean_of(belief).stiffness * std::sqrt(covariance(1, 1)));
         }
-        both("q", "_Pa", difference(c.free.points, test.measured, &TriaxialPoint::deviatoric_stress), difference(c.fused.points, test.measured, &TriaxialPoint::deviatoric_stress));
-        both("volumetric_strain", "", difference(c.free.points, test.measured, &TriaxialPoint::volumetric_strain),
-             difference(c.fused.points, test.measured, &TriaxialPoint::volumetric_strain));
-        both("ring_strain", "", ring_difference(c.free.points, test.measured), ring_difference(c.fused.points, test.measured));
-        both("sensor_displacement", "_m", sensor_difference(c.free, test.ways), sensor_difference(c.fused, test.ways));
-        add("sensors_refused", std::ranges::count_if(test.recordings, [&](const Recording& r) { return !accepted(test.findings, r.info.id); }));
+        const Misfit free = misfit_of(c.free, test), fused = misfit_of(c.fused, test);
+        both("q", "_Pa", free.q, fused.q);
+        both("volumetric_strain", "", free.volumetric_strain, fused.volumetric_strain);
+        both("ring_strain", "", free.ring_strain, fused.ring_strain);
+        both("sensor_displacement", "_m", free.sensor_displacement, fused.sensor_displacement);
+        add("sensors_refused", test.refused());
         add("measurements_accepted", c.fused.accepted);
         add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.platen_work);
-        write_curve(common_.out / name_of(test.pressure) / "dem_only.csv", c.free.points);
-        write_curve(common_.out / name_of(test.pressure) / "fused.csv", c.fused.points);
+        write_curve(common_.out / folder_of(test.pressure) / "dem_only.csv", c.free.points);
+        write_curve(common_.out / folder_of(test.pressure) / "fused.csv", c.fused.points);
     }
     summary.add("preparation_wall_time_s", preparation_wall_);
     summary.add("learning_wall_time_s", learning_wall_);
@@ -406,23 +303,22 @@ void Computation::report() {
 
 void run(const Smart& given, const Common& common) {
     Smart s = given;
-    const auto infos = read_infos(s.recordings);
+    const auto infos = read_sensor_infos(s.recordings);
     if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(s.recordings / "sensor_poses.csv")) s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
     if (common.explain) {
         fmt::print("{}", make_simulation(make_scene(s.triaxial, common.seed), 1, common.serial).schedule().explain());
         return;
     }
-    std::vector<Test> tests;
+    std::vector<RecordedTest> tests;
     std::string report;
     for (const double pressure : s.triaxial.confining_pressure) {
-        tests.push_back(read_recorded(s, pressure, infos));
-        report += fmt::format("{}\n{}", name_of(pressure), intake_report(tests.back().findings, tests.back().recordings));
-        std::filesystem::create_directories(common.out / name_of(pressure));
+        tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.intake));
+        report += fmt::format("{}\n{}", folder_of(pressure), intake_report(tests.back().findings, tests.back().recordings));
+        std::filesystem::create_directories(common.out / folder_of(pressure));
     }
     report += fmt::format("\n{}", observability(s, tests.front()));
     write_whole(common.out / "intake.txt", report);
-    const auto refused = [](const Test& t) { return std::ranges::count_if(t.recordings, [&](const Recording& r) { return !accepted(t.findings, r.info.id); }); };
-    for (const Test& t : tests) fmt::print("{}: {} recordings, {} refused ({})\n", name_of(t.pressure), t.recordings.size(), refused(t), (common.out / "intake.txt").string());
+    for (const RecordedTest& t : tests) fmt::print("{}: {} recordings, {} refused ({})\n", folder_of(t.pressure), t.recordings.size(), t.refused(), (common.out / "intake.txt").string());
     Computation computation(s, common, std::move(tests));
     computation.run();
     computation.report();

@@ -12,6 +12,7 @@
 #include "systems/experiments/names.hpp"
 #include "systems/output/plot.hpp"
 #include "systems/procedure/analysis.hpp"
+#include "systems/procedure/recorded_test.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 #include "systems/procedure/twin.hpp"
 
@@ -146,8 +147,7 @@ public:
 private:
     ModelArm arm_of(const std::string& name) const;
     void learn_parameters();
-    void write_recording() const;
-    std::vector<std::vector<double>> measured_rows() const;
+    std::vector<TriaxialPoint> measured() const;
     std::vector<ModelRun> run_all(const std::vector<ModelArm>& arms, const TriaxialSettings& test);
 
     const Twin& t_;
@@ -197,11 +197,9 @@ std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, con
 
 void Experiment::learn_parameters() {
     const auto began = this_instant();
-    MeasuredTest measured = measured_test(truth_.points);
+    MeasuredTest measured = measured_test(this->measured());
     measured.ways = recorded_ways(truth_, t_.interval, t_.position_noise, t_.attitude_noise, common_.seed);
     measured.displacement_noise = t_.position_noise;
-    Random random(common_.seed, 999);
-    for (double& q : measured.q) q *= 1 + t_.learning.force_noise * random.normal();
     const bool all_the_way = std::ranges::any_of(names_, is_computed);
     learned_ = learn_in_two_generations(prior_of(t_.model, t_.learning), measured, t_.learning, all_the_way ? test_.final_axial_strain : t_.learning.final_strain,
                                         [&](const std::vector<ModelArm>& arms, double strain) {
@@ -213,48 +211,22 @@ void Experiment::learn_parameters() {
     learning_wall_ = seconds_since(began);
 }
 
-std::vector<std::string> names_of_test(std::size_t rings) {
-    std::vector<std::string> names{"axial_strain", "deviatoric_stress_Pa", "volumetric_strain"};
-    for (std::size_t r = 1; r <= rings; ++r) names.push_back(fmt::format("ring_{}_radius_m", r));
-    return names;
-}
-
-std::vector<std::vector<double>> Experiment::measured_rows() const {
+/// What the test machine tells of the truth.
+std::vector<TriaxialPoint> Experiment::measured() const {
+    std::vector<TriaxialPoint> points = truth_.points;
     Random random(common_.seed, 999);
-    std::vector<std::vector<double>> rows;
-    for (const TriaxialPoint& p : truth_.points) {
-        rows.push_back({p.axial_strain, p.deviatoric_stress * (1 + t_.learning.force_noise * random.normal()), p.volumetric_strain});
-        rows.back().insert(rows.back().end(), p.ring_radius.begin(), p.ring_radius.end());
-    }
-    return rows;
-}
-
-/// The truth as a folder of recordings, with what is known of the sensors beforehand.
-void Experiment::write_recording() const {
-    RecordingSettings settings;
-    settings.interval = t_.interval;
-    settings.displacement_noise = t_.position_noise;
-    settings.attitude_noise = t_.attitude_noise;
-    const auto recordings = record_sensors(truth_, settings, common_.seed);
-    const auto folder = t_.record / fmt::format("{:.4g}kPa", test_.confining_pressure / 1e3);
-    std::filesystem::create_directories(folder);
-    for (const Recording& r : recordings) write_sensor_info(t_.record / fmt::format("rock_{:02}.txt", r.info.id), r.info);
-    write_recordings(folder / "recordings.csv", recordings,
-                     {"ten sensor rocks in a triaxial test: a line for each, every 12 s; t by the sensor's own clock (s), strain: axial, of the test",
-                      "ax ay az: specific force (m/s2), gx gy gz: rate (rad/s), in the rock's axes, means of the time since the line before",
-                      "ux uy uz: displacement (m), qw qx qy qz: attitude, body to world, as another means of tracking would measure them"});
-    std::vector<std::vector<double>> poses;
-    for (const SmartRockPose& p : scene_.poses)
-        poses.push_back({p.position.x() / scene_.specimen.radius, p.position.y() / scene_.specimen.radius, p.position.z() / scene_.specimen.height, p.orientation.w(), p.orientation.x(), p.orientation.y(), p.orientation.z()});
-    write_csv(t_.record / "sensor_poses.csv", {"x_over_radius", "y_over_radius", "z_over_height", "qw", "qx", "qy", "qz"}, poses, {"where the sensor rocks were put"}, 9);
-    write_csv(folder / "test.csv", names_of_test(truth_.points.front().ring_radius.size()), measured_rows(), {"what the machine measured, stage by stage; compression positive"}, 6);
+    for (TriaxialPoint& p : points) p.deviatoric_stress *= 1 + t_.learning.force_noise * random.normal();
+    return points;
 }
 
 void Experiment::run() {
     specimen_ = make_specimen(scene_, test_, common_, [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
     progress_.pause();
     truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_).front();
-    if (!t_.record.empty()) write_recording();
+    if (!t_.record.empty()) {
+        const RecordingSettings settings{.interval = t_.interval, .displacement_noise = t_.position_noise, .attitude_noise = t_.attitude_noise};
+        write_recorded_test(t_.record, test_.confining_pressure, record_sensors(truth_, settings, common_.seed), scene_, measured());
+    }
     if (std::ranges::any_of(names_, learns)) learn_parameters();
     std::vector<ModelArm> to_run;
     for (const std::string& name : names_) {

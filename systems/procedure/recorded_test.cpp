@@ -1,0 +1,142 @@
+#include "systems/procedure/recorded_test.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+std::vector<TriaxialPoint> read_test(const std::filesystem::path& csv) {
+    const CsvTable table = read_csv(csv);
+    const auto strain = table.column("axial_strain"), q = table.column("deviatoric_stress_Pa");
+    std::vector<TriaxialPoint> points;
+    const auto volume = table.has("volumetric_strain") ? table.column("volumetric_strain") : std::vector<double>(strain.size(), std::nan(""));
+    std::vector<std::vector<double>> rings;
+    for (std::size_t r = 1; table.has(fmt::format("ring_{}_radius_m", r)); ++r) rings.push_back(table.column(fmt::format("ring_{}_radius_m", r)));
+    for (std::size_t k = 0; k < strain.size(); ++k) {
+        const std::string at = fmt::format("{}:{}", csv.string(), table.lines[k]);
+        require(std::isfinite(strain[k]) && (k == 0 || strain[k] > strain[k - 1]), fmt::format("{}: axial_strain: expected numbers that grow, found {}", at, strain[k]));
+        require(std::isfinite(q[k]), fmt::format("{}: deviatoric_stress_Pa: expected a number, found {}", at, q[k]));
+        TriaxialPoint& p = points.emplace_back();
+        p.axial_strain = strain[k];
+        p.deviatoric_stress = q[k];
+        p.volumetric_strain = volume[k];
+        for (const auto& ring : rings) p.ring_radius.push_back(ring[k]);
+    }
+    require(points.size() > 1, fmt::format("{}: expected at least two rows, found {}", csv.string(), points.size()));
+    return points;
+}
+
+/// At the strains that both curves have.
+double difference_of(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured, double TriaxialPoint::* value) {
+    double squares = 0, count = 0;
+    std::size_t at = 0;
+    for (const TriaxialPoint& m : measured) {
+        if (m.axial_strain <= 0) continue;
+        while (at + 1 < run.size() && run[at].axial_strain < m.axial_strain - 1e-7) ++at;
+        if (std::abs(run[at].axial_strain - m.axial_strain) > 1e-5) continue;
+        squares += std::pow(run[at].*value - m.*value, 2);
+        ++count;
+    }
+    return std::sqrt(squares / count);
+}
+
+/// Radial strain of the rings at the end, against what was measured there.
+double ring_difference(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured) {
+    if (measured.back().ring_radius.size() != run.back().ring_radius.size()) return std::nan("");
+    double squares = 0;
+    const std::size_t rings = run.back().ring_radius.size();
+    for (std::size_t r = 0; r < rings; ++r)
+        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - measured.back().ring_radius[r] / measured.front().ring_radius[r], 2);
+    return std::sqrt(squares / static_cast<double>(rings));
+}
+
+/// Root mean square of what sensor rocks of the model are off by, as far as they were measured.
+double sensor_difference(const ModelRun& run, const std::vector<SensorWay>& ways) {
+    double squares = 0, count = 0;
+    for (std::size_t s = 0; s < std::min(run.sensors, ways.size()); ++s) {
+        std::size_t stage = 0;
+        for (std::size_t k = 0; k < ways[s].strain.size(); ++k) {
+            while (stage + 1 < run.points.size() && run.points[stage].axial_strain < ways[s].strain[k] - 1e-7) ++stage;
+            if (!ways[s].displacement[k].allFinite() || std::abs(run.points[stage].axial_strain - ways[s].strain[k]) > 1e-5) continue;
+            squares += (run.displacement[stage][s] - ways[s].displacement[k]).squaredNorm();
+            ++count;
+        }
+    }
+    return std::sqrt(squares / count);
+}
+
+} // namespace
+
+std::size_t RecordedTest::refused() const {
+    return static_cast<std::size_t>(std::ranges::count_if(recordings, [&](const Recording& r) { return !accepted(findings, r.info.id); }));
+}
+
+std::string folder_of(double pressure) { return fmt::format("{:.4g}kPa", pressure / 1e3); }
+
+std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    if (!std::filesystem::is_directory(folder)) throw OutputError(fmt::format("cannot read folder '{}'", folder.string()));
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".txt" && entry.path().filename().string().starts_with("rock_")) files.push_back(entry.path());
+    require(!files.empty(), fmt::format("--recordings: expected files rock_NN.txt in '{}', found none", folder.string()));
+    std::ranges::sort(files);
+    std::vector<SensorInfo> infos;
+    for (const auto& file : files) infos.push_back(read_sensor_info(file));
+    return infos;
+}
+
+RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<SensorInfo>& infos, const IntakeSettings& settings) {
+    RecordedTest test;
+    test.pressure = pressure;
+    test.recordings = read_recordings(folder / folder_of(pressure) / "recordings.csv", infos);
+    test.measured = read_test(folder / folder_of(pressure) / "test.csv");
+    for (Recording& r : test.recordings) {
+        if (!settings.displacement) r.displacement.clear();
+        if (!settings.attitude) r.attitude.clear();
+    }
+    IntakeLimits limits;
+    limits.rest = settings.rest;
+    limits.stuck = std::max(limits.stuck, 3 / infos.front().sampling_rate);
+    test.findings = look_at(test.recordings, Vec3(0, 0, -9.81), limits);
+    for (const Recording& r : test.recordings)
+        test.ways.push_back(accepted(test.findings, r.info.id) ? way_of(r, settings.interval) : SensorWay{});
+    return test;
+}
+
+void write_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<Recording>& recordings, const TriaxialScene& scene,
+                         const std::vector<TriaxialPoint>& measured) {
+    const auto of_test = folder / folder_of(pressure);
+    for (const Recording& r : recordings) write_sensor_info(folder / fmt::format("rock_{:02}.txt", r.info.id), r.info);
+    write_recordings(of_test / "recordings.csv", recordings,
+                     {"sensor rocks in a triaxial test; t by the sensor's own clock (s), strain: axial, of the test",
+                      "ax ay az: specific force (m/s2), gx gy gz: rate (rad/s), in the rock's axes, means of the time since the line before",
+                      "ux uy uz: displacement (m), qw qx qy qz: attitude, body to world, as another means of tracking would measure them"});
+    const double radius = scene.specimen.radius, height = scene.specimen.height;
+    std::vector<std::vector<double>> poses, rows;
+    for (const SmartRockPose& p : scene.poses)
+        poses.push_back({p.position.x() / radius, p.position.y() / radius, p.position.z() / height, p.orientation.w(), p.orientation.x(), p.orientation.y(), p.orientation.z()});
+    write_csv(folder / "sensor_poses.csv", {"x_over_radius", "y_over_radius", "z_over_height", "qw", "qx", "qy", "qz"}, poses, {"where the sensor rocks were put"}, 9);
+    std::vector<std::string> names{"axial_strain", "deviatoric_stress_Pa", "volumetric_strain"};
+    for (std::size_t r = 1; r <= measured.front().ring_radius.size(); ++r) names.push_back(fmt::format("ring_{}_radius_m", r));
+    for (const TriaxialPoint& p : measured) {
+        rows.push_back({p.axial_strain, p.deviatoric_stress, p.volumetric_strain});
+        rows.back().insert(rows.back().end(), p.ring_radius.begin(), p.ring_radius.end());
+    }
+    write_csv(of_test / "test.csv", names, rows, {"what the machine measured, stage by stage; compression positive"}, 6);
+}
+
+Misfit misfit_of(const ModelRun& run, const RecordedTest& test) {
+    return {.q = difference_of(run.points, test.measured, &TriaxialPoint::deviatoric_stress),
+            .volumetric_strain = difference_of(run.points, test.measured, &TriaxialPoint::volumetric_strain),
+            .ring_strain = ring_difference(run.points, test.measured),
+            .sensor_displacement = sensor_difference(run, test.ways)};
+}
+
+} // namespace bris

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "systems/fusion/intake.hpp"
+#include "systems/procedure/model_run.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// A triaxial test at one pressure as a folder of files tells it: FOLDER/rock_01.txt ... of the sensor rocks,
+/// FOLDER/55kPa/recordings.csv and FOLDER/55kPa/test.csv (axial_strain, deviatoric_stress_Pa; volumetric_strain and
+/// ring_1_radius_m ... where measured).
+struct RecordedTest {
+    double pressure = 0; ///< Pa
+    std::vector<Recording> recordings;
+    std::vector<Finding> findings;       ///< of the intake
+    std::vector<SensorWay> ways;         ///< of all sensors; one that was refused tells nothing
+    std::vector<TriaxialPoint> measured; ///< strain, q, volumetric strain (NaN: not measured) and ring radii
+    std::size_t refused() const;
+};
+
+/// What is taken from recordings.
+struct IntakeSettings {
+    double rest = 60;        ///< s, at their beginning, in which the rocks lie still
+    double interval = 1e-3;  ///< axial strain between samples
+    bool displacement = true, attitude = true; ///< whether these channels are used where there are
+};
+
+/// The folder of a pressure, as 55kPa.
+std::string folder_of(double pressure);
+
+/// The metadata of all sensor rocks. Throws InputError, OutputError.
+std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder);
+
+/// Throws InputError with file:line, OutputError.
+RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<SensorInfo>& infos, const IntakeSettings& settings);
+
+/// Writes metadata, recordings, the sensor rocks' given poses (in radii and heights of the specimen) and what was measured.
+/// Throws OutputError.
+void write_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<Recording>& recordings, const TriaxialScene& scene,
+                         const std::vector<TriaxialPoint>& measured);
+
+/// Root mean square differences of a model from a test, over the strains that both have; NaN where nothing was measured.
+struct Misfit {
+    double q = 0, volumetric_strain = 0; ///< Pa, -
+    double ring_strain = 0;              ///< -, at the end
+    double sensor_displacement = 0;      ///< m
+};
+Misfit misfit_of(const ModelRun& run, const RecordedTest& test);
+
+} // namespace bris
