@@ -10,7 +10,7 @@
 #include "systems/output/picture.hpp"
 #include "systems/output/plot.hpp"
 #include "systems/output/record.hpp"
-#include "systems/procedure/learning.hpp"
+#include "systems/procedure/learning_results.hpp"
 #include "systems/procedure/recorded_test.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 
@@ -274,14 +274,9 @@ void Computation::report() {
             summary.add(fmt::format("{}fused_rmse_{}{}", at, what, unit), with);
             summary.add(fmt::format("{}error_left_{}", at, what), with / without);
         };
-        if (!c.learned.known.empty()) {
-            const Gaussian& belief = c.learned.known.back().belief;
-            const Matrix covariance = belief.covariance();
-            add("friction", mean_of(belief).friction);
-            add("friction_deviation", mean_of(belief).friction * std::sqrt(covariance(0, 0)));
-            add("stiffness_ratio", mean_of(belief).stiffness);
-            add("stiffness_ratio_deviation", mean_of(belief).stiffness * std::sqrt(covariance(1, 1)));
-        }
+        if (!c.learned.known.empty())
+            for (const NamedValue& v : describe(c.learned.known.back().belief)) summary.add(NamedValue(at + v.key, std::get<double>(v.value)));
+        write_known(common_.out / folder_of(test.pressure) / "learned.csv", c.learned.known);
         const Misfit free = misfit_of(c.free, test), fused = misfit_of(c.fused, test);
         both("q", "_Pa", free.q, fused.q);
         both("volumetric_strain", "", free.volumetric_strain, fused.volumetric_strain);

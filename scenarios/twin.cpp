@@ -3,7 +3,6 @@
 // the true parameters from a start disturbed by less than a grain of dust: no model can know more than that.
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
-#include "engine/io/csv.hpp"
 #include "engine/progress.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
@@ -12,6 +11,7 @@
 #include "systems/experiments/names.hpp"
 #include "systems/output/plot.hpp"
 #include "systems/procedure/analysis.hpp"
+#include "systems/procedure/learning_results.hpp"
 #include "systems/procedure/recorded_test.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 #include "systems/procedure/twin.hpp"
@@ -20,6 +20,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <sstream>
 
 namespace bris {
@@ -118,21 +119,6 @@ bool is_computed(const std::string& arm) { return arm == "ensemble" || arm == "a
 
 bool learns(const std::string& arm) { return arm == "learned" || arm == "both" || is_computed(arm); }
 
-/// What each world foretold of q, stage by stage.
-void write_worlds(const std::filesystem::path& csv, const Worlds& worlds) {
-    std::vector<std::string> names{"axial_strain"}, comments;
-    for (const RockBelief& b : worlds.beliefs) {
-        names.push_back(fmt::format("q_{}_Pa", names.size()));
-        comments.push_back(fmt::format("world {}: friction {:.4g}, stiffness {:.4g}", comments.size() + 1, b.friction, b.stiffness));
-    }
-    std::vector<std::vector<double>> rows;
-    for (std::size_t k = 0; k < worlds.runs.front().points.size(); ++k) {
-        rows.push_back({worlds.runs.front().points[k].axial_strain});
-        for (const ModelRun& run : worlds.runs) rows.back().push_back(run.points[k].deviatoric_stress);
-    }
-    write_csv(csv, names, rows, comments, 7);
-}
-
 /// The pieces of one experiment.
 class Experiment {
 public:
@@ -142,9 +128,13 @@ public:
         test_.confining_pressure = t_.triaxial.confining_pressure.front();
     }
     void run();
-    void report();
+    void report() const;
 
 private:
+    void add_arm(Summary& summary, std::size_t k, const TwinErrors* of_free) const;
+    void add_properties(Summary& summary, const std::string& name, const ModelRun& run) const;
+    void add_learned(Summary& summary) const;
+    void draw() const;
     ModelArm arm_of(const std::string& name) const;
     void learn_parameters();
     std::vector<TriaxialPoint> measured() const;
@@ -207,7 +197,6 @@ void Experiment::learn_parameters() {
                                             test.final_axial_strain = std::min(strain, test.final_axial_strain);
                                             return run_all(arms, test);
                                         });
-    write_worlds(common_.out / "worlds.csv", learned_.second);
     learning_wall_ = seconds_since(began);
 }
 
@@ -249,65 +238,67 @@ void Experiment::run() {
     }
 }
 
-void Experiment::report() {
-    Summary summary;
-    const auto free = std::ranges::find(names_, "free");
-    TwinErrors reference;
-    if (free != names_.end()) reference = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
-    for (std::size_t k = 0; k < arms_.size(); ++k) {
-        const TwinErrors errors = errors_of(runs_[k], truth_);
-        std::vector<double> left;
-        visit_errors(reference, [&](const std::string&, const char*, double e) { left.push_back(e); });
-        auto of_free = left.begin();
-        visit_errors(errors, [&](const std::string& what, const char* unit, double e) {
-            summary.add(fmt::format("{}_rmse_{}{}{}", arms_[k].name, what, *unit ? "_" : "", unit), e);
-            if (free != names_.end() && arms_[k].name != "free") summary.add(fmt::format("{}_error_left_{}", arms_[k].name, what), e / *of_free);
-            ++of_free;
-        });
-        summary.add(arms_[k].name + "_steps", runs_[k].steps);
-        summary.add(arms_[k].name + "_wall_time_s", runs_[k].wall_time);
-        const TriaxialProperties properties = properties_of(runs_[k].points, test_.confining_pressure);
-        summary.add(arms_[k].name + "_secant_modulus_E50_Pa", properties.secant_modulus);
-        summary.add(arms_[k].name + "_poisson_ratio_E50", properties.poisson_ratio);
-        summary.add(arms_[k].name + "_peak_friction_angle_deg", properties.peak_friction_angle);
-        if (arms_[k].ways.empty() || is_computed(arms_[k].name)) continue;
-        summary.add(arms_[k].name + "_fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].platen_work);
-        summary.add(arms_[k].name + "_measurements_accepted", runs_[k].accepted);
-        summary.add(arms_[k].name + "_measurements_refused", runs_[k].refused);
-    }
-    const TriaxialProperties truth = properties_of(truth_.points, test_.confining_pressure);
-    summary.add("truth_secant_modulus_E50_Pa", truth.secant_modulus);
-    summary.add("truth_poisson_ratio_E50", truth.poisson_ratio);
-    summary.add("truth_peak_friction_angle_deg", truth.peak_friction_angle);
-    if (displacement_.length > 0) {
-        summary.add("likeness_of_displacements", displacement_.near);
-        summary.add("likeness_of_displacements_length_m", displacement_.length);
-        summary.add("likeness_of_rotations", rotation_.near);
-        summary.add("likeness_of_rotations_length_m", rotation_.length);
-    }
-    if (!learned_.known.empty()) {
-        const Gaussian& last = learned_.known.back().belief;
-        const RockBelief mean = mean_of(last);
-        const Matrix covariance = last.covariance();
-        summary.add("learned_friction", mean.friction);
-        summary.add("learned_friction_deviation", mean.friction * std::sqrt(covariance(0, 0)));
-        summary.add("learned_stiffness_ratio", mean.stiffness);
-        summary.add("learned_stiffness_ratio_deviation", mean.stiffness * std::sqrt(covariance(1, 1)));
-        summary.add("learned_squared_distance_of_truth", squared_distance(last, logarithms_of({test_.friction, 1})));
-        summary.add("learning_wall_time_s", learning_wall_);
-        std::vector<std::vector<double>> rows;
-        for (const KnownAt& k : learned_.known) {
-            const Matrix c = k.belief.covariance();
-            rows.push_back({k.strain, std::exp(k.belief.mean[0]), std::sqrt(c(0, 0)), std::exp(k.belief.mean[1]), std::sqrt(c(1, 1)), k.squared_distance});
-        }
-        write_csv(common_.out / "learned.csv", {"axial_strain", "friction", "friction_log_deviation", "stiffness_ratio", "stiffness_log_deviation", "squared_distance"}, rows, {}, 6);
-    }
+void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_free) const {
+    const std::string& name = arms_[k].name;
+    const auto add = [&](const char* what, const auto& value) { summary.add(fmt::format("{}_{}", name, what), value); };
+    std::vector<double> free;
+    if (of_free) visit_errors(*of_free, [&](const std::string&, const char*, double e) { free.push_back(e); });
+    auto one_of_free = free.begin();
+    visit_errors(errors_of(runs_[k], truth_), [&](const std::string& what, const char* unit, double e) {
+        summary.add(fmt::format("{}_rmse_{}{}{}", name, what, *unit ? "_" : "", unit), e);
+        if (of_free && name != "free") summary.add(fmt::format("{}_error_left_{}", name, what), e / *one_of_free++);
+    });
+    add("steps", runs_[k].steps);
+    add("wall_time_s", runs_[k].wall_time);
+    add_properties(summary, name, runs_[k]);
+    if (arms_[k].ways.empty() || is_computed(name)) return;
+    add("fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].platen_work);
+    add("measurements_accepted", runs_[k].accepted);
+    add("measurements_refused", runs_[k].refused);
+}
+
+void Experiment::add_properties(Summary& summary, const std::string& name, const ModelRun& run) const {
+    const TriaxialProperties properties = properties_of(run.points, test_.confining_pressure);
+    summary.add(name + "_secant_modulus_E50_Pa", properties.secant_modulus);
+    summary.add(name + "_poisson_ratio_E50", properties.poisson_ratio);
+    summary.add(name + "_peak_friction_angle_deg", properties.peak_friction_angle);
+}
+
+void Experiment::add_learned(Summary& summary) const {
+    if (learned_.known.empty()) return;
+    const Gaussian& last = learned_.known.back().belief;
+    summary.add(describe(last));
+    summary.add("learned_squared_distance_of_truth", squared_distance(last, logarithms_of({test_.friction, 1})));
+    summary.add("learning_wall_time_s", learning_wall_);
+    if (displacement_.length <= 0) return;
+    summary.add("likeness_of_displacements", displacement_.near);
+    summary.add("likeness_of_displacements_length_m", displacement_.length);
+    summary.add("likeness_of_rotations", rotation_.near);
+    summary.add("likeness_of_rotations_length_m", rotation_.length);
+}
+
+void Experiment::draw() const {
     const auto panel = [&](const char* title, double scale, double TriaxialPoint::* value) {
         Plot plot{.title = title, .x_label = "axial strain (%)", .y_label = title, .curves = {curve_of("truth", truth_, scale, value)}};
         for (std::size_t k = 0; k < arms_.size(); ++k) plot.curves.push_back(curve_of(arms_[k].name, runs_[k], scale, value));
         return plot;
     };
     draw_plots(common_.out / "twin.png", {panel("q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress), panel("volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain)});
+}
+
+void Experiment::report() const {
+    Summary summary;
+    const auto free = std::ranges::find(names_, "free");
+    std::optional<TwinErrors> of_free;
+    if (free != names_.end()) of_free = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
+    for (std::size_t k = 0; k < arms_.size(); ++k) add_arm(summary, k, of_free ? &*of_free : nullptr);
+    add_properties(summary, "truth", truth_);
+    add_learned(summary);
+    if (!learned_.known.empty()) {
+        write_known(common_.out / "learned.csv", learned_.known);
+        write_worlds(common_.out / "worlds.csv", learned_.second);
+    }
+    draw();
     report_results(common_, summary);
 }
 
