@@ -46,14 +46,7 @@ struct Smart {
         option.group("model");
         option("model_friction", model.friction, "", "of rocks, before anything is measured", above(0));
         option("model_stiffness", model.stiffness, "", "of contacts, of --clump-stiffness, likewise", above(0));
-        option("friction_deviation", learning.friction_deviation, "", "of its logarithm, likewise", above(0));
-        option("stiffness_deviation", learning.stiffness_deviation, "", "likewise", above(0));
-        option("specimen_scatter", learning.specimen_scatter, "", "by which the real specimen may be stronger than the model's for other reasons, of ln q", at_least(0));
-        option("learn_by_sensors", learning.by_sensors, "", "too, by how far they move outwards, where that was recorded, not by q alone");
-        option("force_noise", learning.force_noise, "", "of q as measured, relative", at_least(0));
-        option("worlds", learning.worlds, "", "in each of two generations, that friction and stiffness are learned from", within(6, 1000));
-        option("first_strain", learning.first_strain, "", "to which the first generation runs", above(0));
-        option("learning_strain", learning.final_strain, "", "to which learning goes on", above(0));
+        learning.describe(option);
         option("change", change, "", "of friction or stiffness, from which on the model is told of it", above(0));
         option.group("corrections of sensor rocks");
         option("pull_stiffness", corrections.pull.stiffness, "N/m", "of forces that pull them; 0: their poses are compared, not corrected", at_least(0));

@@ -59,14 +59,7 @@ struct Twin {
         option("model_friction", model.friction, "", "of rocks in the model; the truth's is --friction", above(0));
         option("model_stiffness", model.stiffness, "", "of contacts in the model, of the truth's", above(0));
         option("disturbance", disturbance, "m", "of all places, in the run that shows chaos alone", at_least(0));
-        option("worlds", learning.worlds, "", "in each of two generations, that friction and stiffness are learned from", within(6, 1000));
-        option("first_strain", learning.first_strain, "", "to which the first of two generations of worlds runs", above(0));
-        option("learning_strain", learning.final_strain, "", "to which it goes on", above(0));
-        option("learning_window", learning.window, "", "axial strain over which q is averaged", above(0));
-        option("friction_deviation", learning.friction_deviation, "", "of its logarithm, before the test", above(0));
-        option("stiffness_deviation", learning.stiffness_deviation, "", "likewise", above(0));
-        option("learn_by_sensors", learning.by_sensors, "", "too, by how far they move outwards, not by q alone");
-        option("force_noise", learning.force_noise, "", "of q as measured, relative", at_least(0));
+        learning.describe(option);
         option("change", change, "", "of friction or stiffness, from which on the model is told of it", above(0));
         option("catch_up", catch_up, "", "begin again with what was learned, else go on from where the model is");
         option("record", record, "", "a folder for what the sensors of the truth record, as smart_triaxial reads it; empty: none");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/options.hpp"
 #include "engine/signal/kalman.hpp"
 #include "systems/procedure/model_run.hpp"
 
@@ -18,6 +19,8 @@ struct Learning {
     double specimen_scatter = 0;    ///< by which the real specimen may be stronger or weaker than the model's, of ln q
     double force_noise = 0.01;      ///< of ln q as measured
     bool by_sensors = true;         ///< and not by q alone
+
+    void describe(auto& option);
 };
 
 /// What was measured in a test: q (Pa) by axial strain, in order of strain, and the ways of the sensor rocks, if there are.
@@ -70,5 +73,17 @@ std::vector<LearnedBelief> schedule_of(const std::vector<KnownAt>& known, const 
 /// What the worlds foretell together for the parameters as they are known at each strain: their regression on their
 /// beliefs. Chaos of single worlds averages out; a run cannot know better where its rocks go. Curves and motions only.
 ModelRun foretold_by(const Learned& learned, const Gaussian& prior);
+
+void Learning::describe(auto& option) {
+    option("worlds", worlds, "", "in each of two generations, that friction and stiffness are learned from", within(6, 1000));
+    option("first_strain", first_strain, "", "to which the first generation runs", above(0));
+    option("learning_strain", final_strain, "", "to which learning goes on", above(0));
+    option("learning_window", window, "", "axial strain over which q is averaged", above(0));
+    option("friction_deviation", friction_deviation, "", "of its logarithm, before anything is measured", above(0));
+    option("stiffness_deviation", stiffness_deviation, "", "likewise", above(0));
+    option("specimen_scatter", specimen_scatter, "", "by which the real specimen may be stronger than the model's for other reasons, of ln q", at_least(0));
+    option("force_noise", force_noise, "", "of q as measured, relative", at_least(0));
+    option("learn_by_sensors", by_sensors, "", "too, by how far they move outwards, where that was recorded, not by q alone");
+}
 
 } // namespace bris
