@@ -301,6 +301,7 @@ void run(const Smart& given, const Common& common) {
     std::string report;
     for (const double pressure : s.triaxial.confining_pressure) {
         tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.intake));
+        std::erase_if(tests.back().measured, [&](const TriaxialPoint& p) { return p.axial_strain > s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain; });
         report += fmt::format("{}\n{}", folder_of(pressure), intake_report(tests.back().findings, tests.back().recordings));
         std::filesystem::create_directories(common.out / folder_of(pressure));
     }

@@ -47,13 +47,14 @@ double difference_of(const std::vector<TriaxialPoint>& run, const std::vector<Tr
     return std::sqrt(squares / count);
 }
 
-/// Radial strain of the rings at the end, against what was measured there.
+/// Radial strain of the rings at the end of the run, against what was measured there.
 double ring_difference(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured) {
-    if (measured.back().ring_radius.size() != run.back().ring_radius.size()) return std::nan("");
-    double squares = 0;
+    const auto at_end = std::ranges::find_if(measured, [&](const TriaxialPoint& m) { return std::abs(m.axial_strain - run.back().axial_strain) < 1e-5; });
     const std::size_t rings = run.back().ring_radius.size();
+    if (at_end == measured.end() || at_end->ring_radius.size() != rings) return std::nan("");
+    double squares = 0;
     for (std::size_t r = 0; r < rings; ++r)
-        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - measured.back().ring_radius[r] / measured.front().ring_radius[r], 2);
+        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - at_end->ring_radius[r] / measured.front().ring_radius[r], 2);
     return std::sqrt(squares / static_cast<double>(rings));
 }
 

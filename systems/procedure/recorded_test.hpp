@@ -45,7 +45,7 @@ void write_recorded_test(const std::filesystem::path& folder, double pressure, c
 /// Root mean square differences of a model from a test, over the strains that both have; NaN where nothing was measured.
 struct Misfit {
     double q = 0, volumetric_strain = 0; ///< Pa, -
-    double ring_strain = 0;              ///< -, at the end
+    double ring_strain = 0;              ///< -, at the end of the run
     double sensor_displacement = 0;      ///< m
 };
 Misfit misfit_of(const ModelRun& run, const RecordedTest& test);
