@@ -81,7 +81,10 @@ class Computation {
 public:
     Computation(const Smart& settings, const Common& common, std::vector<RecordedTest> tests)
         : s_(settings), common_(common), tests_(std::move(tests)), scene_(make_scene(s_.triaxial, common.seed)),
-          progress_(std::max(2u, common.threads), common.quiet ? Progress::Style::quiet : Progress::Style::automatic), done_(tests_.size()) {}
+          progress_(std::max(2u, common.threads), common.quiet ? Progress::Style::quiet : Progress::Style::automatic), done_(tests_.size()) {
+        const std::size_t recorded = tests_.front().recordings.size();
+        require(recorded == scene_.poses.size(), fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as the model has, {}, found {}", scene_.poses.size(), recorded));
+    }
     void run();
     void report();
 
