@@ -3,7 +3,6 @@
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
-#include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
@@ -33,8 +32,7 @@ struct Smart {
     double change = 0.03, stage_time = 1.2, drift = 1e-3, turn = 0.1;
 
     Smart() {
-        // velocities are known to be none at stage ends, and forgotten in between
-        corrections.filter = {.acceleration_density = 1, .angular_acceleration_density = 100, .drift = 1e-5, .turning = 0.1, .gate = 0.999};
+        corrections.filter.gate = 0.999;
         corrections.pull = {0, 100, 0.01};
     }
     void describe(auto& option) {
@@ -72,6 +70,7 @@ std::string observability(const Smart& s, const RecordedTest& test) {
 
 /// One test, computed: the model alone and the one that learns.
 struct Computed {
+    RockBelief before; ///< believed when the test began
     Learned learned;
     ModelRun free, fused;
     std::vector<View> views;
@@ -80,8 +79,7 @@ struct Computed {
 class Computation {
 public:
     Computation(const Smart& settings, const Common& common, std::vector<RecordedTest> tests)
-        : s_(settings), common_(common), tests_(std::move(tests)), scene_(make_scene(s_.triaxial, common.seed)),
-          progress_(std::max(2u, common.threads), common.quiet ? Progress::Style::quiet : Progress::Style::automatic), done_(tests_.size()) {
+        : s_(settings), common_(common), tests_(std::move(tests)), scene_(make_scene(s_.triaxial, common.seed)), progress_(progress_of_models(common)), done_(tests_.size()) {
         const std::size_t recorded = tests_.front().recordings.size();
         require(recorded == scene_.poses.size(), fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as the model has, {}, found {}", scene_.poses.size(), recorded));
     }
@@ -100,7 +98,6 @@ private:
     void show(std::size_t test, const World& world, const TriaxialPoint& point, std::unique_ptr<FrameWriter>& frames);
     std::unique_ptr<FrameWriter> make_frames(const RecordedTest& test) const;
     void draw() const;
-    void each(std::size_t jobs, const std::function<void(std::size_t, const ModelWatch&)>& job);
 
     const Smart& s_;
     const Common& common_;
@@ -112,14 +109,6 @@ private:
     std::mutex files_;
     double preparation_wall_ = 0, learning_wall_ = 0, arms_wall_ = 0;
 };
-
-void Computation::each(std::size_t jobs, const std::function<void(std::size_t, const ModelWatch&)>& job) {
-    run_ensemble(jobs, common_.threads, [&](std::size_t k) {
-        const auto slot = static_cast<unsigned>(k % std::max(2u, common_.threads));
-        job(k, {.progress = [&, slot](double fraction, const std::string& text) { progress_.report(slot, fraction, text); }});
-    });
-    progress_.pause();
-}
 
 void Computation::prepare() {
     const auto began = this_instant();
@@ -138,17 +127,11 @@ void Computation::learn() {
         measured.displacement_noise = tests_[k].recordings.front().info.displacement_noise;
         done_[k].learned = learn_in_two_generations(known, measured, s_.learning, s_.learning.final_strain,
                                                     [&](const std::vector<ModelArm>& arms, double strain) {
-                                                        TriaxialSettings settings = settings_at(tests_[k].pressure);
-                                                        settings.final_axial_strain = std::min(strain, settings.final_axial_strain);
-                                                        std::vector<ModelRun> runs(arms.size());
-                                                        each(arms.size(), [&](std::size_t j, const ModelWatch& watch) {
-                                                            runs[j] = run_model(scene_, settings, specimen_, arms[j], common_.seed, watch);
-                                                        });
-                                                        return runs;
+                                                        return run_models(scene_, settings_at(tests_[k].pressure), specimen_, arms, strain, common_, progress_);
                                                     });
-        const RockBelief before = mean_of(known);
+        done_[k].before = mean_of(known);
         if (!done_[k].learned.known.empty()) known = done_[k].learned.known.back().belief;
-        const RockBelief now = mean_of(known);
+        const RockBelief before = done_[k].before, now = mean_of(known);
         fmt::print("{}: friction {:.3f} -> {:.3f}, stiffness {:.2f} -> {:.2f}\n", folder_of(tests_[k].pressure), before.friction, now.friction, before.stiffness, now.stiffness);
     }
     learning_wall_ = seconds_since(began);
@@ -179,21 +162,19 @@ void Computation::show(std::size_t test, const World& world, const TriaxialPoint
 
 void Computation::run_arms() {
     const auto began = this_instant();
-    Gaussian known = prior_of(s_.model, s_.learning);
     std::vector<ModelArm> fused(tests_.size());
     for (std::size_t k = 0; k < tests_.size(); ++k) {
-        const auto& learned = done_[k].learned.known;
-        const RockBelief first = mean_of(known);
-        fused[k] = {.name = "fused", .rocks = first, .learned = schedule_of(learned, first, s_.change), .catch_up = true, .corrections = s_.corrections};
+        const RockBelief& first = done_[k].before;
+        fused[k] = {.name = "fused", .rocks = first, .learned = schedule_of(done_[k].learned.known, first, s_.change), .catch_up = true, .corrections = s_.corrections};
         const SensorInfo& info = tests_[k].recordings.front().info;
         fused[k].corrections.position_noise = info.displacement_noise;
         fused[k].corrections.attitude_noise = info.attitude_noise;
         if (s_.corrections.pull.stiffness > 0) fused[k].ways = tests_[k].ways;
-        if (!learned.empty()) known = learned.back().belief;
     }
     std::vector<std::unique_ptr<FrameWriter>> frames(tests_.size());
-    each(2 * tests_.size(), [&](std::size_t job, ModelWatch watch) {
+    run_ensemble(2 * tests_.size(), common_.threads, [&](std::size_t job) {
         const std::size_t k = job / 2;
+        ModelWatch watch = watch_on(progress_, job, common_);
         const TriaxialSettings settings = settings_at(tests_[k].pressure);
         if (job % 2 == 0) {
             done_[k].free = run_model(scene_, settings, specimen_, {.name = "DEM only", .rocks = s_.model}, common_.seed, watch);
@@ -202,6 +183,7 @@ void Computation::run_arms() {
         watch.stage = [&, k](const World& world, const TriaxialPoint& point) { show(k, world, point, frames[k]); };
         done_[k].fused = run_model(scene_, settings, specimen_, fused[k], common_.seed, watch);
     });
+    progress_.pause();
     arms_wall_ = seconds_since(began);
 }
 
@@ -209,24 +191,6 @@ void Computation::run() {
     prepare();
     learn();
     run_arms();
-}
-
-Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& points, double scale, double TriaxialPoint::* value, Curve::Style style) {
-    Curve c{.label = label, .style = style};
-    for (const TriaxialPoint& p : points) {
-        c.x.push_back(100 * p.axial_strain);
-        c.y.push_back(scale * p.*value);
-    }
-    return c;
-}
-
-Curve profile_of(const std::string& label, const std::vector<TriaxialPoint>& points, Curve::Style style) {
-    Curve c{.label = label, .style = style};
-    for (std::size_t r = 0; r < points.back().ring_radius.size(); ++r) {
-        c.x.push_back(100 * (points.back().ring_radius[r] / points.front().ring_radius[r] - 1));
-        c.y.push_back(static_cast<double>(r + 1));
-    }
-    return c;
 }
 
 /// A hundred of the points, and the last.

@@ -1,9 +1,7 @@
 // Twin experiment: a true triaxial test whose sensor rocks are recorded, and a model of it with other parameters that is
 // run without and with the recordings. Does the model then know better what the other rocks do? Beside them a run with
 // the true parameters from a start disturbed by less than a grain of dust: no model can know more than that.
-#include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
-#include "engine/progress.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
@@ -44,12 +42,6 @@ struct Twin {
     Twin() {
         triaxial.confining_pressure = {55e3};
         triaxial.test.final_axial_strain = 0.025;
-        // velocities are known to be none at stage ends, and forgotten in between
-        corrections.filter.acceleration_density = 1;
-        corrections.filter.angular_acceleration_density = 100;
-        corrections.filter.drift = 1e-5; // 0.1 mm in a stage of 0.1 %
-        corrections.filter.turning = 0.1;
-        corrections.filter.gate = 1;
         corrections.pull = {5e6, 100, 0.01}; // about the contact forces at 55 kPa
     }
     void describe(auto& option) {
@@ -87,15 +79,6 @@ void visit_errors(const TwinErrors& e, auto&& visit) {
     for (std::size_t s = 0; s < shell_names.size(); ++s) visit(fmt::format("rotation_{}", shell_names[s]), "rad", e.rotation[s]);
 }
 
-Curve curve_of(const std::string& label, const ModelRun& run, double scale, double TriaxialPoint::* value) {
-    Curve c{.label = label};
-    for (const TriaxialPoint& p : run.points) {
-        c.x.push_back(100 * p.axial_strain);
-        c.y.push_back(scale * p.*value);
-    }
-    return c;
-}
-
 std::vector<std::string> names_of_arms(const std::string& list) {
     std::vector<std::string> names;
     if (list == "none") return names; // the truth alone, to be recorded
@@ -116,8 +99,7 @@ bool learns(const std::string& arm) { return arm == "learned" || arm == "both" |
 class Experiment {
 public:
     Experiment(const Twin& settings, const Common& common)
-        : t_(settings), common_(common), scene_(make_scene(t_.triaxial, common.seed)), names_(names_of_arms(t_.arms)), test_(t_.triaxial.test),
-          progress_(std::max(2u, common.threads), common.quiet ? Progress::Style::quiet : Progress::Style::automatic) {
+        : t_(settings), common_(common), scene_(make_scene(t_.triaxial, common.seed)), names_(names_of_arms(t_.arms)), test_(t_.triaxial.test), progress_(progress_of_models(common)) {
         test_.confining_pressure = t_.triaxial.confining_pressure.front();
     }
     void run();
@@ -131,7 +113,7 @@ private:
     ModelArm arm_of(const std::string& name) const;
     void learn_parameters();
     std::vector<TriaxialPoint> measured() const;
-    std::vector<ModelRun> run_all(const std::vector<ModelArm>& arms, const TriaxialSettings& test);
+    std::vector<ModelRun> run_all(const std::vector<ModelArm>& arms, double strain);
 
     const Twin& t_;
     const Common& common_;
@@ -168,14 +150,8 @@ ModelArm Experiment::arm_of(const std::string& name) const {
     return arm;
 }
 
-std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, const TriaxialSettings& test) {
-    std::vector<ModelRun> runs(arms.size());
-    run_ensemble(arms.size(), common_.threads, [&](std::size_t k) {
-        const ModelWatch watch{[&, k](double fraction, const std::string& text) { progress_.report(static_cast<unsigned>(k % std::max(2u, common_.threads)), fraction, text); }};
-        runs[k] = run_model(scene_, test, specimen_, arms[k], common_.seed, watch);
-    });
-    progress_.pause();
-    return runs;
+std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, double strain) {
+    return run_models(scene_, test_, specimen_, arms, strain, common_, progress_);
 }
 
 void Experiment::learn_parameters() {
@@ -185,11 +161,7 @@ void Experiment::learn_parameters() {
     measured.displacement_noise = t_.position_noise;
     const bool all_the_way = std::ranges::any_of(names_, is_computed);
     learned_ = learn_in_two_generations(prior_of(t_.model, t_.learning), measured, t_.learning, all_the_way ? test_.final_axial_strain : t_.learning.final_strain,
-                                        [&](const std::vector<ModelArm>& arms, double strain) {
-                                            TriaxialSettings test = test_;
-                                            test.final_axial_strain = std::min(strain, test.final_axial_strain);
-                                            return run_all(arms, test);
-                                        });
+                                        [&](const std::vector<ModelArm>& arms, double strain) { return run_all(arms, strain); });
     learning_wall_ = seconds_since(began);
 }
 
@@ -204,7 +176,7 @@ std::vector<TriaxialPoint> Experiment::measured() const {
 void Experiment::run() {
     specimen_ = make_specimen(scene_, test_, common_, [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
     progress_.pause();
-    truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_).front();
+    truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain).front();
     if (!t_.record.empty()) {
         const RecordingSettings settings{.interval = t_.interval, .displacement_noise = t_.position_noise, .attitude_noise = t_.attitude_noise};
         write_recorded_test(t_.record, test_.confining_pressure, record_sensors(truth_, settings, common_.seed), scene_, measured());
@@ -215,7 +187,7 @@ void Experiment::run() {
         arms_.push_back(arm_of(name));
         if (!is_computed(name)) to_run.push_back(arms_.back());
     }
-    auto runs = run_all(to_run, test_);
+    auto runs = run_all(to_run, test_.final_axial_strain);
     auto next = runs.begin();
     for (const ModelArm& arm : arms_) {
         if (!is_computed(arm.name)) {
@@ -272,8 +244,8 @@ void Experiment::add_learned(Summary& summary) const {
 
 void Experiment::draw() const {
     const auto panel = [&](const char* title, double scale, double TriaxialPoint::* value) {
-        Plot plot{.title = title, .x_label = "axial strain (%)", .y_label = title, .curves = {curve_of("truth", truth_, scale, value)}};
-        for (std::size_t k = 0; k < arms_.size(); ++k) plot.curves.push_back(curve_of(arms_[k].name, runs_[k], scale, value));
+        Plot plot{.title = title, .x_label = "axial strain (%)", .y_label = title, .curves = {curve_of("truth", truth_.points, scale, value)}};
+        for (std::size_t k = 0; k < arms_.size(); ++k) plot.curves.push_back(curve_of(arms_[k].name, runs_[k].points, scale, value));
         return plot;
     };
     draw_plots(common_.out / "twin.png", {panel("q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress), panel("volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain)});

@@ -150,14 +150,20 @@ Gaussian ParameterEstimate::integral() const {
     return known;
 }
 
-Vector regression_weights(const Matrix& worlds, const Vector& parameters) {
-    const Vector middle = worlds.colwise().mean();
-    Matrix design(worlds.rows(), worlds.cols() + 1);
-    design.col(0).setOnes();
-    design.rightCols(worlds.cols()) = worlds.rowwise() - middle.transpose();
-    Vector here(worlds.cols() + 1);
-    here << 1, parameters - middle;
-    return design * ((design.transpose() * design).inverse() * here);
+WorldRegression::WorldRegression(const Matrix& worlds) : middle_(worlds.colwise().mean()), design_(worlds.rows(), worlds.cols() + 1) {
+    design_.col(0).setOnes();
+    design_.rightCols(worlds.cols()) = worlds.rowwise() - middle_.transpose();
+    information_ = (design_.transpose() * design_).inverse();
+}
+
+Vector WorldRegression::weights_at(const Vector& parameters) const {
+    Vector here(design_.cols());
+    here << 1, parameters - middle_;
+    return design_ * (information_ * here);
+}
+
+Matrix WorldRegression::leaves() const {
+    return Matrix::Identity(design_.rows(), design_.rows()) - design_ * (information_ * design_.transpose());
 }
 
 } // namespace bris

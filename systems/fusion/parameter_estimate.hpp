@@ -63,8 +63,18 @@ private:
     std::vector<Measurement> measurements_;
 };
 
-/// What makes of numbers of N worlds their linear regression on the worlds' parameters (N x P), taken at `parameters`: sums
-/// to 1.
-Vector regression_weights(const Matrix& worlds, const Vector& parameters);
+/// The linear regression of numbers of N worlds on the worlds' parameters (N x P).
+class WorldRegression {
+public:
+    explicit WorldRegression(const Matrix& worlds);
+    /// What makes of the numbers their regression, taken at `parameters`: sums to 1.
+    Vector weights_at(const Vector& parameters) const;
+    /// N x N: makes of the numbers what the regression leaves of them.
+    Matrix leaves() const;
+
+private:
+    Vector middle_;
+    Matrix design_, information_; // 1 and parameters less their mean; inverse of design^T design
+};
 
 } // namespace bris

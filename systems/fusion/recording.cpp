@@ -15,8 +15,6 @@ namespace bris {
 
 namespace {
 
-constexpr double standard_gravity = 9.80665;
-
 /// Columns of a vector: all of them, or none.
 template <std::size_t N> struct Channel {
     std::array<std::vector<double>, N> columns;

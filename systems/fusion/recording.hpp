@@ -10,6 +10,8 @@
 
 namespace bris {
 
+inline constexpr double standard_gravity = 9.80665; ///< m/s2, in which accelerometers are graded
+
 /// What is known of a SmartRock beforehand: one file of `name = value` lines for each.
 struct SensorInfo {
     unsigned id = 0;

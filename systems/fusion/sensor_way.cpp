@@ -12,7 +12,6 @@ namespace bris {
 
 namespace {
 
-constexpr double standard_gravity = 9.80665;
 const Vec3 unknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
 Seen seen_by(std::string direction, std::string source, double deviation, double model) {

@@ -1,6 +1,7 @@
 #include "systems/procedure/analysis.hpp"
 
 #include "engine/errors.hpp"
+#include "systems/fusion/parameter_estimate.hpp"
 
 #include <algorithm>
 #include <array>
@@ -106,11 +107,8 @@ void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<s
 
 SensorAnalysis analyse(ModelRun forecast, const Worlds& worlds, const std::vector<SensorWay>& ways, double position_noise, double attitude_noise) {
     require(!worlds.runs.empty() && ways.size() <= forecast.rocks.size(), "analysis: expected worlds, and sensors among their rocks");
-    const auto n = static_cast<Eigen::Index>(worlds.beliefs.size());
-    Matrix design(n, 3);
-    for (Eigen::Index j = 0; j < n; ++j) design.row(j) << 1, logarithms_of(worlds.beliefs[static_cast<std::size_t>(j)]).transpose();
-    const Matrix leaves = Matrix::Identity(n, n) - design * ((design.transpose() * design).inverse() * design.transpose());
-    const auto freedom = static_cast<double>(n - 3), rocks = static_cast<double>(forecast.rocks.size());
+    const Matrix leaves = WorldRegression(logarithms_of(worlds.beliefs)).leaves();
+    const auto freedom = static_cast<double>(worlds.beliefs.size() - 3), rocks = static_cast<double>(forecast.rocks.size());
     const std::size_t end = std::min(forecast.points.size(), worlds.runs.front().points.size());
     std::vector<std::size_t> some;
     for (std::size_t k = 1; k <= 10; ++k) some.push_back(k * (end - 1) / 10);

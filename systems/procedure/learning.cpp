@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "systems/fusion/parameter_estimate.hpp"
+#include "systems/procedure/triaxial_results.hpp"
 
 #include <fmt/format.h>
 
@@ -23,12 +24,6 @@ double mean_q(const MeasuredTest& s, double from, double to) {
             ++count;
         }
     return sum / count;
-}
-
-Matrix design_of(const std::vector<RockBelief>& beliefs) {
-    Matrix design(static_cast<Eigen::Index>(beliefs.size()), 2);
-    for (std::size_t j = 0; j < beliefs.size(); ++j) design.row(static_cast<Eigen::Index>(j)) = logarithms_of(beliefs[j]).transpose();
-    return design;
 }
 
 /// One stage of a run made of those of several: sums with weights.
@@ -69,36 +64,42 @@ double outwards(const ModelRun& run, const std::vector<SensorWay>& ways, const s
     return count > 0 ? sum / count : 0;
 }
 
+constexpr double same_strain = 1e-7; // of a sample and a stage
+
+/// Worlds to learn from, or some of them.
+struct Panel {
+    std::vector<RockBelief> beliefs;
+    std::vector<const ModelRun*> runs;
+};
+
 /// The last sample of a window that all sensors have.
-bool see_sensors(ParameterEstimate& estimate, const Worlds& worlds, const MeasuredTest& measured, double from, double to) {
+bool see_sensors(ParameterEstimate& estimate, const Panel& worlds, const MeasuredTest& measured, double from, double to) {
     const auto heard = std::ranges::find_if(measured.ways, [](const SensorWay& w) { return !w.strain.empty(); });
     if (heard == measured.ways.end()) return false;
     const auto after = std::upper_bound(heard->strain.begin(), heard->strain.end(), to + 1e-9);
     if (after == heard->strain.begin() || *(after - 1) <= from + 1e-9) return false;
     const double strain = *(after - 1);
-    const auto& points = worlds.runs.front().points;
-    const auto stage = static_cast<std::size_t>(std::ranges::lower_bound(points, strain - 1e-9, {}, &TriaxialPoint::axial_strain) - points.begin());
-    if (stage >= points.size() || std::abs(points[stage].axial_strain - strain) > 1e-7) return false;
+    const auto stage = stage_at(worlds.runs.front()->points, strain, same_strain);
+    if (!stage) return false;
     const auto sample = static_cast<std::size_t>(after - heard->strain.begin() - 1);
     for (const SensorWay& w : measured.ways)
         if (!w.strain.empty() && (sample >= w.strain.size() || w.strain[sample] != strain || !w.displacement[sample].allFinite())) return false;
     Vector foretold(static_cast<Eigen::Index>(worlds.runs.size()));
     for (std::size_t j = 0; j < worlds.runs.size(); ++j)
-        foretold[static_cast<Eigen::Index>(j)] = outwards(worlds.runs[j], measured.ways, [&](std::size_t s) { return worlds.runs[j].displacement[stage][s]; });
-    (void)estimate.see(1, foretold, outwards(worlds.runs.front(), measured.ways, [&](std::size_t s) { return measured.ways[s].displacement[sample]; }));
+        foretold[static_cast<Eigen::Index>(j)] = outwards(*worlds.runs[j], measured.ways, [&](std::size_t s) { return worlds.runs[j]->displacement[*stage][s]; });
+    (void)estimate.see(1, foretold, outwards(*worlds.runs.front(), measured.ways, [&](std::size_t s) { return measured.ways[s].displacement[sample]; }));
     return true;
 }
 
-std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain, double trust) {
+std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain, double trust) {
     const std::size_t n = worlds.beliefs.size();
-    require(worlds.runs.size() == n, fmt::format("worlds: expected {} runs, found {}", n, worlds.runs.size()));
     std::vector<MeasuredTest> foretold;
-    for (const ModelRun& run : worlds.runs) foretold.push_back(measured_test(run.points));
+    for (const ModelRun* run : worlds.runs) foretold.push_back(measured_test(run->points));
     // another specimen differs in how it widens as it does in strength
-    const auto last = std::min(worlds.runs.front().points.size(), worlds.runs.front().displacement.size()) - 1;
+    const auto last = worlds.runs.front()->displacement.size() - 1;
     double widening = 0;
-    for (const ModelRun& run : worlds.runs) widening += std::abs(outwards(run, measured.ways, [&](std::size_t s) { return run.displacement[last][s]; })) / static_cast<double>(n);
-    ParameterEstimate estimate(prior, design_of(worlds.beliefs),
+    for (const ModelRun* run : worlds.runs) widening += std::abs(outwards(*run, measured.ways, [&](std::size_t s) { return run->displacement[last][s]; })) / static_cast<double>(n);
+    ParameterEstimate estimate(prior, logarithms_of(worlds.beliefs),
                                {{settings.specimen_scatter, settings.force_noise},
                                 {settings.specimen_scatter * widening, measured.displacement_noise / std::sqrt(std::max(1.0, static_cast<double>(measured.ways.size())))}},
                                trust);
@@ -129,8 +130,8 @@ MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
     m.ways = like.ways;
     for (std::size_t s = 0; s < m.ways.size() && s < run.sensors; ++s)
         for (std::size_t k = 0; k < m.ways[s].strain.size(); ++k) {
-            const auto stage = static_cast<std::size_t>(std::ranges::lower_bound(run.points, m.ways[s].strain[k] - 1e-9, {}, &TriaxialPoint::axial_strain) - run.points.begin());
-            if (stage < run.points.size()) m.ways[s].displacement[k] = run.displacement[stage][s];
+            const auto stage = stage_at(run.points, m.ways[s].strain[k], same_strain);
+            if (stage) m.ways[s].displacement[k] = run.displacement[*stage][s];
         }
     return m;
 }
@@ -138,14 +139,14 @@ MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
 /// How far the worlds themselves can be trusted: each in turn is taken for the truth and its parameters learned from the
 /// others. Where they come out farther off than they should, chaos lasts longer than a correlation from one time to the
 /// next tells, and measurements count for less.
-double trust_in(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain) {
+double trust_in(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain) {
     if (worlds.runs.size() < 7) return 1;
     double sum = 0;
     for (std::size_t j = 0; j < worlds.runs.size(); ++j) {
-        Worlds others = worlds;
+        Panel others = worlds;
         others.beliefs.erase(others.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
         others.runs.erase(others.runs.begin() + static_cast<std::ptrdiff_t>(j));
-        const auto known = learn_trusting(prior, others, as_measured(worlds.runs[j], measured), settings, final_strain, 1);
+        const auto known = learn_trusting(prior, others, as_measured(*worlds.runs[j], measured), settings, final_strain, 1);
         if (!known.empty()) sum += squared_distance(known.back().belief, logarithms_of(worlds.beliefs[j]));
     }
     return std::min(1.0, 2 * static_cast<double>(worlds.runs.size()) / sum);
@@ -166,6 +167,12 @@ Vector logarithms_of(const RockBelief& rocks) {
     Vector v(2);
     v << std::log(rocks.friction), std::log(rocks.stiffness);
     return v;
+}
+
+Matrix logarithms_of(const std::vector<RockBelief>& beliefs) {
+    Matrix logarithms(static_cast<Eigen::Index>(beliefs.size()), 2);
+    for (std::size_t j = 0; j < beliefs.size(); ++j) logarithms.row(static_cast<Eigen::Index>(j)) = logarithms_of(beliefs[j]).transpose();
+    return logarithms;
 }
 
 RockBelief mean_of(const Gaussian& belief) { return {std::exp(belief.mean[0]), std::exp(belief.mean[1])}; }
@@ -190,7 +197,10 @@ std::vector<RockBelief> beliefs_of_worlds(const Gaussian& belief, unsigned world
 }
 
 std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain) {
-    return learn_trusting(prior, worlds, measured, settings, final_strain, trust_in(prior, worlds, measured, settings, final_strain));
+    require(worlds.runs.size() == worlds.beliefs.size(), fmt::format("worlds: expected {} runs, found {}", worlds.beliefs.size(), worlds.runs.size()));
+    Panel panel{worlds.beliefs, {}};
+    for (const ModelRun& run : worlds.runs) panel.runs.push_back(&run);
+    return learn_trusting(prior, panel, measured, settings, final_strain, trust_in(prior, panel, measured, settings, final_strain));
 }
 
 Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured, const Learning& settings, double strain,
@@ -243,14 +253,14 @@ ModelRun foretold_by(const Learned& learned, const Gaussian& prior) {
         sum.steps += run.steps;
         sum.wall_time += run.wall_time;
     }
-    const Matrix first = design_of(learned.first.beliefs), second = design_of(learned.second.beliefs);
+    const WorldRegression first(logarithms_of(learned.first.beliefs)), second(logarithms_of(learned.second.beliefs));
     for (std::size_t stage = 0; stage < like.points.size(); ++stage) {
         const double strain = like.points[stage].axial_strain;
         Vector at = prior.mean;
         for (const KnownAt& k : learned.known)
             if (k.strain <= strain + 1e-9) at = k.belief.mean;
         const bool early = stage < learned.first.runs.front().points.size() - 1;
-        add_blend(sum, early ? learned.first : learned.second, regression_weights(early ? first : second, at), stage);
+        add_blend(sum, early ? learned.first : learned.second, (early ? first : second).weights_at(at), stage);
     }
     return sum;
 }

@@ -31,8 +31,9 @@ struct MeasuredTest {
 };
 MeasuredTest measured_test(const std::vector<TriaxialPoint>& points);
 
-/// Logarithms of friction and stiffness.
+/// Logarithms of friction and stiffness, of one or (N x 2) of each of several.
 Vector logarithms_of(const RockBelief& rocks);
+Matrix logarithms_of(const std::vector<RockBelief>& beliefs);
 RockBelief mean_of(const Gaussian& belief);
 /// What is known of them before a test.
 Gaussian prior_of(const RockBelief& middle, const Learning& settings);

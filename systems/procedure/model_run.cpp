@@ -1,6 +1,7 @@
 #include "systems/procedure/model_run.hpp"
 
 #include "components/body.hpp"
+#include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/random.hpp"
@@ -209,6 +210,25 @@ ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings,
     if (world.has_resource<Fusion>()) count_fusion(world, run);
     run.wall_time = seconds_since(began);
     return run;
+}
+
+Progress progress_of_models(const Common& common) {
+    return Progress(std::max(2u, common.threads), common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+}
+
+ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common) {
+    const auto slot = static_cast<unsigned>(model % std::max(2u, common.threads));
+    return {.progress = [&progress, slot](double fraction, const std::string& text) { progress.report(slot, fraction, text); }};
+}
+
+std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
+                                 double strain, const Common& common, Progress& progress) {
+    TriaxialSettings test = settings;
+    test.final_axial_strain = std::min(strain, test.final_axial_strain);
+    std::vector<ModelRun> runs(arms.size());
+    run_ensemble(arms.size(), common.threads, [&](std::size_t k) { runs[k] = run_model(scene, test, specimen, arms[k], common.seed, watch_on(progress, k, common)); });
+    progress.pause();
+    return runs;
 }
 
 } // namespace bris

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/sensor_way.hpp"
@@ -26,7 +27,9 @@ struct LearnedBelief {
 
 /// How recordings correct a model.
 struct Corrections {
-    FilterSettings filter;       ///< by strain: drift and turning per unit of axial strain
+    /// By strain: drift (0.1 mm in a stage of 0.1 %) and turning per unit of axial strain. Velocities are known to be none at
+    /// stage ends, and forgotten in between.
+    FilterSettings filter{.acceleration_density = 1, .angular_acceleration_density = 100, .drift = 1e-5, .turning = 0.1, .gate = 1};
     unsigned injection_steps = 60;
     PullSettings pull;
     bool spread = false;         ///< over the contact network
@@ -77,5 +80,14 @@ Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settin
 /// Runs one arm from the prepared specimen, on one thread. Throws Interrupted when the user stops it.
 ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
                    const ModelWatch& watch = {});
+
+/// Runs several to an axial strain (no farther than the test goes), `threads` at a time.
+std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
+                                 double strain, const Common& common, Progress& progress);
+
+/// Who watches one of several models on a progress line.
+ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common);
+/// The line for them.
+Progress progress_of_models(const Common& common);
 
 } // namespace bris

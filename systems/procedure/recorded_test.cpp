@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
+#include "systems/procedure/triaxial_results.hpp"
 
 #include <fmt/format.h>
 
@@ -33,15 +34,15 @@ std::vector<TriaxialPoint> read_test(const std::filesystem::path& csv) {
     return points;
 }
 
+constexpr double same_strain = 1e-5; // of what was measured and a stage
+
 /// At the strains that both curves have.
 double difference_of(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured, double TriaxialPoint::* value) {
     double squares = 0, count = 0;
-    std::size_t at = 0;
     for (const TriaxialPoint& m : measured) {
-        if (m.axial_strain <= 0) continue;
-        while (at + 1 < run.size() && run[at].axial_strain < m.axial_strain - 1e-7) ++at;
-        if (std::abs(run[at].axial_strain - m.axial_strain) > 1e-5) continue;
-        squares += std::pow(run[at].*value - m.*value, 2);
+        const auto stage = stage_at(run, m.axial_strain, same_strain);
+        if (m.axial_strain <= 0 || !stage) continue;
+        squares += std::pow(run[*stage].*value - m.*value, 2);
         ++count;
     }
     return std::sqrt(squares / count);
@@ -49,12 +50,12 @@ double difference_of(const std::vector<TriaxialPoint>& run, const std::vector<Tr
 
 /// Radial strain of the rings at the end of the run, against what was measured there.
 double ring_difference(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured) {
-    const auto at_end = std::ranges::find_if(measured, [&](const TriaxialPoint& m) { return std::abs(m.axial_strain - run.back().axial_strain) < 1e-5; });
+    const auto at_end = stage_at(measured, run.back().axial_strain, same_strain);
     const std::size_t rings = run.back().ring_radius.size();
-    if (at_end == measured.end() || at_end->ring_radius.size() != rings) return std::nan("");
+    if (!at_end || measured[*at_end].ring_radius.size() != rings) return std::nan("");
     double squares = 0;
     for (std::size_t r = 0; r < rings; ++r)
-        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - at_end->ring_radius[r] / measured.front().ring_radius[r], 2);
+        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - measured[*at_end].ring_radius[r] / measured.front().ring_radius[r], 2);
     return std::sqrt(squares / static_cast<double>(rings));
 }
 
@@ -62,11 +63,10 @@ double ring_difference(const std::vector<TriaxialPoint>& run, const std::vector<
 double sensor_difference(const ModelRun& run, const std::vector<SensorWay>& ways) {
     double squares = 0, count = 0;
     for (std::size_t s = 0; s < std::min(run.sensors, ways.size()); ++s) {
-        std::size_t stage = 0;
         for (std::size_t k = 0; k < ways[s].strain.size(); ++k) {
-            while (stage + 1 < run.points.size() && run.points[stage].axial_strain < ways[s].strain[k] - 1e-7) ++stage;
-            if (!ways[s].displacement[k].allFinite() || std::abs(run.points[stage].axial_strain - ways[s].strain[k]) > 1e-5) continue;
-            squares += (run.displacement[stage][s] - ways[s].displacement[k]).squaredNorm();
+            const auto stage = stage_at(run.points, ways[s].strain[k], same_strain);
+            if (!stage || !ways[s].displacement[k].allFinite()) continue;
+            squares += (run.displacement[*stage][s] - ways[s].displacement[k]).squaredNorm();
             ++count;
         }
     }

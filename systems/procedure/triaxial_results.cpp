@@ -3,7 +3,6 @@
 #include "engine/io/csv.hpp"
 #include "engine/math.hpp"
 #include "engine/options.hpp"
-#include "systems/output/plot.hpp"
 #include "systems/procedure/specimen_state.hpp"
 
 #include <algorithm>
@@ -59,6 +58,13 @@ void find_moduli(const std::vector<TriaxialPoint>& points, TriaxialProperties& p
 }
 
 } // namespace
+
+std::optional<std::size_t> stage_at(const std::vector<TriaxialPoint>& points, double strain, double tolerance) {
+    auto nearest = std::ranges::lower_bound(points, strain, {}, &TriaxialPoint::axial_strain);
+    if (nearest != points.begin() && (nearest == points.end() || strain - std::prev(nearest)->axial_strain < nearest->axial_strain - strain)) --nearest;
+    if (nearest == points.end() || std::abs(nearest->axial_strain - strain) > tolerance) return std::nullopt;
+    return static_cast<std::size_t>(nearest - points.begin());
+}
 
 TriaxialProperties properties_of(const std::vector<TriaxialPoint>& points, double confining_pressure) {
     TriaxialProperties p;
@@ -138,32 +144,43 @@ void write_sensor_drift(const std::filesystem::path& csv, const World& world) {
               {"sensor rocks at the start of shearing, against the poses they were given"}, 9);
 }
 
+Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& points, double scale, double TriaxialPoint::* value, Curve::Style style) {
+    Curve c{.label = label, .style = style};
+    for (const TriaxialPoint& p : points) {
+        c.x.push_back(100 * p.axial_strain);
+        c.y.push_back(scale * p.*value);
+    }
+    return c;
+}
+
+Curve profile_of(const std::string& label, const std::vector<TriaxialPoint>& points, Curve::Style style) {
+    Curve c{.label = label, .style = style};
+    for (std::size_t r = 0; r < points.back().ring_radius.size(); ++r) {
+        c.x.push_back(100 * (points.back().ring_radius[r] / points.front().ring_radius[r] - 1));
+        c.y.push_back(static_cast<double>(r + 1));
+    }
+    return c;
+}
+
 bool draw_curves(const std::filesystem::path& png, const std::vector<TestCurve>& tests) {
     Plot q{"Deviatoric stress", "axial strain (%)", "q (kPa)", {}};
     Plot volume{"Volumetric strain (compression positive)", "axial strain (%)", "volumetric strain (%)", {}};
     Plot rings{"Radial strain of the rings at the end", "radial strain, widening positive (%)", "ring, from below", {}};
     Plot energy{"Work of the boundaries; dots: stored + friction + damping", "axial strain (%)", "J", {}};
     for (const TestCurve& test : tests) {
-        Curve stress{test.label, {}, {}}, strain{test.label, {}, {}}, profile{test.label, {}, {}};
         Curve work{test.label, {}, {}}, lost{"", {}, {}, Curve::Style::points};
         const TriaxialPoint& first = test.points->front();
         for (const TriaxialPoint& p : *test.points) {
-            for (Curve* c : {&stress, &strain, &work}) c->x.push_back(100 * p.axial_strain);
-            stress.y.push_back(p.deviatoric_stress / 1e3);
-            strain.y.push_back(100 * p.volumetric_strain);
+            work.x.push_back(100 * p.axial_strain);
             work.y.push_back(p.boundary_work + p.scaling_work - first.boundary_work - first.scaling_work);
             if ((&p - &first) % 20 != 0) continue; // dots on the line
             lost.x.push_back(100 * p.axial_strain);
             lost.y.push_back(p.stored + p.friction_work + p.damping_work - first.stored - first.friction_work -
                              first.damping_work);
         }
-        for (std::size_t r = 0; r < first.ring_radius.size(); ++r) {
-            profile.x.push_back(100 * (test.points->back().ring_radius[r] / first.ring_radius[r] - 1));
-            profile.y.push_back(static_cast<double>(r + 1));
-        }
-        q.curves.push_back(stress);
-        volume.curves.push_back(strain);
-        rings.curves.push_back(profile);
+        q.curves.push_back(curve_of(test.label, *test.points, 1e-3, &TriaxialPoint::deviatoric_stress));
+        volume.curves.push_back(curve_of(test.label, *test.points, 100, &TriaxialPoint::volumetric_strain));
+        rings.curves.push_back(profile_of(test.label, *test.points));
         energy.curves.push_back(work);
         energy.curves.push_back(lost);
     }

@@ -1,11 +1,16 @@
 #pragma once
 
 #include "engine/named_value.hpp"
+#include "systems/output/plot.hpp"
 #include "systems/procedure/triaxial.hpp"
 
 #include <filesystem>
+#include <optional>
 
 namespace bris {
+
+/// The stage nearest to an axial strain, within `tolerance`; nothing: there is none.
+std::optional<std::size_t> stage_at(const std::vector<TriaxialPoint>& points, double strain, double tolerance);
 
 /// What a curve says, by fixed definitions. Stresses are those of the boundaries; axial strain is
 /// platen travel over the height at the start of shearing; compression is positive.
@@ -42,6 +47,10 @@ struct TestCurve {
     std::string label;
     const std::vector<TriaxialPoint>* points;
 };
+
+/// One number of the points over axial strain (%), and the radial strain (%) of the rings at the end from below, to be drawn.
+Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& points, double scale, double TriaxialPoint::* value, Curve::Style style = Curve::Style::line);
+Curve profile_of(const std::string& label, const std::vector<TriaxialPoint>& points, Curve::Style style = Curve::Style::line);
 
 /// q, volumetric strain, ring profile and energies of some tests, as one PNG. False if gnuplot fails.
 bool draw_curves(const std::filesystem::path& png, const std::vector<TestCurve>& tests);

@@ -113,9 +113,10 @@ TEST_SUITE("fusion/parameter_estimate") {
         Vector at(2), line(5);
         at << 0.4, -0.3;
         for (Eigen::Index j = 0; j < 5; ++j) line[j] = 3 - 2 * worlds(j, 0) + 5 * worlds(j, 1);
-        const Vector weights = regression_weights(worlds, at);
+        const Vector weights = WorldRegression(worlds).weights_at(at);
         CHECK(weights.sum() == doctest::Approx(1).epsilon(1e-12));
         CHECK(weights.dot(line) == doctest::Approx(3 - 0.8 - 1.5).epsilon(1e-12));
+        CHECK((WorldRegression(worlds).leaves() * line).norm() < 1e-12);
     }
 
     TEST_CASE("too few worlds, and worlds that are all alike, are refused") {
