@@ -9,6 +9,7 @@
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/contacts.hpp"
 #include "systems/output/quantities.hpp"
+#include "systems/output/record.hpp"
 #include "systems/steps.hpp"
 #include "tests/performance/peers/make_bed.hpp"
 
@@ -16,27 +17,30 @@
 
 #include <map>
 
+#include <sys/resource.h>
+
 namespace {
 
 using namespace bris;
 
 struct Bench {
     std::string scene = "settle", law = "linear";
-    std::filesystem::path bed;
+    std::filesystem::path bed, places;
     bool make = false, profile = false;
     unsigned spheres = 2000, threads = 1;
     double step = 0;
     std::uint64_t check_steps = 200, steps = 1000;
 
     void describe(auto& option) {
-        option("scene", scene, "", "its stiffness, step and weight", {"settle", "quiet", "poly", "clumps"});
+        option("scene", scene, "", "its stiffness, step and weight", {"settle", "fall", "quiet", "poly", "clumps"});
         option("law", law, "", "of contact", {"linear", "hertz"});
         option("bed", bed, "", "file of the bed");
+        option("places", places, "", "file for the spheres after check_steps");
         option("make", make, "", "make the bed instead of a run");
         option("spheres", spheres, "", "of the bed to be made (settle, quiet)", within(1, 50e6));
         option("threads", threads, "", "to run on", within(1, 4096));
         option("step", step, "s", "time step; 0: that of the scene", at_least(0));
-        option("check_steps", check_steps, "", "before the physics is measured; not timed", within(1, 1e9));
+        option("check_steps", check_steps, "", "before the physics is measured", within(1, 1e9));
         option("steps", steps, "", "timed", within(1, 1e9));
         option("profile", profile, "", "print the seconds of each system in the timed steps");
     }
@@ -56,6 +60,13 @@ double translational_energy(const World& world) {
     return sum;
 }
 
+/// MB, of the process so far.
+double peak_memory() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
+}
+
 void run(const Bench& s) {
     peers::Scene scene = peers::scene_named(s.scene);
     require(!s.bed.empty(), "--bed: expected a file, found none");
@@ -68,7 +79,10 @@ void run(const Bench& s) {
     Simulation simulation(std::move(scene_world), steps(law), s.threads, {.timed = s.profile});
     const World& world = simulation.world();
 
+    const auto start = this_instant();
     simulation.advance(s.check_steps);
+    const double check_wall = seconds_since(start);
+    if (!s.places.empty()) peers::write_bed(s.places, {bed.box, peers::balls_now(world), bed.stones});
     const double energy = translational_energy(world);
     simulation.advance(1); // contacts and forces are those at its beginning
     const Quantities q = measure(world);
@@ -82,11 +96,14 @@ void run(const Bench& s) {
     simulation.advance(s.steps);
     const double wall = seconds_since(began);
 
+    const double memory = peak_memory();
     const ListState& lists = world.resource<ListState>();
     fmt::print("code=bris scene={} law={} spheres={} threads={} check_steps={} steps={} wall_s={:.6g} particle_steps_per_s={:.5g} ",
                s.scene, s.law, bed.balls.size(), s.threads, s.check_steps, s.steps, wall, spheres * static_cast<double>(s.steps) / wall);
+    fmt::print("check_wall_s={:.6g} ", check_wall);
     fmt::print("kinetic_energy_J={:.8g} coordination={:.6g} wall_force_over_weight={:.8g} ", energy,
                2 * static_cast<double>(sphere_contacts) / spheres, q.boundary_force.z() / q.weight.z());
+    fmt::print("fingerprint={} peak_memory_MB={:.1f} ", hexadecimal(fingerprint(simulation.snapshot())), memory);
     fmt::print("stable_step_s={:.4g} contacts={} refreshes={} prunes={}\n", stable, q.contacts, lists.refreshes - before.refreshes,
                lists.prunes - before.prunes);
     if (!s.profile) return;

@@ -42,13 +42,14 @@ void add_stone(World& world, std::span<const Ball> balls, std::uint32_t material
 } // namespace
 
 Scene scene_named(const std::string& name) {
-    static const std::array<Scene, 4> scenes{{{"settle", 1e6, 5838, 1e-5, 9.81},
+    static const std::array<Scene, 5> scenes{{{"settle", 1e6, 5838, 1e-5, 9.81},
+                                              {"fall", 1e6, 5838, 1e-5, 9.81, true},
                                               {"quiet", 1e6, 5838, 1e-5, 9.81},
                                               {"poly", 1e5, 20600, 2e-6, 1000},
                                               {"clumps", 1e6, 1250, 2e-5, 9.81}}};
     for (const Scene& scene : scenes)
         if (scene.name == name) return scene;
-    throw InputError("--scene: expected settle, quiet, poly or clumps, found " + name);
+    throw InputError("--scene: expected settle, fall, quiet, poly or clumps, found " + name);
 }
 
 LawName law_named(const std::string& name) {
@@ -81,6 +82,8 @@ World make_scene(const Bed& bed, const Scene& scene, LawName law) {
             add_stone(world, balls.subspan(first, next - first), material);
         }
     }
+    if (scene.falls)
+        for (Vec3& velocity : world.column<Bodies, Velocity>()) velocity.z() = 0.5 * scene.step * scene.gravity;
     add_box(world, Vec3::Zero(), bed.box, material);
     auto& limits = world.resource<Limits>();
     limits.low = Vec3::Zero();

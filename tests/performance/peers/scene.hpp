@@ -15,6 +15,7 @@ struct Scene {
     double damping_rate;     ///< 1/s times the reduced mass, of the normal dashpot; half of it, tangential
     double step;             ///< s
     double gravity;          ///< m/s2
+    bool falls = false;      ///< begins without contacts: at rest then, not half a step before
 };
 
 constexpr double density = 2600;  // kg/m3
@@ -22,7 +23,7 @@ constexpr double friction = 0.5;
 // Hertz and Mindlin; the tangential spring as stiffness times stretch, dashpots of Tsuji, as the other codes have it
 constexpr double young_modulus = 5e8, poisson_ratio = 0.25, restitution = 0.3;
 
-/// settle, quiet, poly or clumps. Throws InputError.
+/// settle, fall, quiet, poly or clumps. Throws InputError.
 Scene scene_named(const std::string& name);
 
 LawName law_named(const std::string& name); ///< linear or hertz

@@ -12,7 +12,7 @@ import time
 from yade import utils
 
 words = dict(word.split('=') for word in sys.argv[2:])
-number = {name: float(text) for name, text in words.items() if name not in ('law', 'data')}
+number = {name: float(text) for name, text in words.items() if name not in ('law', 'data', 'places')}
 dt, gz, kn, kt, gn, gt = (number[name] for name in ('dt', 'gz', 'kn', 'kt', 'gn', 'gt'))
 density, angle = 2600., math.atan(0.5)
 
@@ -51,7 +51,12 @@ O.engines = [
     NewtonIntegrator(damping=0., gravity=(0, 0, -gz)),
 ]
 O.dt = dt
+start = time.time()
 O.run(int(number['check']), wait=True)
+check_wall_s = time.time() - start
+if words['places'] != 'none':
+    with open(words['places'], 'w') as out:
+        out.writelines('%.17g %.17g %.17g\n' % tuple(O.bodies[n].state.pos) for n in movers)
 
 energy = weight = 0.
 for n in movers:
@@ -70,7 +75,7 @@ push = -sum(O.forces.f(n)[2] for n in walls)
 began = time.time()
 O.run(int(number['timed']), wait=True)
 wall_s = time.time() - began
-print('code=yade spheres=%d wall_s=%.6g coordination=%.6g kinetic_energy_J=%.8g wall_force_over_weight=%.8g' %
-      (len(rows), wall_s, 2. * contacts / len(rows), energy, push / weight))
+print('code=yade spheres=%d wall_s=%.6g check_wall_s=%.6g coordination=%.6g kinetic_energy_J=%.8g wall_force_over_weight=%.8g' %
+      (len(rows), wall_s, check_wall_s, 2. * contacts / len(rows), energy, push / weight))
 sys.stdout.flush()
 os._exit(0)

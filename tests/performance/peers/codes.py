@@ -1,0 +1,147 @@
+"""What the comparisons share: the codes, the scenes, and how each code is run on them."""
+import math
+import os
+import random
+import re
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+ROOT = HERE.parents[2]
+BUILD = Path(os.environ.get('BRIS_BUILD_DIR', ROOT / 'build'))
+BENCH = BUILD / 'bin' / 'peers_bench'
+MPIRUN = ['mpirun', '--allow-run-as-root', '--oversubscribe', '--bind-to', 'none', '-np']
+CODES = {'lammps': 'lmp', 'liggghts': 'liggghts', 'yade': 'yade', 'bris': str(BENCH)}
+PACKAGES = {'lmp': 'lammps', 'liggghts': 'liggghts', 'yade': 'yade', 'mpirun': 'openmpi-bin'}
+
+# as scene.cpp has them; skin: m, of the pair lists of the peers (BRIS finds its own); every: steps between new lists, 0: when due
+SCENES = {
+    'settle': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
+    'fall': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
+    'quiet': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
+    'poly': dict(dt=2e-6, skin=6e-4, kn=1e5, gn=20600, gz=1000, every=20, stones=0),
+    'clumps': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, stones=1),
+}
+# scene, law, spheres, steps after which the codes are compared
+BASES = {'settle': 16000, 'clumps': 11880}  # spheres of the bed that larger ones are laid together from
+LONGEST = 900  # s, of a run: one that hangs must not stop the campaign
+
+
+def installed(codes):
+    """The codes that can be run; says what the others lack."""
+    missing = sorted({PACKAGES[tool] for tool in PACKAGES if not shutil.which(tool)
+                      and (tool == 'mpirun' or tool in [CODES[c] for c in codes])})
+    if missing:
+        print(f'missing Debian packages: apt-get install {" ".join(missing)}', file=sys.stderr)
+    if not BENCH.exists():
+        sys.exit(f'expected {BENCH}, found none: run scenarios/build')
+    return [c for c in CODES if c in codes and shutil.which(CODES[c])]
+
+
+def tile(base, spheres, bed):
+    """Beds of `base` side by side, as nearly square as can be, in random order."""
+    head, *lines = base.read_text().splitlines()
+    count, *box = head.split()
+    x, y, z = map(float, box)
+    copies = spheres // int(count)
+    across = max(n for n in range(1, math.isqrt(copies) + 1) if copies % n == 0)
+    groups = []
+    for copy in range(copies):
+        old = None
+        for line in lines:
+            px, py, rest = line.split(maxsplit=2)
+            words = [repr(float(px) + copy % across * x), repr(float(py) + copy // across * y), *rest.split()]
+            if len(words) == 4 or words[4] != old:
+                groups.append([])
+            old = words[4] if len(words) > 4 else None
+            groups[-1].append(words)
+    if len(groups) == spheres:
+        random.Random(7).shuffle(groups)
+    with open(bed, 'w') as out:
+        out.write(f'{spheres} {across * x!r} {copies // across * y!r} {z!r}\n')
+        for n, group in enumerate(groups, 1):
+            out.writelines(' '.join(words[:4] + [str(n)] * (len(words) - 4)) + '\n' for words in group)
+
+
+def make_bed(case, work):
+    """The bed of a case as BRIS and Yade read it, and as the data file of the other two."""
+    scene, _, spheres, _ = case
+    bed = work / f'{scene}_{spheres}.txt'
+    base = BASES.get(scene, spheres)
+    if not bed.exists() and spheres > base:
+        tile(make_bed((scene, 'linear', base, 0), work)[0], spheres, bed)
+    if not bed.exists():
+        print(f'making {bed}', flush=True)
+        work.mkdir(parents=True, exist_ok=True)
+        part = bed.with_suffix('.part')
+        subprocess.run([BENCH, '--make', '--scene', scene, '--spheres', str(spheres), '--threads', str(os.cpu_count()),
+                        '--bed', part], check=True)
+        part.rename(bed)
+    data = bed.with_suffix('.data')
+    if not data.exists() or data.stat().st_mtime < bed.stat().st_mtime:
+        head, *lines = bed.read_text().splitlines()
+        count, *box = head.split()
+        rows = [line.split() for line in lines]
+        with open(data, 'w') as out:
+            out.write(f'bed\n\n{count} atoms\n1 atom types\n\n')
+            out.writelines(f'0 {side} {axis}lo {axis}hi\n' for side, axis in zip(box, 'xyz'))
+            out.write('\nAtoms\n\n')  # id type diameter density x y z
+            out.writelines(f'{n} 1 {2 * float(r[3]):.17g} 2600 {" ".join(r[:3])}\n' for n, r in enumerate(rows, 1))
+            if len(rows[0]) > 4:
+                out.write('\nMolecules\n\n')
+                out.writelines(f'{n} {r[4]}\n' for n, r in enumerate(rows, 1))
+    return bed, data
+
+
+def command(code, case, threads, steps, bed, data, step=None, places='none'):
+    """A run of a case; `step`: s, other than the scene's; `places`: file for the spheres after the check steps."""
+    scene, law, _, check = case
+    s = dict(SCENES[scene], dt=step or SCENES[scene]['dt'])
+    if code == 'bris':
+        return [BENCH, '--scene', scene, '--law', law, '--bed', bed, '--threads', threads, '--check-steps', check, '--steps', steps,
+                '--step', s['dt'], *(['--places', places] if places != 'none' else [])]
+    values = dict(s, kt=s['kn'] * 2 / 7, gt=s['gn'] / 2, check=check, timed=steps, places=places, keep=int(places != 'none'))
+    if code == 'yade':
+        return ['yade', '-n', '-x', f'-j{threads}', HERE / 'yade.py', bed, f'law={law}'] + [f'{k}={v}' for k, v in values.items()]
+    values.update(data=data, **({'law': law} if code == 'lammps' else {'hertz': int(law == 'hertz')}))
+    variables = [word for name, value in values.items() for word in ('-var', name, value)]
+    run = [CODES[code], '-in', HERE / f'{code}.in', '-log', 'none', *variables]
+    return [*MPIRUN, threads, *run] if threads > 1 else run
+
+
+def busy_seconds():
+    fields = [int(word) for word in open('/proc/stat').readline().split()[1:9]]
+    return (sum(fields) - fields[3] - fields[4]) / os.sysconf('SC_CLK_TCK')
+
+
+def execute(words, log):
+    """Runs a command; its output, and the cores that other processes used meanwhile."""
+    began, busy = time.time(), busy_seconds()
+    with open(log, 'w') as out:
+        process = subprocess.Popen(['timeout', str(LONGEST), *map(str, words)], stdin=subprocess.DEVNULL, stdout=out,
+                                   stderr=subprocess.STDOUT, env=dict(os.environ, OMP_NUM_THREADS='1'), cwd=log.parent)
+        _, status, usage = os.wait4(process.pid, 0)
+        process.returncode = os.waitstatus_to_exitcode(status)
+    own = usage.ru_utime + usage.ru_stime
+    load = max(0, busy_seconds() - busy - own) / (time.time() - began)
+    text = log.read_text(errors='replace')
+    if process.returncode != 0:
+        raise RuntimeError(f'{" ".join(map(str, words))}: exit code {process.returncode}\n{text[-800:]}')
+    return text, load
+
+
+def measured(text, check, steps):
+    """What a run printed: key=value, or the tables of LAMMPS and LIGGGHTS."""
+    line = re.findall(r'^code=.*$', text, re.M)
+    if line:
+        return {name: value for name, value in (word.split('=', 1) for word in line[-1].split())}
+    spheres, *numbers = re.findall(rf'^ *{check} +(\d+) +(\S+) +(\S+) +(\S+) *$', text, re.M)[0]
+    loops = re.findall(r'Loop time of (\S+) on \d+ procs for (\d+) steps', text)
+    wall, timed = loops[-1]
+    if int(timed) != steps:
+        raise RuntimeError(f'expected {steps} timed steps, found {timed}')
+    return dict(zip(('coordination', 'kinetic_energy_J', 'wall_force_over_weight'), numbers), spheres=spheres, wall_s=wall,
+                check_wall_s=loops[0][0])
