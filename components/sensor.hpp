@@ -27,6 +27,8 @@ struct Correction : State<CorrectionRow> { static constexpr auto name = "correct
 /// Force (N) and torque (N m) that pull a sensor's body to where it was measured; they stay until the next measurement.
 struct PullRow { Vec3 force = Vec3::Zero(), torque = Vec3::Zero(); };
 struct Pull : State<PullRow> { static constexpr auto name = "pull", unit = "N, N m"; };
+/// 1 while a body is corrected or pulled, and in the step after: few are, and the others are not looked at.
+struct Guided : State<std::uint32_t> { static constexpr auto name = "guided", unit = ""; };
 /// Energy that corrections have put into the scene, since the start.
 struct FusionWork : State<double> { static constexpr auto name = "fusion_work", unit = "J"; };
 

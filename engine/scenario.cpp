@@ -1,5 +1,7 @@
 #include "engine/scenario.hpp"
 
+#include "engine/memory.hpp"
+
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 
@@ -74,6 +76,7 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv, const 
     }
     if (common.threads == 0) common.threads = std::max(1u, std::thread::hardware_concurrency());
     common.memory_limit = static_cast<std::uint64_t>(std::floor(flags.memory * 0x1p30));
+    limit_memory(common.memory_limit);
     common.settings = options.values();
     std::error_code error;
     std::filesystem::create_directories(common.out, error);

@@ -11,11 +11,13 @@
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
+#include "engine/memory.hpp"
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/lattice.hpp"
+#include "systems/build/memory_estimate.hpp"
 #include "systems/build/scene.hpp"
 #include "systems/procedure/bulk_run.hpp"
 
@@ -209,6 +211,7 @@ void report(const ImpactTest& t, BulkRun& run) {
 }
 
 void run(const ImpactTest& t, const Common& common) {
+    require_memory("spheres", t.spheres, bytes_of_spheres(t.spheres), common.memory_limit);
     run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 

@@ -1,11 +1,13 @@
 // Spheres settle in a box under gravity: the bed on which speed is measured, and the shortest way
 // to see a whole run, from options to pictures.
 #include "engine/errors.hpp"
+#include "engine/memory.hpp"
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/check_scene.hpp"
+#include "systems/build/memory_estimate.hpp"
 #include "systems/build/sphere_bed.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/plot.hpp"
@@ -61,6 +63,7 @@ void relax_start(World& world, unsigned threads) {
 
 /// The bed, checked; a resumed one need not start well.
 World make_scene(const Settle& settings, const Common& common) {
+    require_memory("spheres", settings.bed.spheres, bytes_of_spheres(settings.bed.spheres), common.memory_limit);
     SphereBed bed = settings.bed;
     bed.seed = common.seed;
     World world = make_sphere_bed(bed);

@@ -9,10 +9,12 @@
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
 #include "engine/linear_fit.hpp"
+#include "engine/memory.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/lattice.hpp"
+#include "systems/build/memory_estimate.hpp"
 #include "systems/build/retire.hpp"
 #include "systems/build/scene.hpp"
 #include "systems/build/vessels.hpp"
@@ -229,6 +231,7 @@ void report(const SiloTest& t, BulkRun& run) {
 }
 
 void run(const SiloTest& t, const Common& common) {
+    require_memory("spheres", t.spheres, bytes_of_spheres(t.spheres), common.memory_limit);
     require(t.window.size() == 2 && t.window[0] < t.window[1], "--window: expected two times, the second one later");
     run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }

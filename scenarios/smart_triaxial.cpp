@@ -258,6 +258,7 @@ void Computation::report() {
 
 void run(const Smart& given, const Common& common) {
     Smart s = given;
+    require_memory_for(s.triaxial, common.threads, common.memory_limit);
     const auto infos = read_sensor_infos(s.recordings);
     if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(s.recordings / "sensor_poses.csv")) s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
     if (common.explain) {

@@ -297,6 +297,7 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
 }
 
 void run(const Triaxial& t, const Common& common) {
+    require_memory_for(t, std::min(common.threads, static_cast<unsigned>(t.confining_pressure.size())), common.memory_limit);
     const TriaxialScene scene = make_scene(t, common.seed);
     if (common.explain) {
         fmt::print("{}", make_simulation(scene, 1, common.serial).schedule().explain());

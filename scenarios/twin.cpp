@@ -269,6 +269,7 @@ void Experiment::report() const {
 
 void run(const Twin& t, const Common& common) {
     require(t.triaxial.confining_pressure.size() == 1, "--confining-pressure: expected one, found several");
+    require_memory_for(t.triaxial, common.threads, common.memory_limit);
     if (common.explain) {
         fmt::print("{}", make_simulation(make_scene(t.triaxial, common.seed), 1, common.serial).schedule().explain());
         return;

@@ -2,55 +2,70 @@
 
 namespace bris {
 
-void book_corrections(Rows<Bodies, const Force, const Torque, const Correction, FusionWork> bodies) {
+namespace {
+
+template <class BodyRows, class Visit> void for_guided(const BodyRows& bodies, Visit&& visit) {
+    const std::uint32_t* guided = bodies.template column<Guided>();
+    for (Row b = bodies.first(); b < bodies.last(); ++b)
+        if (guided[b] != 0) visit(b);
+}
+
+} // namespace
+
+void book_corrections(Rows<Bodies, const Guided, const Force, const Torque, const Correction, FusionWork> bodies) {
     const Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
     const CorrectionRow* correction = bodies.column<Correction>();
     double* work = bodies.column<FusionWork>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+    for_guided(bodies, [&](Row b) {
         const CorrectionRow& c = correction[b];
         work[b] -= 0.5 * (force[b].dot(c.last_shift) + torque[b].dot(c.last_turn));
         if (c.steps > 0) work[b] -= 0.5 * (force[b].dot(c.shift) + torque[b].dot(c.turn));
-    }
+    });
 }
 
-void pull_sensors(Rows<Bodies, const Pull, const Velocity, const StepSpin, Force, Torque, FusionWork> bodies, const Clock& clock) {
+void pull_sensors(Rows<Bodies, const Guided, const Pull, const Velocity, const StepSpin, Force, Torque, FusionWork> bodies, const Clock& clock) {
     const PullRow* pull = bodies.column<Pull>();
     const Vec3 *velocity = bodies.column<Velocity>(), *spin = bodies.column<StepSpin>();
     Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
     double* work = bodies.column<FusionWork>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+    for_guided(bodies, [&](Row b) {
         work[b] += clock.dt * (pull[b].force.dot(velocity[b]) + pull[b].torque.dot(spin[b]));
         force[b] += pull[b].force;
         torque[b] += pull[b].torque;
-    }
+    });
 }
 
-void turn_corrections(Rows<Bodies, const Correction, Orientation> bodies) {
+void turn_corrections(Rows<Bodies, const Guided, const Correction, Orientation> bodies) {
     const CorrectionRow* correction = bodies.column<Correction>();
     Quat* orientation = bodies.column<Orientation>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b)
+    for_guided(bodies, [&](Row b) {
         if (correction[b].steps > 0) orientation[b] = (exponential_map(correction[b].turn) * orientation[b]).normalized();
+    });
 }
 
-void shift_corrections(Rows<Bodies, Correction, Position> bodies) {
+void shift_corrections(Rows<Bodies, Correction, const Pull, Guided, Position> bodies) {
+    const PullRow* pull = bodies.column<Pull>();
+    std::uint32_t* guided = bodies.column<Guided>();
     CorrectionRow* correction = bodies.column<Correction>();
     Vec3* position = bodies.column<Position>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+    for_guided(bodies, [&](Row b) {
         CorrectionRow& c = correction[b];
         const bool under_way = c.steps > 0;
         if (under_way) position[b] += c.shift;
         c.last_shift = under_way ? c.shift : Vec3::Zero();
         c.last_turn = under_way ? c.turn : Vec3::Zero();
         c.steps = under_way ? c.steps - 1 : 0;
-    }
+        const bool pulled = pull[b].force != Vec3::Zero() || pull[b].torque != Vec3::Zero();
+        guided[b] = under_way || pulled ? 1 : 0;
+    });
 }
 
-void tell_corrections(Rows<Bodies, const Correction, RigidMotion> bodies, const Clock& clock) {
+void tell_corrections(Rows<Bodies, const Guided, const Correction, RigidMotion> bodies, const Clock& clock) {
     const CorrectionRow* correction = bodies.column<Correction>();
     MotionRow* motion = bodies.column<RigidMotion>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+    for_guided(bodies, [&](Row b) {
         const CorrectionRow& c = correction[b];
-        if (c.felt == 0) continue;
+        if (c.felt == 0) return;
         const Vec3 v = c.last_shift / clock.dt, w = c.last_turn / clock.dt;
         motion[b].vx += v.x();
         motion[b].vy += v.y();
@@ -58,14 +73,15 @@ void tell_corrections(Rows<Bodies, const Correction, RigidMotion> bodies, const 
         motion[b].spin_x += w.x();
         motion[b].spin_y += w.y();
         motion[b].spin_z += w.z();
-    }
+    });
 }
 
-void give_correction(CorrectionRow& row, const Vec3& shift, const Vec3& turn, unsigned steps) {
+void give_correction(CorrectionRow& row, std::uint32_t& guided, const Vec3& shift, const Vec3& turn, unsigned steps) {
     row.shift = shift / steps;
     row.turn = turn / steps;
     row.steps = steps;
     row.felt = steps > 1 ? 1 : 0;
+    guided = 1;
 }
 
 } // namespace bris

@@ -76,8 +76,13 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, const Re
         spin += dw;
         bodies.template column<StepSpin>()[b] += dw;
         bodies.template column<AngularMomentum>()[b] += dL;
-        if (fusion.pull.stiffness > 0) bodies.template column<Pull>()[b] = pull_for(to_come, fusion.pull);
-        else give_correction(correction, to_come.shift, to_come.turn, fusion.injection_steps);
+        std::uint32_t& guided = bodies.template column<Guided>()[b];
+        if (fusion.pull.stiffness > 0) {
+            bodies.template column<Pull>()[b] = pull_for(to_come, fusion.pull);
+            guided = 1;
+        } else {
+            give_correction(correction, guided, to_come.shift, to_come.turn, fusion.injection_steps);
+        }
         sensors.column<Accepted>()[s] += to_come.accepted;
         sensors.column<Refused>()[s] += to_come.refused;
         double& largest = sensors.column<LargestInnovation>()[s];
@@ -116,6 +121,7 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<s
         table.column<SensorId>()[s] = s;
         table.column<SensorHost>()[s] = hosts[s];
     }
+    world.table<Bodies>().add<Guided>();
     world.table<Bodies>().add<Correction>();
     world.table<Bodies>().add<Pull>();
     world.table<Bodies>().add<FusionWork>();

@@ -50,8 +50,8 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<s
 
 using FusedSensors = Rows<Sensors, const SensorHost, NextSample, Accepted, Refused, LargestInnovation>;
 template <class... Shape>
-using FusedBodies = Rows<Bodies, const BodyId, const Position, const Acceleration, const InertialMass, Velocity, Spin, StepSpin, AngularMomentum, Correction,
-                         Pull, FusionWork, Shape...>;
+using FusedBodies = Rows<Bodies, const BodyId, const Position, const Acceleration, const InertialMass, Velocity, Spin, StepSpin, AngularMomentum, Guided,
+                         Correction, Pull, FusionWork, Shape...>;
 
 /// Whether a sample has been taken by the end of this step.
 bool fusion_is_due(const World& world);

@@ -108,6 +108,7 @@ Network network_of(const World& world) {
 double spread_corrections(World& world, const SpreadSettings& settings) {
     const Network n = network_of(world);
     const auto correction = world.column<Bodies, Correction>();
+    const auto guided = world.column<Bodies, Guided>();
     const auto host = world.column<Sensors, SensorHost>();
     Eigen::SparseMatrix<double> A = n.K;
     Eigen::VectorXd pull = Eigen::VectorXd::Zero(n.unknowns);
@@ -133,8 +134,10 @@ double spread_corrections(World& world, const SpreadSettings& settings) {
     require(solver.info() == Eigen::Success, "fusion: the stiffness of the contact network cannot be factorised");
     const Eigen::VectorXd u = solver.solve(pull);
     for (EntityId id = 0; id < n.row.size(); ++id)
-        if (n.first[id] >= 0)
-            give_correction(correction[n.row[id]], u.segment<3>(n.first[id]), u.segment<3>(n.first[id] + 3), static_cast<unsigned>(steps));
+        if (n.first[id] >= 0) {
+            const Row b = n.row[id];
+            give_correction(correction[b], guided[b], u.segment<3>(n.first[id]), u.segment<3>(n.first[id] + 3), static_cast<unsigned>(steps));
+        }
     return 0.5 * u.dot(n.K * u);
 }
 

@@ -2,9 +2,11 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
+#include "engine/memory.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/check_scene.hpp"
 #include "systems/build/clump_library.hpp"
+#include "systems/build/memory_estimate.hpp"
 #include "systems/contact/ledger.hpp"
 #include "systems/steps.hpp"
 
@@ -49,6 +51,11 @@ TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
         s.poses = smart_rock_poses(room_for(sensors), seed, sensors);
     }
     return s;
+}
+
+void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit) {
+    constexpr double spheres_each = 30; // of the clump library
+    require_memory("bodies", t.bodies, bytes_of_rocks(t.bodies, spheres_each, worlds), limit);
 }
 
 Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {

@@ -33,7 +33,7 @@ TEST_SUITE("engine/scenario") {
         Common common;
         double height = 0;
         const int code = exit_code(
-            {"--height", "2", "--out", out, "--threads", "3", "--memory", "0.5", "--quiet"},
+            {"--height", "2", "--out", out, "--threads", "3", "--memory", "512", "--quiet"},
             [&](const Nothing& settings, const Common& given) {
                 common = given;
                 height = settings.height;
@@ -42,7 +42,7 @@ TEST_SUITE("engine/scenario") {
         CHECK(height == 2);
         CHECK(common.scenario == "nothing");
         CHECK(common.threads == 3);
-        CHECK(common.memory_limit == 512u * 1024 * 1024);
+        CHECK(common.memory_limit == std::uint64_t{512} << 30);
         CHECK(common.quiet);
         CHECK(common.seed == 1);
         CHECK(std::filesystem::is_directory(out));

@@ -18,7 +18,7 @@ struct Chain {
 
     Chain(unsigned count, const Vec3& d) : sim(make(count)), balls(count) {
         sim.advance();
-        give_correction(value_of<Correction>(sim, 0), d, Vec3::Zero(), 10);
+        give_correction(value_of<Correction>(sim, 0), value_of<Guided>(sim, 0), d, Vec3::Zero(), 10);
     }
     static Simulation make(unsigned count) {
         World world = make_world(Grains::spheres);

@@ -1,0 +1,42 @@
+#include "engine/memory.hpp"
+
+#include "engine/errors.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+#include <sys/resource.h>
+#include <unistd.h>
+
+namespace bris {
+
+namespace {
+double gigabytes(double bytes) { return bytes / 0x1p30; }
+}
+
+std::uint64_t machine_memory() {
+    std::uint64_t bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
+    std::ifstream group("/sys/fs/cgroup/memory.max"); // "max" where there is no limit
+    if (std::uint64_t most = 0; group >> most) bytes = std::min(bytes, most);
+    return bytes;
+}
+
+void limit_memory(std::uint64_t bytes) {
+    if (bytes == 0) return;
+    rlimit limit{};
+    getrlimit(RLIMIT_DATA, &limit);
+    limit.rlim_cur = std::min<rlim_t>(bytes, limit.rlim_max);
+    require(setrlimit(RLIMIT_DATA, &limit) == 0, fmt::format("--memory: expected a limit that this system takes, found {:.3g} GiB", gigabytes(static_cast<double>(bytes))));
+}
+
+void require_memory(const std::string& option, double count, double bytes, std::uint64_t limit) {
+    const std::uint64_t machine = machine_memory();
+    const bool asked = limit > 0 && limit < machine;
+    const double most = static_cast<double>(asked ? limit : machine);
+    require(bytes <= most, fmt::format("--{}: expected what fits in {:.3g} GiB ({}), found {:.6g}, which take about {:.3g} GiB", option, gigabytes(most),
+                                       asked ? "--memory" : "all that this machine has", count, gigabytes(bytes)));
+}
+
+} // namespace bris

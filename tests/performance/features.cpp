@@ -1,0 +1,207 @@
+// What each feature costs: a settled bed of spheres, with one thing more at a time. Blocks of steps, interleaved over the
+// variants; one CSV line each with the median, the least, and what the scene's floor says of the physics.
+#include "engine/errors.hpp"
+#include "engine/scenario.hpp"
+#include "engine/simulation.hpp"
+#include "engine/stopwatch.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/build/scene.hpp"
+#include "systems/build/sphere_bed.hpp"
+#include "systems/contact/ledger.hpp"
+#include "systems/fusion/fuse.hpp"
+#include "systems/output/porosity.hpp"
+#include "systems/output/record.hpp"
+#include "systems/steps.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <memory>
+
+namespace {
+
+using namespace bris;
+
+struct Bench {
+    unsigned spheres = 2000, rounds = 9;
+    std::uint64_t steps = 400;
+    std::filesystem::path out = std::filesystem::path(BRIS_ASSETS).parent_path() / "tests/performance/results/features.csv";
+
+    void describe(auto& option) {
+        option("spheres", spheres, "", "of the bed", within(100, 1e6));
+        option("rounds", rounds, "", "blocks timed for each", within(1, 1000));
+        option("steps", steps, "", "of a block", within(1, 1e9));
+        option("out", out, "", "CSV file to be written");
+    }
+};
+
+enum class Also { nothing, ledger, damping, facets, sensors, frames, porosity };
+
+struct Variant {
+    const char* name;
+    const char* against; ///< the variant that it adds to
+    LawName law;
+    Also also = Also::nothing;
+};
+
+constexpr Variant variants[] = {
+    {"frictionless spheres, planes, weight", "", LawName::linear_frictionless},
+    {"friction", "frictionless spheres, planes, weight", LawName::linear},
+    {"dashpots", "friction", LawName::linear_viscous},
+    {"rolling and twisting resistance", "dashpots", LawName::linear_rolling},
+    {"Hertz and Mindlin", "dashpots", LawName::hertz_mindlin_viscous},
+    {"local damping", "dashpots", LawName::linear_viscous, Also::damping},
+    {"energy ledger", "dashpots", LawName::linear_viscous, Also::ledger},
+    {"floor of 64 facets", "dashpots", LawName::linear_viscous, Also::facets},
+    {"ten sensors, a record each 20 steps", "dashpots", LawName::linear_viscous, Also::sensors},
+    {"a frame written every 100 steps", "dashpots", LawName::linear_viscous, Also::frames},
+    {"porosity measured every 100 steps", "dashpots", LawName::linear_viscous, Also::porosity},
+};
+
+World empty_bed(const Bench& s, LawName law, double& floor) {
+    SphereBed bed;
+    bed.spheres = s.spheres;
+    World world = make_sphere_bed(bed);
+    world.resource<Materials>() = {};
+    Material grain{.name = "grain", .density = bed.density, .normal_stiffness = 2e6, .shear_stiffness = 4e6 / 7, .friction = 0.5,
+                   .young_modulus = 5e8, .poisson_ratio = 0.25, .rolling_friction = 0.1, .twisting_friction = 0.1};
+    if (is_hertz(law)) grain.restitution = 0.3;
+    else {
+        grain.normal_damping = 5838;
+        grain.shear_damping = 2919;
+    }
+    world.resource<Materials>().add(grain);
+    floor = world.resource<Limits>().high.x();
+    return world;
+}
+
+/// Where the spheres of a settled bed are, in the order of their ids.
+std::vector<Vec3> settled(const Bench& s) {
+    double floor = 0;
+    World world = empty_bed(s, LawName::linear_viscous, floor);
+    add_lists(world, LawName::linear_viscous);
+    world.add_resource(LocalDamping{0.5});
+    world.resource<Gravity>().value *= 10;
+    Simulation simulation(std::move(world), steps(LawName::linear_viscous), 1);
+    simulation.advance(10000);
+    simulation.world().resource<Gravity>().value /= 10;
+    simulation.advance(20000);
+    return frame_of_bodies(simulation.world()).positions;
+}
+
+struct Case {
+    Variant variant;
+    std::unique_ptr<Simulation> simulation;
+    std::unique_ptr<FrameWriter> frames;
+    std::vector<double> wall = {}; ///< s, of each block
+};
+
+void add_ten_sensors(World& world, const Bench& s) {
+    std::vector<EntityId> hosts;
+    std::vector<std::vector<TimedMeasurement>> samples(10);
+    const double dt = world.resource<Clock>().dt;
+    for (EntityId k = 0; k < 10; ++k) {
+        hosts.push_back(k * (s.spheres / 10));
+        for (unsigned n = 1; n < 50000; ++n) {
+            Measured m;
+            m.velocity = Vec3::Zero();
+            samples[k].push_back({20 * n * dt, m});
+        }
+    }
+    add_sensors(world, hosts, std::move(samples), {});
+}
+
+Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& places) {
+    double half = 0;
+    World world = empty_bed(s, v.law, half);
+    for (std::size_t k = 0; k < places.size(); ++k) world.column<Bodies, Position>()[k] = places[k];
+    if (v.also == Also::facets) {
+        const EntityId host = add_boundary(world, Vec3::Zero(), 0, Motion::fixed, 2 * half);
+        const auto at = [&](int i) { return -half + half * i / 4; };
+        for (int j = 0; j < 8; ++j)
+            for (int i = 0; i < 8; ++i)
+                add_facet(world, host, {{Vec3(at(i), at(j), 0), Vec3(at(i + 1), at(j), 0), Vec3(at(i + 1), at(j + 1), 0), Vec3(at(i), at(j + 1), 0)}});
+    }
+    if (v.also == Also::damping) world.add_resource(LocalDamping{0.1});
+    add_lists(world, v.law);
+    if (v.also == Also::ledger) add_ledger(world);
+    if (v.also == Also::sensors) add_ten_sensors(world, s);
+    Case c{v, std::make_unique<Simulation>(std::move(world), steps(v.law, v.also == Also::ledger), 1), nullptr};
+    c.simulation->advance(std::max<std::uint64_t>(s.steps, 12000)); // to rest, with warm caches and lists
+    return c;
+}
+
+void run_block(const Bench& s, Case& c) {
+    const bool looks = c.variant.also == Also::frames || c.variant.also == Also::porosity;
+    if (c.variant.also == Also::frames)
+        c.frames = std::make_unique<FrameWriter>(std::filesystem::temp_directory_path() / "features.vtkhdf", std::vector<NamedValue>{});
+    const auto began = this_instant();
+    for (std::uint64_t done = 0; done < s.steps;) {
+        const std::uint64_t next = looks ? std::min<std::uint64_t>(100, s.steps - done) : s.steps;
+        c.simulation->advance(next);
+        done += next;
+        if (c.frames) c.frames->add(c.simulation->world());
+        if (c.variant.also == Also::porosity) porosity(c.simulation->world(), {0.05, 0.02, 0.1}, 60);
+    }
+    c.wall.push_back(seconds_since(began));
+    c.frames.reset();
+}
+
+std::size_t systems_of(const Case& c) {
+    const std::string text = c.simulation->schedule().explain();
+    const std::string run = text.substr(0, text.find("systems left out"));
+    std::size_t count = 0;
+    for (std::size_t at = run.find("reads "); at != std::string::npos; at = run.find("reads ", at + 1)) ++count;
+    return count;
+}
+
+void report(const Bench& s, std::vector<Case>& cases) {
+    std::string csv = "feature,against,spheres,steps,rounds,systems,median_ns_per_particle_step,least_ns_per_particle_step,cost_ns_per_particle_step,coordination,floor_force_over_weight\n";
+    fmt::print("{:38} {:>8} {:>10} {:>10} {:>10} {:>8} {:>12}\n", "", "systems", "median ns", "least ns", "cost ns", "Z", "floor/weight");
+    const auto median = [&](const Case& c) {
+        auto wall = c.wall;
+        std::sort(wall.begin(), wall.end());
+        return wall[wall.size() / 2] / static_cast<double>(s.steps * s.spheres) * 1e9;
+    };
+    for (const Case& c : cases) {
+        const auto base = std::find_if(cases.begin(), cases.end(), [&](const Case& b) { return std::string(b.variant.name) == c.variant.against; });
+        const double now = median(c), cost = base == cases.end() ? 0 : now - median(*base);
+        const double least = *std::min_element(c.wall.begin(), c.wall.end()) / static_cast<double>(s.steps * s.spheres) * 1e9;
+        const Quantities q = measure(c.simulation->world());
+        const std::size_t count = systems_of(c);
+        fmt::print("{:38} {:8} {:10.1f} {:10.1f} {:10.1f} {:8.3f} {:12.4f}\n", c.variant.name, count, now, least, cost, q.coordination,
+                   q.boundary_force.z() / q.weight.z());
+        csv += fmt::format("\"{}\",\"{}\",{},{},{},{},{:.4g},{:.4g},{:.4g},{:.6g},{:.6g}\n", c.variant.name, c.variant.against, s.spheres, s.steps, s.rounds,
+                           count, now, least, cost, q.coordination, q.boundary_force.z() / q.weight.z());
+    }
+    if (s.out.has_parent_path()) std::filesystem::create_directories(s.out.parent_path());
+    std::ofstream file(s.out);
+    file << csv << std::flush;
+    if (!file) throw OutputError(fmt::format("cannot write '{}'", s.out.string()));
+}
+
+void run(const Bench& s) {
+    const std::vector<Vec3> places = settled(s);
+    std::vector<Case> cases;
+    for (const Variant& v : variants) cases.push_back(make_case(s, v, places));
+    for (unsigned round = 0; round < s.rounds; ++round)
+        for (Case& c : cases) run_block(s, c);
+    report(s, cases);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return detail::exit_code_of("features", [&] {
+        Bench settings;
+        Options options;
+        settings.describe(options);
+        if (options.parse({argv + 1, argv + argc}))
+            run(settings);
+        else
+            fmt::print("{}", options.help("features", "what each feature of a scene costs"));
+    });
+}
