@@ -8,7 +8,7 @@
 #include "engine/summary.hpp"
 #include "systems/experiments/names.hpp"
 #include "systems/output/plot.hpp"
-#include "systems/procedure/analysis.hpp"
+#include "systems/procedure/layouts.hpp"
 #include "systems/procedure/learning_results.hpp"
 #include "systems/procedure/recorded_test.hpp"
 #include "systems/procedure/triaxial_results.hpp"
@@ -34,7 +34,7 @@ struct Twin {
     std::filesystem::path record;
     double disturbance = 1e-7, interval = 1e-3, change = 0.03;
     double position_noise = 1e-4, attitude_noise = 2e-3;
-    bool catch_up = true;
+    bool catch_up = true, layouts = false;
     Learning learning;
     Corrections corrections;
     std::string filter = "corrected";
@@ -54,6 +54,7 @@ struct Twin {
         learning.describe(option);
         option("change", change, "", "of friction or stiffness, from which on the model is told of it", above(0));
         option("catch_up", catch_up, "", "begin again with what was learned, else go on from where the model is");
+        option("layouts", layouts, "", "try other sensor rocks: how many, which, and how often they tell, and what that leaves of the error of rocks without (layouts.csv)");
         option("record", record, "", "a folder for what the sensors of the truth record, as smart_triaxial reads it; empty: none");
         option("filter", filter, "", "what turns recordings into corrections", {"corrected", "error_state"});
         option("interval", interval, "", "axial strain between samples", above(0));
@@ -126,7 +127,7 @@ private:
     Learned learned_;
     std::vector<ModelArm> arms_;
     std::vector<ModelRun> runs_;
-    Likeness displacement_, rotation_;
+    RockScatter scatter_;
     double learning_wall_ = 0;
 };
 
@@ -144,7 +145,7 @@ ModelArm Experiment::arm_of(const std::string& name) const {
         arm.catch_up = t_.catch_up;
     }
     if (name == "jumped" || name == "spread" || name == "pulled" || name == "both" || name == "analysed")
-        arm.ways = recorded_ways(truth_, t_.interval, t_.position_noise, t_.attitude_noise, common_.seed);
+        arm.ways = recorded_ways(truth_, sensor_rocks(truth_), t_.interval, t_.position_noise, t_.attitude_noise, common_.seed);
     if (name == "jumped" || name == "spread") arm.corrections.pull.stiffness = 0;
     arm.corrections.spread = name == "spread";
     return arm;
@@ -157,7 +158,7 @@ std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, dou
 void Experiment::learn_parameters() {
     const auto began = this_instant();
     MeasuredTest measured = measured_test(this->measured());
-    measured.ways = recorded_ways(truth_, t_.interval, t_.position_noise, t_.attitude_noise, common_.seed);
+    measured.ways = recorded_ways(truth_, sensor_rocks(truth_), t_.interval, t_.position_noise, t_.attitude_noise, common_.seed);
     measured.displacement_noise = t_.position_noise;
     const bool all_the_way = std::ranges::any_of(names_, is_computed);
     learned_ = learn_in_two_generations(prior_of(t_.model, t_.learning), measured, t_.learning, all_the_way ? test_.final_axial_strain : t_.learning.final_strain,
@@ -196,10 +197,8 @@ void Experiment::run() {
         }
         runs_.push_back(foretold_by(learned_, prior_of(t_.model, t_.learning)));
         if (arm.name != "analysed") continue;
-        SensorAnalysis analysis = analyse(std::move(runs_.back()), learned_.second, arm.ways, t_.position_noise, t_.attitude_noise);
-        runs_.back() = std::move(analysis.run);
-        displacement_ = analysis.displacement;
-        rotation_ = analysis.rotation;
+        scatter_ = scatter_of(learned_.second);
+        runs_.back() = analyse(std::move(runs_.back()), scatter_, sensor_rocks(truth_), arm.ways, t_.position_noise, t_.attitude_noise);
     }
 }
 
@@ -235,11 +234,11 @@ void Experiment::add_learned(Summary& summary) const {
     summary.add(describe(last));
     summary.add("learned_squared_distance_of_truth", squared_distance(last, logarithms_of({test_.friction, 1})));
     summary.add("learning_wall_time_s", learning_wall_);
-    if (displacement_.length <= 0) return;
-    summary.add("likeness_of_displacements", displacement_.near);
-    summary.add("likeness_of_displacements_length_m", displacement_.length);
-    summary.add("likeness_of_rotations", rotation_.near);
-    summary.add("likeness_of_rotations_length_m", rotation_.length);
+    if (scatter_.displacement.length <= 0) return;
+    summary.add("likeness_of_displacements", scatter_.displacement.near);
+    summary.add("likeness_of_displacements_length_m", scatter_.displacement.length);
+    summary.add("likeness_of_rotations", scatter_.rotation.near);
+    summary.add("likeness_of_rotations_length_m", scatter_.rotation.length);
 }
 
 void Experiment::draw() const {
@@ -264,6 +263,10 @@ void Experiment::report() const {
         write_worlds(common_.out / "worlds.csv", learned_.second);
     }
     draw();
+    if (t_.layouts && !learned_.known.empty()) {
+        const ModelRun forecast = foretold_by(learned_, prior_of(t_.model, t_.learning));
+        write_layouts(common_.out / "layouts.csv", try_layouts(truth_, forecast, scatter_of(learned_.second), {.position_noise = t_.position_noise, .attitude_noise = t_.attitude_noise, .seed = common_.seed}));
+    }
     report_results(common_, summary);
 }
 

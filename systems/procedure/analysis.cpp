@@ -80,40 +80,53 @@ std::vector<std::optional<Vec3>> samples_at(const std::vector<SensorWay>& ways, 
 }
 
 /// Innovations of the sensors at one stage, carried to all rocks.
-void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<std::optional<Vec3>>& samples, const std::vector<Vec3>& expected,
-           const Likeness& likeness, double variance, double noise) {
+void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<std::size_t>& hosts, const std::vector<std::optional<Vec3>>& samples,
+           const std::vector<Vec3>& expected, const Likeness& likeness, double variance, double noise) {
     std::vector<std::size_t> heard;
     for (std::size_t s = 0; s < samples.size(); ++s)
         if (samples[s]) heard.push_back(s);
     const auto m = static_cast<Eigen::Index>(heard.size());
     if (m == 0 || !(variance > 0)) return;
     const auto place = [&](std::size_t rock) -> const Vec3& { return run.start[rock].position; };
+    const auto host = [&](Eigen::Index i) -> const Vec3& { return place(hosts[heard[static_cast<std::size_t>(i)]]); };
     Matrix alike(m, m), innovation(m, 3);
     for (Eigen::Index i = 0; i < m; ++i) {
         const std::size_t s = heard[static_cast<std::size_t>(i)];
         innovation.row(i) = (*samples[s] - expected[s]).transpose();
-        for (Eigen::Index j = 0; j < m; ++j) alike(i, j) = likeness((place(s) - place(heard[static_cast<std::size_t>(j)])).norm());
+        for (Eigen::Index j = 0; j < m; ++j) alike(i, j) = likeness((host(i) - host(j)).norm());
         alike(i, i) += noise * noise / variance;
     }
     const Matrix weights = alike.ldlt().solve(innovation);
     for (std::size_t rock = 0; rock < run.rocks.size(); ++rock)
         for (Eigen::Index i = 0; i < m; ++i) {
-            const double share = likeness((place(rock) - place(heard[static_cast<std::size_t>(i)])).norm());
+            const double share = likeness((place(rock) - host(i)).norm());
             (run.*motion)[stage][rock] += share * weights.row(i).transpose();
         }
 }
 
 } // namespace
 
-SensorAnalysis analyse(ModelRun forecast, const Worlds& worlds, const std::vector<SensorWay>& ways, double position_noise, double attitude_noise) {
-    require(!worlds.runs.empty() && ways.size() <= forecast.rocks.size(), "analysis: expected worlds, and sensors among their rocks");
+RockScatter scatter_of(const Worlds& worlds) {
+    require(!worlds.runs.empty(), "analysis: expected worlds, found none");
     const Matrix leaves = WorldRegression(logarithms_of(worlds.beliefs)).leaves();
-    const auto freedom = static_cast<double>(worlds.beliefs.size() - 3), rocks = static_cast<double>(forecast.rocks.size());
-    const std::size_t end = std::min(forecast.points.size(), worlds.runs.front().points.size());
+    const ModelRun& like = worlds.runs.front();
+    const std::size_t end = like.points.size();
+    const auto freedom = static_cast<double>(worlds.beliefs.size() - 3), rocks = static_cast<double>(like.rocks.size());
     std::vector<std::size_t> some;
     for (std::size_t k = 1; k <= 10; ++k) some.push_back(k * (end - 1) / 10);
-    SensorAnalysis analysis{std::move(forecast), likeness_of(worlds, leaves, &ModelRun::displacement, some), likeness_of(worlds, leaves, &ModelRun::rotation, some)};
-    ModelRun& run = analysis.run;
+    const auto variance_of = [&](Motions motion) {
+        std::vector<double> variance(end, 0);
+        for (std::size_t stage = 1; stage < end; ++stage) variance[stage] = left_at(worlds, leaves, motion, stage).squaredNorm() / (freedom * 3 * rocks);
+        return variance;
+    };
+    return {likeness_of(worlds, leaves, &ModelRun::displacement, some), likeness_of(worlds, leaves, &ModelRun::rotation, some),
+            variance_of(&ModelRun::displacement), variance_of(&ModelRun::rotation)};
+}
+
+ModelRun analyse(ModelRun run, const RockScatter& scatter, const std::vector<std::size_t>& hosts, const std::vector<SensorWay>& ways,
+                 double position_noise, double attitude_noise) {
+    require(hosts.size() == ways.size(), "analysis: expected a way for each host");
+    const std::size_t end = std::min(run.points.size(), scatter.displacement_variance.size());
     // innovations are held from one sample to the next: of the sample and of what was foretold for its strain
     std::array<std::vector<Vec3>, 2> expected;
     std::vector<double> sampled(ways.size(), -1);
@@ -124,14 +137,15 @@ SensorAnalysis analyse(ModelRun forecast, const Worlds& worlds, const std::vecto
             const auto after = std::upper_bound(ways[s].strain.begin(), ways[s].strain.end(), strain + 1e-9);
             if (after == ways[s].strain.begin() || *(after - 1) == sampled[s]) continue;
             sampled[s] = *(after - 1);
-            expected[0][s] = run.displacement[stage][s];
-            expected[1][s] = run.rotation[stage][s];
+            expected[0][s] = run.displacement[stage][hosts[s]];
+            expected[1][s] = run.rotation[stage][hosts[s]];
         }
-        const auto variance = [&](Motions motion) { return left_at(worlds, leaves, motion, stage).squaredNorm() / (freedom * 3 * rocks); };
-        carry(run, &ModelRun::displacement, stage, samples_at(ways, &SensorWay::displacement, strain), expected[0], analysis.displacement, variance(&ModelRun::displacement), position_noise);
-        carry(run, &ModelRun::rotation, stage, samples_at(ways, &SensorWay::rotation, strain), expected[1], analysis.rotation, variance(&ModelRun::rotation), attitude_noise);
+        carry(run, &ModelRun::displacement, stage, hosts, samples_at(ways, &SensorWay::displacement, strain), expected[0], scatter.displacement,
+              scatter.displacement_variance[stage], position_noise);
+        carry(run, &ModelRun::rotation, stage, hosts, samples_at(ways, &SensorWay::rotation, strain), expected[1], scatter.rotation,
+              scatter.rotation_variance[stage], attitude_noise);
     }
-    return analysis;
+    return run;
 }
 
 } // namespace bris

@@ -5,6 +5,7 @@
 #include "engine/signal/imu.hpp"
 
 #include <algorithm>
+#include <numeric>
 
 namespace bris {
 
@@ -16,9 +17,16 @@ double root_mean(double squares, double count) { return count > 0 ? std::sqrt(sq
 
 } // namespace
 
-std::vector<SensorWay> recorded_ways(const ModelRun& truth, double interval, double position_noise, double attitude_noise, std::uint64_t seed) {
-    std::vector<SensorWay> ways(truth.sensors);
-    for (std::size_t s = 0; s < truth.sensors; ++s) {
+std::vector<std::size_t> sensor_rocks(const ModelRun& run) {
+    std::vector<std::size_t> rocks(run.sensors);
+    std::iota(rocks.begin(), rocks.end(), std::size_t{0});
+    return rocks;
+}
+
+std::vector<SensorWay> recorded_ways(const ModelRun& truth, const std::vector<std::size_t>& hosts, double interval, double position_noise,
+                                     double attitude_noise, std::uint64_t seed) {
+    std::vector<SensorWay> ways(hosts.size());
+    for (std::size_t s = 0; s < hosts.size(); ++s) {
         Random random(seed, 1000 + s);
         const auto noise = [&](double deviation) -> Vec3 { return deviation * Vec3(random.normal(), random.normal(), random.normal()); };
         double last = 0;
@@ -27,8 +35,8 @@ std::vector<SensorWay> recorded_ways(const ModelRun& truth, double interval, dou
             if (strain - last < 0.999 * interval) continue;
             last = strain;
             ways[s].strain.push_back(strain);
-            ways[s].displacement.push_back(truth.displacement[stage][s] + noise(position_noise));
-            const Quat turned = exponential_map(noise(attitude_noise)) * exponential_map(truth.rotation[stage][s]);
+            ways[s].displacement.push_back(truth.displacement[stage][hosts[s]] + noise(position_noise));
+            const Quat turned = exponential_map(noise(attitude_noise)) * exponential_map(truth.rotation[stage][hosts[s]]);
             ways[s].rotation.push_back(attitude_error(turned, Quat::Identity()));
         }
     }
@@ -41,7 +49,7 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
     model.rate = 1 / period; // of the means that are kept
     model.bandwidth = model.loss = 0;
     model.bits = 0; // noise lets a mean be finer than a digit
-    const auto ways = recorded_ways(truth, settings.interval, settings.displacement_noise, settings.attitude_noise, seed);
+    const auto ways = recorded_ways(truth, sensor_rocks(truth), settings.interval, settings.displacement_noise, settings.attitude_noise, seed);
     std::vector<Recording> recordings(truth.sensors);
     for (std::size_t s = 0; s < truth.sensors; ++s) {
         Recording& r = recordings[s];

@@ -4,8 +4,11 @@
 
 namespace bris {
 
-/// What sensors on the first rocks of a true run record, every `interval` of axial strain, with noise (m and rad).
-std::vector<SensorWay> recorded_ways(const ModelRun& truth, double interval, double position_noise, double attitude_noise, std::uint64_t seed);
+/// The first rocks of a run, which carry its sensors.
+std::vector<std::size_t> sensor_rocks(const ModelRun& run);
+
+/// What sensors on some rocks of a true run record, every `interval` of axial strain, with noise (m and rad).
+std::vector<SensorWay> recorded_ways(const ModelRun& truth, const std::vector<std::size_t>& hosts, double interval, double position_noise, double attitude_noise, std::uint64_t seed);
 
 /// The same as files tell it: what inertial sensors record of that run, at rest before the test and then as means over
 /// `interval` of axial strain, and displacement and attitude as some other means would measure them.

@@ -1,5 +1,7 @@
 #include "engine/random.hpp"
 #include "systems/procedure/analysis.hpp"
+#include "systems/procedure/layouts.hpp"
+#include "systems/procedure/twin.hpp"
 
 #include <doctest/doctest.h>
 
@@ -67,18 +69,20 @@ TEST_SUITE("procedure/analysis") {
                 ways[s].displacement.push_back(truth.displacement[k][s]);
                 ways[s].rotation.push_back(Vec3::Constant(std::nan("")));
             }
-        const SensorAnalysis analysis = analyse(forecast, worlds, ways, 1e-6, 1e-6);
-        CHECK(analysis.displacement.length == doctest::Approx(length).epsilon(0.35));
-        CHECK(analysis.displacement.near == doctest::Approx(0.95).epsilon(0.2));
-        CHECK(error(analysis.run, truth, 0, sensors) < 0.02 * error(forecast, truth, 0, sensors));
-        CHECK(error(analysis.run, truth, sensors, rocks) < 0.95 * error(forecast, truth, sensors, rocks));
-        CHECK(analysis.run.rotation.back() == forecast.rotation.back()); // not measured
-        CHECK(analysis.run.points.back().axial_strain == forecast.points.back().axial_strain);
+        const RockScatter scatter = scatter_of(worlds);
+        const std::vector<std::size_t> hosts = sensor_rocks(truth);
+        const ModelRun analysis = analyse(forecast, scatter, hosts, ways, 1e-6, 1e-6);
+        CHECK(scatter.displacement.length == doctest::Approx(length).epsilon(0.35));
+        CHECK(scatter.displacement.near == doctest::Approx(0.95).epsilon(0.2));
+        CHECK(error(analysis, truth, 0, sensors) < 0.02 * error(forecast, truth, 0, sensors));
+        CHECK(error(analysis, truth, sensors, rocks) < 0.95 * error(forecast, truth, sensors, rocks));
+        CHECK(analysis.rotation.back() == forecast.rotation.back()); // not measured
+        CHECK(analysis.points.back().axial_strain == forecast.points.back().axial_strain);
         // sensors that know nothing change nothing
-        const SensorAnalysis vague = analyse(forecast, worlds, ways, 1e3, 1e3);
-        CHECK(error(vague.run, forecast, 0, rocks) < 1e-9);
+        const ModelRun vague = analyse(forecast, scatter, hosts, ways, 1e3, 1e3);
+        CHECK(error(vague, forecast, 0, rocks) < 1e-9);
         // and a sample that comes late is not used before
         for (SensorWay& way : ways) way.strain.assign(1, 1e-2), way.displacement.resize(1), way.rotation.resize(1);
-        CHECK(analyse(forecast, worlds, ways, 1e-6, 1e-6).run.displacement[9] == forecast.displacement[9]);
+        CHECK(analyse(forecast, scatter, hosts, ways, 1e-6, 1e-6).displacement[9] == forecast.displacement[9]);
     }
 }

@@ -133,7 +133,7 @@ TEST_SUITE("procedure/triaxial") {
         ModelArm arm;
         arm.rocks.friction = 0.3;
         const ModelRun free = run(arm);
-        arm.ways = recorded_ways(truth, 1e-4, 1e-7, 1e-5, 1);
+        arm.ways = recorded_ways(truth, sensor_rocks(truth), 1e-4, 1e-7, 1e-5, 1);
         arm.corrections.position_noise = 1e-7;
         arm.corrections.attitude_noise = 1e-5;
         arm.corrections.filter = {.acceleration_density = 1, .angular_acceleration_density = 100, .drift = 1e-6, .turning = 1e-2, .gate = 1};
