@@ -101,11 +101,10 @@ void write_recordings(const std::filesystem::path& csv, const std::vector<Record
             const auto put = [&](bool there, const auto& values) {
                 if (there) row.insert(row.end(), values.begin(), values.end());
             };
-            const Quat to_sensor = r.info.mounting().conjugate();
             if (sequence) row.push_back(static_cast<double>(r.sequence[k]));
             if (strain) row.push_back(r.strain[k]);
-            if (force) put(true, Vec3((r.info.force_unit == "g" ? 1 / standard_gravity : 1) * (to_sensor * r.force[k])));
-            if (rate) put(true, Vec3((r.info.rate_unit == "deg/s" ? 180 / pi : 1) * (to_sensor * r.rate[k])));
+            if (force) put(true, r.info.recorded_force(r.force[k]));
+            if (rate) put(true, r.info.recorded_rate(r.rate[k]));
             if (displacement) put(true, r.displacement[k]);
             if (attitude) put(true, std::array{r.attitude[k].w(), r.attitude[k].x(), r.attitude[k].y(), r.attitude[k].z()});
             rows.push_back(std::move(row));
@@ -130,12 +129,11 @@ std::vector<Recording> read_recordings(const std::filesystem::path& csv, const s
         const auto found = place.find(count_of(table, row, "id", id[row]));
         require(found != place.end(), fmt::format("{}: id: expected that of a metadata file, found {}", at_line(table, row), id[row]));
         Recording& r = recordings[found->second];
-        const Quat mounting = r.info.mounting();
         r.time.push_back(time[row]);
         if (sequence.present) r.sequence.push_back(count_of(table, row, "seq", sequence(row)[0]));
         if (strain.present) r.strain.push_back(strain(row)[0]);
-        if (force.present) r.force.push_back((r.info.force_unit == "g" ? standard_gravity : 1) * (mounting * Vec3(force(row))));
-        if (rate.present) r.rate.push_back((r.info.rate_unit == "deg/s" ? pi / 180 : 1) * (mounting * Vec3(rate(row))));
+        if (force.present) r.force.push_back(r.info.force_of(force(row)));
+        if (rate.present) r.rate.push_back(r.info.rate_of(rate(row)));
         if (displacement.present) r.displacement.push_back(displacement(row));
         if (attitude.present) {
             const auto q = attitude(row);

@@ -33,6 +33,11 @@ struct SensorInfo {
     Vec3 position() const { return {x, y, z}; }
     Quat attitude() const { return Quat(qw, qx, qy, qz).normalized(); }
     Quat mounting() const { return Quat(mounting_w, mounting_x, mounting_y, mounting_z).normalized(); }
+    // from what a file has to SI units and the body's axes, and back
+    Vec3 force_of(const Vec3& recorded) const { return (force_unit == "g" ? standard_gravity : 1) * (mounting() * recorded); }
+    Vec3 rate_of(const Vec3& recorded) const { return (rate_unit == "deg/s" ? pi / 180 : 1) * (mounting() * recorded); }
+    Vec3 recorded_force(const Vec3& force) const { return (force_unit == "g" ? 1 / standard_gravity : 1) * (mounting().conjugate() * force); }
+    Vec3 recorded_rate(const Vec3& rate) const { return (rate_unit == "deg/s" ? 180 / pi : 1) * (mounting().conjugate() * rate); }
 };
 
 /// Reads a metadata file. Throws InputError with file:line, what was expected and what was found.
@@ -61,6 +66,12 @@ std::vector<Recording> read_recordings(const std::filesystem::path& csv, const s
 
 /// Writes the channels that all of them have, sample by sample. SI units; mountings are turned back. Throws OutputError.
 void write_recordings(const std::filesystem::path& csv, const std::vector<Recording>& recordings, const std::vector<std::string>& comments);
+
+/// The same from and to one HDF5 file: /sensors/ID/time, and of accel (n x 3), gyro, displacement, quat (n x 4: w x y z),
+/// sequence and strain those that there are. Throws InputError where shapes or ids do not fit, OutputError where the file
+/// cannot be read.
+std::vector<Recording> read_recordings_hdf5(const std::filesystem::path& path, const std::vector<SensorInfo>& sensors);
+void write_recordings_hdf5(const std::filesystem::path& path, const std::vector<Recording>& recordings);
 
 void SensorInfo::describe(auto& option) {
     option("id", id, "", "as in the recordings");

@@ -96,7 +96,8 @@ std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder) {
 RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<SensorInfo>& infos, const IntakeSettings& settings) {
     RecordedTest test;
     test.pressure = pressure;
-    test.recordings = read_recordings(folder / folder_of(pressure) / "recordings.csv", infos);
+    const auto hdf5 = folder / folder_of(pressure) / "recordings.h5", csv = folder / folder_of(pressure) / "recordings.csv";
+    test.recordings = std::filesystem::exists(hdf5) && !std::filesystem::exists(csv) ? read_recordings_hdf5(hdf5, infos) : read_recordings(csv, infos);
     test.measured = read_test(folder / folder_of(pressure) / "test.csv");
     for (Recording& r : test.recordings) {
         if (!settings.displacement) r.displacement.clear();

@@ -17,8 +17,9 @@ inline Lane share_of_step(const ContactLanes& c, LaneMask fresh, double dt) {
 
 /// sqrt(1 + x). Contacts hardly turn in a step: a series, 1e-16 off, does for all but fast spins.
 inline Lane root_near_one(Lane x) {
-    if (bits(x * x > 1e-8) != 0) return sqrt(1.0 + x);
-    return 1.0 + x * (0.5 - x * (0.125 - x * (0.0625 - 0.0390625 * x)));
+    const Lane series = 1.0 + x * (0.5 - x * (0.125 - x * (0.0625 - 0.0390625 * x)));
+    const LaneMask far = x * x > 1e-8;
+    return bits(far) == 0 ? series : far ? sqrt(1.0 + x) : series; // each by its own: who shares its tile means nothing
 }
 
 /// Turns a stretch with its pair: onto the new tangent plane at its old length, and about the normal with the

@@ -48,6 +48,17 @@ TEST_SUITE("contact/laws") {
         CHECK(f.x[0] == doctest::Approx(-8e8 * 0.2 * 1e-6).epsilon(1e-14));
     }
 
+    TEST_CASE("a contact that turns fast changes no bit of those that share its tile") {
+        Random random(1, 1);
+        for (int n = 0; n < 1000; ++n) {
+            Lane slow = lanes(random.uniform(-9e-5, 9e-5)), with_fast = slow;
+            with_fast[1] = 0.3;
+            CHECK(root_near_one(with_fast)[0] == root_near_one(slow)[0]);
+            CHECK(root_near_one(with_fast)[1] == std::sqrt(1.3));
+            CHECK(std::abs(root_near_one(slow)[0] - std::sqrt(1 + slow[0])) < 3e-16);
+        }
+    }
+
     TEST_CASE("friction and a rescaled Mindlin spring never give energy, whatever the path") {
         Random random(5, 0);
         double least = 0;
