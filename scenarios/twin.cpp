@@ -33,7 +33,8 @@ struct Twin {
     std::string arms = "free,chaos,learned,ensemble,analysed";
     std::filesystem::path record;
     double disturbance = 1e-7, interval = 1e-3, change = 0.03;
-    double position_noise = 1e-4, attitude_noise = 2e-3;
+    double position_noise = 1e-4, attitude_noise = 2e-3, lateness = 0;
+    RecordingFaults faults;
     bool catch_up = true, layouts = false;
     Learning learning;
     Corrections corrections;
@@ -63,6 +64,9 @@ struct Twin {
         option("largest_pull", corrections.pull.largest_force, "N", "of them", at_least(0));
         option("position_noise", position_noise, "m", "of the recordings", above(0));
         option("attitude_noise", attitude_noise, "rad", "of the recordings", above(0));
+        option("dropout", faults.dropout, "", "share of samples that never come", within(0, 0.99));
+        option("outliers", faults.outliers, "", "share of samples that are 20 mm and half a radian off", within(0, 0.99));
+        option("lateness", lateness, "", "axial strain by which samples come late, where worlds learn and are analysed", at_least(0));
         option("drift", corrections.filter.drift, "m2", "that the model may go astray in a unit of strain", at_least(0));
         option("turning", corrections.filter.turning, "rad2", "likewise", at_least(0));
         triaxial.describe(option);
@@ -145,7 +149,7 @@ ModelArm Experiment::arm_of(const std::string& name) const {
         arm.catch_up = t_.catch_up;
     }
     if (name == "jumped" || name == "spread" || name == "pulled" || name == "both" || name == "analysed")
-        arm.ways = recorded_ways(truth_, sensor_rocks(truth_), t_.interval, t_.position_noise, t_.attitude_noise, common_.seed);
+        arm.ways = recorded_ways(truth_, sensor_rocks(truth_), t_.interval, t_.position_noise, t_.attitude_noise, common_.seed, t_.faults);
     if (name == "jumped" || name == "spread") arm.corrections.pull.stiffness = 0;
     arm.corrections.spread = name == "spread";
     return arm;
@@ -158,8 +162,9 @@ std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, dou
 void Experiment::learn_parameters() {
     const auto began = this_instant();
     MeasuredTest measured = measured_test(this->measured());
-    measured.ways = recorded_ways(truth_, sensor_rocks(truth_), t_.interval, t_.position_noise, t_.attitude_noise, common_.seed);
+    measured.ways = recorded_ways(truth_, sensor_rocks(truth_), t_.interval, t_.position_noise, t_.attitude_noise, common_.seed, t_.faults);
     measured.displacement_noise = t_.position_noise;
+    measured.lateness = t_.lateness;
     const bool all_the_way = std::ranges::any_of(names_, is_computed);
     learned_ = learn_in_two_generations(prior_of(t_.model, t_.learning), measured, t_.learning, all_the_way ? test_.final_axial_strain : t_.learning.final_strain,
                                         [&](const std::vector<ModelArm>& arms, double strain) { return run_all(arms, strain); });
@@ -198,7 +203,7 @@ void Experiment::run() {
         runs_.push_back(foretold_by(learned_, prior_of(t_.model, t_.learning)));
         if (arm.name != "analysed") continue;
         scatter_ = scatter_of(learned_.second);
-        runs_.back() = analyse(std::move(runs_.back()), scatter_, sensor_rocks(truth_), arm.ways, t_.position_noise, t_.attitude_noise);
+        runs_.back() = analyse(std::move(runs_.back()), scatter_, sensor_rocks(truth_), arm.ways, t_.position_noise, t_.attitude_noise, t_.lateness);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "systems/fusion/parameter_estimate.hpp"
+#include "systems/procedure/triaxial_results.hpp"
 
 #include <algorithm>
 #include <array>
@@ -13,6 +14,7 @@ namespace bris {
 namespace {
 
 using Motions = std::vector<std::vector<Vec3>> ModelRun::*; // displacement or rotation
+constexpr double same_strain = 1e-7; // of a sample and a stage
 
 /// What the worlds leave beyond their regression at one stage: worlds x (3 rocks).
 Matrix left_at(const Worlds& worlds, const Matrix& leaves, Motions motion, std::size_t stage) {
@@ -67,32 +69,40 @@ Likeness likeness_of(const Worlds& worlds, const Matrix& leaves, Motions motion,
     return {std::min(std::exp((y - slope * x) / n), 0.95), -1 / slope};
 }
 
-/// The last sample of each sensor up to a strain; nothing: none yet.
-std::vector<std::optional<Vec3>> samples_at(const std::vector<SensorWay>& ways, std::vector<Vec3> SensorWay::* channel, double strain) {
-    std::vector<std::optional<Vec3>> samples(ways.size());
+constexpr double gate = 10; // deviations: other packings scatter more than worlds of one, gross errors far more
+
+/// What the last sample of each sensor up to a strain was off by; nothing: none yet, or refused.
+std::vector<std::optional<Vec3>> innovations_at(const std::vector<SensorWay>& ways, std::vector<Vec3> SensorWay::* channel, const ModelRun& forecast, Motions motion,
+                                                const std::vector<std::size_t>& hosts, double strain, double deviation) {
+    std::vector<std::optional<Vec3>> innovations(ways.size());
     for (std::size_t s = 0; s < ways.size(); ++s) {
         const auto after = std::upper_bound(ways[s].strain.begin(), ways[s].strain.end(), strain + 1e-9);
-        if (after == ways[s].strain.begin()) continue;
-        const Vec3& value = (ways[s].*channel)[static_cast<std::size_t>(after - ways[s].strain.begin() - 1)];
-        if (value.allFinite()) samples[s] = value;
+        for (auto k = after - ways[s].strain.begin() - 1; k >= 0; --k) { // one that was refused leaves the one before
+            const auto sample = static_cast<std::size_t>(k);
+            const auto stage = stage_at(forecast.points, ways[s].strain[sample], same_strain);
+            if (!stage) continue;
+            const Vec3 off = (ways[s].*channel)[sample] - (forecast.*motion)[*stage][hosts[s]];
+            if (!off.allFinite() || off.squaredNorm() > 3 * gate * gate * deviation * deviation) continue;
+            innovations[s] = off;
+            break;
+        }
     }
-    return samples;
+    return innovations;
 }
 
 /// Innovations of the sensors at one stage, carried to all rocks.
-void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<std::size_t>& hosts, const std::vector<std::optional<Vec3>>& samples,
-           const std::vector<Vec3>& expected, const Likeness& likeness, double variance, double noise) {
+void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<std::size_t>& hosts, const std::vector<std::optional<Vec3>>& innovations,
+           const Likeness& likeness, double variance, double noise) {
     std::vector<std::size_t> heard;
-    for (std::size_t s = 0; s < samples.size(); ++s)
-        if (samples[s]) heard.push_back(s);
+    for (std::size_t s = 0; s < innovations.size(); ++s)
+        if (innovations[s]) heard.push_back(s);
     const auto m = static_cast<Eigen::Index>(heard.size());
     if (m == 0 || !(variance > 0)) return;
     const auto place = [&](std::size_t rock) -> const Vec3& { return run.start[rock].position; };
     const auto host = [&](Eigen::Index i) -> const Vec3& { return place(hosts[heard[static_cast<std::size_t>(i)]]); };
     Matrix alike(m, m), innovation(m, 3);
     for (Eigen::Index i = 0; i < m; ++i) {
-        const std::size_t s = heard[static_cast<std::size_t>(i)];
-        innovation.row(i) = (*samples[s] - expected[s]).transpose();
+        innovation.row(i) = innovations[heard[static_cast<std::size_t>(i)]]->transpose();
         for (Eigen::Index j = 0; j < m; ++j) alike(i, j) = likeness((host(i) - host(j)).norm());
         alike(i, i) += noise * noise / variance;
     }
@@ -123,27 +133,20 @@ RockScatter scatter_of(const Worlds& worlds) {
             variance_of(&ModelRun::displacement), variance_of(&ModelRun::rotation)};
 }
 
-ModelRun analyse(ModelRun run, const RockScatter& scatter, const std::vector<std::size_t>& hosts, const std::vector<SensorWay>& ways,
-                 double position_noise, double attitude_noise) {
+ModelRun analyse(ModelRun forecast, const RockScatter& scatter, const std::vector<std::size_t>& hosts, const std::vector<SensorWay>& ways,
+                 double position_noise, double attitude_noise, double lateness) {
     require(hosts.size() == ways.size(), "analysis: expected a way for each host");
-    const std::size_t end = std::min(run.points.size(), scatter.displacement_variance.size());
-    // innovations are held from one sample to the next: of the sample and of what was foretold for its strain
-    std::array<std::vector<Vec3>, 2> expected;
-    std::vector<double> sampled(ways.size(), -1);
-    for (auto& e : expected) e.assign(ways.size(), Vec3::Zero());
+    const std::size_t end = std::min(forecast.points.size(), scatter.displacement_variance.size());
+    ModelRun run = forecast;
     for (std::size_t stage = 1; stage < end; ++stage) {
-        const double strain = run.points[stage].axial_strain;
-        for (std::size_t s = 0; s < ways.size(); ++s) {
-            const auto after = std::upper_bound(ways[s].strain.begin(), ways[s].strain.end(), strain + 1e-9);
-            if (after == ways[s].strain.begin() || *(after - 1) == sampled[s]) continue;
-            sampled[s] = *(after - 1);
-            expected[0][s] = run.displacement[stage][hosts[s]];
-            expected[1][s] = run.rotation[stage][hosts[s]];
-        }
-        carry(run, &ModelRun::displacement, stage, hosts, samples_at(ways, &SensorWay::displacement, strain), expected[0], scatter.displacement,
-              scatter.displacement_variance[stage], position_noise);
-        carry(run, &ModelRun::rotation, stage, hosts, samples_at(ways, &SensorWay::rotation, strain), expected[1], scatter.rotation,
-              scatter.rotation_variance[stage], attitude_noise);
+        const double come = run.points[stage].axial_strain - lateness;
+        const auto correct = [&](Motions motion, std::vector<Vec3> SensorWay::* channel, const Likeness& likeness, double variance, double noise) {
+            // innovations are held from one sample to the next
+            const auto innovations = innovations_at(ways, channel, forecast, motion, hosts, come, std::sqrt(variance + noise * noise));
+            carry(run, motion, stage, hosts, innovations, likeness, variance, noise);
+        };
+        correct(&ModelRun::displacement, &SensorWay::displacement, scatter.displacement, scatter.displacement_variance[stage], position_noise);
+        correct(&ModelRun::rotation, &SensorWay::rotation, scatter.rotation, scatter.rotation_variance[stage], attitude_noise);
     }
     return run;
 }

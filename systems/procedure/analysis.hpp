@@ -20,8 +20,9 @@ RockScatter scatter_of(const Worlds& worlds);
 /// Corrects what the worlds foretold by what the rocks `hosts` did, which carry sensors: optimal interpolation (Gandin
 /// 1963). What is left of each world beyond the regression on its beliefs shows how far rocks scatter at each stage, and
 /// how alike at which distance; the innovations of the sensors are carried to all others by it. The worlds themselves are
-/// not touched, so nothing is put off its equilibrium. No sample is used before its strain. Noise: m and rad, of the ways.
+/// not touched, so nothing is put off its equilibrium. No sample is used before its strain, nor before it has come, `lateness`
+/// of strain later; one ten deviations off is refused. Noise: m and rad, of the ways.
 ModelRun analyse(ModelRun forecast, const RockScatter& scatter, const std::vector<std::size_t>& hosts, const std::vector<SensorWay>& ways,
-                 double position_noise, double attitude_noise);
+                 double position_noise, double attitude_noise, double lateness = 0);
 
 } // namespace bris

@@ -50,18 +50,24 @@ void add_blend(ModelRun& sum, const Worlds& worlds, const Vector& weights, std::
     sum.rotation.push_back(std::move(rotation));
 }
 
-/// Mean displacement away from the axis of the sensor rocks that do not stand in the middle and have been heard of.
-double outwards(const ModelRun& run, const std::vector<SensorWay>& ways, const std::function<Vec3(std::size_t)>& displacement) {
+/// A sample of a sensor, and the stage of the worlds at its strain.
+struct Heard { std::size_t sensor, sample, stage; };
+
+/// Whether a sensor rock tells of widening: one in the middle does not.
+bool stands_off_axis(const ModelRun& run, std::size_t sensor) {
     constexpr double middle = 0.02; // m
-    double sum = 0, count = 0;
-    for (std::size_t s = 0; s < ways.size() && s < run.sensors; ++s) {
-        Vec3 out = run.start[s].position;
+    return run.start[sensor].position.head<2>().norm() >= middle;
+}
+
+/// Mean displacement away from the axis of the sensor rocks heard of.
+double outwards(const ModelRun& run, const std::vector<Heard>& heard, const std::function<Vec3(const Heard&)>& displacement) {
+    double sum = 0;
+    for (const Heard& h : heard) {
+        Vec3 out = run.start[h.sensor].position;
         out.z() = 0;
-        if (ways[s].strain.empty() || out.norm() < middle) continue;
-        sum += displacement(s).dot(out.normalized());
-        ++count;
+        sum += displacement(h).dot(out.normalized());
     }
-    return count > 0 ? sum / count : 0;
+    return heard.empty() ? 0 : sum / static_cast<double>(heard.size());
 }
 
 constexpr double same_strain = 1e-7; // of a sample and a stage
@@ -72,22 +78,48 @@ struct Panel {
     std::vector<const ModelRun*> runs;
 };
 
-/// The last sample of a window that all sensors have.
+/// A displacement that no world comes near: ten deviations of the worlds and of the noise.
+bool is_gross(const Panel& worlds, const Heard& h, const Vec3& found, double noise) {
+    Vec3 mean = Vec3::Zero();
+    double squares = 0;
+    for (const ModelRun* run : worlds.runs) mean += run->displacement[h.stage][h.sensor] / static_cast<double>(worlds.runs.size());
+    for (const ModelRun* run : worlds.runs) squares += (run->displacement[h.stage][h.sensor] - mean).squaredNorm();
+    const double variance = squares / static_cast<double>(worlds.runs.size() - 1) + 3 * noise * noise;
+    return (found - mean).squaredNorm() > 100 * variance;
+}
+
+/// The last sample of each sensor that has come by the end of a window and was taken in it; fewer than half of the sensors: none.
+std::vector<Heard> heard_in(const Panel& worlds, const MeasuredTest& measured, double from, double to) {
+    const ModelRun& like = *worlds.runs.front();
+    std::vector<Heard> heard;
+    std::size_t expected = 0;
+    for (std::size_t s = 0; s < std::min(measured.ways.size(), like.sensors); ++s) {
+        const SensorWay& way = measured.ways[s];
+        if (way.strain.empty() || !stands_off_axis(like, s)) continue;
+        ++expected;
+        const auto after = std::upper_bound(way.strain.begin(), way.strain.end(), to - measured.lateness + 1e-9);
+        for (auto k = after - way.strain.begin() - 1; k >= 0; --k) {
+            const auto sample = static_cast<std::size_t>(k);
+            if (way.strain[sample] <= from - measured.lateness + 1e-9) break;
+            const auto stage = stage_at(like.points, way.strain[sample], same_strain);
+            if (!stage || !way.displacement[sample].allFinite()) continue;
+            const Heard h{s, sample, *stage};
+            if (is_gross(worlds, h, way.displacement[sample], measured.displacement_noise)) continue;
+            heard.push_back(h);
+            break;
+        }
+    }
+    if (2 * heard.size() < expected) heard.clear();
+    return heard;
+}
+
 bool see_sensors(ParameterEstimate& estimate, const Panel& worlds, const MeasuredTest& measured, double from, double to) {
-    const auto heard = std::ranges::find_if(measured.ways, [](const SensorWay& w) { return !w.strain.empty(); });
-    if (heard == measured.ways.end()) return false;
-    const auto after = std::upper_bound(heard->strain.begin(), heard->strain.end(), to + 1e-9);
-    if (after == heard->strain.begin() || *(after - 1) <= from + 1e-9) return false;
-    const double strain = *(after - 1);
-    const auto stage = stage_at(worlds.runs.front()->points, strain, same_strain);
-    if (!stage) return false;
-    const auto sample = static_cast<std::size_t>(after - heard->strain.begin() - 1);
-    for (const SensorWay& w : measured.ways)
-        if (!w.strain.empty() && (sample >= w.strain.size() || w.strain[sample] != strain || !w.displacement[sample].allFinite())) return false;
+    const std::vector<Heard> heard = heard_in(worlds, measured, from, to);
+    if (heard.empty()) return false;
     Vector foretold(static_cast<Eigen::Index>(worlds.runs.size()));
     for (std::size_t j = 0; j < worlds.runs.size(); ++j)
-        foretold[static_cast<Eigen::Index>(j)] = outwards(*worlds.runs[j], measured.ways, [&](std::size_t s) { return worlds.runs[j]->displacement[*stage][s]; });
-    (void)estimate.see(1, foretold, outwards(*worlds.runs.front(), measured.ways, [&](std::size_t s) { return measured.ways[s].displacement[sample]; }));
+        foretold[static_cast<Eigen::Index>(j)] = outwards(*worlds.runs[j], heard, [&](const Heard& h) { return worlds.runs[j]->displacement[h.stage][h.sensor]; });
+    (void)estimate.see(1, foretold, outwards(*worlds.runs.front(), heard, [&](const Heard& h) { return measured.ways[h.sensor].displacement[h.sample]; }));
     return true;
 }
 
@@ -98,7 +130,10 @@ std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, 
     // another specimen differs in how it widens as it does in strength
     const auto last = worlds.runs.front()->displacement.size() - 1;
     double widening = 0;
-    for (const ModelRun* run : worlds.runs) widening += std::abs(outwards(*run, measured.ways, [&](std::size_t s) { return run->displacement[last][s]; })) / static_cast<double>(n);
+    std::vector<Heard> all;
+    for (std::size_t s = 0; s < std::min(measured.ways.size(), worlds.runs.front()->sensors); ++s)
+        if (!measured.ways[s].strain.empty() && stands_off_axis(*worlds.runs.front(), s)) all.push_back({s, 0, last});
+    for (const ModelRun* run : worlds.runs) widening += std::abs(outwards(*run, all, [&](const Heard& h) { return run->displacement[last][h.sensor]; })) / static_cast<double>(n);
     ParameterEstimate estimate(prior, logarithms_of(worlds.beliefs),
                                {{settings.specimen_scatter, settings.force_noise},
                                 {settings.specimen_scatter * widening, measured.displacement_noise / std::sqrt(std::max(1.0, static_cast<double>(measured.ways.size())))}},

@@ -28,6 +28,7 @@ struct MeasuredTest {
     std::vector<double> strain, q;
     std::vector<SensorWay> ways = {};
     double displacement_noise = 1e-4; ///< m, of them
+    double lateness = 0;              ///< of strain, by which their samples come late
 };
 MeasuredTest measured_test(const std::vector<TriaxialPoint>& points);
 

@@ -24,20 +24,29 @@ std::vector<std::size_t> sensor_rocks(const ModelRun& run) {
 }
 
 std::vector<SensorWay> recorded_ways(const ModelRun& truth, const std::vector<std::size_t>& hosts, double interval, double position_noise,
-                                     double attitude_noise, std::uint64_t seed) {
+                                     double attitude_noise, std::uint64_t seed, const RecordingFaults& faults) {
     std::vector<SensorWay> ways(hosts.size());
     for (std::size_t s = 0; s < hosts.size(); ++s) {
-        Random random(seed, 1000 + s);
+        Random random(seed, 1000 + s), fault(seed, 5000 + s);
         const auto noise = [&](double deviation) -> Vec3 { return deviation * Vec3(random.normal(), random.normal(), random.normal()); };
         double last = 0;
         for (std::size_t stage = 1; stage < truth.points.size(); ++stage) {
             const double strain = truth.points[stage].axial_strain;
             if (strain - last < 0.999 * interval) continue;
             last = strain;
+            const bool lost = fault.uniform() < faults.dropout, wrong = fault.uniform() < faults.outliers;
             ways[s].strain.push_back(strain);
             ways[s].displacement.push_back(truth.displacement[stage][hosts[s]] + noise(position_noise));
             const Quat turned = exponential_map(noise(attitude_noise)) * exponential_map(truth.rotation[stage][hosts[s]]);
             ways[s].rotation.push_back(attitude_error(turned, Quat::Identity()));
+            if (wrong) {
+                ways[s].displacement.back() += faults.way_off * fault.direction();
+                ways[s].rotation.back() += faults.turned_off * fault.direction();
+            }
+            if (!lost) continue;
+            ways[s].strain.pop_back();
+            ways[s].displacement.pop_back();
+            ways[s].rotation.pop_back();
         }
     }
     return ways;

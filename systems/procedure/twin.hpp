@@ -7,8 +7,15 @@ namespace bris {
 /// The first rocks of a run, which carry its sensors.
 std::vector<std::size_t> sensor_rocks(const ModelRun& run);
 
+/// What goes wrong with samples: some never come, some are grossly off.
+struct RecordingFaults {
+    double dropout = 0, outliers = 0;             ///< shares of samples
+    double way_off = 0.02, turned_off = 0.5;      ///< m and rad, of an outlier
+};
+
 /// What sensors on some rocks of a true run record, every `interval` of axial strain, with noise (m and rad).
-std::vector<SensorWay> recorded_ways(const ModelRun& truth, const std::vector<std::size_t>& hosts, double interval, double position_noise, double attitude_noise, std::uint64_t seed);
+std::vector<SensorWay> recorded_ways(const ModelRun& truth, const std::vector<std::size_t>& hosts, double interval, double position_noise, double attitude_noise, std::uint64_t seed,
+                                     const RecordingFaults& faults = {});
 
 /// The same as files tell it: what inertial sensors record of that run, at rest before the test and then as means over
 /// `interval` of axial strain, and displacement and attitude as some other means would measure them.
