@@ -61,7 +61,7 @@ constexpr Variant variants[] = {
     {"porosity measured every 100 steps", "dashpots", LawName::linear_viscous, Also::porosity},
 };
 
-World empty_bed(const Bench& s, LawName law, double& floor) {
+World bed_under(const Bench& s, LawName law) {
     SphereBed bed;
     bed.spheres = s.spheres;
     World world = make_sphere_bed(bed);
@@ -74,14 +74,12 @@ World empty_bed(const Bench& s, LawName law, double& floor) {
         grain.shear_damping = 2919;
     }
     world.resource<Materials>().add(grain);
-    floor = world.resource<Limits>().high.x();
     return world;
 }
 
 /// Where the spheres of a settled bed are, in the order of their ids.
 std::vector<Vec3> settled(const Bench& s) {
-    double floor = 0;
-    World world = empty_bed(s, LawName::linear_viscous, floor);
+    World world = bed_under(s, LawName::linear_viscous);
     add_lists(world, LawName::linear_viscous);
     world.add_resource(LocalDamping{0.5});
     world.resource<Gravity>().value *= 10;
@@ -115,8 +113,8 @@ void add_ten_sensors(World& world, const Bench& s) {
 }
 
 Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& places) {
-    double half = 0;
-    World world = empty_bed(s, v.law, half);
+    World world = bed_under(s, v.law);
+    const double half = world.resource<Limits>().high.x();
     for (std::size_t k = 0; k < places.size(); ++k) world.column<Bodies, Position>()[k] = places[k];
     if (v.also == Also::facets) {
         const EntityId host = add_boundary(world, Vec3::Zero(), 0, Motion::fixed, 2 * half);
