@@ -105,6 +105,7 @@ template <class Pairs> void mark_owners(World& world, std::span<Row> slot) {
 // single spheres are all listed, in the rows of their bodies: contacts need not look those up
 void list_single_spheres(World& world) {
     const auto slot = world.column<Spheres, ListedSlot>();
+    const auto ball = world.column<Spheres, LocalBall>();
     const auto runs = world.column<Bodies, SpheresOf>();
     Table& listed = world.table<Listed>();
     listed.resize(runs.size());
@@ -113,6 +114,7 @@ void list_single_spheres(World& world) {
         runs[b].listed = runs[b].count;
         listed.column<ListedBody>()[b] = b;
         if (runs[b].count == 0) continue;
+        listed.column<ListedBall>()[b] = ball[runs[b].first];
         slot[runs[b].first] = b;
     }
 }

@@ -248,8 +248,7 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     world.table<Spheres>().add<ListedSlot>();
     world.table<Spheres>().add<SpherePlace>();
     Table& listed = world.table<Listed>();
-    if (!bodies.has<SphereInertia>()) listed.add<ListedBall>();
-    if (!bodies.has<SphereInertia>()) listed.add<ListedBall>(); // single spheres stand in the rows of their bodies
+    listed.add<ListedBall>();
     listed.add<ListedBody>();
     listed.add<Place>();
     add_pair_tables<SpherePairs>(world, law);

@@ -52,15 +52,14 @@ void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, Angu
 
 // A scene of single spheres is told from one of clumps by its column SphereInertia.
 using PlacedSpheres = Rows<Bodies, const Position, const Velocity, const StepSpin, const InertialMass,
-                           const MotionOf, const SphereInertia, const BoundingRadius, RigidMotion>;
+                           const MotionOf, const SphereInertia, RigidMotion>;
 using PlacedBodies = Rows<Bodies, const SpheresOf, const Position, const Velocity, const StepSpin, const Orientation,
                           const InertialMass, const MotionOf, RigidMotion, CentreOf>;
-using PlacedCentres = Rows<Listed, Place>;
 using PlacedBalls = Rows<Listed, const ListedBall, Place>;
 
 /// What contacts read, at the new positions: motion of each body over the last step; places of single spheres, which
 /// stand in the rows of their bodies.
-void place_spheres(PlacedSpheres bodies, PlacedCentres listed);
+void place_spheres(PlacedSpheres bodies, PlacedBalls listed);
 
 /// The same for clumps: places of their listed spheres, and their centres.
 void place(PlacedBodies bodies, PlacedBalls listed);

@@ -129,21 +129,22 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
     });
 }
 
-void place_spheres(PlacedSpheres bodies, PlacedCentres listed) {
+void place_spheres(PlacedSpheres bodies, PlacedBalls listed) {
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* spin = bodies.column<StepSpin>();
     const double* mass = bodies.column<InertialMass>();
     const auto* motion = bodies.column<MotionOf>();
     MotionRow* row = bodies.column<RigidMotion>();
-    const double* radius = bodies.column<BoundingRadius>();
+    const Ball* ball = listed.column<ListedBall>();
     PlaceRow* place = listed.column<Place>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const LaneMask free = equal(motion, rows, free_motion);
         const Vec3Lanes x = load(position, rows);
         const ByRow at(rows);
         store_motion(row, rows, load(velocity, rows), free ? 1.0 / load(mass, rows) : Lane{}, load(spin, rows));
-        store_rows(transpose({x.x, x.y, x.z, load(radius, rows)}), rows.count, [&](int q) { return &place[at(q)].x; });
+        const Lane radius = transpose(load_rows([&](int q) { return ball[at.valid(q)].centre.data(); }))[3];
+        store_rows(transpose({x.x, x.y, x.z, radius}), rows.count, [&](int q) { return &place[at(q)].x; });
     });
 }
 
