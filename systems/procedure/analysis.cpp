@@ -69,22 +69,30 @@ Likeness likeness_of(const Worlds& worlds, const Matrix& leaves, Motions motion,
     return {std::min(std::exp((y - slope * x) / n), 0.95), -1 / slope};
 }
 
-constexpr double gate = 10; // deviations: other packings scatter more than worlds of one, gross errors far more
+constexpr double gate = 4; // deviations, in each direction
+
+/// Gross errors stand alone: what is far from the forecast but like the sample before is a rock that went its own way.
+bool is_gross(const Vec3& off, const std::optional<Vec3>& off_before, double deviation) {
+    if (off.squaredNorm() <= 3 * gate * gate * deviation * deviation) return false;
+    return !off_before || (off - *off_before).squaredNorm() > 0.25 * off.squaredNorm();
+}
 
 /// What the last sample of each sensor up to a strain was off by; nothing: none yet, or refused.
 std::vector<std::optional<Vec3>> innovations_at(const std::vector<SensorWay>& ways, std::vector<Vec3> SensorWay::* channel, const ModelRun& forecast, Motions motion,
                                                 const std::vector<std::size_t>& hosts, double strain, double deviation) {
     std::vector<std::optional<Vec3>> innovations(ways.size());
     for (std::size_t s = 0; s < ways.size(); ++s) {
-        const auto after = std::upper_bound(ways[s].strain.begin(), ways[s].strain.end(), strain + 1e-9);
-        for (auto k = after - ways[s].strain.begin() - 1; k >= 0; --k) { // one that was refused leaves the one before
+        const auto off_by = [&](std::ptrdiff_t k) -> std::optional<Vec3> {
+            if (k < 0) return {};
             const auto sample = static_cast<std::size_t>(k);
             const auto stage = stage_at(forecast.points, ways[s].strain[sample], same_strain);
-            if (!stage) continue;
-            const Vec3 off = (ways[s].*channel)[sample] - (forecast.*motion)[*stage][hosts[s]];
-            if (!off.allFinite() || off.squaredNorm() > 3 * gate * gate * deviation * deviation) continue;
-            innovations[s] = off;
-            break;
+            if (!stage || !(ways[s].*channel)[sample].allFinite()) return {};
+            return Vec3((ways[s].*channel)[sample] - (forecast.*motion)[*stage][hosts[s]]);
+        };
+        const auto after = std::upper_bound(ways[s].strain.begin(), ways[s].strain.end(), strain + 1e-9);
+        for (auto k = after - ways[s].strain.begin() - 1; k >= 0 && !innovations[s]; --k) { // one that was refused leaves the one before
+            const auto off = off_by(k);
+            if (off && !is_gross(*off, off_by(k - 1), deviation)) innovations[s] = off;
         }
     }
     return innovations;

@@ -21,7 +21,7 @@ RockScatter scatter_of(const Worlds& worlds);
 /// 1963). What is left of each world beyond the regression on its beliefs shows how far rocks scatter at each stage, and
 /// how alike at which distance; the innovations of the sensors are carried to all others by it. The worlds themselves are
 /// not touched, so nothing is put off its equilibrium. No sample is used before its strain, nor before it has come, `lateness`
-/// of strain later; one ten deviations off is refused. Noise: m and rad, of the ways.
+/// of strain later; one far off, and unlike the one before it, is refused. Noise: m and rad, of the ways.
 ModelRun analyse(ModelRun forecast, const RockScatter& scatter, const std::vector<std::size_t>& hosts, const std::vector<SensorWay>& ways,
                  double position_noise, double attitude_noise, double lateness = 0);
 
