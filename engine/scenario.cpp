@@ -1,9 +1,8 @@
 #include "engine/scenario.hpp"
 
-#include "engine/memory.hpp"
-
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
+#include "engine/memory.hpp"
 
 #include <fmt/format.h>
 

@@ -14,7 +14,6 @@ namespace bris {
 namespace {
 
 using Motions = std::vector<std::vector<Vec3>> ModelRun::*; // displacement or rotation
-constexpr double same_strain = 1e-7; // of a sample and a stage
 
 /// What the worlds leave beyond their regression at one stage: worlds x (3 rocks).
 Matrix left_at(const Worlds& worlds, const Matrix& leaves, Motions motion, std::size_t stage) {

@@ -40,19 +40,19 @@ std::vector<Role> roles_of(const std::vector<RockPose>& rocks, const std::vector
     return roles;
 }
 
-/// Sums of squares over all stages, for the rocks that `counts` accepts.
-template <class Counts> double displacement_error(const ModelRun& run, const ModelRun& truth, Counts&& counts) {
-    double sum = 0;
-    for (std::size_t k = 1; k < std::min(run.points.size(), truth.points.size()); ++k)
-        for (std::size_t r = 0; r < truth.rocks.size(); ++r)
-            if (counts(r)) sum += (run.displacement[k][r] - truth.displacement[k][r]).squaredNorm();
-    return sum;
+double squared_shift(const ModelRun& run, const ModelRun& truth, std::size_t stage, std::size_t rock) {
+    return (run.displacement[stage][rock] - truth.displacement[stage][rock]).squaredNorm();
 }
-template <class Counts> double rotation_error(const ModelRun& run, const ModelRun& truth, Counts&& counts) {
+double squared_turn(const ModelRun& run, const ModelRun& truth, std::size_t stage, std::size_t rock) {
+    return attitude_error(exponential_map(run.rotation[stage][rock]), exponential_map(truth.rotation[stage][rock])).squaredNorm();
+}
+
+/// Sum over all stages, for the rocks that `counts` accepts.
+template <class Squared, class Counts> double error_of(const ModelRun& run, const ModelRun& truth, Squared&& squared, Counts&& counts) {
     double sum = 0;
     for (std::size_t k = 1; k < std::min(run.points.size(), truth.points.size()); ++k)
         for (std::size_t r = 0; r < truth.rocks.size(); ++r)
-            if (counts(r)) sum += attitude_error(exponential_map(run.rotation[k][r]), exponential_map(truth.rotation[k][r])).squaredNorm();
+            if (counts(r)) sum += squared(run, truth, k, r);
     return sum;
 }
 
@@ -63,20 +63,18 @@ LayoutResult try_one(const ModelRun& truth, const ModelRun& forecast, const Rock
     const ModelRun analysed = analyse(forecast, scatter, hosts, ways, trial.position_noise, trial.attitude_noise);
     const double seconds = seconds_since(began) / static_cast<double>(forecast.points.size() - 1);
     const std::vector<Role> roles = roles_of(truth.start, hosts, reach);
-    const auto left = [&](const auto& error, auto&& counts) {
-        const double before = error(forecast, truth, counts);
-        return before > 0 ? std::sqrt(error(analysed, truth, counts) / before) : 1;
+    const auto left = [&](const auto& squared, const auto& counts) {
+        const double before = error_of(forecast, truth, squared, counts);
+        return before > 0 ? std::sqrt(error_of(analysed, truth, squared, counts) / before) : 1;
     };
-    const auto moved = [](const ModelRun& a, const ModelRun& b, const auto& counts) { return displacement_error(a, b, counts); };
-    const auto turned = [](const ModelRun& a, const ModelRun& b, const auto& counts) { return rotation_error(a, b, counts); };
     const auto near = [&](std::size_t r) { return roles[r] == Role::near; };
     return {"",
             hosts.size(),
             interval,
-            left(moved, [&](std::size_t r) { return roles[r] == Role::host; }),
-            left(moved, near),
-            left(moved, [&](std::size_t r) { return roles[r] != Role::host; }),
-            left(turned, near),
+            left(squared_shift, [&](std::size_t r) { return roles[r] == Role::host; }),
+            left(squared_shift, near),
+            left(squared_shift, [&](std::size_t r) { return roles[r] != Role::host; }),
+            left(squared_turn, near),
             seconds};
 }
 

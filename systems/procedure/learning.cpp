@@ -70,8 +70,6 @@ double outwards(const ModelRun& run, const std::vector<Heard>& heard, const std:
     return heard.empty() ? 0 : sum / static_cast<double>(heard.size());
 }
 
-constexpr double same_strain = 1e-7; // of a sample and a stage
-
 /// Worlds to learn from, or some of them.
 struct Panel {
     std::vector<RockBelief> beliefs;

@@ -23,6 +23,9 @@ struct Learning {
     void describe(auto& option);
 };
 
+/// Within which a sample's strain is that of a stage.
+inline constexpr double same_strain = 1e-7;
+
 /// What was measured in a test: q (Pa) by axial strain, in order of strain, and the ways of the sensor rocks, if there are.
 struct MeasuredTest {
     std::vector<double> strain, q;

@@ -1,6 +1,6 @@
 // What each feature costs: a settled bed of spheres, with one thing more at a time. Blocks of steps, interleaved over the
 // variants; one CSV line each with the median, the least, and what the scene's floor says of the physics.
-#include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
 #include "engine/stopwatch.hpp"
@@ -12,13 +12,12 @@
 #include "systems/output/porosity.hpp"
 #include "systems/output/record.hpp"
 #include "systems/steps.hpp"
+#include "tests/support.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <memory>
 
 namespace {
@@ -116,13 +115,7 @@ Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& places
     World world = bed_under(s, v.law);
     const double half = world.resource<Limits>().high.x();
     for (std::size_t k = 0; k < places.size(); ++k) world.column<Bodies, Position>()[k] = places[k];
-    if (v.also == Also::facets) {
-        const EntityId host = add_boundary(world, Vec3::Zero(), 0, Motion::fixed, 2 * half);
-        const auto at = [&](int i) { return -half + half * i / 4; };
-        for (int j = 0; j < 8; ++j)
-            for (int i = 0; i < 8; ++i)
-                add_facet(world, host, {{Vec3(at(i), at(j), 0), Vec3(at(i + 1), at(j), 0), Vec3(at(i + 1), at(j + 1), 0), Vec3(at(i), at(j + 1), 0)}});
-    }
+    if (v.also == Also::facets) testing::add_facet_floor(world, -half, half, 8, 0);
     if (v.also == Also::damping) world.add_resource(LocalDamping{0.1});
     add_lists(world, v.law);
     if (v.also == Also::ledger) add_ledger(world);
@@ -175,10 +168,7 @@ void report(const Bench& s, std::vector<Case>& cases) {
         csv += fmt::format("\"{}\",\"{}\",{},{},{},{},{:.4g},{:.4g},{:.4g},{:.6g},{:.6g}\n", c.variant.name, c.variant.against, s.spheres, s.steps, s.rounds,
                            count, now, least, cost, q.coordination, q.boundary_force.z() / q.weight.z());
     }
-    if (s.out.has_parent_path()) std::filesystem::create_directories(s.out.parent_path());
-    std::ofstream file(s.out);
-    file << csv << std::flush;
-    if (!file) throw OutputError(fmt::format("cannot write '{}'", s.out.string()));
+    write_whole(s.out, csv);
 }
 
 void run(const Bench& s) {

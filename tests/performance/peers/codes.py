@@ -1,4 +1,5 @@
 """What the comparisons share: the codes, the scenes, and how each code is run on them."""
+import csv
 import math
 import os
 import random
@@ -131,6 +132,17 @@ def execute(words, log):
     if process.returncode != 0:
         raise RuntimeError(f'{" ".join(map(str, words))}: exit code {process.returncode}\n{text[-800:]}')
     return text, load
+
+
+def append(path, columns, row):
+    """Adds a line to a CSV file, under a head of its columns where it is new."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    fresh = not path.exists()
+    with open(path, 'a', newline='') as out:
+        writer = csv.DictWriter(out, columns, lineterminator='\n')
+        if fresh:
+            writer.writeheader()
+        writer.writerow(row)
 
 
 def measured(text, check, steps):
