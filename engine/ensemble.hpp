@@ -9,7 +9,7 @@ namespace bris {
 /// time (0: as many as there are cores); they start in the order of their numbers. When one throws,
 /// no further job starts, those that run are finished, and the error of the lowest number is
 /// thrown: the same one however the jobs fell in time. Jobs share nothing that one of them writes,
-/// files included: HDF5 wants one thread at a time.
+/// files included.
 void run_ensemble(std::size_t jobs, unsigned at_once,
                   const std::function<void(std::size_t job)>& run);
 

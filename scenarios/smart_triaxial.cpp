@@ -9,6 +9,7 @@
 #include "systems/output/picture.hpp"
 #include "systems/output/plot.hpp"
 #include "systems/output/record.hpp"
+#include "systems/procedure/kept_run.hpp"
 #include "systems/procedure/learning_results.hpp"
 #include "systems/procedure/recorded_test.hpp"
 #include "systems/procedure/triaxial_results.hpp"
@@ -16,7 +17,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mutex>
 
 namespace bris {
 
@@ -106,7 +106,6 @@ private:
     Progress progress_;
     Archive specimen_;
     std::vector<Computed> done_;
-    std::mutex files_;
     double preparation_wall_ = 0, learning_wall_ = 0, arms_wall_ = 0;
 };
 
@@ -148,7 +147,6 @@ void Computation::show(std::size_t test, const World& world, const TriaxialPoint
     const auto stages = static_cast<std::size_t>(std::llround(s_.triaxial.test.final_axial_strain / s_.triaxial.test.stage_strain));
     const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
     if (stage % s_.triaxial.frame_stages != 0 && !shown) return;
-    const std::lock_guard lock(files_);
     if (!frames) frames = make_frames(tests_[test]);
     BodyFrame frame = frame_of_bodies(world);
     frames->add(frame);
@@ -177,11 +175,13 @@ void Computation::run_arms() {
         ModelWatch watch = watch_on(progress_, job, common_);
         const TriaxialSettings settings = settings_at(tests_[k].pressure);
         if (job % 2 == 0) {
-            done_[k].free = run_model(scene_, settings, specimen_, {.name = "DEM only", .rocks = s_.model}, common_.seed, watch);
+            const ModelArm free{.name = "DEM only", .rocks = s_.model};
+            KeptRun kept(common_, settings, specimen_, free);
+            done_[k].free = run_model(scene_, settings, specimen_, free, common_.seed, watch, &kept);
             return;
         }
         watch.stage = [&, k](const World& world, const TriaxialPoint& point) { show(k, world, point, frames[k]); };
-        done_[k].fused = run_model(scene_, settings, specimen_, fused[k], common_.seed, watch);
+        done_[k].fused = run_model(scene_, settings, specimen_, fused[k], common_.seed, watch); // not kept: its pictures are taken on the way
     });
     progress_.pause();
     arms_wall_ = seconds_since(began);
@@ -279,6 +279,7 @@ void run(const Smart& given, const Common& common) {
     Computation computation(s, common, std::move(tests));
     computation.run();
     computation.report();
+    forget_runs(common);
 }
 
 } // namespace

@@ -9,6 +9,7 @@
 #include "systems/experiments/names.hpp"
 #include "systems/output/plot.hpp"
 #include "systems/procedure/layouts.hpp"
+#include "systems/procedure/kept_run.hpp"
 #include "systems/procedure/learning_results.hpp"
 #include "systems/procedure/recorded_test.hpp"
 #include "systems/procedure/triaxial_results.hpp"
@@ -203,7 +204,7 @@ void Experiment::run() {
         runs_.push_back(foretold_by(learned_, prior_of(t_.model, t_.learning)));
         if (arm.name != "analysed") continue;
         scatter_ = scatter_of(learned_.second);
-        runs_.back() = analyse(std::move(runs_.back()), scatter_, sensor_rocks(truth_), arm.ways, t_.position_noise, t_.attitude_noise, t_.lateness);
+        runs_.back() = analyse(runs_.back(), scatter_, {sensor_rocks(truth_), arm.ways, t_.position_noise, t_.attitude_noise, t_.lateness});
     }
 }
 
@@ -285,6 +286,7 @@ void run(const Twin& t, const Common& common) {
     Experiment experiment(t, common);
     experiment.run();
     experiment.report();
+    forget_runs(common);
 }
 
 } // namespace

@@ -9,8 +9,6 @@
 #include <charconv>
 #include <cmath>
 #include <limits>
-#include <optional>
-#include <string_view>
 
 namespace bris {
 
@@ -20,27 +18,6 @@ std::string_view trimmed(std::string_view text) {
     const auto first = text.find_first_not_of(" \t\r");
     if (first == std::string_view::npos) return {};
     return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::vector<std::string_view> cells_of(std::string_view line) {
-    std::vector<std::string_view> cells;
-    for (std::size_t start = 0; start <= line.size();) {
-        const std::size_t comma = std::min(line.find(',', start), line.size());
-        cells.push_back(trimmed(line.substr(start, comma - start)));
-        start = comma + 1;
-    }
-    return cells;
-}
-
-/// The cell as a number; nothing if it is not one.
-std::optional<double> number_of(std::string_view cell) {
-    if (cell.empty() || cell == "-") return std::numeric_limits<double>::quiet_NaN();
-    if (cell.front() == '+') cell.remove_prefix(1);
-    double value = 0;
-    const char* const end = cell.data() + cell.size();
-    const auto [stop, error] = std::from_chars(cell.data(), end, value);
-    if (error != std::errc{} || stop != end) return {};
-    return value;
 }
 
 std::string listed(const std::vector<std::string>& names) {
@@ -78,6 +55,26 @@ void read_row(CsvTable& table, std::string_view line, const std::string& at) {
 }
 
 } // namespace
+
+std::vector<std::string_view> cells_of(std::string_view line) {
+    std::vector<std::string_view> cells;
+    for (std::size_t start = 0; start <= line.size();) {
+        const std::size_t comma = std::min(line.find(',', start), line.size());
+        cells.push_back(trimmed(line.substr(start, comma - start)));
+        start = comma + 1;
+    }
+    return cells;
+}
+
+std::optional<double> number_of(std::string_view cell) {
+    if (cell.empty() || cell == "-") return std::numeric_limits<double>::quiet_NaN();
+    if (cell.front() == '+') cell.remove_prefix(1);
+    double value = 0;
+    const char* const end = cell.data() + cell.size();
+    const auto [stop, error] = std::from_chars(cell.data(), end, value);
+    if (error != std::errc{} || stop != end) return {};
+    return value;
+}
 
 bool CsvTable::has(const std::string& name) const {
     return std::find(names.begin(), names.end(), name) != names.end();

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace bris {
@@ -18,6 +20,11 @@ struct CsvTable {
     std::vector<double> column(const std::string& name) const;
     bool has(const std::string& name) const;
 };
+
+/// The cells of a line, without blanks around them.
+std::vector<std::string_view> cells_of(std::string_view line);
+/// A cell as a number, NaN if it is empty or "-"; nothing if it is not one.
+std::optional<double> number_of(std::string_view cell);
 
 /// Reads a CSV file. An empty cell or "-" becomes NaN. Throws InputError with file:line, what was
 /// expected and what was found; OutputError if the file cannot be read.

@@ -6,6 +6,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <mutex>
 #include <numeric>
 #include <stdexcept>
 #include <utility>
@@ -16,15 +17,23 @@ namespace {
 
 constexpr std::size_t most_bytes = std::size_t{1} << 38; // 256 GiB in one dataset
 
-/// The library prints its errors unless told otherwise, thread by thread.
-void silence() { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+/// As Debian builds it the library stands one thread at a time, whatever the files; and it prints its errors unless told
+/// otherwise.
+class Alone {
+public:
+    Alone() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+
+private:
+    static std::recursive_mutex& mutex() {
+        static std::recursive_mutex one;
+        return one;
+    }
+    std::lock_guard<std::recursive_mutex> lock_;
+};
 
 /// Before the first file: the library must not tidy up when the process ends, because after a
 /// write that failed (disk full) it crashes there. Every file is closed by its owner.
-void begin() {
-    H5dont_atexit();
-    silence();
-}
+void begin() { H5dont_atexit(); }
 
 /// Description of the innermost error of the failed call.
 std::string reason() {
@@ -106,7 +115,7 @@ Hdf5File& Hdf5File::operator=(Hdf5File&& other) noexcept {
 }
 
 Hdf5File::~Hdf5File() {
-    silence();
+    const Alone alone;
     if (file_ >= 0) H5Fclose(file_);
 }
 
@@ -118,6 +127,7 @@ void Hdf5File::fail(const std::string& doing, const std::string& object) const {
 }
 
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
+    const Alone alone;
     begin();
     std::error_code error;
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
@@ -127,6 +137,7 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path) {
 }
 
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {
+    const Alone alone;
     begin();
     Hdf5File file(path, H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
     if (file.file_ < 0) file.fail("open", "");
@@ -134,6 +145,7 @@ Hdf5File Hdf5File::open(const std::filesystem::path& path) {
 }
 
 Hdf5File Hdf5File::open_to_write(const std::filesystem::path& path) {
+    const Alone alone;
     begin();
     Hdf5File file(path, H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT));
     if (file.file_ < 0) file.fail("open", "");
@@ -141,19 +153,19 @@ Hdf5File Hdf5File::open_to_write(const std::filesystem::path& path) {
 }
 
 void Hdf5File::close() {
-    silence();
+    const Alone alone;
     if (file_ < 0) return;
     if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fail("write", "");
     if (H5Fclose(std::exchange(file_, -1)) < 0) fail("close", "");
 }
 
 void Hdf5File::flush() {
-    silence();
+    const Alone alone;
     if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fail("write", "");
 }
 
 bool Hdf5File::has(const std::string& object) const {
-    silence();
+    const Alone alone;
     // every link on the way must exist, or the library calls it an error
     for (std::size_t end = object.find('/', 1);; end = object.find('/', end + 1)) {
         const std::string prefix = object.substr(0, end);
@@ -163,7 +175,7 @@ bool Hdf5File::has(const std::string& object) const {
 }
 
 std::vector<std::string> Hdf5File::names(const std::string& group) const {
-    silence();
+    const Alone alone;
     const Group opened(H5Gopen2(file_, group.c_str(), H5P_DEFAULT));
     if (opened < 0) fail("open", group);
     std::vector<std::string> list;
@@ -177,7 +189,7 @@ std::vector<std::string> Hdf5File::names(const std::string& group) const {
 }
 
 void Hdf5File::make_group(const std::string& group) {
-    silence();
+    const Alone alone;
     if (group == "/" || has(group)) return;
     const Properties parents(with_parents());
     const Group made(H5Gcreate2(file_, group.c_str(), parents, H5P_DEFAULT, H5P_DEFAULT));
@@ -185,7 +197,7 @@ void Hdf5File::make_group(const std::string& group) {
 }
 
 void Hdf5File::remove(const std::string& object) {
-    silence();
+    const Alone alone;
     if (H5Ldelete(file_, object.c_str(), H5P_DEFAULT) < 0) fail("remove", object);
 }
 
@@ -208,7 +220,7 @@ std::int64_t Hdf5File::type_of(Kind kind) {
 
 void Hdf5File::write(const std::string& dataset, Kind kind, const void* values, std::size_t count,
                      const Shape& shape) {
-    silence();
+    const Alone alone;
     const auto extent = dimensions(shape);
     if (product(extent) != count)
         throw std::logic_error(
@@ -224,7 +236,7 @@ void Hdf5File::write(const std::string& dataset, Kind kind, const void* values, 
 
 void Hdf5File::make_growing(const std::string& dataset, Kind kind, const Shape& row,
                             std::uint64_t rows_per_chunk) {
-    silence();
+    const Alone alone;
     std::vector<hsize_t> extent{0}, most{H5S_UNLIMITED};
     std::vector<hsize_t> chunk{std::max<hsize_t>(rows_per_chunk, 1)};
     for (const std::uint64_t n : row) {
@@ -243,7 +255,7 @@ void Hdf5File::make_growing(const std::string& dataset, Kind kind, const Shape& 
 
 void Hdf5File::append(const std::string& dataset, Kind kind, const void* values,
                       std::size_t number) {
-    silence();
+    const Alone alone;
     Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
     if (opened < 0) fail("open", dataset);
     auto extent = extents(Space(H5Dget_space(opened)));
@@ -266,7 +278,7 @@ void Hdf5File::append(const std::string& dataset, Kind kind, const void* values,
 }
 
 std::size_t Hdf5File::count(const std::string& dataset, std::size_t bytes_each) const {
-    silence();
+    const Alone alone;
     const Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
     if (opened < 0) fail("open", dataset);
     const hssize_t number = H5Sget_simple_extent_npoints(Space(H5Dget_space(opened)));
@@ -279,7 +291,7 @@ std::size_t Hdf5File::count(const std::string& dataset, std::size_t bytes_each) 
 }
 
 void Hdf5File::read(const std::string& dataset, Kind kind, void* values) const {
-    silence();
+    const Alone alone;
     const Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
     if (opened < 0) fail("open", dataset);
     if (H5Sget_simple_extent_npoints(Space(H5Dget_space(opened))) == 0) return;
@@ -288,7 +300,7 @@ void Hdf5File::read(const std::string& dataset, Kind kind, void* values) const {
 }
 
 Hdf5File::Shape Hdf5File::shape(const std::string& dataset) const {
-    silence();
+    const Alone alone;
     const Dataset opened(H5Dopen2(file_, dataset.c_str(), H5P_DEFAULT));
     if (opened < 0) fail("open", dataset);
     const auto extent = extents(Space(H5Dget_space(opened)));
@@ -312,7 +324,7 @@ std::string attribute_path(const std::string& object, const std::string& name) {
 
 void Hdf5File::set_attribute(const std::string& object, const std::string& name, Kind kind,
                              const void* values, const Shape& shape) {
-    silence();
+    const Alone alone;
     const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
     const auto extent = dimensions(shape);
     const Space space(extent.empty() ? H5Screate(H5S_SCALAR)
@@ -323,7 +335,7 @@ void Hdf5File::set_attribute(const std::string& object, const std::string& name,
 
 void Hdf5File::set_attribute(const std::string& object, const std::string& name,
                              const std::string& value) {
-    silence();
+    const Alone alone;
     const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
     const Space space(H5Screate(H5S_SCALAR));
     const Type type(H5Tcopy(H5T_C_S1)); // fixed length: the only kind that every VTK reader takes
@@ -337,13 +349,13 @@ void Hdf5File::set_attribute(const std::string& object, const std::string& name,
 }
 
 bool Hdf5File::has_attribute(const std::string& object, const std::string& name) const {
-    silence();
+    const Alone alone;
     if (object != "/" && !has(object)) return false;
     return H5Aexists_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT) > 0;
 }
 
 std::size_t Hdf5File::attribute_count(const std::string& object, const std::string& name) const {
-    silence();
+    const Alone alone;
     const Attribute opened(
         H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
     if (opened < 0) fail("read", attribute_path(object, name));
@@ -354,7 +366,7 @@ std::size_t Hdf5File::attribute_count(const std::string& object, const std::stri
 
 void Hdf5File::attribute(const std::string& object, const std::string& name, Kind kind,
                          void* values) const {
-    silence();
+    const Alone alone;
     const Attribute opened(
         H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
     if (opened < 0 || H5Aread(opened, type_of(kind), values) < 0)
@@ -362,7 +374,7 @@ void Hdf5File::attribute(const std::string& object, const std::string& name, Kin
 }
 
 std::string Hdf5File::text_attribute(const std::string& object, const std::string& name) const {
-    silence();
+    const Alone alone;
     const Attribute opened(
         H5Aopen_by_name(file_, object.c_str(), name.c_str(), H5P_DEFAULT, H5P_DEFAULT));
     if (opened < 0) fail("read", attribute_path(object, name));

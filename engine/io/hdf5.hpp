@@ -16,7 +16,8 @@ concept Hdf5Number = std::same_as<T, double> || std::same_as<T, float> ||
 
 /// An HDF5 file. Objects are named by their path, as "/VTKHDF/Steps/Values"; the groups on the way
 /// are made when something is written. Every member throws OutputError with the file, the object
-/// and what failed, also for files that are truncated, damaged or not HDF5. One thread at a time.
+/// and what failed, also for files that are truncated, damaged or not HDF5. Threads may have files
+/// of their own; calls wait for one another.
 class Hdf5File {
 public:
     using Shape = std::vector<std::uint64_t>;

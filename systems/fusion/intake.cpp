@@ -22,6 +22,7 @@ public:
         if (!look_at_numbers() || !look_at_times()) return; // what follows would be of no use
         rest_ = static_cast<std::size_t>(std::ranges::count_if(r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
         look_at_clock();
+        if (!r_.displacement.empty() && !is_stuck("displacement", r_.displacement, r_.info.displacement_noise)) look_at_jumps();
         if (!r_.force.empty()) {
             look_at_range("force", r_.force, r_.info.force_range, "m/s2");
             look_at_noise("force", r_.force, r_.info.force_noise, "m/s2/sqrt(Hz)");
@@ -60,14 +61,14 @@ private:
         double widest = 0, squares = 0;
         for (std::size_t k = 1; k < r_.size(); ++k) {
             const double gap = r_.time[k] - r_.time[k - 1];
-            backwards += static_cast<std::size_t>(gap < 0);
+            backwards += static_cast<std::size_t>(gap < 0 || (!r_.sequence.empty() && r_.sequence[k] < r_.sequence[k - 1]));
             twice += static_cast<std::size_t>(gap == 0 || (!r_.sequence.empty() && r_.sequence[k] == r_.sequence[k - 1]));
             widest = std::max(widest, gap);
             const double jitter = gap - nominal * std::max(1.0, std::round(gap / nominal));
             squares += jitter * jitter;
         }
         const auto steps = static_cast<double>(r_.size() - 1);
-        if (backwards > 0) refuse("order", fmt::format("expected times that grow, found {} that go back", backwards));
+        if (backwards > 0) refuse("order", fmt::format("expected times and counts that grow, found {} that go back", backwards));
         if (twice > 0) refuse("twice", fmt::format("expected each sample once, found {} again", twice));
         if (backwards + twice > 0) return false;
         const double lost = 1 - steps / std::max(steps, (r_.time.back() - r_.time.front()) / nominal);
@@ -80,7 +81,7 @@ private:
     }
 
     void look_at_clock() {
-        if (r_.sequence.empty()) return;
+        if (r_.sequence.size() < 3) return;
         std::vector<double> due;
         for (const std::uint64_t n : r_.sequence) due.push_back(static_cast<double>(n - r_.sequence.front()) / r_.info.sampling_rate);
         const double drift = fit_line(due, r_.time, due.front(), due.back()).slope - 1;
@@ -97,12 +98,29 @@ private:
         else if (full > 0) note("saturation", text);
     }
 
-    void look_at_noise(const char* what, const std::vector<Vec3>& values, double density, const char* unit) {
-        if (density <= 0) return; // declared to have none
+    bool is_stuck(const char* what, const std::vector<Vec3>& values, double noise) {
+        if (noise <= 0) return false; // declared to have none
         std::size_t run = 0, longest = 0;
         for (std::size_t k = 1; k < values.size(); ++k) longest = std::max(longest, run = values[k] == values[k - 1] ? run + 1 : std::size_t{0});
         const double stuck = static_cast<double>(longest) / r_.info.sampling_rate;
-        if (stuck > limits_.stuck) return refuse("stuck", fmt::format("{} stays the same for {:.3g} s, expected noise", what, stuck));
+        if (stuck <= limits_.stuck) return false;
+        refuse("stuck", fmt::format("{} stays the same for {:.3g} s, expected noise", what, stuck));
+        return true;
+    }
+
+    /// A single sample that is far off is left to those who use it; one after which all are is not the rock's way.
+    void look_at_jumps() {
+        const auto& u = r_.displacement;
+        for (std::size_t k = 1; k + 1 < u.size(); ++k) {
+            const double jump = (u[k] - u[k - 1]).norm();
+            const bool was_there = k < 2 || (u[k - 1] - u[k - 2]).norm() < 0.5 * jump, stays = (u[k + 1] - u[k]).norm() < 0.5 * jump;
+            if (jump > limits_.jump && was_there && stays)
+                return refuse("jump", fmt::format("its displacement jumps by {:.1f} mm at t = {:.6g} s and stays there, expected {:.1f} mm at most", 1e3 * jump, r_.time[k], 1e3 * limits_.jump));
+        }
+    }
+
+    void look_at_noise(const char* what, const std::vector<Vec3>& values, double density, const char* unit) {
+        if (density <= 0 || is_stuck(what, values, density)) return;
         if (rest_ < 20) return note("noise", fmt::format("{}: too few samples at rest to tell, {}", what, rest_));
         const Vec3 mean = mean_at_rest(values);
         double squares = 0;

@@ -13,6 +13,7 @@ struct IntakeLimits {
     double saturated = 0.01;        ///< largest share of samples at the end of the range
     double noise_ratio = 3;         ///< of the noise at rest over that declared, or its inverse
     double stuck = 0.5;             ///< s without a change of any digit, of a sensor that has noise
+    double jump = 0.01;             ///< m, by which a displacement may change from one sample to the next, and stay so
     double clock_drift = 1e-3;      ///< by which a clock may run fast or slow against its own count of samples
     double same = 0.999;            ///< correlation from which two recordings are one and the same
 };
@@ -27,7 +28,7 @@ struct Finding {
 };
 
 /// Looks at recordings before any of them is fused, and says what is wrong; repairs nothing. Found are: numbers that are
-/// not finite, times that go backwards, samples twice, gaps, jitter, clocks that drift, saturation, values that stick,
+/// not finite, times that go backwards, samples twice, gaps, jitter, clocks that drift, saturation, values that stick, displacements that jump,
 /// gravity of another size (units) or direction (signs, frame, ids changed for one another), noise other than declared,
 /// recordings that are the same. `gravity`: m/s2, world frame.
 std::vector<Finding> look_at(const std::vector<Recording>& recordings, const Vec3& gravity, const IntakeLimits& limits = {});

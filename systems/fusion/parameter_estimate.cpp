@@ -59,7 +59,7 @@ ParameterEstimate::Measurement ParameterEstimate::difference_of(const Channel& c
             .own = (1 - lasting) * channel.settings.scatter};
 }
 
-double ParameterEstimate::see(std::size_t channel, const Vector& foretold, double measured) {
+void ParameterEstimate::see(std::size_t channel, const Vector& foretold, double measured) {
     require(foretold.size() == design_.rows(), fmt::format("foretold: expected one number of each of {} worlds, found {}", design_.rows(), foretold.size()));
     Channel& c = channels_[channel];
     c.raw.push_back({foretold, left_of(foretold), measured});
@@ -68,7 +68,11 @@ double ParameterEstimate::see(std::size_t channel, const Vector& foretold, doubl
         const double size = before.norm() * now.norm();
         if (size > 0) c.correlation += before.dot(now) / size;
     }
-    // what was expected of it: mean and variance over what is known
+    stale_ = true;
+}
+
+double ParameterEstimate::surprise(std::size_t channel) const {
+    const Channel& c = channels_[channel];
     const Measurement m = difference_of(c, c.raw.size() - 1);
     const Vector here = terms_at(known_.mean[0], known_.mean[1]);
     const Matrix covariance = known_.covariance();
@@ -76,11 +80,17 @@ double ParameterEstimate::see(std::size_t channel, const Vector& foretold, doubl
     for (Eigen::Index p = 0; p < 2; ++p)
         for (Eigen::Index q = 0; q < 2; ++q) spread += m.coefficients[1 + p] * covariance(p, q) * m.coefficients[1 + q];
     const double variance = m.chaos * (1 + here.dot(information_ * here)) + m.noise + m.own * m.own + spread;
+    return std::pow(m.difference - m.coefficients.dot(here), 2) / variance;
+}
+
+const Gaussian& ParameterEstimate::parameters() {
+    if (!stale_) return known_;
     measurements_.clear(); // with the correlation as it is known now
     for (const Channel& one : channels_)
         for (std::size_t k = 0; k < one.raw.size(); ++k) measurements_.push_back(difference_of(one, k));
     known_ = integral();
-    return std::pow(m.difference - m.coefficients.dot(here), 2) / variance;
+    stale_ = false;
+    return known_;
 }
 
 double ParameterEstimate::log_likelihood(const Vector& terms, double own) const {

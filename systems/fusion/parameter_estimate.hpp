@@ -29,12 +29,15 @@ public:
     /// `trust`: power of the likelihood, below 1 where measurements have shown to tell less than they seem to.
     ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels, double trust = 1);
 
-    /// One more measurement of a channel, and what each world foretold of it. Returns its squared distance from what was
-    /// expected, chi square of one degree if all is well and worlds are many.
-    double see(std::size_t channel, const Vector& foretold, double measured);
+    /// One more measurement of a channel, and what each world foretold of it.
+    void see(std::size_t channel, const Vector& foretold, double measured);
 
-    /// Mean and covariance of the parameters as they are known now.
-    const Gaussian& parameters() const { return known_; }
+    /// Squared distance of a channel's last measurement from what parameters() made expect when it was last asked: chi
+    /// square of one degree if all is well and worlds are many.
+    double surprise(std::size_t channel) const;
+
+    /// Mean and covariance of the parameters by all that was seen. The work is done here.
+    const Gaussian& parameters();
 
 private:
     struct Raw { Vector foretold, left; double measured; };
@@ -54,6 +57,7 @@ private:
     Gaussian integral() const;
 
     Gaussian prior_, known_;
+    bool stale_ = false; ///< more was seen than known_ says
     double trust_;
     Eigen::Index terms_ = 3;
     Matrix design_;      // N x terms: 1, parameters less their mean, and their products

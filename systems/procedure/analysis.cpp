@@ -140,21 +140,21 @@ RockScatter scatter_of(const Worlds& worlds) {
             variance_of(&ModelRun::displacement), variance_of(&ModelRun::rotation)};
 }
 
-ModelRun analyse(ModelRun forecast, const RockScatter& scatter, const std::vector<std::size_t>& hosts, const std::vector<SensorWay>& ways,
-                 double position_noise, double attitude_noise, double lateness) {
-    require(hosts.size() == ways.size(), "analysis: expected a way for each host");
-    const std::size_t end = std::min(forecast.points.size(), scatter.displacement_variance.size());
+void analyse_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors, std::size_t stage) {
+    require(sensors.hosts.size() == sensors.ways.size(), "analysis: expected a way for each host");
+    const double come = run.points[stage].axial_strain - sensors.lateness;
+    const auto correct = [&](Motions motion, std::vector<Vec3> SensorWay::* channel, const Likeness& likeness, double variance, double noise) {
+        // innovations are held from one sample to the next
+        const auto innovations = innovations_at(sensors.ways, channel, forecast, motion, sensors.hosts, come, std::sqrt(variance + noise * noise));
+        carry(run, motion, stage, sensors.hosts, innovations, likeness, variance, noise);
+    };
+    correct(&ModelRun::displacement, &SensorWay::displacement, scatter.displacement, scatter.displacement_variance[stage], sensors.position_noise);
+    correct(&ModelRun::rotation, &SensorWay::rotation, scatter.rotation, scatter.rotation_variance[stage], sensors.attitude_noise);
+}
+
+ModelRun analyse(const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors) {
     ModelRun run = forecast;
-    for (std::size_t stage = 1; stage < end; ++stage) {
-        const double come = run.points[stage].axial_strain - lateness;
-        const auto correct = [&](Motions motion, std::vector<Vec3> SensorWay::* channel, const Likeness& likeness, double variance, double noise) {
-            // innovations are held from one sample to the next
-            const auto innovations = innovations_at(ways, channel, forecast, motion, hosts, come, std::sqrt(variance + noise * noise));
-            carry(run, motion, stage, hosts, innovations, likeness, variance, noise);
-        };
-        correct(&ModelRun::displacement, &SensorWay::displacement, scatter.displacement, scatter.displacement_variance[stage], position_noise);
-        correct(&ModelRun::rotation, &SensorWay::rotation, scatter.rotation, scatter.rotation_variance[stage], attitude_noise);
-    }
+    for (std::size_t stage = 1; stage < std::min(forecast.points.size(), scatter.displacement_variance.size()); ++stage) analyse_stage(run, forecast, scatter, sensors, stage);
     return run;
 }
 

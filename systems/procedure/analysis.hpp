@@ -17,12 +17,21 @@ struct RockScatter {
 };
 RockScatter scatter_of(const Worlds& worlds);
 
-/// Corrects what the worlds foretold by what the rocks `hosts` did, which carry sensors: optimal interpolation (Gandin
+/// What sensors told, and of which rocks of a run.
+struct SensorsHeard {
+    std::vector<std::size_t> hosts;
+    const std::vector<SensorWay>& ways;      ///< one for each host
+    double position_noise, attitude_noise;   ///< m and rad, of the ways
+    double lateness = 0;                     ///< axial strain by which samples come late
+};
+
+/// Corrects what the worlds foretold by what the rocks did that carry sensors: optimal interpolation (Gandin
 /// 1963). What is left of each world beyond the regression on its beliefs shows how far rocks scatter at each stage, and
 /// how alike at which distance; the innovations of the sensors are carried to all others by it. The worlds themselves are
-/// not touched, so nothing is put off its equilibrium. No sample is used before its strain, nor before it has come, `lateness`
-/// of strain later; one far off, and unlike the one before it, is refused. Noise: m and rad, of the ways.
-ModelRun analyse(ModelRun forecast, const RockScatter& scatter, const std::vector<std::size_t>& hosts, const std::vector<SensorWay>& ways,
-                 double position_noise, double attitude_noise, double lateness = 0);
+/// not touched, so nothing is put off its equilibrium. No sample is used before its strain, nor before it has come; one
+/// far off, and unlike the one before it, is refused.
+ModelRun analyse(const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors);
+/// The same for one stage of `run`, which holds the forecast there.
+void analyse_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors, std::size_t stage);
 
 } // namespace bris

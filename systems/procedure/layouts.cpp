@@ -60,7 +60,7 @@ LayoutResult try_one(const ModelRun& truth, const ModelRun& forecast, const Rock
                      const std::vector<std::size_t>& hosts, double interval, double reach) {
     const auto ways = recorded_ways(truth, hosts, interval, trial.position_noise, trial.attitude_noise, trial.seed);
     const auto began = this_instant();
-    const ModelRun analysed = analyse(forecast, scatter, hosts, ways, trial.position_noise, trial.attitude_noise);
+    const ModelRun analysed = analyse(forecast, scatter, {hosts, ways, trial.position_noise, trial.attitude_noise});
     const double seconds = seconds_since(began) / static_cast<double>(forecast.points.size() - 1);
     const std::vector<Role> roles = roles_of(truth.start, hosts, reach);
     const auto left = [&](const auto& squared, const auto& counts) {

@@ -117,11 +117,13 @@ bool see_sensors(ParameterEstimate& estimate, const Panel& worlds, const Measure
     Vector foretold(static_cast<Eigen::Index>(worlds.runs.size()));
     for (std::size_t j = 0; j < worlds.runs.size(); ++j)
         foretold[static_cast<Eigen::Index>(j)] = outwards(*worlds.runs[j], heard, [&](const Heard& h) { return worlds.runs[j]->displacement[h.stage][h.sensor]; });
-    (void)estimate.see(1, foretold, outwards(*worlds.runs.front(), heard, [&](const Heard& h) { return measured.ways[h.sensor].displacement[h.sample]; }));
+    estimate.see(1, foretold, outwards(*worlds.runs.front(), heard, [&](const Heard& h) { return measured.ways[h.sensor].displacement[h.sample]; }));
     return true;
 }
 
-std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain, double trust) {
+enum class Asked { every_window, the_end };
+
+std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain, double trust, Asked asked) {
     const std::size_t n = worlds.beliefs.size();
     std::vector<MeasuredTest> foretold;
     for (const ModelRun* run : worlds.runs) foretold.push_back(measured_test(run->points));
@@ -137,9 +139,8 @@ std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, 
                                 {settings.specimen_scatter * widening, measured.displacement_noise / std::sqrt(std::max(1.0, static_cast<double>(measured.ways.size())))}},
                                trust);
     std::vector<KnownAt> known;
-    // narrow windows at first, where stiffness shows, then wide ones
-    for (double from = 0, to = 0; to < final_strain - 1e-9; from = to) {
-        to = std::min(from + std::clamp(0.5 * from, settings.first_window, settings.window), final_strain);
+    double from = 0;
+    for (const double to : window_ends(settings, final_strain)) {
         double distance = -1;
         const double found = mean_q(measured, from, to);
         Vector q(static_cast<Eigen::Index>(n));
@@ -149,10 +150,15 @@ std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, 
             says_something = says_something && world > no_stress;
             q[static_cast<Eigen::Index>(j)] = std::log(world);
         }
-        if (says_something) distance = estimate.see(0, q, std::log(found));
+        if (says_something) {
+            estimate.see(0, q, std::log(found));
+            distance = estimate.surprise(0);
+        }
         if (settings.by_sensors && see_sensors(estimate, worlds, measured, from, to)) says_something = true;
-        if (says_something) known.push_back({to, estimate.parameters(), distance});
+        if (says_something && asked == Asked::every_window) known.push_back({to, estimate.parameters(), distance});
+        from = to;
     }
+    if (asked == Asked::the_end) known.push_back({final_strain, estimate.parameters(), -1});
     return known;
 }
 
@@ -179,8 +185,8 @@ double trust_in(const Gaussian& prior, const Panel& worlds, const MeasuredTest& 
         Panel others = worlds;
         others.beliefs.erase(others.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
         others.runs.erase(others.runs.begin() + static_cast<std::ptrdiff_t>(j));
-        const auto known = learn_trusting(prior, others, as_measured(*worlds.runs[j], measured), settings, final_strain, 1);
-        if (!known.empty()) sum += squared_distance(known.back().belief, logarithms_of(worlds.beliefs[j]));
+        const auto known = learn_trusting(prior, others, as_measured(*worlds.runs[j], measured), settings, final_strain, 1, Asked::the_end);
+        sum += squared_distance(known.back().belief, logarithms_of(worlds.beliefs[j]));
     }
     return std::min(1.0, 2 * static_cast<double>(worlds.runs.size()) / sum);
 }
@@ -229,32 +235,43 @@ std::vector<RockBelief> beliefs_of_worlds(const Gaussian& belief, unsigned world
     return beliefs;
 }
 
+std::vector<double> window_ends(const Learning& settings, double final_strain) {
+    std::vector<double> ends;
+    // narrow windows at first, where stiffness shows, then wide ones
+    for (double from = 0; from < final_strain - 1e-9; from = ends.back())
+        ends.push_back(std::min(from + std::clamp(0.5 * from, settings.first_window, settings.window), final_strain));
+    return ends;
+}
+
 std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain) {
     require(worlds.runs.size() == worlds.beliefs.size(), fmt::format("worlds: expected {} runs, found {}", worlds.beliefs.size(), worlds.runs.size()));
     Panel panel{worlds.beliefs, {}};
     for (const ModelRun& run : worlds.runs) panel.runs.push_back(&run);
-    return learn_trusting(prior, panel, measured, settings, final_strain, trust_in(prior, panel, measured, settings, final_strain));
+    return learn_trusting(prior, panel, measured, settings, final_strain, trust_in(prior, panel, measured, settings, final_strain), Asked::every_window);
 }
 
-Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured, const Learning& settings, double strain,
-                                 const std::function<std::vector<ModelRun>(const std::vector<ModelArm>&, double strain)>& run) {
-    const auto run_worlds = [&](const Gaussian& belief, const char* name, double to) {
-        Worlds worlds{beliefs_of_worlds(belief, settings.worlds), {}};
-        std::vector<ModelArm> arms;
-        for (const RockBelief& b : worlds.beliefs) arms.push_back({.name = fmt::format("{} world {} of {}", name, arms.size() + 1, settings.worlds), .rocks = b});
-        worlds.runs = run(arms, to);
-        return worlds;
-    };
-    Learned learned;
-    learned.first = run_worlds(prior, "first", settings.first_strain);
-    learned.known = learn(prior, learned.first, measured, settings, settings.first_strain);
-    // around what was learned, wide enough to show slopes through the chaos; what the first generation saw is seen anew
-    Gaussian around = learned.known.empty() ? prior : learned.known.back().belief;
+Worlds run_worlds(const Gaussian& belief, const Learning& settings, const std::string& name, double strain, const RunModels& run) {
+    Worlds worlds{beliefs_of_worlds(belief, settings.worlds), {}};
+    std::vector<ModelArm> arms;
+    for (const RockBelief& b : worlds.beliefs) arms.push_back({.name = fmt::format("{} world {} of {}", name, arms.size() + 1, settings.worlds), .rocks = b});
+    worlds.runs = run(arms, strain);
+    return worlds;
+}
+
+Gaussian spread_around(const Gaussian& prior, const std::vector<KnownAt>& known) {
+    Gaussian around = known.empty() ? prior : known.back().belief;
     const Matrix covariance = around.covariance();
     around.root.setZero();
     for (Eigen::Index p = 0; p < 2; ++p) around.root(p, p) = std::min(prior.root(p, p), std::max(2 * std::sqrt(covariance(p, p)), 0.3 * prior.root(p, p)));
-    learned.second = run_worlds(around, "second", strain);
-    const auto later = learn(prior, learned.second, measured, settings, std::min(settings.final_strain, strain));
+    return around;
+}
+
+Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured, const Learning& settings, double strain, const RunModels& run) {
+    Learned learned;
+    learned.first = run_worlds(prior, settings, "first", settings.first_strain, run);
+    learned.known = learn(prior, learned.first, measured, settings, settings.first_strain);
+    learned.second = run_worlds(spread_around(prior, learned.known), settings, "second", strain, run);
+    const auto later = learn(prior, learned.second, measured, settings, std::min(settings.final_strain, strain)); // what the first generation saw is seen anew
     std::erase_if(learned.known, [&](const KnownAt& k) { return k.strain >= settings.first_strain - 1e-9; });
     for (const KnownAt& k : later)
         if (k.strain >= settings.first_strain - 1e-9) learned.known.push_back(k);
@@ -275,25 +292,33 @@ std::vector<LearnedBelief> schedule_of(const std::vector<KnownAt>& known, const 
     return schedule;
 }
 
+ModelRun begun_like(const ModelRun& run) {
+    ModelRun begun;
+    begun.rocks = run.rocks;
+    begun.sensors = run.sensors;
+    begun.start = run.start;
+    begun.shell = run.shell;
+    return begun;
+}
+
+void foretell(ModelRun& sum, const Worlds& worlds, const Vector& at) {
+    add_blend(sum, worlds, WorldRegression(logarithms_of(worlds.beliefs)).weights_at(at), sum.points.size());
+}
+
 ModelRun foretold_by(const Learned& learned, const Gaussian& prior) {
     const ModelRun& like = learned.second.runs.front();
-    ModelRun sum;
-    sum.rocks = like.rocks;
-    sum.sensors = like.sensors;
-    sum.start = like.start;
-    sum.shell = like.shell;
+    ModelRun sum = begun_like(like);
     for (const ModelRun& run : learned.second.runs) {
         sum.steps += run.steps;
         sum.wall_time += run.wall_time;
     }
-    const WorldRegression first(logarithms_of(learned.first.beliefs)), second(logarithms_of(learned.second.beliefs));
     for (std::size_t stage = 0; stage < like.points.size(); ++stage) {
         const double strain = like.points[stage].axial_strain;
         Vector at = prior.mean;
         for (const KnownAt& k : learned.known)
             if (k.strain <= strain + 1e-9) at = k.belief.mean;
         const bool early = stage < learned.first.runs.front().points.size() - 1;
-        add_blend(sum, early ? learned.first : learned.second, (early ? first : second).weights_at(at), stage);
+        foretell(sum, early ? learned.first : learned.second, at);
     }
     return sum;
 }

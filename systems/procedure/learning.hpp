@@ -62,19 +62,34 @@ struct Worlds {
 /// far the sensor rocks have moved outwards in the mean.
 std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain);
 
+/// Where windows end, up to `final_strain`.
+std::vector<double> window_ends(const Learning& settings, double final_strain);
+
+/// The runs of some arms to an axial strain.
+using RunModels = std::function<std::vector<ModelRun>(const std::vector<ModelArm>&, double strain)>;
+
+/// A generation of worlds, drawn from what is known.
+Worlds run_worlds(const Gaussian& belief, const Learning& settings, const std::string& name, double strain, const RunModels& run);
+/// What the second generation is drawn from: around what was learned, wide enough to show slopes through the chaos.
+Gaussian spread_around(const Gaussian& prior, const std::vector<KnownAt>& known);
+
 /// Two generations of worlds, and what is known at the end of each window.
 struct Learned {
     Worlds first, second;
     std::vector<KnownAt> known;
 };
-/// `run`: the runs of some arms to an axial strain. The second generation runs to `strain`.
-Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured, const Learning& settings, double strain,
-                                 const std::function<std::vector<ModelRun>(const std::vector<ModelArm>&, double strain)>& run);
+/// The second generation runs to `strain`.
+Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured, const Learning& settings, double strain, const RunModels& run);
 
 /// What a model is told of it: its beliefs after windows in which one of them changed by more than `change`, relative, and
 /// than its deviation.
 std::vector<LearnedBelief> schedule_of(const std::vector<KnownAt>& known, const RockBelief& first, double change);
 
+/// A run without stages, of the rocks of another.
+ModelRun begun_like(const ModelRun& run);
+/// Adds the next stage, as worlds foretell it together for the logarithms `at` of the parameters: their regression on
+/// their beliefs.
+void foretell(ModelRun& sum, const Worlds& worlds, const Vector& at);
 /// What the worlds foretell together for the parameters as they are known at each strain: their regression on their
 /// beliefs. Chaos of single worlds averages out; a run cannot know better where its rocks go. Curves and motions only.
 ModelRun foretold_by(const Learned& learned, const Gaussian& prior);

@@ -10,6 +10,7 @@
 #include "systems/build/scene.hpp"
 #include "systems/output/contacts.hpp"
 #include "systems/output/record.hpp"
+#include "systems/procedure/kept_run.hpp"
 #include "systems/procedure/specimen_state.hpp"
 
 #include <algorithm>
@@ -106,26 +107,36 @@ struct Model {
         const auto& parts = world.resource<Specimen>();
         rocks = parts.smart_rocks;
         rocks.insert(rocks.end(), parts.rocks.begin(), parts.rocks.end());
-        set_rocks(world, belief.friction, scene.specimen.clump_stiffness * belief.stiffness);
+        believe(scene, belief);
         if (arm.disturbance > 0) disturb(world, rocks, arm.disturbance, seed);
     }
     static TriaxialSettings with_friction(TriaxialSettings settings, double friction) {
         settings.friction = friction;
         return settings;
     }
-    /// The next stage, or with the first call the start of shearing. False: the test is done.
-    bool next_stage(const ModelArm& arm, const ModelWatch& watch, const std::string& what) {
-        const std::size_t seen = test.state().points.size();
-        while (test.state().points.size() == seen) {
-            if (!test.advance()) return false;
-            watch.progress(test.fraction(), what + test.description());
-            if (interrupted()) throw Interrupted("interrupted; the specimen is kept: go on with --resume and the folder of the results");
-        }
-        if (!start.empty()) return true;
-        start = poses_of(simulation.world(), rocks);
-        work_before = test.state().points.back().boundary_work;
-        if (!arm.ways.empty()) give_sensors(simulation, arm, start);
+    void believe(const TriaxialScene& scene, const RockBelief& belief) { set_rocks(simulation.world(), belief.friction, scene.specimen.clump_stiffness * belief.stiffness); }
+    std::size_t stages() const { return test.state().points.size(); }
+    /// One block of steps of the test. False: it is done.
+    bool advance(const ModelArm& arm) {
+        if (!test.advance()) return false;
+        if (start.empty() && stages() > 0) begin_shear(arm, poses_of(simulation.world(), rocks), test.state().points.back().boundary_work);
         return true;
+    }
+    void begin_shear(const ModelArm& arm, std::vector<RockPose> poses, double work) {
+        start = std::move(poses);
+        work_before = work;
+        if (!arm.ways.empty()) give_sensors(simulation, arm, start);
+    }
+    Archive save() const {
+        Archive archive = simulation.snapshot();
+        archive.put("model/work_before", std::span<const double>(&work_before, 1));
+        save_poses(archive, "model/start", start);
+        return archive;
+    }
+    void load(const ModelArm& arm, const Archive& archive) {
+        auto poses = load_poses(archive, "model/start");
+        if (!poses.empty()) begin_shear(arm, std::move(poses), archive.get<double>("model/work_before").at(0));
+        simulation.restore(archive);
     }
 };
 
@@ -177,39 +188,108 @@ Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settin
     return simulation.snapshot();
 }
 
-ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
-                   const ModelWatch& watch) {
-    const auto began = this_instant();
-    ModelRun run;
-    auto model = std::make_unique<Model>(scene, settings, specimen, arm, arm.rocks, seed);
-    run.rocks = model->rocks;
-    run.sensors = model->simulation.world().resource<Specimen>().smart_rocks.size();
-    auto next = arm.learned.begin();
-    while (model->next_stage(arm, watch, arm.name + ": ")) {
-        World& world = model->simulation.world();
-        if (run.points.empty()) {
-            run.start = model->start;
-            run.shell = shells_of(world, run.rocks, run.sensors);
-        }
-        keep_stage(*model, world, run);
-        watch.stage(world, run.points.back());
-        if (next == arm.learned.end() || run.points.back().axial_strain < next->strain - 0.5 * settings.stage_strain) continue;
-        const RockBelief belief = (next++)->rocks;
-        if (!arm.catch_up) {
-            set_rocks(world, belief.friction, scene.specimen.clump_stiffness * belief.stiffness);
-            model->test.rescale();
-            continue;
-        }
-        run.steps += world.resource<Clock>().step;
-        model = std::make_unique<Model>(scene, settings, specimen, arm, belief, seed);
-        while (model->test.state().points.size() < run.points.size()) model->next_stage(arm, watch, arm.name + " catches up: ");
+namespace {
+
+/// A run of an arm: it can be kept between any two blocks of steps.
+class RunOfArm {
+public:
+    RunOfArm(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed, const ModelWatch& watch, KeptRun* kept)
+        : scene_(scene), settings_(settings), specimen_(specimen), arm_(arm), seed_(seed), watch_(watch), kept_(kept) {}
+
+    ModelRun to_the_end() {
+        if (!take_up()) model_ = std::make_unique<Model>(scene_, settings_, specimen_, arm_, arm_.rocks, seed_);
+        while (!done_ && advance()) {}
+        return std::move(run_);
     }
-    World& world = model->simulation.world();
-    run.platen_work = run.points.back().boundary_work - model->work_before;
-    run.steps += world.resource<Clock>().step;
-    if (world.has_resource<Fusion>()) count_fusion(world, run);
-    run.wall_time = seconds_since(began);
-    return run;
+
+private:
+    bool take_up() {
+        const auto before = kept_ != nullptr ? kept_->take_up() : std::nullopt;
+        if (!before) return false;
+        run_ = load_run(*before);
+        wall_before_ = run_.wall_time;
+        get_fields(*before, "run/progress", std::tie(told_, done_));
+        if (done_) return true;
+        const RockBelief now = told_ > 0 ? arm_.learned[told_ - 1].rocks : arm_.rocks;
+        model_ = std::make_unique<Model>(scene_, settings_, specimen_, arm_, arm_.catch_up ? now : arm_.rocks, seed_);
+        model_->believe(scene_, now);
+        model_->load(arm_, *before);
+        return true;
+    }
+    void keep() {
+        if (kept_ == nullptr) return;
+        Archive archive = done_ ? Archive{} : model_->save();
+        run_.wall_time = wall_before_ + seconds_since(began_);
+        save_run(archive, run_);
+        put_fields(archive, "run/progress", std::tie(std::as_const(told_), std::as_const(done_)));
+        kept_->keep(archive);
+    }
+    /// False: the run is over.
+    bool advance() {
+        if (!model_->advance(arm_)) {
+            end();
+            return false;
+        }
+        const bool catches_up = model_->stages() < run_.points.size();
+        watch_.progress(model_->test.fraction(), arm_.name + (catches_up ? " catches up: " : ": ") + model_->test.description());
+        if (model_->stages() > run_.points.size()) stage();
+        if (interrupted()) {
+            keep();
+            throw Interrupted("interrupted; what was done is kept: go on with --resume and the folder of the results");
+        }
+        if (kept_ != nullptr && kept_->is_due()) keep();
+        return true;
+    }
+    void stage() {
+        World& world = model_->simulation.world();
+        if (run_.points.empty()) {
+            run_.rocks = model_->rocks;
+            run_.sensors = world.resource<Specimen>().smart_rocks.size();
+            run_.start = model_->start;
+            run_.shell = shells_of(world, run_.rocks, run_.sensors);
+        }
+        keep_stage(*model_, world, run_);
+        watch_.stage(world, run_.points.back());
+        if (told_ == arm_.learned.size() || run_.points.back().axial_strain < arm_.learned[told_].strain - 0.5 * settings_.stage_strain) return;
+        const RockBelief belief = arm_.learned[told_++].rocks;
+        if (!arm_.catch_up) {
+            model_->believe(scene_, belief);
+            model_->test.rescale();
+            return;
+        }
+        run_.steps += world.resource<Clock>().step;
+        model_ = std::make_unique<Model>(scene_, settings_, specimen_, arm_, belief, seed_);
+    }
+    void end() {
+        World& world = model_->simulation.world();
+        run_.platen_work = run_.points.back().boundary_work - model_->work_before;
+        run_.steps += world.resource<Clock>().step;
+        if (world.has_resource<Fusion>()) count_fusion(world, run_);
+        run_.wall_time = wall_before_ + seconds_since(began_);
+        done_ = true;
+        keep();
+    }
+
+    const TriaxialScene& scene_;
+    const TriaxialSettings& settings_;
+    const Archive& specimen_;
+    const ModelArm& arm_;
+    std::uint64_t seed_;
+    const ModelWatch& watch_;
+    KeptRun* kept_;
+    Instant began_ = this_instant();
+    double wall_before_ = 0;
+    ModelRun run_;
+    std::unique_ptr<Model> model_;
+    std::size_t told_ = 0; // of what was learned
+    bool done_ = false;
+};
+
+} // namespace
+
+ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
+                   const ModelWatch& watch, KeptRun* kept) {
+    return RunOfArm(scene, settings, specimen, arm, seed, watch, kept).to_the_end();
 }
 
 Progress progress_of_models(const Common& common) {
@@ -226,7 +306,10 @@ std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSetti
     TriaxialSettings test = settings;
     test.final_axial_strain = std::min(strain, test.final_axial_strain);
     std::vector<ModelRun> runs(arms.size());
-    run_ensemble(arms.size(), common.threads, [&](std::size_t k) { runs[k] = run_model(scene, test, specimen, arms[k], common.seed, watch_on(progress, k, common)); });
+    run_ensemble(arms.size(), common.threads, [&](std::size_t k) { 
+        KeptRun kept(common, test, specimen, arms[k]);
+        runs[k] = run_model(scene, test, specimen, arms[k], common.seed, watch_on(progress, k, common), &kept);
+    });
     progress.pause();
     return runs;
 }

@@ -77,11 +77,14 @@ struct ModelWatch {
 /// bits. Throws Interrupted when the user stops it.
 Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings, const Common& common, const std::function<void(double, const std::string&)>& watch);
 
-/// Runs one arm from the prepared specimen, on one thread. Throws Interrupted when the user stops it.
-ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
-                   const ModelWatch& watch = {});
+class KeptRun;
 
-/// Runs several to an axial strain (no farther than the test goes), `threads` at a time.
+/// Runs one arm from the prepared specimen, on one thread. Throws Interrupted when the user stops it. `kept`: where it is
+/// kept meanwhile, and taken up from; the bits are the same. Null: nowhere.
+ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
+                   const ModelWatch& watch = {}, KeptRun* kept = nullptr);
+
+/// Runs several to an axial strain (no farther than the test goes), `threads` at a time, each kept in the folder of the results.
 std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
                                  double strain, const Common& common, Progress& progress);
 

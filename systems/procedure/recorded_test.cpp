@@ -93,22 +93,27 @@ std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder) {
     return infos;
 }
 
-RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<SensorInfo>& infos, const IntakeSettings& settings) {
-    RecordedTest test;
-    test.pressure = pressure;
-    const auto hdf5 = folder / folder_of(pressure) / "recordings.h5", csv = folder / folder_of(pressure) / "recordings.csv";
-    test.recordings = std::filesystem::exists(hdf5) && !std::filesystem::exists(csv) ? read_recordings_hdf5(hdf5, infos) : read_recordings(csv, infos);
-    test.measured = read_test(folder / folder_of(pressure) / "test.csv");
+void examine(RecordedTest& test, const IntakeSettings& settings) {
     for (Recording& r : test.recordings) {
         if (!settings.displacement) r.displacement.clear();
         if (!settings.attitude) r.attitude.clear();
     }
     IntakeLimits limits;
     limits.rest = settings.rest;
-    limits.stuck = std::max(limits.stuck, 3 / infos.front().sampling_rate);
+    limits.stuck = std::max(limits.stuck, 3 / test.recordings.front().info.sampling_rate);
+    test.ways.clear();
     test.findings = look_at(test.recordings, Vec3(0, 0, -9.81), limits);
     for (const Recording& r : test.recordings)
         test.ways.push_back(accepted(test.findings, r.info.id) ? way_of(r, settings.interval) : SensorWay{});
+}
+
+RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<SensorInfo>& infos, const IntakeSettings& settings) {
+    RecordedTest test;
+    test.pressure = pressure;
+    const auto hdf5 = folder / folder_of(pressure) / "recordings.h5", csv = folder / folder_of(pressure) / "recordings.csv";
+    test.recordings = std::filesystem::exists(hdf5) && !std::filesystem::exists(csv) ? read_recordings_hdf5(hdf5, infos) : read_recordings(csv, infos);
+    test.measured = read_test(folder / folder_of(pressure) / "test.csv");
+    examine(test, settings);
     return test;
 }
 

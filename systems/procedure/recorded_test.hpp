@@ -28,6 +28,10 @@ struct IntakeSettings {
     bool displacement = true, attitude = true; ///< whether these channels are used where there are
 };
 
+/// Looks at the recordings of a test, and takes from those that pass how their rocks moved; clears the channels that are
+/// not to be used.
+void examine(RecordedTest& test, const IntakeSettings& settings);
+
 /// The folder of a pressure, as 55kPa.
 std::string folder_of(double pressure);
 

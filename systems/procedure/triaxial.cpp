@@ -18,17 +18,36 @@
 
 namespace bris {
 
-void TriaxialState::save(Archive& archive) const {
-    const std::array<std::uint64_t, 4> counts{static_cast<std::uint64_t>(phase), lift, stage, phase_steps};
-    archive.put("triaxial/counts", std::span<const std::uint64_t>(counts));
-    put_fields(archive, "triaxial/numbers", fields(*this));
+void save_points(Archive& archive, const std::string& path, const std::vector<TriaxialPoint>& points) {
     std::vector<double> curve, rings;
     for (TriaxialPoint p : points) {
         p.visit([&](auto&&, auto&&, double value) { curve.push_back(value); });
         rings.insert(rings.end(), p.ring_radius.begin(), p.ring_radius.end());
     }
-    archive.put("triaxial/curve", std::span<const double>(curve));
-    archive.put("triaxial/ring_radius", std::span<const double>(rings));
+    archive.put(path + "/curve", std::span<const double>(curve));
+    archive.put(path + "/ring_radius", std::span<const double>(rings));
+}
+
+std::vector<TriaxialPoint> load_points(const Archive& archive, const std::string& path) {
+    const auto curve = archive.get<double>(path + "/curve"), rings = archive.get<double>(path + "/ring_radius");
+    std::size_t numbers = 0;
+    TriaxialPoint{}.visit([&](auto&&, auto&&, double&) { ++numbers; });
+    std::vector<TriaxialPoint> points(curve.size() / numbers);
+    auto next = curve.begin();
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        points[k].visit([&](auto&&, auto&&, double& value) { value = *next++; });
+        const std::size_t each = rings.size() / points.size();
+        points[k].ring_radius.assign(rings.begin() + static_cast<std::ptrdiff_t>(k * each),
+                                     rings.begin() + static_cast<std::ptrdiff_t>((k + 1) * each));
+    }
+    return points;
+}
+
+void TriaxialState::save(Archive& archive) const {
+    const std::array<std::uint64_t, 4> counts{static_cast<std::uint64_t>(phase), lift, stage, phase_steps};
+    archive.put("triaxial/counts", std::span<const std::uint64_t>(counts));
+    put_fields(archive, "triaxial/numbers", fields(*this));
+    save_points(archive, "triaxial", points);
 }
 
 void TriaxialState::load(const Archive& archive) {
@@ -38,18 +57,7 @@ void TriaxialState::load(const Archive& archive) {
     stage = counts.at(2);
     phase_steps = counts.at(3);
     get_fields(archive, "triaxial/numbers", fields(*this));
-    const auto curve = archive.get<double>("triaxial/curve");
-    const auto rings = archive.get<double>("triaxial/ring_radius");
-    std::size_t numbers = 0;
-    TriaxialPoint{}.visit([&](auto&&, auto&&, double&) { ++numbers; });
-    points.assign(curve.size() / numbers, {});
-    auto next = curve.begin();
-    for (std::size_t k = 0; k < points.size(); ++k) {
-        points[k].visit([&](auto&&, auto&&, double& value) { value = *next++; });
-        const std::size_t each = rings.size() / points.size();
-        points[k].ring_radius.assign(rings.begin() + static_cast<std::ptrdiff_t>(k * each),
-                                     rings.begin() + static_cast<std::ptrdiff_t>((k + 1) * each));
-    }
+    points = load_points(archive, "triaxial");
 }
 
 TriaxialTest::TriaxialTest(Simulation& simulation, TriaxialSettings settings)

@@ -79,6 +79,9 @@ struct TriaxialPoint {
     }
 };
 
+void save_points(Archive& archive, const std::string& path, const std::vector<TriaxialPoint>& points);
+std::vector<TriaxialPoint> load_points(const Archive& archive, const std::string& path);
+
 /// Where the test is: enough to go on in the middle of anything.
 struct TriaxialState {
     static constexpr auto name = "triaxial_state";

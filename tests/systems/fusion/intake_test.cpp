@@ -137,6 +137,32 @@ TEST_SUITE("systems/fusion/intake") {
         CHECK(refuses(r, "length"));
     }
 
+    TEST_CASE("a displacement that jumps and stays there is refused, a single one that is off is not") {
+        Recording r = recording(1);
+        Random random(9, 1);
+        for (std::size_t k = 0; k < r.size(); ++k) r.displacement.push_back(1e-4 * Vec3(random.normal(), random.normal(), random.normal()));
+        CHECK(accepted(look_at({r}, earth), 1));
+        r.displacement[500].x() += 0.05;
+        CHECK(accepted(look_at({r}, earth), 1));
+        for (std::size_t k = 500; k < r.size(); ++k) r.displacement[k].y() += 0.02;
+        CHECK(refuses(r, "jump", "20.0 mm"));
+        for (std::size_t k = 500; k < 800; ++k) r.displacement[k] = Vec3::Zero();
+        CHECK(refuses(r, "stuck", "displacement"));
+    }
+
+    TEST_CASE("a recording that has only begun is no mistake") {
+        Recording r = recording(1);
+        for (const std::size_t samples : {2u, 3u}) {
+            r.time.resize(samples);
+            r.sequence.resize(samples);
+            r.force.resize(samples);
+            r.rate.resize(samples);
+            CHECK_NOTHROW(look_at({r}, earth));
+        }
+        r.sequence = {5, 4, 6};
+        CHECK(refuses(r, "order"));
+    }
+
     TEST_CASE("noise other than declared is told, not refused") {
         Recording r = recording(1);
         r.info.force_noise *= 10;

@@ -71,7 +71,7 @@ TEST_SUITE("procedure/analysis") {
             }
         const RockScatter scatter = scatter_of(worlds);
         const std::vector<std::size_t> hosts = sensor_rocks(truth);
-        const ModelRun analysis = analyse(forecast, scatter, hosts, ways, 1e-6, 1e-6);
+        const ModelRun analysis = analyse(forecast, scatter, {hosts, ways, 1e-6, 1e-6});
         CHECK(scatter.displacement.length == doctest::Approx(length).epsilon(0.35));
         CHECK(scatter.displacement.near == doctest::Approx(0.95).epsilon(0.2));
         CHECK(error(analysis, truth, 0, sensors) < 0.02 * error(forecast, truth, 0, sensors));
@@ -79,20 +79,20 @@ TEST_SUITE("procedure/analysis") {
         CHECK(analysis.rotation.back() == forecast.rotation.back()); // not measured
         CHECK(analysis.points.back().axial_strain == forecast.points.back().axial_strain);
         // sensors that know nothing change nothing
-        const ModelRun vague = analyse(forecast, scatter, hosts, ways, 1e3, 1e3);
+        const ModelRun vague = analyse(forecast, scatter, {hosts, ways, 1e3, 1e3});
         CHECK(error(vague, forecast, 0, rocks) < 1e-9);
         // a gross error is refused: the sample before it holds
         std::vector<SensorWay> wrong = ways;
         wrong[2].displacement[9] += Vec3(1, 0, 0);
-        const ModelRun refused = analyse(forecast, scatter, hosts, wrong, 1e-6, 1e-6);
+        const ModelRun refused = analyse(forecast, scatter, {hosts, wrong, 1e-6, 1e-6});
         CHECK(refused.displacement[9] == analysis.displacement[9]);
         CHECK((refused.displacement[10][2] - analysis.displacement[10][2]).norm() < 0.2 * analysis.displacement[10][2].norm());
         // what comes two stages late corrects by what was off then
-        const ModelRun late = analyse(forecast, scatter, hosts, ways, 1e-6, 1e-6, 2e-3);
+        const ModelRun late = analyse(forecast, scatter, {hosts, ways, 1e-6, 1e-6, 2e-3});
         CHECK(late.displacement[2] == forecast.displacement[2]);
         CHECK((late.displacement[10][0] - analysis.displacement[8][0]).norm() < 1e-3 * analysis.displacement[8][0].norm());
         // and a sample is not used before its strain
         for (SensorWay& way : ways) way.strain.assign(1, 1e-2), way.displacement.resize(1), way.rotation.resize(1);
-        CHECK(analyse(forecast, scatter, hosts, ways, 1e-6, 1e-6).displacement[9] == forecast.displacement[9]);
+        CHECK(analyse(forecast, scatter, {hosts, ways, 1e-6, 1e-6}).displacement[9] == forecast.displacement[9]);
     }
 }

@@ -1,9 +1,11 @@
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/clump_library.hpp"
 #include "systems/contact/ledger.hpp"
+#include "systems/procedure/kept_run.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 #include "systems/procedure/twin.hpp"
 #include "systems/steps.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
@@ -167,5 +169,58 @@ TEST_SUITE("procedure/triaxial") {
         }
         CHECK(goes_on.points.back().deviatoric_stress != free.points.back().deviatoric_stress);
         CHECK(catches_up.steps > truth.steps);
+    }
+
+    TEST_CASE("a model stopped anywhere, with records to come and corrections under way, goes on to the same bits") {
+        const TriaxialScene scene = small_scene();
+        Simulation simulation = make_simulation(scene, 1, false);
+        TriaxialTest test(simulation, short_test());
+        while (test.state().phase < TriaxialPhase::consolidate) REQUIRE(test.advance());
+        const Archive specimen = simulation.snapshot();
+        const ModelRun truth = run_model(scene, short_test(), specimen, {}, 1);
+        ModelArm arm{.rocks = {.friction = 0.4}, .learned = {{1e-3, {.friction = 0.6}}}, .ways = recorded_ways(truth, sensor_rocks(truth), 1e-4, 1e-7, 1e-5, 1)};
+        for (const bool catch_up : {false, true}) {
+            arm.catch_up = catch_up;
+            arm.corrections.pull = {catch_up ? 0 : 1e6, 50, 0.01};
+            unsigned blocks = 0;
+            Archive whole, gone_on;
+            save_run(whole, run_model(scene, short_test(), specimen, arm, 1, {.progress = [&](double, const std::string&) { ++blocks; }}));
+            CAPTURE(blocks);
+            const TemporaryDirectory folder;
+            Common common;
+            common.out = common.resume = folder.path();
+            struct Stop {};
+            unsigned block = 0;
+            for (const unsigned last : {blocks / 7, blocks / 2, blocks - 20}) { // each goes on from the one before
+                KeptRun kept(common, short_test(), specimen, arm);
+                const ModelWatch watch{.progress = [&](double, const std::string&) {
+                    ++block;
+                    if (block == last) kept.keep_every(0);
+                    if (block > last) throw Stop();
+                }};
+                CHECK(kept.take_up().has_value() == (block > 0));
+                CHECK_THROWS_AS(run_model(scene, short_test(), specimen, arm, 1, watch, &kept), Stop);
+                --block; // was not kept
+            }
+            KeptRun kept(common, short_test(), specimen, arm);
+            save_run(gone_on, run_model(scene, short_test(), specimen, arm, 1, {}, &kept));
+            for (const auto& array : whole.arrays()) {
+                CAPTURE(array.path);
+                if (array.path != "run/numbers") CHECK(array.bytes == gone_on.find(array.path)->bytes); // a wall time is among these
+            }
+            const ModelRun a = load_run(whole), b = load_run(gone_on);
+            CHECK(a.steps == b.steps);
+            CHECK(a.accepted == b.accepted);
+            CHECK(a.fusion_work == b.fusion_work);
+            CHECK(a.platen_work == b.platen_work);
+            // what is done is not run again; another arm is another run
+            unsigned run_again = 0;
+            const ModelWatch watch{.progress = [&](double, const std::string&) { ++run_again; }};
+            CHECK(run_model(scene, short_test(), specimen, arm, 1, watch, &kept).points.size() == 21);
+            CHECK(run_again == 0);
+            arm.rocks.friction = 0.41;
+            CHECK_FALSE(KeptRun(common, short_test(), specimen, arm).take_up().has_value());
+            arm.rocks.friction = 0.4;
+        }
     }
 }

@@ -1,0 +1,112 @@
+#include "engine/io/line_source.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
+
+#include <fmt/format.h>
+
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <array>
+#include <atomic>
+#include <cerrno>
+#include <condition_variable>
+#include <cstring>
+#include <deque>
+#include <mutex>
+#include <thread>
+
+namespace bris {
+
+namespace {
+
+constexpr auto glance = std::chrono::milliseconds(20); // between looks at a file that grows, or at the wish to stop
+
+} // namespace
+
+struct LineSource::Reader {
+    int file = -1;
+    bool grows = false;
+    std::size_t capacity;
+    std::deque<Line> queue;
+    bool ended = false;
+    mutable std::mutex mutex;
+    std::condition_variable came, room;
+    std::atomic<bool> stop = false;
+    std::thread thread;
+    // of the reading thread alone
+    Line line{1, {}, {}, true};
+
+    Reader(const std::filesystem::path& path, std::size_t most) : capacity(most) {
+        file = path == "-" ? STDIN_FILENO : open(path.c_str(), O_RDONLY | O_CLOEXEC);
+        struct stat about {};
+        if (file < 0 || fstat(file, &about) != 0 || S_ISDIR(about.st_mode))
+            throw OutputError(fmt::format("cannot read '{}': {}", path.string(), file < 0 ? std::strerror(errno) : "not a stream"));
+        grows = path != "-" && S_ISREG(about.st_mode);
+        thread = std::thread([this] { read_all(); });
+    }
+    ~Reader() {
+        stop = true;
+        room.notify_all();
+        thread.join();
+        if (file != STDIN_FILENO) close(file);
+    }
+    void read_all() {
+        std::array<char, 1 << 14> bytes{};
+        while (!stop) {
+            pollfd ready{file, POLLIN, 0};
+            if (poll(&ready, 1, static_cast<int>(glance.count())) == 0) continue;
+            const ssize_t count = read(file, bytes.data(), bytes.size());
+            if (count < 0 && errno == EINTR) continue;
+            if (count > 0) take({bytes.data(), static_cast<std::size_t>(count)});
+            else if (grows && count == 0) std::this_thread::sleep_for(glance);
+            else break;
+        }
+        if (!line.text.empty()) {
+            line.whole = false;
+            put();
+        }
+        const std::lock_guard lock(mutex);
+        ended = true;
+        came.notify_all();
+    }
+    void take(std::string_view text) {
+        for (const char c : text) {
+            if (c == '\n') put();
+            else if (line.text.size() < longest) line.text += c;
+            else line.whole = false;
+        }
+    }
+    void put() {
+        line.arrived = this_instant();
+        std::unique_lock lock(mutex);
+        while (queue.size() >= capacity && !stop) room.wait_for(lock, glance);
+        queue.push_back(line);
+        came.notify_all();
+        line = {line.number + 1, {}, {}, true};
+    }
+};
+
+LineSource::LineSource(const std::filesystem::path& path, std::size_t capacity) : reader_(std::make_unique<Reader>(path, capacity)) {}
+LineSource::~LineSource() = default;
+
+std::optional<LineSource::Line> LineSource::next(double patience) {
+    const Instant began = this_instant();
+    std::unique_lock lock(reader_->mutex);
+    while (reader_->queue.empty() && !reader_->ended && !interrupted() && seconds_since(began) < patience) reader_->came.wait_for(lock, glance);
+    if (reader_->queue.empty()) return {};
+    Line line = std::move(reader_->queue.front());
+    reader_->queue.pop_front();
+    reader_->room.notify_one();
+    return line;
+}
+
+bool LineSource::over() const {
+    const std::lock_guard lock(reader_->mutex);
+    return reader_->ended && reader_->queue.empty();
+}
+
+} // namespace bris

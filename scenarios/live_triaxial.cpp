@@ -1,0 +1,279 @@
+// SMART computing while the test goes on: records of a test machine and of SmartRocks come in as a stream, and at every
+// stage the model says what friction and stiffness are and where all rocks have gone.
+#include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/io/whole_file.hpp"
+#include "engine/scenario.hpp"
+#include "engine/signal/attitude.hpp"
+#include "engine/stopwatch.hpp"
+#include "engine/summary.hpp"
+#include "systems/output/plot.hpp"
+#include "systems/output/record.hpp"
+#include "systems/procedure/kept_run.hpp"
+#include "systems/procedure/learning_results.hpp"
+#include "systems/procedure/live_model.hpp"
+#include "systems/procedure/live_test.hpp"
+#include "systems/procedure/triaxial_results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+
+namespace bris {
+
+namespace {
+
+struct Live {
+    Triaxial triaxial;
+    std::filesystem::path recordings = std::filesystem::path(BRIS_ASSETS) / "smartrock";
+    std::filesystem::path stream = std::filesystem::path(BRIS_ASSETS) / "smartrock" / "55kPa";
+    RockBelief model{0.5, 1};
+    Learning learning{.specimen_scatter = 0.15};
+    LiveSettings live;
+    double stage_time = 1.2;
+    bool compare = true;
+
+    Live() {
+        triaxial.confining_pressure = {55e3};
+        triaxial.test.final_axial_strain = 0.025;
+    }
+    void describe(auto& option) {
+        option.group("stream");
+        option("stream", stream, "", "records as they come, JSON objects or CSV, a line each: -, a file that grows, a pipe, or a folder with recordings.csv and test.csv to be replayed");
+        option("recordings", recordings, "", "a folder with rock_NN.txt and sensor_poses.csv: what is known of the sensor rocks beforehand");
+        option("patience", live.patience, "s", "without a record, after which the stream has ended and the model goes on alone", above(0));
+        option("lateness", live.lateness, "", "axial strain, by which the model waits for records that come late", at_least(0));
+        option("speed", live.speed, "", "of a replay by the records' times; 1: as it was, 0: as fast as can be", at_least(0));
+        option("stage_time", stage_time, "s", "that the test took for 0.01 % of strain, in a folder to be replayed", above(0));
+        option("rest", live.intake.rest, "s", "at the beginning, in which the rocks lie still", above(0));
+        option("interval", live.intake.interval, "", "axial strain between samples that are used", above(0));
+        option("use_displacement", live.intake.displacement, "", "ux uy uz, where sent");
+        option("use_attitude", live.intake.attitude, "", "qw qx qy qz, where sent, else tilt by gravity");
+        option.group("model");
+        option("model_friction", model.friction, "", "of rocks, before anything is measured", above(0));
+        option("model_stiffness", model.stiffness, "", "of contacts, of --clump-stiffness, likewise", above(0));
+        option("compare", compare, "", "with the model alone, which is run after the test");
+        learning.describe(option);
+        triaxial.describe(option);
+    }
+};
+
+constexpr auto log_name = "stream.ndjson";
+
+/// Where the lines come from, and the log in the folder of the results.
+std::filesystem::path prepare_stream(const Live& s, const Common& common) {
+    const auto log = common.out / log_name;
+    const bool goes_on = !common.resume.empty() && std::filesystem::is_directory(common.resume);
+    if (!goes_on) std::filesystem::remove(log);
+    else if (const auto kept = common.resume / log_name; std::filesystem::exists(kept) && !std::filesystem::equivalent(common.resume, common.out))
+        std::filesystem::copy_file(kept, log, std::filesystem::copy_options::overwrite_existing);
+    if (!std::filesystem::is_directory(s.stream)) return s.stream;
+    std::string text;
+    for (const std::string& line : stream_of(s.stream, s.stage_time, s.live.intake.rest)) text += line + "\n";
+    write_whole(common.out / "replay.ndjson", text);
+    return common.out / "replay.ndjson";
+}
+
+class LiveRun {
+public:
+    LiveRun(const Live& settings, const Common& common)
+        : s_(settings), common_(common), scene_(make_scene(s_.triaxial, common.seed)), test_settings_(s_.triaxial.test), progress_(progress_of_models(common)) {
+        test_settings_.confining_pressure = s_.triaxial.confining_pressure.front();
+        infos_ = read_sensor_infos(s_.recordings);
+        require(infos_.size() == scene_.poses.size(), fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as the model has, {}, found {}", scene_.poses.size(), infos_.size()));
+        if (s_.stream != "-" && !std::filesystem::exists(s_.stream)) throw OutputError(fmt::format("cannot read '{}'", s_.stream.string()));
+        source_ = prepare_stream(s_, common);
+    }
+    void run();
+    void report();
+
+private:
+    void prepare();
+    RunModels models();
+    void follow();
+    void tell(double latest);
+    void keep_frame();
+    void write_run_file(const std::string& found) const;
+    void draw(const RecordedTest& measured) const;
+
+    const Live& s_;
+    const Common& common_;
+    TriaxialScene scene_;
+    TriaxialSettings test_settings_;
+    std::vector<SensorInfo> infos_;
+    std::filesystem::path source_;
+    Progress progress_;
+    std::optional<LiveModel> model_;
+    std::optional<LiveTest> test_;
+    std::optional<ModelRun> free_;
+    Archive specimen_;
+    BodyFrame first_frame_;
+    std::vector<BodyFrame> frames_;
+    std::vector<std::vector<double>> rows_;
+    std::vector<double> ages_;
+};
+
+void LiveRun::tell(double latest) {
+    const TriaxialPoint& now = model_->state().points.back();
+    const RockBelief rocks = mean_of(model_->belief());
+    const Matrix c = model_->belief().covariance();
+    rows_.push_back({now.axial_strain, now.deviatoric_stress, now.volumetric_strain, rocks.friction, rocks.friction * std::sqrt(c(0, 0)), rocks.stiffness, rocks.stiffness * std::sqrt(c(1, 1)), latest});
+    const auto every = static_cast<std::size_t>(std::llround(std::max(1.0, 1e-3 / test_settings_.stage_strain)));
+    if (common_.quiet || (rows_.size() - 1) % every != 0) return;
+    progress_.pause();
+    fmt::print("{:6.2f} %  q {:6.1f} kPa  friction {:.3f} +- {:.3f}  stiffness {:.2f} +- {:.2f}{}\n", 100 * now.axial_strain, 1e-3 * now.deviatoric_stress, rows_.back()[3], rows_.back()[4],
+               rows_.back()[5], rows_.back()[6], std::isnan(latest) ? "  (nothing heard)" : fmt::format("  {:.3f} s behind", latest));
+    std::fflush(stdout);
+}
+
+/// All rocks where the model says they are.
+void LiveRun::keep_frame() {
+    const ModelRun& run = model_->state();
+    if ((run.points.size() - 1) % s_.triaxial.frame_stages != 0 && !model_->done()) return;
+    std::map<std::int64_t, std::size_t> place;
+    for (std::size_t k = 0; k < run.rocks.size(); ++k) place[static_cast<std::int64_t>(run.rocks[k])] = k;
+    BodyFrame frame = first_frame_;
+    frame.time = run.points.back().axial_strain;
+    for (std::size_t b = 0; b < frame.ids.size(); ++b) {
+        const auto found = place.find(frame.ids[b]);
+        if (found == place.end()) continue;
+        const RockPose& start = run.start[found->second];
+        frame.positions[b] = start.position + run.displacement.back()[found->second];
+        const Quat q = exponential_map(run.rotation.back()[found->second]) * start.orientation;
+        const double numbers[] = {q.w(), q.x(), q.y(), q.z()};
+        for (std::size_t i = 0; i < 4; ++i) frame.orientations[4 * b + i] = static_cast<float>(numbers[i]);
+    }
+    frames_.push_back(std::move(frame));
+}
+
+void LiveRun::follow() {
+    RecordedTest so_far = (test_->follow_to(0), test_->so_far());
+    for (double looked = 0; !model_->done();) {
+        const double strain = model_->next_strain();
+        const bool heard = test_->follow_to(strain);
+        if (heard || strain - looked >= s_.live.intake.interval) {
+            so_far = test_->so_far();
+            looked = strain;
+        }
+        model_->next_stage(so_far);
+        const auto ages = test_->ages();
+        ages_.insert(ages_.end(), ages.begin(), ages.end());
+        tell(ages.empty() ? std::nan("") : ages.back());
+        keep_frame();
+        write_csv(common_.out / "live.csv", {"axial_strain", "q_Pa", "volumetric_strain", "friction", "friction_deviation", "stiffness_ratio", "stiffness_ratio_deviation", "latency_s"}, rows_, {}, 6);
+    }
+}
+
+/// All that needs no record: the specimen, and the first worlds.
+void LiveRun::prepare() {
+    specimen_ = make_specimen(scene_, test_settings_, common_, [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
+    progress_.pause();
+    Simulation at_start = make_simulation(scene_, 1, common_.serial);
+    at_start.restore(specimen_);
+    first_frame_ = frame_of_bodies(at_start.world());
+    first_frame_.corners.clear(); // the membrane of the test is not known rock by rock
+    model_.emplace(s_.model, s_.learning, test_settings_.stage_strain, test_settings_.final_axial_strain, models());
+}
+
+RunModels LiveRun::models() {
+    return [this](const std::vector<ModelArm>& arms, double strain) { return run_models(scene_, test_settings_, specimen_, arms, strain, common_, progress_); };
+}
+
+void LiveRun::run() {
+    prepare();
+    LiveSettings live = s_.live;
+    live.pressure = test_settings_.confining_pressure;
+    live.intake.interval = std::max(live.intake.interval, test_settings_.stage_strain);
+    test_.emplace(source_, common_.out / log_name, infos_, live);
+    progress_.pause();
+    if (!common_.quiet) fmt::print("ready; {}\n", s_.stream == "-" ? "listening" : "following " + s_.stream.string());
+    follow();
+    if (s_.compare) free_ = models()({{.name = "DEM only", .rocks = s_.model}}, test_settings_.final_axial_strain).front();
+    progress_.pause();
+}
+
+void LiveRun::write_run_file(const std::string& found) const {
+    auto settings = common_.settings;
+    settings.emplace_back("intake", found);
+    FrameWriter writer(common_.out / "live_triaxial.vtkhdf", settings);
+    for (const BodyFrame& frame : frames_) writer.add(frame);
+}
+
+void LiveRun::draw(const RecordedTest& measured) const {
+    std::vector<Plot> panels;
+    const auto panel = [&](const char* title, const char* label, double scale, double TriaxialPoint::* value) {
+        Plot plot{.title = title, .x_label = "axial strain (%)", .y_label = label,
+                  .curves = {curve_of("measured", measured.measured, scale, value, Curve::Style::points), curve_of("known then", model_->state().points, scale, value)}};
+        if (free_) plot.curves.push_back(curve_of("DEM only", free_->points, scale, value, Curve::Style::dashed));
+        panels.push_back(std::move(plot));
+    };
+    panel("Deviatoric stress", "q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress);
+    panel("Volumetric strain", "volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain);
+    Plot friction{.title = "What the test tells of its rocks", .x_label = "axial strain (%)", .y_label = "friction"};
+    for (const auto& [label, sign] : {std::pair{"friction", 0.0}, std::pair{"one deviation", 1.0}, std::pair{"", -1.0}}) {
+        Curve curve{.label = label, .style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
+        for (const auto& row : rows_) {
+            curve.x.push_back(100 * row[0]);
+            curve.y.push_back(row[3] + sign * row[4]);
+        }
+        friction.curves.push_back(std::move(curve));
+    }
+    panels.push_back(std::move(friction));
+    draw_plots(common_.out / "live_triaxial.png", panels, 3);
+}
+
+void LiveRun::report() {
+    const RecordedTest measured = test_->so_far();
+    const std::string found = test_->report();
+    write_whole(common_.out / "intake.txt", found);
+    write_run_file(found);
+    write_known(common_.out / "learned.csv", model_->known());
+    draw(measured);
+    Summary summary;
+    summary.add(describe(model_->belief()));
+    const auto add = [&](const char* name, const ModelRun& run) {
+        const Misfit m = misfit_of(run, measured);
+        summary.add(fmt::format("{}_rmse_q_Pa", name), m.q);
+        summary.add(fmt::format("{}_rmse_volumetric_strain", name), m.volumetric_strain);
+        summary.add(fmt::format("{}_rmse_ring_strain", name), m.ring_strain);
+        summary.add(fmt::format("{}_rmse_sensor_displacement_m", name), m.sensor_displacement);
+    };
+    add("known_then", model_->state());
+    add("worlds_alone", model_->forecast());
+    if (free_) add("DEM_only", *free_);
+    summary.add("sensors_refused", measured.refused());
+    summary.add("records", ages_.size());
+    std::ranges::sort(ages_);
+    const auto age = [&](double share) { return ages_.empty() ? std::nan("") : ages_[static_cast<std::size_t>(share * static_cast<double>(ages_.size() - 1))]; };
+    summary.add("latency_median_s", age(0.5));
+    summary.add("latency_95_percent_s", age(0.95));
+    summary.add("latency_largest_s", age(1));
+    report_results(common_, summary);
+    fmt::print("{}results in {}\n", found, common_.out.string());
+}
+
+void run(const Live& given, const Common& common) {
+    Live s = given;
+    require(s.triaxial.confining_pressure.size() == 1, "--confining-pressure: expected one, found several");
+    require_memory_for(s.triaxial, common.threads, common.memory_limit);
+    if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(s.recordings / "sensor_poses.csv")) s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
+    if (common.explain) {
+        fmt::print("{}", make_simulation(make_scene(s.triaxial, common.seed), 1, common.serial).schedule().explain());
+        return;
+    }
+    LiveRun live(s, common);
+    live.run();
+    live.report();
+    forget_runs(common);
+}
+
+} // namespace
+
+} // namespace bris
+
+int main(int argc, char** argv) {
+    return bris::run_scenario<bris::Live>(argc, argv, "live_triaxial", "a triaxial test and its SmartRocks followed as their records come in, and what they tell of all rocks", bris::run);
+}

@@ -1,0 +1,236 @@
+#include "systems/procedure/live_test.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/io/whole_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <thread>
+
+namespace bris {
+
+namespace {
+
+constexpr auto end_mark = "{\"end\": 1}";
+constexpr double same_strain = 1e-9; // of what was asked for and what has come
+
+Vec3 vector_of(const StreamRecord& r, const char* x, const char* y, const char* z) { return {r.number(x), r.number(y), r.number(z)}; }
+
+/// Samples of sensors first: where the machine has passed a strain, they are there.
+struct Sent {
+    double strain, t;
+    bool by_machine;
+    std::string line;
+};
+
+std::string object_of(const CsvTable& table, std::size_t row) {
+    std::string text;
+    for (std::size_t k = 0; k < table.names.size(); ++k)
+        if (!std::isnan(table.rows[row][k])) text += fmt::format("{}\"{}\": {}", text.empty() ? "" : ", ", table.names[k], table.rows[row][k]);
+    return text;
+}
+
+} // namespace
+
+LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path log, std::vector<SensorInfo> infos, const LiveSettings& settings)
+    : lines_(stream), infos_(std::move(infos)), settings_(settings) {
+    for (const SensorInfo& info : infos_) sensors_[info.id];
+    std::string kept = std::filesystem::exists(log) ? read_whole(log) : "";
+    kept.resize(kept.find_last_of('\n') == std::string::npos ? 0 : kept.find_last_of('\n') + 1); // a line that was being written is sent again, or lost as others are
+    write_whole(log, kept);
+    std::istringstream before(kept);
+    LineSource::Line line{0, {}, this_instant(), true};
+    while (!over_ && std::getline(before, line.text)) {
+        ++line.number;
+        take_line(line, false);
+    }
+    log_ = std::fopen(log.c_str(), "a");
+    if (log_ == nullptr) throw OutputError(fmt::format("cannot write '{}'", log.string()));
+}
+
+LiveTest::~LiveTest() {
+    if (log_ != nullptr) std::fclose(log_);
+}
+
+void LiveTest::note(const std::string& kind, const std::string& text) {
+    auto& [count, first] = notes_[kind];
+    if (count++ == 0) first = text;
+}
+
+void LiveTest::end(const std::string& why) {
+    over_ = true;
+    note("end", why);
+    if (log_ == nullptr) return;
+    fmt::print(log_, "{}\n", end_mark);
+    std::fflush(log_);
+}
+
+bool LiveTest::follow_to(double strain) {
+    while (!over_ && (machine_.empty() || machine_.rbegin()->first < strain + settings_.lateness - same_strain)) {
+        if (interrupted()) throw Interrupted("interrupted; what has come is logged: go on with --resume and the folder of the results");
+        const auto line = lines_.next(settings_.patience);
+        if (line) take_line(*line, true);
+        else if (interrupted()) continue;
+        else if (lines_.over()) end(fmt::format("the stream ended after {} lines", taken_));
+        else end(fmt::format("nothing came for {:g} s after {} lines", settings_.patience, taken_));
+    }
+    followed_ = std::max(followed_, strain);
+    return !machine_.empty() && machine_.rbegin()->first >= strain - same_strain;
+}
+
+void LiveTest::take_line(const LineSource::Line& line, bool log) {
+    ++taken_;
+    std::optional<StreamRecord> record;
+    try {
+        record = parser_.parse(line);
+    } catch (const InputError& e) {
+        note("unreadable", e.what());
+    }
+    if (record && record->has("end")) return end(fmt::format("the sender ended it after {} lines", taken_));
+    if (record && log) wait_for_its_time(*record);
+    if (log) { // before it is used: what was used can be used again
+        fmt::print(log_, "{}\n", line.text);
+        std::fflush(log_);
+    }
+    if (!record) return;
+    arrivals_.push_back(record->arrived);
+    take(*record);
+}
+
+/// In a replay a record arrives when it would have.
+void LiveTest::wait_for_its_time(StreamRecord& record) {
+    if (settings_.speed <= 0 || !record.has("t")) return;
+    if (!begun_) {
+        begun_ = true;
+        began_ = this_instant();
+        first_t_ = record.number("t");
+    }
+    const double due = (record.number("t") - first_t_) / settings_.speed;
+    if (!(due < 1e9)) return;
+    while (seconds_since(began_) < due && !interrupted()) std::this_thread::sleep_for(std::chrono::duration<double>(std::min(0.1, due - seconds_since(began_))));
+    record.arrived = began_ + std::chrono::duration_cast<Instant::duration>(std::chrono::duration<double>(std::max(0.0, due)));
+}
+
+void LiveTest::take(const StreamRecord& record) {
+    if (record.has("id")) take_of_sensor(record);
+    else if (record.has("axial_strain") && record.has("deviatoric_stress_Pa")) take_of_machine(record);
+    else note("unknown", fmt::format("line {}: expected an id, or axial_strain and deviatoric_stress_Pa, found neither", record.line));
+}
+
+void LiveTest::take_of_sensor(const StreamRecord& record) {
+    const double id = record.number("id"), t = record.number("t");
+    const auto found = id >= 0 && id == std::floor(id) && id < 1e9 ? sensors_.find(static_cast<unsigned>(id)) : sensors_.end();
+    if (found == sensors_.end()) return note(fmt::format("id {}", id), fmt::format("line {}: expected the id of a file rock_NN.txt, found {}", record.line, id));
+    if (!std::isfinite(t)) return note("no time", fmt::format("line {}: sensor {}: t: expected a number, found {}", record.line, id, t));
+    SensorRecords& sensor = found->second;
+    const auto [place, is_new] = sensor.by_time.emplace(t, record);
+    if (is_new) {
+        sensor.late += static_cast<std::uint64_t>(record.number("strain") < followed_ - same_strain);
+        return;
+    }
+    ++sensor.twice;
+    if (place->second.numbers != record.numbers)
+        note("contradicts", fmt::format("line {}: sensor {}: t = {} was sent before with other numbers; the first stand", record.line, id, t));
+}
+
+void LiveTest::take_of_machine(const StreamRecord& record) {
+    const double strain = record.number("axial_strain");
+    if (!std::isfinite(strain) || !std::isfinite(record.number("deviatoric_stress_Pa")))
+        return note("not finite", fmt::format("line {}: axial_strain, deviatoric_stress_Pa: expected numbers, found {} and {}", record.line, strain, record.number("deviatoric_stress_Pa")));
+    if (!machine_.emplace(strain, record).second) return note("twice", fmt::format("line {}: the machine sent axial_strain = {} before; the first stands", record.line, strain));
+    if (std::isfinite(record.number("t"))) strain_at_.emplace(record.number("t"), strain);
+}
+
+double LiveTest::strain_of(const StreamRecord& record) const {
+    if (record.has("strain")) return record.number("strain");
+    const double t = record.number("t");
+    const auto after = strain_at_.lower_bound(t);
+    if (after == strain_at_.begin()) return strain_at_.empty() ? std::nan("") : 0; // before the test
+    if (after == strain_at_.end()) return std::nan("");                            // not yet
+    const auto before = std::prev(after);
+    return before->second + (after->second - before->second) * (t - before->first) / (after->first - before->first);
+}
+
+Recording LiveTest::recording_of(const SensorInfo& info) const {
+    Recording r;
+    r.info = info;
+    const auto& records = sensors_.at(info.id).by_time;
+    const auto any = [&](std::initializer_list<const char*> names) {
+        return std::ranges::any_of(records, [&](const auto& one) { return std::ranges::any_of(names, [&](const char* name) { return one.second.has(name); }); });
+    };
+    const bool counted = std::ranges::all_of(records, [](const auto& one) { return one.second.number("seq") >= 0; }), force = any({"ax", "ay", "az"}), rate = any({"gx", "gy", "gz"}),
+               displacement = any({"ux", "uy", "uz"}), attitude = any({"qw", "qx", "qy", "qz"});
+    for (const auto& [t, one] : records) {
+        const double strain = strain_of(one);
+        if (std::isnan(strain)) continue;
+        r.time.push_back(t);
+        r.strain.push_back(strain);
+        if (counted) r.sequence.push_back(static_cast<std::uint64_t>(one.number("seq")));
+        if (force) r.force.push_back(info.force_of(vector_of(one, "ax", "ay", "az")));
+        if (rate) r.rate.push_back(info.rate_of(vector_of(one, "gx", "gy", "gz")));
+        if (displacement) r.displacement.push_back(vector_of(one, "ux", "uy", "uz"));
+        if (attitude) r.attitude.emplace_back(one.number("qw"), one.number("qx"), one.number("qy"), one.number("qz"));
+    }
+    return r;
+}
+
+TriaxialPoint LiveTest::point_of(const StreamRecord& record) const {
+    TriaxialPoint p;
+    p.axial_strain = record.number("axial_strain");
+    p.deviatoric_stress = record.number("deviatoric_stress_Pa");
+    p.volumetric_strain = record.number("volumetric_strain");
+    for (std::size_t r = 1; record.has(fmt::format("ring_{}_radius_m", r)); ++r) p.ring_radius.push_back(record.number(fmt::format("ring_{}_radius_m", r)));
+    return p;
+}
+
+RecordedTest LiveTest::so_far() const {
+    RecordedTest test;
+    test.pressure = settings_.pressure;
+    for (const SensorInfo& info : infos_) test.recordings.push_back(recording_of(info));
+    for (const auto& [strain, record] : machine_) test.measured.push_back(point_of(record));
+    examine(test, settings_.intake);
+    return test;
+}
+
+std::vector<double> LiveTest::ages() {
+    std::vector<double> all;
+    for (const Instant arrived : arrivals_) all.push_back(seconds_since(arrived));
+    arrivals_.clear();
+    return all;
+}
+
+std::string LiveTest::report() const {
+    std::string text = fmt::format("{} lines taken, {} records of the test machine to {:.3f} % of axial strain\n", taken_, machine_.size(),
+                                   machine_.empty() ? 0 : 100 * machine_.rbegin()->first);
+    for (const auto& [kind, what] : notes_) text += fmt::format("{} time{}: {}\n", what.first, what.first == 1 ? "" : "s", what.second);
+    for (const auto& [id, sensor] : sensors_) {
+        const double last = sensor.by_time.empty() ? std::nan("") : strain_of(sensor.by_time.rbegin()->second);
+        text += fmt::format("sensor {}: {} records, {} late, {} sent again", id, sensor.by_time.size(), sensor.late, sensor.twice);
+        text += sensor.by_time.empty() ? "\n" : fmt::format(", the last at {:.3f} % of axial strain\n", 100 * last);
+    }
+    const RecordedTest test = so_far();
+    return text + intake_report(test.findings, test.recordings);
+}
+
+std::vector<std::string> stream_of(const std::filesystem::path& folder, double stage_time, double rest) {
+    const CsvTable machine = read_csv(folder / "test.csv"), sensors = read_csv(folder / "recordings.csv");
+    std::vector<Sent> sent;
+    const auto t = sensors.column("t"), strain = sensors.column("strain"), reached = machine.column("axial_strain");
+    for (std::size_t k = 0; k < sensors.rows.size(); ++k) sent.push_back({strain[k], t[k], false, fmt::format("{{{}}}", object_of(sensors, k))});
+    for (std::size_t k = 0; k < machine.rows.size(); ++k) {
+        const double at = rest + reached[k] / 1e-4 * stage_time;
+        sent.push_back({reached[k], at, true, fmt::format("{{\"t\": {:.6g}, {}}}", at, object_of(machine, k))});
+    }
+    std::ranges::stable_sort(sent, [](const Sent& a, const Sent& b) { return std::tie(a.strain, a.by_machine, a.t) < std::tie(b.strain, b.by_machine, b.t); });
+    std::vector<std::string> lines;
+    for (Sent& s : sent) lines.push_back(std::move(s.line));
+    lines.emplace_back(end_mark);
+    return lines;
+}
+
+} // namespace bris

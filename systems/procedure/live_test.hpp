@@ -1,0 +1,88 @@
+#pragma once
+
+#include "engine/io/line_source.hpp"
+#include "systems/fusion/record_stream.hpp"
+#include "systems/procedure/recorded_test.hpp"
+
+#include <cstdio>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// How a test is followed while it goes on.
+struct LiveSettings {
+    double pressure = 55e3;  ///< Pa
+    double patience = 60;    ///< s without a record, after which the stream counts as ended
+    double lateness = 0;     ///< axial strain, by which the model waits for samples that come late
+    double speed = 0;        ///< of a replay, by the records' t: 1 as fast as it was, 0 at once
+    IntakeSettings intake = {};
+};
+
+/// A triaxial test that is going on, as far as its records tell of it. A record with an `id` is a SmartRock's: t, and of
+/// strain, seq, ax ..., gx ..., ux ..., qw ... what there is; without one it is the test machine's: axial_strain,
+/// deviatoric_stress_Pa, and of t, volumetric_strain, ring_1_radius_m ... what there is. A SmartRock's record without
+/// strain gets that of the machine at its t. Records may come late, out of order and twice. What cannot be used is let
+/// be, counted and reported; a sensor whose records do not pass the intake is left out from then on. {"end": 1} ends it.
+///
+/// All lines taken are kept in a log, in their order and followed by the end if it came by silence: the same lines give
+/// the same test, bit for bit, and a run that was stopped goes on from its log.
+class LiveTest {
+public:
+    /// Takes the lines of the log first, if there is one already. Throws OutputError.
+    LiveTest(const std::filesystem::path& stream, std::filesystem::path log, std::vector<SensorInfo> infos, const LiveSettings& settings);
+    ~LiveTest();
+    LiveTest(const LiveTest&) = delete;
+
+    /// Takes records until the machine has passed an axial strain, and `lateness` more; waits for them. False: the stream
+    /// has ended before.
+    bool follow_to(double strain);
+    /// The test by all records taken, checked. Throws InputError if a SmartRock's records cannot be brought to strains.
+    RecordedTest so_far() const;
+    /// Whether the stream has ended.
+    bool over() const { return over_; }
+    /// s, from the arrival of each record taken since the last call to now.
+    std::vector<double> ages();
+    /// What was found in the stream, a line for each kind of thing, and what the intake found.
+    std::string report() const;
+
+private:
+    struct SensorRecords {
+        std::map<double, StreamRecord> by_time;
+        std::uint64_t late = 0, twice = 0;
+    };
+    void take_line(const LineSource::Line& line, bool log);
+    void take(const StreamRecord& record);
+    void take_of_sensor(const StreamRecord& record);
+    void take_of_machine(const StreamRecord& record);
+    void wait_for_its_time(StreamRecord& record);
+    void end(const std::string& why);
+    void note(const std::string& kind, const std::string& text);
+    double strain_of(const StreamRecord& record) const;
+    Recording recording_of(const SensorInfo& info) const;
+    TriaxialPoint point_of(const StreamRecord& record) const;
+
+    LineSource lines_;
+    RecordParser parser_;
+    std::FILE* log_ = nullptr;
+    std::vector<SensorInfo> infos_;
+    LiveSettings settings_;
+    std::map<unsigned, SensorRecords> sensors_;
+    std::map<double, StreamRecord> machine_;  // by axial strain
+    std::map<double, double> strain_at_;      // by the machine's t
+    std::map<std::string, std::pair<std::uint64_t, std::string>> notes_; // how often, and the first
+    std::vector<Instant> arrivals_;
+    std::uint64_t taken_ = 0;
+    double followed_ = 0, first_t_ = 0;
+    Instant began_;
+    bool over_ = false, begun_ = false;
+};
+
+/// A recorded test (recordings.csv and test.csv of a folder) as the lines of a stream, in the order of strain, `stage_time`
+/// (s) for 0.01 % of it. Throws InputError, OutputError.
+std::vector<std::string> stream_of(const std::filesystem::path& folder, double stage_time, double rest);
+
+} // namespace bris
