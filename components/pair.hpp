@@ -80,6 +80,8 @@ template <class Pairs> struct NearIndex {
     std::vector<Row> contact;           ///< touching near rows of a body, from first_contact(body) on
     std::vector<Row> contact_end;       ///< bodies
     std::vector<std::uint8_t> listed;   ///< `touching` when `contact` was made
+    std::vector<std::uint8_t> awake;    ///< where bodies sleep: pairs that are to be looked at, as `touching`; else empty
+    std::vector<std::uint8_t> look;     ///< those looked at in this step, where they are not the same: springs of those that sleep do not move
 
     std::size_t size() const { return owned_first.empty() ? 0 : owned_first.back(); }
     bool touches(Row near) const { return ((touching[near / group] >> (near % group)) & 1) != 0; }

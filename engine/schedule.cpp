@@ -163,6 +163,7 @@ void Schedule::run_node(Plan& plan, std::size_t node, World&) {
                                        : std::chrono::steady_clock::time_point{};
     if (const Table* table = chunked_[n.systems.front()]) {
         for_chunks(table->size(), settings_.grain, [&](std::size_t, std::size_t first, std::size_t last) {
+            if (table->is_idle(first, last)) return;
             for (const std::size_t i : n.systems)
                 calls_[i](RowRange{static_cast<Row>(first), static_cast<Row>(last)});
         });

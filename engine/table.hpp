@@ -44,6 +44,16 @@ public:
     /// Re-orders every column: row r becomes what row `new_to_old[r]` was.
     void permute(std::span<const Row> new_to_old);
 
+    /// Blocks of rows that row-local systems leave alone, a flag each; none: all are worked on.
+    static constexpr std::size_t idle_rows = 64;
+    void leave_idle(std::vector<std::uint8_t> blocks) { idle_ = std::move(blocks); }
+    bool is_idle(std::size_t first, std::size_t last) const {
+        if (idle_.empty()) return false;
+        for (std::size_t block = first / idle_rows; block * idle_rows < last; ++block)
+            if (idle_[block] == 0) return false;
+        return true;
+    }
+
 private:
     void add(Column::Type type);
     Column& at(std::type_index component);
@@ -51,6 +61,7 @@ private:
 
     std::string name_;
     std::size_t size_ = 0;
+    std::vector<std::uint8_t> idle_;
     std::vector<std::unique_ptr<Column>> columns_; // few: searched front to back
 };
 

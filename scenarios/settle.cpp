@@ -14,6 +14,7 @@
 #include "systems/output/porosity.hpp"
 #include "systems/output/record.hpp"
 #include "systems/procedure/relax.hpp"
+#include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
 
 #include <fmt/format.h>
@@ -29,7 +30,7 @@ using namespace bris;
 
 struct Settle {
     SphereBed bed;
-    double duration = 0.5;
+    double duration = 0.5, sleep = 0;
     bool relax = false;
 
     void describe(auto& option) {
@@ -45,6 +46,7 @@ struct Settle {
         option("density", bed.density, "kg/m3", "of the spheres", above(0));
         option("step", bed.step, "s", "time step", above(0));
         option("duration", duration, "s", "simulated", above(0));
+        option("sleep", sleep, "", "share of its weight up to which forces on a sphere that sleeps may be out of balance; 0: none sleeps", at_least(0));
         option("start_overlap", bed.start_overlap, "", "of the mean diameter, by which neighbours overlap at the start", within(0, 1));
         option("relax", relax, "", "let a start with deep overlaps come to rest first");
     }
@@ -71,6 +73,7 @@ World make_scene(const Settle& settings, const Common& common) {
     const bool starts = common.resume.empty() && !common.explain;
     if (starts && settings.relax) relax_start(world, common.threads);
     add_lists(world, law);
+    if (settings.sleep > 0) add_sleep(world, {.acceleration = settings.sleep * world.resource<Gravity>().value.norm()});
     if (starts) check_overlaps(world);
     return world;
 }
@@ -225,6 +228,7 @@ private:
         summary.add("floor_force_error", std::abs(floor_force_over_weight() - 1));
         add_quantities(summary, last_);
         summary.add("solid_fraction", solid_fraction(world(), settings_.bed.radius));
+        if (settings_.sleep > 0) summary.add("sleepers", sleepers(world()));
         summary.add("steps", now());
         summary.add("refreshes", lists.refreshes);
         summary.add("prunes", lists.prunes);

@@ -26,7 +26,7 @@ namespace bris {
 
 namespace {
 
-constexpr std::array<std::string_view, 9> arm_names{"free", "chaos", "jumped", "spread", "pulled", "learned", "both", "ensemble", "analysed"};
+constexpr std::array<std::string_view, 10> arm_names{"free", "chaos", "jumped", "spread", "pulled", "learned", "both", "ensemble", "analysed", "null"};
 
 struct Twin {
     Triaxial triaxial;
@@ -49,7 +49,7 @@ struct Twin {
     void describe(auto& option) {
         option.group("twin");
         option("arms", arms, "", "none; or of free: told nothing; chaos: the truth from a start disturbed; jumped: sensor rocks put, as in the report; spread: with all "
-               "others along; pulled: by bounded forces; learned: friction and stiffness; both: learned and pulled; ensemble: what the worlds that learned foretell together; analysed: that, and the recordings of the sensors carried to all rocks");
+               "others along; pulled: by bounded forces; learned: friction and stiffness; both: learned and pulled; ensemble: what the worlds that learned foretell together; analysed: that, and the recordings of the sensors carried to all rocks; null: the same with recordings of another specimen, which should help nobody");
         option("model_friction", model.friction, "", "of rocks in the model; the truth's is --friction", above(0));
         option("model_stiffness", model.stiffness, "", "of contacts in the model, of the truth's", above(0));
         option("disturbance", disturbance, "m", "of all places, in the run that shows chaos alone", at_least(0));
@@ -90,14 +90,14 @@ std::vector<std::string> names_of_arms(const std::string& list) {
     if (list == "none") return names; // the truth alone, to be recorded
     std::istringstream text(list);
     for (std::string name; std::getline(text, name, ',');) {
-        require(std::ranges::count(arm_names, name) == 1, fmt::format("--arms: expected free, chaos, jumped, spread, pulled, learned, both, ensemble and analysed, found '{}'", name));
+        require(std::ranges::count(arm_names, name) == 1, fmt::format("--arms: expected free, chaos, jumped, spread, pulled, learned, both, ensemble, analysed and null, found '{}'", name));
         names.push_back(name);
     }
     return names;
 }
 
 /// From the worlds that learn, not by a run of its own.
-bool is_computed(const std::string& arm) { return arm == "ensemble" || arm == "analysed"; }
+bool is_computed(const std::string& arm) { return arm == "ensemble" || arm == "analysed" || arm == "null"; }
 
 bool learns(const std::string& arm) { return arm == "learned" || arm == "both" || is_computed(arm); }
 
@@ -120,6 +120,8 @@ private:
     void learn_parameters();
     std::vector<TriaxialPoint> measured() const;
     std::vector<ModelRun> run_all(const std::vector<ModelArm>& arms, double strain);
+    std::vector<SensorWay> ways_of(const ModelRun& run) const;
+    ModelRun run_another();
 
     const Twin& t_;
     const Common& common_;
@@ -150,7 +152,7 @@ ModelArm Experiment::arm_of(const std::string& name) const {
         arm.catch_up = t_.catch_up;
     }
     if (name == "jumped" || name == "spread" || name == "pulled" || name == "both" || name == "analysed")
-        arm.ways = recorded_ways(truth_, sensor_rocks(truth_), t_.interval, t_.position_noise, t_.attitude_noise, common_.seed, t_.faults);
+        arm.ways = ways_of(truth_);
     if (name == "jumped" || name == "spread") arm.corrections.pull.stiffness = 0;
     arm.corrections.spread = name == "spread";
     return arm;
@@ -160,10 +162,29 @@ std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, dou
     return run_models(scene_, test_, specimen_, arms, strain, common_, progress_);
 }
 
+std::vector<SensorWay> Experiment::ways_of(const ModelRun& run) const {
+    return recorded_ways(run, sensor_rocks(run), t_.interval, t_.position_noise, t_.attitude_noise, common_.seed, t_.faults);
+}
+
+/// The truth of another specimen, packed around sensor rocks in the same places.
+ModelRun Experiment::run_another() {
+    Common common = common_;
+    common.out /= "another";
+    common.resume.clear();
+    common.seed += 1000;
+    std::filesystem::create_directories(common.out);
+    TriaxialScene scene = make_scene(t_.triaxial, common.seed);
+    scene.poses = scene_.poses;
+    const Archive specimen = make_specimen(scene, test_, common, [&](double fraction, const std::string& text) { progress_.report(0, fraction, "another " + text); });
+    ModelRun run = run_models(scene, test_, specimen, {{.name = "another truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain, common, progress_).front();
+    forget_runs(common);
+    return run;
+}
+
 void Experiment::learn_parameters() {
     const auto began = this_instant();
     MeasuredTest measured = measured_test(this->measured());
-    measured.ways = recorded_ways(truth_, sensor_rocks(truth_), t_.interval, t_.position_noise, t_.attitude_noise, common_.seed, t_.faults);
+    measured.ways = ways_of(truth_);
     measured.displacement_noise = t_.position_noise;
     measured.lateness = t_.lateness;
     const bool all_the_way = std::ranges::any_of(names_, is_computed);
@@ -196,13 +217,14 @@ void Experiment::run() {
     }
     auto runs = run_all(to_run, test_.final_axial_strain);
     auto next = runs.begin();
-    for (const ModelArm& arm : arms_) {
+    for (ModelArm& arm : arms_) {
         if (!is_computed(arm.name)) {
             runs_.push_back(std::move(*next++));
             continue;
         }
         runs_.push_back(foretold_by(learned_, prior_of(t_.model, t_.learning)));
-        if (arm.name != "analysed") continue;
+        if (arm.name == "null") arm.ways = ways_of(run_another());
+        if (arm.ways.empty()) continue;
         scatter_ = scatter_of(learned_.second);
         runs_.back() = analyse(runs_.back(), scatter_, {sensor_rocks(truth_), arm.ways, t_.position_noise, t_.attitude_noise, t_.lateness});
     }

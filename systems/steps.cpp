@@ -11,6 +11,7 @@
 #include "systems/integration/motion.hpp"
 #include "systems/servo/membrane.hpp"
 #include "systems/servo/platen.hpp"
+#include "systems/sleep/sleep.hpp"
 
 namespace bris {
 
@@ -21,6 +22,8 @@ template <class Pairs> System gather_of(const char* name, LawName law, bool ledg
         return required(ledger ? row_local(name, gather_and_book<Pairs, PairTorque>) : row_local(name, gather<Pairs, PairTorque>));
     return required(ledger && has_springs(law) ? row_local(name, gather_and_book<Pairs>) : row_local(name, gather<Pairs>));
 }
+
+bool sleep_or_lists_are_due(const World& world) { return lists_are_due(world) || sleep_is_due(world); }
 
 } // namespace
 
@@ -38,6 +41,7 @@ StepList steps(LawName law, bool ledger, PatchStiffness patch) {
         when(places_due, system("place_planes again", place_planes)),
         when(places_due, system("place_facets again", place_facets)),
         when(places_due, system("note_places", note_places)),
+        when(sleep_or_lists_are_due, system("review_sleep", review_sleep)),
         // forces of pairs
         system("share_sphere_patches", share_sphere_patches),
         system("share_plane_patches", share_plane_patches),
@@ -66,6 +70,8 @@ StepList steps(LawName law, bool ledger, PatchStiffness patch) {
         row_local("turn", turn),
         row_local("turn_corrections", turn_corrections),
         row_local("shift_corrections", shift_corrections),
+        row_local("hold_spheres", hold_spheres),
+        row_local("hold_clumps", hold_clumps),
         row_local("place_spheres", place_spheres),
         row_local("place", place),
         row_local("place_kicks", place_kicks),

@@ -48,6 +48,7 @@ template <class Pairs, class Near> void list_near(World& world, Near&& near_bits
     index.centred = world.table<Bodies>().has<SphereInertia>();
     index.too_deep.assign((count + near_rows_per_chunk - 1) / near_rows_per_chunk, no_row);
     index.listed.assign(index.touching.size(), 0);
+    index.awake.clear();
 }
 
 template <class Pairs, class Gap> void make_short_list(World& world, double skin, Gap&& gap) {
@@ -179,6 +180,7 @@ void prune_pairs(World& world) {
     const double skin = world.resource<ListSettings>().inner_skin;
     Table& bodies = world.table<Bodies>();
     const auto place = world.column<Spheres, SpherePlace>();
+    bodies.leave_idle({});
     list_near_spheres(world, skin);
     make_incidence<SpherePairs>(world);
     const auto position = bodies.column<Position>();

@@ -16,7 +16,9 @@ template <class Law>
 void collide_chunk(const TileTarget& to, const Movers& movers, const PlanePlaceRow* planes,
                    NearIndex<PlanePairs>& index, double deepest, std::size_t chunk, std::size_t first, std::size_t last) {
     detail::ScalarTile<Law> tile(to, movers);
+    detail::Sleepers<PlanePairs> sleepers(to, index);
     for (std::size_t group = first; group < last; group += 8) {
+        if (sleepers.skips(group)) continue;
         unsigned now = 0;
         for (std::size_t row = group; row < std::min(group + 8, last); ++row) {
             const PlaceRow& p = movers.place[to.near[row].owner];
@@ -24,13 +26,16 @@ void collide_chunk(const TileTarget& to, const Movers& movers, const PlanePlaceR
             const Vec3 centre(p.x, p.y, p.z);
             const double distance = (centre - plane.point).dot(plane.normal);
             if (!(distance < p.radius)) continue;
-            now |= 1u << (row - group);
+            const unsigned bit = 1u << (row - group);
+            now |= bit;
+            if (sleepers.asked(group, bit) == 0) continue;
             if (p.radius - distance > deepest * p.radius) index.too_deep[chunk] = static_cast<Row>(row);
             tile.add(static_cast<Row>(row), plane.normal, distance, plane.motion.at(centre - distance * plane.normal), plane.motion.spin);
         }
-        detail::book(to, index, group, now);
+        detail::book(to, index, group, sleepers.touching(group, now, index.touching[group / 8]));
     }
     tile.flush();
+    sleepers.put_springs_back();
 }
 
 template <class Law>
@@ -40,6 +45,7 @@ void run(const TileTarget& to, const Movers& movers, const PlanePlaceRow* planes
                [&](std::size_t chunk, std::size_t first, std::size_t last) {
                    collide_chunk<Law>(to, movers, planes, index, limits.overlap, chunk, first, last);
                });
+    index.look.clear();
 }
 
 template <class Law, class Near, class Pairs> struct Collide;

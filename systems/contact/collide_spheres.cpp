@@ -31,8 +31,9 @@ struct Tile {
         }
     }
 
+    /// Bits of the lanes that are too deep.
     template <class Law>
-    bool operator()(const TileTarget& to, const Row* rows, int count) const {
+    unsigned operator()(const TileTarget& to, const Row* rows, int count) const {
         std::array<std::size_t, lane_count> own_sphere, other_sphere, own, other; // the latter: bodies
         for (std::size_t q = 0; q < lane_count; ++q) {
             const NearEntry& e = to.near[rows[q]];
@@ -111,7 +112,7 @@ struct Tile {
             c.twist = 0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
         }
         detail::apply_law<Law>(to, rows, count, c, px, py, pz);
-        return bits(c.overlap > (0.5 * deepest) * reach) != 0;
+        return bits(c.overlap > (0.5 * deepest) * reach);
     }
 };
 
@@ -120,15 +121,19 @@ void collide_chunk(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs
                    std::size_t chunk, std::size_t first, std::size_t last) {
     alignas(64) std::array<Row, near_rows_per_chunk + 8> touching;
     std::size_t count = 0;
+    detail::Sleepers<SpherePairs> sleepers(to, index);
     for (std::size_t group = first; group < last; group += 8) {
+        if (sleepers.skips(group)) continue;
         unsigned now = touching_lanes(to.near + group, tile.movers.place);
         if constexpr (lane_count == 4) now |= touching_lanes(to.near + group + 4, tile.movers.place) << 4;
         if (last - group < 8) now &= (1u << (last - group)) - 1;
         if (group + 24 <= last)
             for (std::size_t q = 16; q < 24; ++q) __builtin_prefetch(&tile.movers.place[to.near[group + q].other]);
         std::uint8_t& flags = index.touching[group / 8];
+        now = sleepers.touching(group, now, flags);
         detail::forget(to, static_cast<Row>(group), flags & ~now);
         flags = static_cast<std::uint8_t>(now);
+        now = sleepers.asked(group, now);
         for (; now != 0; now &= now - 1)
             touching[count++] = static_cast<Row>(group) + static_cast<Row>(__builtin_ctz(now));
     }
@@ -137,9 +142,10 @@ void collide_chunk(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs
     for (std::size_t k = 0; k < count; k += lane_count) {
         if (k + 3 * lane_count <= count) tile.call_for(to, &touching[k + 2 * lane_count]);
         const int here = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
-        if (tile.template operator()<Law>(to, &touching[k], here) && index.too_deep[chunk] == no_row)
-            index.too_deep[chunk] = touching[k];
+        const unsigned deep = tile.template operator()<Law>(to, &touching[k], here);
+        if (deep != 0 && index.too_deep[chunk] == no_row) index.too_deep[chunk] = touching[k + static_cast<std::size_t>(__builtin_ctz(deep))];
     }
+    sleepers.put_springs_back();
 }
 
 template <class Law>
@@ -148,6 +154,7 @@ void run(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs>& index, 
                [&](std::size_t chunk, std::size_t first, std::size_t last) {
                    collide_chunk<Law>(to, tile, index, chunk, first, last);
                });
+    index.look.clear();
 }
 
 template <class Law, class Near, class Pairs> struct Collide;

@@ -8,6 +8,8 @@
 #include "engine/rows.hpp"
 #include "systems/contact/laws/composed.hpp"
 
+#include <vector>
+
 namespace bris::detail {
 
 /// What the kernels of all pair kinds share: where coefficients, springs and records are. Null: the law, or the
@@ -114,6 +116,40 @@ template <class Law>
         store_rows(transpose({f.work.friction, f.work.viscous, f.work.rolling, Lane{}}), count,
                    [&](int q) { return &to.work[rows[q]].friction; });
 }
+
+/// Which of a group of eight pairs are to be looked at, and which springs are not to move on: those of pairs that sleep.
+template <class Pairs> class Sleepers {
+public:
+    Sleepers(const TileTarget& to, const NearIndex<Pairs>& index)
+        : to_(to), awake_(index.awake.empty() ? nullptr : index.awake.data()), look_(index.look.empty() ? awake_ : index.look.data()) {}
+
+    bool skips(std::size_t group) const { return look_ != nullptr && look_[group / 8] == 0; }
+    /// Of the pairs that touch `now`, and touched before: those that count as touching.
+    unsigned touching(std::size_t group, unsigned now, unsigned before) const {
+        if (look_ == nullptr) return now;
+        return (before & ~unsigned{look_[group / 8]}) | (now & look_[group / 8]);
+    }
+    /// Of those, the ones that the law is asked of.
+    unsigned asked(std::size_t group, unsigned touching) {
+        if (look_ == nullptr) return touching;
+        touching &= look_[group / 8];
+        for (unsigned rest = touching & ~unsigned{awake_[group / 8]}; rest != 0; rest &= rest - 1) keep(to_.near[group + static_cast<std::size_t>(__builtin_ctz(rest))].pair);
+        return touching;
+    }
+    void put_springs_back() {
+        for (const auto& [pair, spring, roll] : kept_) {
+            if (to_.spring != nullptr) to_.spring[pair] = spring;
+            if (to_.roll != nullptr) to_.roll[pair] = roll;
+        }
+    }
+
+private:
+    struct Kept { Row pair; SpringRow spring; RollRow roll; };
+    void keep(Row pair) { kept_.push_back({pair, to_.spring == nullptr ? SpringRow{} : to_.spring[pair], to_.roll == nullptr ? RollRow{} : to_.roll[pair]}); }
+    const TileTarget& to_;
+    const std::uint8_t *awake_, *look_;
+    std::vector<Kept> kept_;
+};
 
 /// Clears the springs of the pairs of one group that have come apart.
 inline void forget(const TileTarget& to, Row first, unsigned apart) {

@@ -10,12 +10,14 @@
 #include "systems/output/contacts.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/output/record.hpp"
+#include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
 #include "tests/performance/peers/make_bed.hpp"
 
 #include <fmt/format.h>
 
 #include <map>
+#include <tuple>
 
 #include <sys/resource.h>
 
@@ -26,18 +28,22 @@ using namespace bris;
 struct Bench {
     std::string scene = "settle", law = "linear";
     std::filesystem::path bed, places;
-    bool make = false, profile = false;
+    bool make = false, profile = false, sleep = false;
     unsigned spheres = 2000, threads = 1;
-    double step = 0;
+    double step = 0, low = -1e9, high = 1e9, speed = 0;
     std::uint64_t check_steps = 200, steps = 1000;
 
     void describe(auto& option) {
-        option("scene", scene, "", "its stiffness, step and weight", {"settle", "fall", "quiet", "poly", "clumps"});
+        option("scene", scene, "", "its stiffness, step and weight", {"settle", "fall", "shear", "quiet", "poly", "clumps"});
+        option("low", low, "m", "spheres whose centres start below it are held");
+        option("high", high, "m", "spheres whose centres start above it are drawn along x");
+        option("speed", speed, "m/s", "at which they are", at_least(0));
         option("law", law, "", "of contact", {"linear", "hertz"});
         option("bed", bed, "", "file of the bed");
         option("places", places, "", "file for the spheres after check_steps");
         option("make", make, "", "make the bed instead of a run");
         option("spheres", spheres, "", "of the bed to be made (settle, quiet)", within(1, 50e6));
+        option("sleep", sleep, "", "let bodies sleep that have come to rest");
         option("threads", threads, "", "to run on", within(1, 4096));
         option("step", step, "s", "time step; 0: that of the scene", at_least(0));
         option("check_steps", check_steps, "", "before the physics is measured", within(1, 1e9));
@@ -72,10 +78,12 @@ void run(const Bench& s) {
     require(!s.bed.empty(), "--bed: expected a file, found none");
     if (s.make) return write_bed(s.bed, make_bed(scene, s.spheres, s.threads));
     if (s.step > 0) scene.step = s.step;
+    std::tie(scene.low, scene.high, scene.speed) = std::tuple(s.low, s.high, s.speed);
     const LawName law = peers::law_named(s.law);
     const peers::Bed bed = peers::read_bed(s.bed);
     World scene_world = make_scene(bed, scene, law);
     add_lists(scene_world, law);
+    if (s.sleep) add_sleep(scene_world, {});
     Simulation simulation(std::move(scene_world), steps(law), s.threads, {.timed = s.profile});
     const World& world = simulation.world();
 
@@ -104,8 +112,8 @@ void run(const Bench& s) {
     fmt::print("kinetic_energy_J={:.8g} coordination={:.6g} wall_force_over_weight={:.8g} ", energy,
                2 * static_cast<double>(sphere_contacts) / spheres, q.boundary_force.z() / q.weight.z());
     fmt::print("fingerprint={} peak_memory_MB={:.1f} ", hexadecimal(fingerprint(simulation.snapshot())), memory);
-    fmt::print("stable_step_s={:.4g} contacts={} refreshes={} prunes={}\n", stable, q.contacts, lists.refreshes - before.refreshes,
-               lists.prunes - before.prunes);
+    fmt::print("mean_overlap_m={:.6g} sleepers={} stable_step_s={:.4g} contacts={} refreshes={} prunes={}\n", q.mean_overlap, sleepers(world), stable, q.contacts,
+               lists.refreshes - before.refreshes, lists.prunes - before.prunes);
     if (!s.profile) return;
     for (const auto& [name, seconds] : simulation.schedule().seconds()) {
         const auto old = seconds_before.find(name);

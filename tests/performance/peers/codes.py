@@ -23,11 +23,13 @@ SCENES = {
     'settle': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
     'fall': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
     'quiet': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
+    'shear': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
     'poly': dict(dt=2e-6, skin=6e-4, kn=1e5, gn=20600, gz=1000, every=20, stones=0),
     'clumps': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, stones=1),
 }
 # scene, law, spheres, steps after which the codes are compared
 BASES = {'settle': 16000, 'clumps': 11880}  # spheres of the bed that larger ones are laid together from
+SHEAR_SPEED = 0.1  # m/s, along x, of the uppermost spheres of a bed that is sheared; the lowest stand still
 LONGEST = 900  # s, of a run: one that hangs must not stop the campaign
 
 
@@ -70,6 +72,7 @@ def tile(base, spheres, bed):
 def make_bed(case, work):
     """The bed of a case as BRIS and Yade read it, and as the data file of the other two."""
     scene, _, spheres, _ = case
+    scene = 'settle' if scene == 'shear' else scene
     bed = work / f'{scene}_{spheres}.txt'
     base = BASES.get(scene, spheres)
     if not bed.exists() and spheres > base:
@@ -97,13 +100,21 @@ def make_bed(case, work):
     return bed, data
 
 
+def rough_walls(bed):
+    """m: below the one height the centres of a tenth of a bed's spheres stand, above the other as many."""
+    heights = sorted(float(line.split()[2]) for line in bed.read_text().splitlines()[1:])
+    return heights[len(heights) // 10], heights[-len(heights) // 10]
+
+
 def command(code, case, threads, steps, bed, data, step=None, places='none'):
     """A run of a case; `step`: s, other than the scene's; `places`: file for the spheres after the check steps."""
     scene, law, _, check = case
     s = dict(SCENES[scene], dt=step or SCENES[scene]['dt'])
+    low, high = rough_walls(bed) if scene == 'shear' else (-1e9, 1e9)
+    s.update(low=low, high=high, speed=SHEAR_SPEED if scene == 'shear' else 0)
     if code == 'bris':
         return [BENCH, '--scene', scene, '--law', law, '--bed', bed, '--threads', threads, '--check-steps', check, '--steps', steps,
-                '--step', s['dt'], *(['--places', places] if places != 'none' else [])]
+                '--step', s['dt'], '--low', low, '--high', high, '--speed', s['speed'], *(['--places', places] if places != 'none' else [])]
     values = dict(s, kt=s['kn'] * 2 / 7, gt=s['gn'] / 2, check=check, timed=steps, places=places, keep=int(places != 'none'))
     if code == 'yade':
         return ['yade', '-n', '-x', f'-j{threads}', HERE / 'yade.py', bed, f'law={law}'] + [f'{k}={v}' for k, v in values.items()]

@@ -39,17 +39,25 @@ void add_stone(World& world, std::span<const Ball> balls, std::uint32_t material
     add_clump(world, clump, 0, centre, turn, material);
 }
 
+void add_single(World& world, const Ball& ball, const Scene& scene, std::uint32_t material) {
+    const bool held = ball.centre.z() < scene.low, drawn = ball.centre.z() > scene.high;
+    const Motion motion = held ? Motion::fixed : drawn ? Motion::prescribed : Motion::free;
+    const EntityId id = add_sphere(world, ball.centre, ball.radius, material, motion);
+    if (drawn) value_of<DriveVelocity>(world, id) = value_of<Velocity>(world, id) = Vec3(scene.speed, 0, 0);
+}
+
 } // namespace
 
 Scene scene_named(const std::string& name) {
-    static const std::array<Scene, 5> scenes{{{"settle", 1e6, 5838, 1e-5, 9.81},
+    static const std::array<Scene, 6> scenes{{{"settle", 1e6, 5838, 1e-5, 9.81},
                                               {"fall", 1e6, 5838, 1e-5, 9.81, true},
+                                              {"shear", 1e6, 5838, 1e-5, 9.81},
                                               {"quiet", 1e6, 5838, 1e-5, 9.81},
                                               {"poly", 1e5, 20600, 2e-6, 1000},
                                               {"clumps", 1e6, 1250, 2e-5, 9.81}}};
     for (const Scene& scene : scenes)
         if (scene.name == name) return scene;
-    throw InputError("--scene: expected settle, fall, quiet, poly or clumps, found " + name);
+    throw InputError("--scene: expected settle, fall, shear, quiet, poly or clumps, found " + name);
 }
 
 LawName law_named(const std::string& name) {
@@ -76,7 +84,7 @@ World make_scene(const Bed& bed, const Scene& scene, LawName law) {
     for (std::size_t first = 0, next = 0; first < balls.size(); first = next) {
         ++next;
         if (bed.stones.empty()) {
-            add_sphere(world, balls[first].centre, balls[first].radius, material);
+            add_single(world, balls[first], scene, material);
         } else {
             while (next < balls.size() && bed.stones[next] == bed.stones[first]) ++next;
             add_stone(world, balls.subspan(first, next - first), material);

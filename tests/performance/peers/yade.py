@@ -44,9 +44,20 @@ for group in groups.values():
 walls = [O.bodies.append(utils.wall(place, axis=axis, sense=sense, material=wall))
          for axis in range(3) for place, sense in ((0., 1), (box[axis], -1))]
 
+driven = set()
+if number['speed'] > 0:
+    for n in movers:
+        body = O.bodies[n]
+        if number['low'] <= body.state.pos[2] <= number['high']:
+            continue
+        body.state.blockedDOFs = 'xyzXYZ'
+        body.state.vel = Vector3(number['speed'] if body.state.pos[2] > number['high'] else 0, 0, 0)
+        body.groupMask = 3 if body.state.vel[0] == 0 else 5  # nothing depends on forces among themselves
+        driven.add(n)
+
 O.engines = [
     ForceResetter(),
-    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=number['skin'] / 2),
+    InsertionSortCollider([Bo1_Sphere_Aabb(), Bo1_Wall_Aabb()], verletDist=number['skin'] / 2, avoidSelfInteractionMask=6),
     InteractionLoop([Ig2_Sphere_Sphere_ScGeom(), Ig2_Wall_Sphere_ScGeom()], [physics], [law]),
     NewtonIntegrator(damping=0., gravity=(0, 0, -gz)),
 ]
@@ -60,6 +71,8 @@ if words['places'] != 'none':
 
 energy = weight = 0.
 for n in movers:
+    if n in driven:
+        continue
     body = O.bodies[n].state
     force = O.forces.f(n, sync=True) if len(rows[0]) == 4 else sum((O.forces.f(m) for m in O.bodies[n].shape.members), Vector3.Zero)
     # velocities are those of the half step

@@ -1,0 +1,124 @@
+#include "components/pair.hpp"
+#include "components/settings.hpp"
+#include "components/sphere.hpp"
+#include "engine/errors.hpp"
+#include "systems/sleep/sleep.hpp"
+
+#include <algorithm>
+#include <span>
+
+namespace bris {
+
+namespace {
+
+/// Who sleeps, by row; those that stand still for good always do.
+class WhoSleeps {
+public:
+    WhoSleeps(const World& world, const Sleep& sleep) : motion_(world.column<Bodies, MotionOf>()), resting_(world.column<Bodies, Resting>()), steps_(sleep.steps) {}
+    bool operator()(Row b) const { return motion_[b] == static_cast<std::uint32_t>(Motion::fixed) || resting_[b] >= steps_; }
+    bool differs_from(const std::vector<std::uint8_t>& sleeps) const {
+        if (sleeps.size() != motion_.size()) return true;
+        unsigned differs = 0;
+        for (Row b = 0; b < motion_.size(); ++b) differs |= static_cast<unsigned>((*this)(b)) ^ sleeps[b];
+        return differs != 0;
+    }
+    std::vector<std::uint8_t> all() const {
+        std::vector<std::uint8_t> sleeps(motion_.size());
+        for (Row b = 0; b < motion_.size(); ++b) sleeps[b] = (*this)(b) ? 1 : 0;
+        return sleeps;
+    }
+
+private:
+    std::span<const std::uint32_t> motion_, resting_;
+    std::uint32_t steps_;
+};
+
+/// Pairs with somebody awake, by the bits of their group. Those that fall asleep are looked at once more, as all are after
+/// lists were made anew: their forces are from then on those of bodies that do not move.
+template <class Pairs> void mark_awake(World& world, const std::vector<std::uint8_t>& sleeps) {
+    if (!world.has<Pairs>()) return;
+    auto& index = world.resource<NearIndex<Pairs>>();
+    const auto entry = world.column<typename Pairs::Near, NearPair>();
+    const auto rows = world.column<Pairs, PairRows>();
+    const auto body = world.column<Listed, ListedBody>();
+    if (index.awake.empty()) index.look.assign(index.touching.size(), 0xff);
+    else index.look = index.awake;
+    index.awake.assign(index.touching.size(), 0);
+    for (std::size_t k = 0; k < index.size(); ++k) {
+        const bool sleep = sleeps[body[entry[k].owner]] != 0 && sleeps[rows[entry[k].pair].partner_body] != 0;
+        index.awake[k / 8] = static_cast<std::uint8_t>(index.awake[k / 8] | (sleep ? 0u : 1u) << (k % 8));
+    }
+    for (std::size_t g = 0; g < index.look.size(); ++g) index.look[g] |= index.awake[g];
+}
+
+template <class Pairs> void mark_busy(const World& world, std::vector<std::uint8_t>& busy) {
+    if (!world.has<Pairs>()) return;
+    const auto& index = world.resource<NearIndex<Pairs>>();
+    const auto entry = world.column<typename Pairs::Near, NearPair>();
+    const auto rows = world.column<Pairs, PairRows>();
+    const auto body = world.column<Listed, ListedBody>();
+    const auto& look = index.look.empty() ? index.awake : index.look;
+    for (std::size_t g = 0; g < look.size(); ++g)
+        for (unsigned rest = look[g]; rest != 0; rest &= rest - 1) {
+            const std::size_t k = 8 * g + static_cast<std::size_t>(__builtin_ctz(rest));
+            if (k < index.size()) busy[body[entry[k].owner]] = busy[rows[entry[k].pair].partner_body] = 1;
+        }
+}
+
+/// Rows of bodies that sleep, and of whose contacts none is looked at.
+void leave_idle_rows(World& world, const Sleep& sleep) {
+    std::vector<std::uint8_t> busy(sleep.sleeps.size());
+    std::ranges::transform(sleep.sleeps, busy.begin(), [](std::uint8_t s) { return static_cast<std::uint8_t>(s == 0); });
+    mark_busy<SpherePairs>(world, busy);
+    mark_busy<PlanePairs>(world, busy);
+    std::vector<std::uint8_t> idle((busy.size() + Table::idle_rows - 1) / Table::idle_rows, 1);
+    for (std::size_t b = 0; b < busy.size(); ++b)
+        if (busy[b] != 0) idle[b / Table::idle_rows] = 0;
+    world.table<Bodies>().leave_idle(std::move(idle));
+}
+
+} // namespace
+
+void add_sleep(World& world, const Sleep& settings) {
+    require(settings.acceleration > 0 && settings.speed > 0 && settings.steps > 0, "sleep: expected an acceleration, a speed and steps above 0");
+    require(!world.has<Facets>() && !world.has<Elements>(), "sleep: expected planes as boundaries, found facets or a membrane: bodies do not sleep on these");
+    const auto motion = world.column<Bodies, MotionOf>();
+    const auto stands = [](std::uint32_t m) { return m == static_cast<std::uint32_t>(Motion::free) || m == static_cast<std::uint32_t>(Motion::fixed); };
+    require(std::ranges::all_of(motion, stands), "sleep: expected boundaries that stand still, found one that is driven");
+    Table& bodies = world.table<Bodies>();
+    require(!bodies.has<FrictionWork>() && !bodies.has<BoundaryWork>(), "sleep: expected no energy ledger: it would miss what sleepers had");
+    bodies.add<Resting>();
+    bodies.add<HeldPose>();
+    world.add_resource<Sleep>(settings);
+}
+
+void wake_all(World& world) {
+    if (!world.has_resource<Sleep>()) return;
+    std::ranges::fill(world.column<Bodies, Resting>(), 0u);
+    world.table<Bodies>().leave_idle({});
+}
+
+std::size_t sleepers(const World& world) {
+    if (!world.has_resource<Sleep>()) return 0;
+    return static_cast<std::size_t>(std::ranges::count_if(world.column<Bodies, Resting>(), [&](std::uint32_t r) { return r >= world.resource<Sleep>().steps; }));
+}
+
+bool sleep_is_due(const World& world) {
+    const Sleep& sleep = world.resource<Sleep>();
+    return sleep.idle_next || WhoSleeps(world, sleep).differs_from(sleep.sleeps);
+}
+
+void review_sleep(World& world, Sleep& sleep) {
+    const WhoSleeps who(world, sleep);
+    const bool listed = world.resource<NearIndex<SpherePairs>>().awake.empty(); // anew: no marks are left
+    const bool changed = listed || who.differs_from(sleep.sleeps);
+    if (changed) {
+        sleep.sleeps = who.all();
+        mark_awake<SpherePairs>(world, sleep.sleeps);
+        mark_awake<PlanePairs>(world, sleep.sleeps);
+    }
+    leave_idle_rows(world, sleep);
+    sleep.idle_next = changed;
+}
+
+} // namespace bris

@@ -1,0 +1,159 @@
+#include "engine/errors.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/contact/ledger.hpp"
+#include "systems/output/quantities.hpp"
+#include "systems/sleep/sleep.hpp"
+#include "tests/support.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace bris;
+
+namespace {
+
+constexpr unsigned count = 60;
+
+/// Grains that fall into a box, tumble and come to rest.
+Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {}) {
+    run.dt = 2e-5;
+    run.law = LawName::linear_rolling; // else a sphere on one point spins for ever
+    World world = stress::tumbling({.grains = grains, .bodies = count});
+    auto& materials = world.resource<Materials>();
+    for (Material& m : materials.list) m.rolling_friction = m.twisting_friction = 0.1;
+    materials.mix();
+    world.add_resource(LocalDamping{0.3});
+    if (may_sleep) add_sleep(world, {.steps = 200});
+    Simulation sim = testing::start(std::move(world), run);
+    return sim;
+}
+
+/// The highest grain is lifted by hand: it falls on those that sleep.
+EntityId lift_one(Simulation& sim) {
+    World& world = sim.world();
+    const auto position = world.column<Bodies, Position>();
+    const auto motion = world.column<Bodies, MotionOf>();
+    Row highest = no_row;
+    for (Row b = 0; b < position.size(); ++b)
+        if (motion[b] == static_cast<std::uint32_t>(Motion::free) && (highest == no_row || position[b].z() > position[highest].z())) highest = b;
+    const EntityId id = world.column<Bodies, BodyId>()[highest];
+    position[highest].z() += 0.02;
+    if (world.table<Bodies>().has<Resting>()) world.column<Bodies, Resting>()[highest] = 0;
+    invalidate_lists(world);
+    return id;
+}
+
+bool idle(const World& world) { return world.table<Bodies>().is_idle(0, world.table<Bodies>().size()); }
+
+} // namespace
+
+TEST_SUITE("sleep") {
+    TEST_CASE("grains at rest sleep, nothing is computed of them, and their forces are those of grains that do not") {
+        for (const Grains grains : {Grains::spheres, Grains::clumps}) {
+            Simulation sim = tumbling(grains, true), waking = tumbling(grains, false);
+            CHECK(sleepers(sim.world()) == 0);
+            unsigned blocks = 0;
+            while (!idle(sim.world()) && blocks < 400) {
+                sim.advance(250);
+                ++blocks;
+            }
+            CAPTURE(blocks);
+            REQUIRE(idle(sim.world()));
+            CHECK(sleepers(sim.world()) == count);
+            const auto awake = sim.world().resource<NearIndex<SpherePairs>>().awake;
+            CHECK(std::ranges::all_of(awake, [](std::uint8_t bits) { return bits == 0; }));
+            waking.advance(blocks * 250);
+            const Quantities asleep = measure(sim.world()), full = measure(waking.world());
+            CHECK(asleep.kinetic_energy == 0);
+            CHECK(std::abs(asleep.boundary_force.z() / asleep.weight.z() - 1) < 0.01);
+            CHECK(asleep.contacts == full.contacts);
+            CHECK(asleep.mean_overlap == doctest::Approx(full.mean_overlap).epsilon(0.01));
+            CHECK(asleep.elastic_energy == doctest::Approx(full.elastic_energy).epsilon(0.02));
+            double farthest = 0;
+            for (EntityId id = 0; id < count; ++id)
+                farthest = std::max(farthest, (value_of<Position>(sim, id) - value_of<Position>(waking, id)).norm());
+            CHECK(farthest < 10 * full.mean_overlap);
+            // a state at rest is left as it is
+            const auto before = fingerprint(sim.snapshot(), "bodies/position");
+            sim.advance(500);
+            CHECK(fingerprint(sim.snapshot(), "bodies/position") == before);
+            CHECK(measure(sim.world()).elastic_energy == asleep.elastic_energy);
+        }
+    }
+
+    TEST_CASE("who is pushed wakes, and those he pushes, and all sleep again") {
+        Simulation sim = tumbling(Grains::spheres, true);
+        for (unsigned k = 0; k < 400 && !idle(sim.world()); ++k) sim.advance(250);
+        REQUIRE(sleepers(sim.world()) == count);
+        const EntityId lifted = lift_one(sim);
+        std::size_t least = count;
+        for (unsigned k = 0; k < 1000 && (k < 20 || !idle(sim.world())); ++k) {
+            sim.advance(100);
+            least = std::min(least, sleepers(sim.world()));
+        }
+        CHECK(least < count - 2);
+        CHECK(sleepers(sim.world()) == count);
+        CHECK(value_of<Position>(sim, lifted).z() > 0.005);
+        const Quantities q = measure(sim.world());
+        CHECK(std::abs(q.boundary_force.z() / q.weight.z() - 1) < 0.01);
+        CHECK(q.largest_overlap < 0.01);
+        // told that something has changed, all look again
+        wake_all(sim.world());
+        sim.advance(1);
+        CHECK(sleepers(sim.world()) == 0);
+        CHECK_FALSE(idle(sim.world()));
+    }
+
+    TEST_CASE("sleeping gives the same bits on any number of threads, in any order, with any lists and after a restart") {
+        const auto run = [](const testing::RunSettings& settings) {
+            Simulation sim = tumbling(Grains::spheres, true, settings);
+            sim.advance(9000);
+            (void)lift_one(sim);
+            sim.advance(4000);
+            return fingerprint(sim.snapshot());
+        };
+        std::size_t slept = 0, woke = 0;
+        Archive middle;
+        Simulation sim = tumbling(Grains::spheres, true);
+        sim.advance(9000);
+        slept = sleepers(sim.world());
+        (void)lift_one(sim);
+        sim.advance(2500);
+        woke = sleepers(sim.world());
+        middle = sim.snapshot();
+        sim.advance(1500);
+        CAPTURE(slept);
+        CAPTURE(woke);
+        CHECK(slept > count / 2);
+        CHECK(woke > 0);
+        CHECK(woke < count);
+        const auto whole = fingerprint(sim.snapshot());
+        CHECK(run({}) == whole);
+        CHECK(run({.threads = 2, .schedule = {.grain = 16}}) == whole);
+        CHECK(run({.threads = 3, .schedule = {.last_order = true, .grain = 8}}) == whole);
+        CHECK(run({.lists = {.sort_every = 0}}) == whole);
+        CHECK(run({.lists = {.sort_every = 1}}) == whole);
+        CHECK(run({.lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .tune = false}}) == whole);
+        CHECK(run({.lists = {.outer_skin = 0.001, .inner_skin = 0.0001, .tune = false}}) == whole);
+        Simulation again = tumbling(Grains::spheres, true);
+        again.restore(middle);
+        again.advance(1500);
+        CHECK(fingerprint(again.snapshot()) == whole);
+    }
+
+    TEST_CASE("a scene that does not ask for sleep has nothing of it, and one that cannot is refused") {
+        CHECK(tumbling(Grains::spheres, false).schedule().explain().find("hold_spheres: absent") != std::string::npos);
+        const auto refusal = [](auto&& change) {
+            World world = stress::tumbling({.grains = Grains::spheres, .bodies = 3});
+            Sleep settings;
+            change(world, settings);
+            return message_of<InputError>([&] { add_sleep(world, settings); });
+        };
+        CHECK(refusal([](World&, Sleep& s) { s.speed = 0; }).find("sleep: expected an acceleration") == 0);
+        CHECK(refusal([](World& w, Sleep&) { (void)testing::add_facet_floor(w, -1, 1, 1, 0); }).find("sleep: expected planes") == 0);
+        CHECK(refusal([](World& w, Sleep&) { (void)add_boundary(w, Vec3::Zero(), 0, Motion::prescribed); }).find("sleep: expected boundaries that stand still") == 0);
+        CHECK(refusal([](World& w, Sleep&) { w.table<Bodies>().add<BoundaryWork>(); }).find("sleep: expected no energy ledger") == 0);
+    }
+}
