@@ -30,11 +30,14 @@ bool key_less(const Column& key, Row a, Row b) {
 std::vector<Row> rows_to_save(const Table& table, const Column& key) {
     std::vector<Row> rows(table.size());
     std::iota(rows.begin(), rows.end(), Row{0});
+    // a row goes only if none of its columns holds anything
+    std::vector<const Column*> sparse;
     for (const auto& column : table.columns())
-        if (const auto keep = column->type().keep)
-            std::erase_if(rows, [&](Row r) {
-                return !keep(column->bytes() + r * column->type().value_size);
-            });
+        if (column->type().keep != nullptr) sparse.push_back(column.get());
+    if (!sparse.empty())
+        std::erase_if(rows, [&](Row r) {
+            return std::ranges::none_of(sparse, [r](const Column* c) { return c->type().keep(c->bytes() + r * c->type().value_size); });
+        });
     const auto less = [&](Row a, Row b) { return key_less(key, a, b); };
     if (!std::is_sorted(rows.begin(), rows.end(), less)) std::sort(rows.begin(), rows.end(), less);
     return rows;

@@ -67,9 +67,9 @@ constexpr auto log_name = "stream.ndjson";
 std::filesystem::path prepare_stream(const Live& s, const Common& common) {
     const auto log = common.out / log_name;
     const bool goes_on = !common.resume.empty() && std::filesystem::is_directory(common.resume);
-    if (!goes_on) std::filesystem::remove(log);
-    else if (const auto kept = common.resume / log_name; std::filesystem::exists(kept) && !std::filesystem::equivalent(common.resume, common.out))
-        std::filesystem::copy_file(kept, log, std::filesystem::copy_options::overwrite_existing);
+    if (!goes_on && std::filesystem::exists(log)) std::filesystem::rename(log, log.string() + ".before"); // it may be all that is left of a test
+    if (goes_on && !std::filesystem::equivalent(common.resume, common.out) && std::filesystem::exists(common.resume / log_name))
+        std::filesystem::copy_file(common.resume / log_name, log, std::filesystem::copy_options::overwrite_existing);
     if (!std::filesystem::is_directory(s.stream)) return s.stream;
     std::string text;
     for (const std::string& line : stream_of(s.stream, s.stage_time, s.live.intake.rest)) text += line + "\n";
@@ -150,19 +150,18 @@ void LiveRun::keep_frame() {
 }
 
 void LiveRun::follow() {
-    RecordedTest so_far = (test_->follow_to(0), test_->so_far());
-    for (double looked = 0; !model_->done();) {
-        const double strain = model_->next_strain();
-        const bool heard = test_->follow_to(strain);
-        if (heard || strain - looked >= s_.live.intake.interval) {
-            so_far = test_->so_far();
-            looked = strain;
-        }
+    RecordedTest so_far;
+    std::uint64_t looked_at = 0;
+    while (!model_->done()) {
+        (void)test_->follow_to(model_->next_strain());
+        if (looked_at == 0 || test_->lines_taken() != looked_at) so_far = test_->so_far();
+        looked_at = test_->lines_taken();
         model_->next_stage(so_far);
         const auto ages = test_->ages();
         ages_.insert(ages_.end(), ages.begin(), ages.end());
         tell(ages.empty() ? std::nan("") : ages.back());
         keep_frame();
+        if (ages.empty() && !model_->done()) continue; // written again when there is something to tell
         write_csv(common_.out / "live.csv", {"axial_strain", "q_Pa", "volumetric_strain", "friction", "friction_deviation", "stiffness_ratio", "stiffness_ratio_deviation", "latency_s"}, rows_, {}, 6);
     }
 }

@@ -46,7 +46,7 @@ struct Settle {
         option("density", bed.density, "kg/m3", "of the spheres", above(0));
         option("step", bed.step, "s", "time step", above(0));
         option("duration", duration, "s", "simulated", above(0));
-        option("sleep", sleep, "", "share of its weight up to which forces on a sphere that sleeps may be out of balance; 0: none sleeps", at_least(0));
+        option("sleep", sleep, "", "share of its weight up to which forces on a sphere may be out of balance when it falls asleep, twice that when it wakes; 0: none sleeps", at_least(0));
         option("start_overlap", bed.start_overlap, "", "of the mean diameter, by which neighbours overlap at the start", within(0, 1));
         option("relax", relax, "", "let a start with deep overlaps come to rest first");
     }

@@ -170,8 +170,11 @@ std::vector<SensorWay> Experiment::ways_of(const ModelRun& run) const {
 ModelRun Experiment::run_another() {
     Common common = common_;
     common.out /= "another";
-    common.resume.clear();
     common.seed += 1000;
+    for (NamedValue& v : common.settings)
+        if (v.key == "seed") v = NamedValue("seed", common.seed);
+    common.resume = common_.resume / "another";
+    if (common_.resume.empty() || !std::filesystem::exists(common.resume / "specimen.ckpt.h5")) common.resume.clear();
     std::filesystem::create_directories(common.out);
     TriaxialScene scene = make_scene(t_.triaxial, common.seed);
     scene.poses = scene_.poses;

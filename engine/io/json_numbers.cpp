@@ -14,6 +14,8 @@ namespace bris {
 std::string beginning_of(const std::string& text) { return text.size() > 40 ? text.substr(0, 40) + "..." : text; }
 
 std::map<std::string, double> json_numbers(const std::string& text) {
+    // before it is parsed: what is nested deeply would be parsed deeply
+    require(text.find('[') == std::string::npos && text.find('{') == text.rfind('{'), fmt::format("expected a flat object of JSON, found \"{}\"", beginning_of(text)));
     boost::property_tree::ptree tree;
     std::istringstream stream(text);
     try {
@@ -24,8 +26,8 @@ std::map<std::string, double> json_numbers(const std::string& text) {
     std::map<std::string, double> numbers;
     for (const auto& [name, value] : tree) {
         if (value.empty() && value.data() == "null") continue;
-        const auto number = value.empty() && !value.data().empty() ? number_of(value.data()) : std::nullopt;
-        require(number.has_value(), fmt::format("{}: expected a number, found \"{}\"", name, value.empty() ? beginning_of(value.data()) : std::string("several")));
+        const auto number = value.data().empty() ? std::nullopt : number_of(value.data());
+        require(number.has_value(), fmt::format("{}: expected a number, found \"{}\"", name, beginning_of(value.data())));
         require(numbers.emplace(name, *number).second, fmt::format("{}: expected once, found twice", name));
     }
     return numbers;

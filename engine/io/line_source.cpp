@@ -29,7 +29,7 @@ constexpr auto glance = std::chrono::milliseconds(20); // between looks at a fil
 
 struct LineSource::Reader {
     int file = -1;
-    bool grows = false;
+    bool grows = false, unwritten = false; // unwritten: a pipe that nobody has written into yet
     std::size_t capacity;
     std::deque<Line> queue;
     bool ended = false;
@@ -41,11 +41,16 @@ struct LineSource::Reader {
     Line line{1, {}, {}, true};
 
     Reader(const std::filesystem::path& path, std::size_t most) : capacity(most) {
-        file = path == "-" ? STDIN_FILENO : open(path.c_str(), O_RDONLY | O_CLOEXEC);
+        file = path == "-" ? STDIN_FILENO : open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe may have no writer yet
         struct stat about {};
-        if (file < 0 || fstat(file, &about) != 0 || S_ISDIR(about.st_mode))
-            throw OutputError(fmt::format("cannot read '{}': {}", path.string(), file < 0 ? std::strerror(errno) : "not a stream"));
+        const bool readable = file >= 0 && fstat(file, &about) == 0 && !S_ISDIR(about.st_mode);
+        if (!readable) {
+            const std::string why = file < 0 ? std::strerror(errno) : "not a stream";
+            if (file > STDIN_FILENO) close(file);
+            throw OutputError(fmt::format("cannot read '{}': {}", path.string(), why));
+        }
         grows = path != "-" && S_ISREG(about.st_mode);
+        unwritten = S_ISFIFO(about.st_mode) && path != "-";
         thread = std::thread([this] { read_all(); });
     }
     ~Reader() {
@@ -58,12 +63,17 @@ struct LineSource::Reader {
         std::array<char, 1 << 14> bytes{};
         while (!stop) {
             pollfd ready{file, POLLIN, 0};
-            if (poll(&ready, 1, static_cast<int>(glance.count())) == 0) continue;
+            if (poll(&ready, 1, static_cast<int>(glance.count())) <= 0) continue;
             const ssize_t count = read(file, bytes.data(), bytes.size());
-            if (count < 0 && errno == EINTR) continue;
-            if (count > 0) take({bytes.data(), static_cast<std::size_t>(count)});
-            else if (grows && count == 0) std::this_thread::sleep_for(glance);
-            else break;
+            if (count < 0 && (errno == EINTR || errno == EAGAIN)) continue;
+            if (count > 0) {
+                unwritten = false;
+                take({bytes.data(), static_cast<std::size_t>(count)});
+            } else if ((grows || unwritten) && count == 0) {
+                std::this_thread::sleep_for(glance);
+            } else {
+                break;
+            }
         }
         if (!line.text.empty()) {
             line.whole = false;

@@ -81,7 +81,7 @@ private:
     }
 
     void look_at_clock() {
-        if (r_.sequence.size() < 3) return;
+        if (r_.sequence.size() < 10) return; // too few to tell a drift from jitter
         std::vector<double> due;
         for (const std::uint64_t n : r_.sequence) due.push_back(static_cast<double>(n - r_.sequence.front()) / r_.info.sampling_rate);
         const double drift = fit_line(due, r_.time, due.front(), due.back()).slope - 1;
@@ -111,10 +111,11 @@ private:
     /// A single sample that is far off is left to those who use it; one after which all are is not the rock's way.
     void look_at_jumps() {
         const auto& u = r_.displacement;
-        for (std::size_t k = 1; k + 1 < u.size(); ++k) {
+        for (std::size_t k = 2; k + 1 < u.size(); ++k) {
             const double jump = (u[k] - u[k - 1]).norm();
-            const bool was_there = k < 2 || (u[k - 1] - u[k - 2]).norm() < 0.5 * jump, stays = (u[k + 1] - u[k]).norm() < 0.5 * jump;
-            if (jump > limits_.jump && was_there && stays)
+            const bool was_there = (u[k - 1] - u[k - 2]).norm() < 0.5 * jump, stays = (u[k + 1] - u[k]).norm() < 0.5 * jump;
+            const bool at_once = r_.time[k] - r_.time[k - 1] < 3 / r_.info.sampling_rate; // across a gap it may have gone far
+            if (jump > limits_.jump && was_there && stays && at_once)
                 return refuse("jump", fmt::format("its displacement jumps by {:.1f} mm at t = {:.6g} s and stays there, expected {:.1f} mm at most", 1e3 * jump, r_.time[k], 1e3 * limits_.jump));
         }
     }

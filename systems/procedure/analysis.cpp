@@ -84,7 +84,7 @@ std::vector<std::optional<Vec3>> innovations_at(const std::vector<SensorWay>& wa
         const auto off_by = [&](std::ptrdiff_t k) -> std::optional<Vec3> {
             if (k < 0) return {};
             const auto sample = static_cast<std::size_t>(k);
-            const auto stage = stage_at(forecast.points, ways[s].strain[sample], same_strain);
+            const auto stage = stage_of_sample(forecast, ways[s].strain[sample]);
             if (!stage || !(ways[s].*channel)[sample].allFinite()) return {};
             return Vec3((ways[s].*channel)[sample] - (forecast.*motion)[*stage][hosts[s]]);
         };

@@ -90,6 +90,7 @@ ModelRun load_run(const Archive& archive) {
 KeptRun::KeptRun(const Common& common, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm) : name_(arm.name) {
     Archive all;
     put_arm(all, settings, arm);
+    all.put("name", std::span<const char>(arm.name)); // equal arms of several names run side by side
     const std::array parts{fingerprint(all), fingerprint(specimen), common.seed};
     Archive whole;
     whole.put("parts", std::span<const std::uint64_t>(parts));

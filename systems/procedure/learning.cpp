@@ -99,7 +99,7 @@ std::vector<Heard> heard_in(const Panel& worlds, const MeasuredTest& measured, d
         for (auto k = after - way.strain.begin() - 1; k >= 0; --k) {
             const auto sample = static_cast<std::size_t>(k);
             if (way.strain[sample] <= from - measured.lateness + 1e-9) break;
-            const auto stage = stage_at(like.points, way.strain[sample], same_strain);
+            const auto stage = stage_of_sample(like, way.strain[sample]);
             if (!stage || !way.displacement[sample].allFinite()) continue;
             const Heard h{s, sample, *stage};
             if (is_gross(worlds, h, way.displacement[sample], measured.displacement_noise)) continue;
@@ -169,7 +169,7 @@ MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
     m.ways = like.ways;
     for (std::size_t s = 0; s < m.ways.size() && s < run.sensors; ++s)
         for (std::size_t k = 0; k < m.ways[s].strain.size(); ++k) {
-            const auto stage = stage_at(run.points, m.ways[s].strain[k], same_strain);
+            const auto stage = stage_of_sample(run, m.ways[s].strain[k]);
             if (stage) m.ways[s].displacement[k] = run.displacement[*stage][s];
         }
     return m;
@@ -192,6 +192,11 @@ double trust_in(const Gaussian& prior, const Panel& worlds, const MeasuredTest& 
 }
 
 } // namespace
+
+std::optional<std::size_t> stage_of_sample(const ModelRun& run, double strain) {
+    if (run.points.size() < 2) return {};
+    return stage_at(run.points, strain, 0.501 * (run.points[1].axial_strain - run.points[0].axial_strain));
+}
 
 MeasuredTest measured_test(const std::vector<TriaxialPoint>& points) {
     MeasuredTest s;

@@ -5,6 +5,7 @@
 #include "systems/procedure/model_run.hpp"
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace bris {
@@ -23,8 +24,8 @@ struct Learning {
     void describe(auto& option);
 };
 
-/// Within which a sample's strain is that of a stage.
-inline constexpr double same_strain = 1e-7;
+/// The stage of a run nearest to a sample's strain; nothing: it goes not that far. Half a stage is less than sensors tell apart.
+std::optional<std::size_t> stage_of_sample(const ModelRun& run, double strain);
 
 /// What was measured in a test: q (Pa) by axial strain, in order of strain, and the ways of the sensor rocks, if there are.
 struct MeasuredTest {

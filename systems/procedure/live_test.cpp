@@ -17,6 +17,8 @@ namespace bris {
 namespace {
 
 constexpr auto end_mark = "{\"end\": 1}";
+constexpr auto silence_mark = "{\"end\": 1, \"by_silence\": 1}\n"; // in a log: who goes on from it goes on listening
+constexpr double largest_jump = 0.01; // of axial strain, from one record of the machine to the next
 constexpr double same_strain = 1e-9; // of what was asked for and what has come
 
 Vec3 vector_of(const StreamRecord& r, const char* x, const char* y, const char* z) { return {r.number(x), r.number(y), r.number(z)}; }
@@ -39,22 +41,23 @@ std::string object_of(const CsvTable& table, std::size_t row) {
 
 LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path log, std::vector<SensorInfo> infos, const LiveSettings& settings)
     : lines_(stream), infos_(std::move(infos)), settings_(settings) {
+    require(!infos_.empty(), "stream: expected SmartRocks that send, found none");
     for (const SensorInfo& info : infos_) sensors_[info.id];
     std::string kept = std::filesystem::exists(log) ? read_whole(log) : "";
     kept.resize(kept.find_last_of('\n') == std::string::npos ? 0 : kept.find_last_of('\n') + 1); // a line that was being written is sent again, or lost as others are
+    if (kept.ends_with(silence_mark)) kept.resize(kept.size() - std::string_view(silence_mark).size());
     write_whole(log, kept);
     std::istringstream before(kept);
-    LineSource::Line line{0, {}, this_instant(), true};
-    while (!over_ && std::getline(before, line.text)) {
-        ++line.number;
-        take_line(line, false);
-    }
+    for (std::string line; std::getline(before, line);) logged_.push_back(line);
     log_ = std::fopen(log.c_str(), "a");
     if (log_ == nullptr) throw OutputError(fmt::format("cannot write '{}'", log.string()));
 }
 
+// What has come and was not taken yet would be lost.
 LiveTest::~LiveTest() {
-    if (log_ != nullptr) std::fclose(log_);
+    if (!over_)
+        while (const auto line = lines_.next(0)) fmt::print(log_, "{}{}\n", line->whole ? "" : "# cut off: ", line->text);
+    std::fclose(log_);
 }
 
 void LiveTest::note(const std::string& kind, const std::string& text) {
@@ -62,28 +65,44 @@ void LiveTest::note(const std::string& kind, const std::string& text) {
     if (count++ == 0) first = text;
 }
 
-void LiveTest::end(const std::string& why) {
+void LiveTest::write_log(const LineSource::Line& line) {
+    fmt::print(log_, "{}{}\n", line.whole ? "" : "# cut off: ", line.text);
+    if (std::fflush(log_) != 0) throw OutputError("cannot write the log of the stream: is the disk full?");
+}
+
+void LiveTest::end(const std::string& why, bool by_sender) {
     over_ = true;
     note("end", why);
-    if (log_ == nullptr) return;
-    fmt::print(log_, "{}\n", end_mark);
+    if (by_sender) return; // its own line says so
+    fmt::print(log_, "{}", silence_mark);
     std::fflush(log_);
+}
+
+std::optional<LineSource::Line> LiveTest::next_of_log() {
+    if (logged_.empty()) return {};
+    LineSource::Line line{taken_ + 1, std::move(logged_.front()), this_instant(), true};
+    logged_.pop_front();
+    return line;
 }
 
 bool LiveTest::follow_to(double strain) {
     while (!over_ && (machine_.empty() || machine_.rbegin()->first < strain + settings_.lateness - same_strain)) {
         if (interrupted()) throw Interrupted("interrupted; what has come is logged: go on with --resume and the folder of the results");
+        if (const auto before = next_of_log()) {
+            take_line(*before, true);
+            continue;
+        }
         const auto line = lines_.next(settings_.patience);
-        if (line) take_line(*line, true);
+        if (line) take_line(*line, false);
         else if (interrupted()) continue;
-        else if (lines_.over()) end(fmt::format("the stream ended after {} lines", taken_));
-        else end(fmt::format("nothing came for {:g} s after {} lines", settings_.patience, taken_));
+        else if (lines_.over()) end(fmt::format("the stream ended after {} lines", taken_), false);
+        else end(fmt::format("nothing came for {:g} s after {} lines", settings_.patience, taken_), false);
     }
     followed_ = std::max(followed_, strain);
     return !machine_.empty() && machine_.rbegin()->first >= strain - same_strain;
 }
 
-void LiveTest::take_line(const LineSource::Line& line, bool log) {
+void LiveTest::take_line(const LineSource::Line& line, bool from_log) {
     ++taken_;
     std::optional<StreamRecord> record;
     try {
@@ -91,29 +110,27 @@ void LiveTest::take_line(const LineSource::Line& line, bool log) {
     } catch (const InputError& e) {
         note("unreadable", e.what());
     }
-    if (record && record->has("end")) return end(fmt::format("the sender ended it after {} lines", taken_));
-    if (record && log) wait_for_its_time(*record);
-    if (log) { // before it is used: what was used can be used again
-        fmt::print(log_, "{}\n", line.text);
-        std::fflush(log_);
-    }
+    if (record && !from_log) wait_for_its_time(*record);
+    if (!from_log) write_log(line); // before it is used: what was used can be used again
     if (!record) return;
-    arrivals_.push_back(record->arrived);
+    if (record->has("end")) return end(fmt::format("the sender ended it after {} lines", taken_), true);
+    if (!from_log) arrivals_.push_back(record->arrived);
     take(*record);
 }
 
 /// In a replay a record arrives when it would have.
 void LiveTest::wait_for_its_time(StreamRecord& record) {
-    if (settings_.speed <= 0 || !record.has("t")) return;
+    constexpr double longest = 600; // s: no record waits for a t that is wrong
+    if (settings_.speed <= 0 || !std::isfinite(record.number("t"))) return;
     if (!begun_) {
         begun_ = true;
         began_ = this_instant();
         first_t_ = record.number("t");
     }
     const double due = (record.number("t") - first_t_) / settings_.speed;
-    if (!(due < 1e9)) return;
-    while (seconds_since(began_) < due && !interrupted()) std::this_thread::sleep_for(std::chrono::duration<double>(std::min(0.1, due - seconds_since(began_))));
-    record.arrived = began_ + std::chrono::duration_cast<Instant::duration>(std::chrono::duration<double>(std::max(0.0, due)));
+    if (due < 0 || due > seconds_since(began_) + longest) return;
+    while (seconds_since(began_) < due && !interrupted()) std::this_thread::sleep_for(std::chrono::duration<double>(std::clamp(due - seconds_since(began_), 0.0, 0.1)));
+    record.arrived = began_ + std::chrono::duration_cast<Instant::duration>(std::chrono::duration<double>(due));
 }
 
 void LiveTest::take(const StreamRecord& record) {
@@ -127,6 +144,7 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
     const auto found = id >= 0 && id == std::floor(id) && id < 1e9 ? sensors_.find(static_cast<unsigned>(id)) : sensors_.end();
     if (found == sensors_.end()) return note(fmt::format("id {}", id), fmt::format("line {}: expected the id of a file rock_NN.txt, found {}", record.line, id));
     if (!std::isfinite(t)) return note("no time", fmt::format("line {}: sensor {}: t: expected a number, found {}", record.line, id, t));
+    if (is_far_off(record, "a sensor", record.number("strain"))) return;
     SensorRecords& sensor = found->second;
     const auto [place, is_new] = sensor.by_time.emplace(t, record);
     if (is_new) {
@@ -138,10 +156,19 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
         note("contradicts", fmt::format("line {}: sensor {}: t = {} was sent before with other numbers; the first stand", record.line, id, t));
 }
 
+/// One wrong strain would pass for the end of the test.
+bool LiveTest::is_far_off(const StreamRecord& record, const char* who, double strain) {
+    const double reached = machine_.empty() ? 0 : machine_.rbegin()->first;
+    if (machine_.empty() || !(std::abs(strain - reached) > largest_jump) || strain <= reached) return false;
+    note(std::string("far off, ") + who, fmt::format("line {}: {}: expected an axial strain near {:.4g}, found {:.4g}: is it in per cent?", record.line, who, reached, strain));
+    return true;
+}
+
 void LiveTest::take_of_machine(const StreamRecord& record) {
     const double strain = record.number("axial_strain");
     if (!std::isfinite(strain) || !std::isfinite(record.number("deviatoric_stress_Pa")))
         return note("not finite", fmt::format("line {}: axial_strain, deviatoric_stress_Pa: expected numbers, found {} and {}", record.line, strain, record.number("deviatoric_stress_Pa")));
+    if (is_far_off(record, "the machine", strain)) return;
     if (!machine_.emplace(strain, record).second) return note("twice", fmt::format("line {}: the machine sent axial_strain = {} before; the first stands", record.line, strain));
     if (std::isfinite(record.number("t"))) strain_at_.emplace(record.number("t"), strain);
 }
@@ -150,7 +177,8 @@ double LiveTest::strain_of(const StreamRecord& record) const {
     if (record.has("strain")) return record.number("strain");
     const double t = record.number("t");
     const auto after = strain_at_.lower_bound(t);
-    if (after == strain_at_.begin()) return strain_at_.empty() ? std::nan("") : 0; // before the test
+    if (after != strain_at_.end() && after->first == t) return after->second;
+    if (after == strain_at_.begin()) return !strain_at_.empty() && after->second <= 0 ? 0 : std::nan(""); // before the test, or before it was followed
     if (after == strain_at_.end()) return std::nan("");                            // not yet
     const auto before = std::prev(after);
     return before->second + (after->second - before->second) * (t - before->first) / (after->first - before->first);
@@ -163,7 +191,8 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
     const auto any = [&](std::initializer_list<const char*> names) {
         return std::ranges::any_of(records, [&](const auto& one) { return std::ranges::any_of(names, [&](const char* name) { return one.second.has(name); }); });
     };
-    const bool counted = std::ranges::all_of(records, [](const auto& one) { return one.second.number("seq") >= 0; }), force = any({"ax", "ay", "az"}), rate = any({"gx", "gy", "gz"}),
+    const auto is_count = [](double n) { return n >= 0 && n < 9e15 && n == std::floor(n); };
+    const bool counted = std::ranges::all_of(records, [&](const auto& one) { return is_count(one.second.number("seq")); }), force = any({"ax", "ay", "az"}), rate = any({"gx", "gy", "gz"}),
                displacement = any({"ux", "uy", "uz"}), attitude = any({"qw", "qx", "qy", "qz"});
     for (const auto& [t, one] : records) {
         const double strain = strain_of(one);
@@ -221,6 +250,8 @@ std::vector<std::string> stream_of(const std::filesystem::path& folder, double s
     const CsvTable machine = read_csv(folder / "test.csv"), sensors = read_csv(folder / "recordings.csv");
     std::vector<Sent> sent;
     const auto t = sensors.column("t"), strain = sensors.column("strain"), reached = machine.column("axial_strain");
+    const auto known = [](const std::vector<double>& numbers) { return std::ranges::all_of(numbers, [](double n) { return std::isfinite(n); }); };
+    require(known(t) && known(strain) && known(reached), fmt::format("{}: expected numbers in t, strain and axial_strain of all rows", folder.string()));
     for (std::size_t k = 0; k < sensors.rows.size(); ++k) sent.push_back({strain[k], t[k], false, fmt::format("{{{}}}", object_of(sensors, k))});
     for (std::size_t k = 0; k < machine.rows.size(); ++k) {
         const double at = rest + reached[k] / 1e-4 * stage_time;

@@ -5,9 +5,9 @@
 #include "systems/procedure/recorded_test.hpp"
 
 #include <cstdio>
+#include <deque>
 #include <filesystem>
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -26,13 +26,14 @@ struct LiveSettings {
 /// strain, seq, ax ..., gx ..., ux ..., qw ... what there is; without one it is the test machine's: axial_strain,
 /// deviatoric_stress_Pa, and of t, volumetric_strain, ring_1_radius_m ... what there is. A SmartRock's record without
 /// strain gets that of the machine at its t. Records may come late, out of order and twice. What cannot be used is let
-/// be, counted and reported; a sensor whose records do not pass the intake is left out from then on. {"end": 1} ends it.
+/// be, counted and reported; a sensor is left out as long as its records so far do not pass the intake. {"end": 1} ends it.
 ///
-/// All lines taken are kept in a log, in their order and followed by the end if it came by silence: the same lines give
-/// the same test, bit for bit, and a run that was stopped goes on from its log.
+/// All lines that came are kept in a log, in the order in which they are taken: the same lines give the same test, bit for
+/// bit, and a run that was stopped takes those of its log first, one by one as before. Only a sender ends a test for good;
+/// after silence it can be gone on with.
 class LiveTest {
 public:
-    /// Takes the lines of the log first, if there is one already. Throws OutputError.
+    /// Lines of a log that is there already come first. Throws OutputError, and InputError where there is no sensor.
     LiveTest(const std::filesystem::path& stream, std::filesystem::path log, std::vector<SensorInfo> infos, const LiveSettings& settings);
     ~LiveTest();
     LiveTest(const LiveTest&) = delete;
@@ -40,11 +41,12 @@ public:
     /// Takes records until the machine has passed an axial strain, and `lateness` more; waits for them. False: the stream
     /// has ended before.
     bool follow_to(double strain);
-    /// The test by all records taken, checked. Throws InputError if a SmartRock's records cannot be brought to strains.
+    /// The test by all records taken, checked.
     RecordedTest so_far() const;
+    std::uint64_t lines_taken() const { return taken_; }
     /// Whether the stream has ended.
     bool over() const { return over_; }
-    /// s, from the arrival of each record taken since the last call to now.
+    /// s, from the arrival of each record taken since the last call to now; those of an earlier run's log are not among them.
     std::vector<double> ages();
     /// What was found in the stream, a line for each kind of thing, and what the intake found.
     std::string report() const;
@@ -54,12 +56,15 @@ private:
         std::map<double, StreamRecord> by_time;
         std::uint64_t late = 0, twice = 0;
     };
-    void take_line(const LineSource::Line& line, bool log);
+    void take_line(const LineSource::Line& line, bool from_log);
+    std::optional<LineSource::Line> next_of_log();
+    void write_log(const LineSource::Line& line);
     void take(const StreamRecord& record);
     void take_of_sensor(const StreamRecord& record);
     void take_of_machine(const StreamRecord& record);
     void wait_for_its_time(StreamRecord& record);
-    void end(const std::string& why);
+    void end(const std::string& why, bool by_sender);
+    bool is_far_off(const StreamRecord& record, const char* who, double strain);
     void note(const std::string& kind, const std::string& text);
     double strain_of(const StreamRecord& record) const;
     Recording recording_of(const SensorInfo& info) const;
@@ -68,6 +73,7 @@ private:
     LineSource lines_;
     RecordParser parser_;
     std::FILE* log_ = nullptr;
+    std::deque<std::string> logged_; // not taken yet
     std::vector<SensorInfo> infos_;
     LiveSettings settings_;
     std::map<unsigned, SensorRecords> sensors_;

@@ -13,6 +13,8 @@
 #include "systems/procedure/kept_run.hpp"
 #include "systems/procedure/specimen_state.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <map>
@@ -235,7 +237,7 @@ private:
         if (model_->stages() > run_.points.size()) stage();
         if (interrupted()) {
             keep();
-            throw Interrupted("interrupted; what was done is kept: go on with --resume and the folder of the results");
+            throw Interrupted(fmt::format("interrupted; {}: go on with --resume and the folder of the results", kept_ == nullptr ? "the specimen is kept" : "what was done is kept"));
         }
         if (kept_ != nullptr && kept_->is_due()) keep();
         return true;

@@ -52,7 +52,7 @@ double difference_of(const std::vector<TriaxialPoint>& run, const std::vector<Tr
 double ring_difference(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured) {
     const auto at_end = stage_at(measured, run.back().axial_strain, same_strain);
     const std::size_t rings = run.back().ring_radius.size();
-    if (!at_end || measured[*at_end].ring_radius.size() != rings) return std::nan("");
+    if (!at_end || measured[*at_end].ring_radius.size() != rings || measured.front().ring_radius.size() != rings) return std::nan("");
     double squares = 0;
     for (std::size_t r = 0; r < rings; ++r)
         squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - measured[*at_end].ring_radius[r] / measured.front().ring_radius[r], 2);

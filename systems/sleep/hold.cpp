@@ -14,7 +14,7 @@ template <class BodyRows, class Keep, class PutBack> void hold(const BodyRows& b
     Vec3* position = bodies.template column<Position>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
-        const bool slept = resting[b] >= sleep.steps;
+        const bool slept = resting[b] >= sleep.steps && held[b].held != 0;
         const double limit = (slept ? 2 : 1) * sleep.acceleration * mass[b];
         const bool balanced = force[b].squaredNorm() <= limit * limit && torque[b].squaredNorm() <= limit * limit * radius[b] * radius[b];
         if (!slept) {
@@ -23,9 +23,11 @@ template <class BodyRows, class Keep, class PutBack> void hold(const BodyRows& b
             resting[b] = rests ? resting[b] + 1 : 0;
             if (resting[b] < sleep.steps) continue;
             held[b].position = position[b];
+            held[b].held = 1;
             keep(held[b], b);
         } else if (!balanced) {
             resting[b] = 0;
+            held[b].held = 0;
             continue;
         }
         position[b] = held[b].position;

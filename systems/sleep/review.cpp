@@ -1,4 +1,5 @@
 #include "components/pair.hpp"
+#include "components/sensor.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
 #include "engine/errors.hpp"
@@ -85,7 +86,11 @@ void add_sleep(World& world, const Sleep& settings) {
     const auto motion = world.column<Bodies, MotionOf>();
     const auto stands = [](std::uint32_t m) { return m == static_cast<std::uint32_t>(Motion::free) || m == static_cast<std::uint32_t>(Motion::fixed); };
     require(std::ranges::all_of(motion, stands), "sleep: expected boundaries that stand still, found one that is driven");
+    require(!world.has<Sensors>(), "sleep: expected no sensors: their corrections would be lost on sleepers");
     Table& bodies = world.table<Bodies>();
+    const auto velocity = bodies.column<Velocity>(), spin = bodies.column<Spin>();
+    for (Row b = 0; b < motion.size(); ++b)
+        require(motion[b] == static_cast<std::uint32_t>(Motion::free) || (velocity[b] == Vec3::Zero() && spin[b] == Vec3::Zero()), "sleep: expected fixed bodies without motion, found one with");
     require(!bodies.has<FrictionWork>() && !bodies.has<BoundaryWork>(), "sleep: expected no energy ledger: it would miss what sleepers had");
     bodies.add<Resting>();
     bodies.add<HeldPose>();
@@ -95,6 +100,7 @@ void add_sleep(World& world, const Sleep& settings) {
 void wake_all(World& world) {
     if (!world.has_resource<Sleep>()) return;
     std::ranges::fill(world.column<Bodies, Resting>(), 0u);
+    std::ranges::fill(world.column<Bodies, HeldPose>(), HeldRow{});
     world.table<Bodies>().leave_idle({});
 }
 

@@ -12,7 +12,7 @@ namespace bris {
 /// stand still, and where an energy ledger is kept, which would miss what little sleepers had.
 void add_sleep(World& world, const Sleep& settings);
 
-/// Wakes all, as whoever changes weight, boundaries or bodies by hand has to.
+/// Wakes all, as whoever changes weight, materials, boundaries or bodies by hand has to.
 void wake_all(World& world);
 
 /// Bodies that sleep now.

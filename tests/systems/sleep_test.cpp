@@ -17,10 +17,10 @@ namespace {
 constexpr unsigned count = 60;
 
 /// Grains that fall into a box, tumble and come to rest.
-Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {}) {
+Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {}, unsigned bodies = count) {
     run.dt = 2e-5;
     run.law = LawName::linear_rolling; // else a sphere on one point spins for ever
-    World world = stress::tumbling({.grains = grains, .bodies = count});
+    World world = stress::tumbling({.grains = grains, .bodies = bodies});
     auto& materials = world.resource<Materials>();
     for (Material& m : materials.list) m.rolling_friction = m.twisting_friction = 0.1;
     materials.mix();
@@ -31,7 +31,7 @@ Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {}
 }
 
 /// The highest grain is lifted by hand: it falls on those that sleep.
-EntityId lift_one(Simulation& sim) {
+EntityId lift_one(Simulation& sim, double up = 0.02) {
     World& world = sim.world();
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
@@ -39,7 +39,7 @@ EntityId lift_one(Simulation& sim) {
     for (Row b = 0; b < position.size(); ++b)
         if (motion[b] == static_cast<std::uint32_t>(Motion::free) && (highest == no_row || position[b].z() > position[highest].z())) highest = b;
     const EntityId id = world.column<Bodies, BodyId>()[highest];
-    position[highest].z() += 0.02;
+    position[highest].z() += up;
     if (world.table<Bodies>().has<Resting>()) world.column<Bodies, Resting>()[highest] = 0;
     invalidate_lists(world);
     return id;
@@ -107,40 +107,53 @@ TEST_SUITE("sleep") {
     }
 
     TEST_CASE("sleeping gives the same bits on any number of threads, in any order, with any lists and after a restart") {
-        const auto run = [](const testing::RunSettings& settings) {
-            Simulation sim = tumbling(Grains::spheres, true, settings);
-            sim.advance(9000);
-            (void)lift_one(sim);
-            sim.advance(4000);
-            return fingerprint(sim.snapshot());
-        };
-        std::size_t slept = 0, woke = 0;
-        Archive middle;
-        Simulation sim = tumbling(Grains::spheres, true);
-        sim.advance(9000);
-        slept = sleepers(sim.world());
-        (void)lift_one(sim);
-        sim.advance(2500);
-        woke = sleepers(sim.world());
-        middle = sim.snapshot();
-        sim.advance(1500);
-        CAPTURE(slept);
-        CAPTURE(woke);
-        CHECK(slept > count / 2);
-        CHECK(woke > 0);
-        CHECK(woke < count);
-        const auto whole = fingerprint(sim.snapshot());
-        CHECK(run({}) == whole);
-        CHECK(run({.threads = 2, .schedule = {.grain = 16}}) == whole);
-        CHECK(run({.threads = 3, .schedule = {.last_order = true, .grain = 8}}) == whole);
-        CHECK(run({.lists = {.sort_every = 0}}) == whole);
-        CHECK(run({.lists = {.sort_every = 1}}) == whole);
-        CHECK(run({.lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .tune = false}}) == whole);
-        CHECK(run({.lists = {.outer_skin = 0.001, .inner_skin = 0.0001, .tune = false}}) == whole);
-        Simulation again = tumbling(Grains::spheres, true);
-        again.restore(middle);
-        again.advance(1500);
-        CHECK(fingerprint(again.snapshot()) == whole);
+        constexpr unsigned many = 300; // blocks of rows that are left alone beside others that are not
+        for (const Grains grains : {Grains::spheres, Grains::clumps}) {
+            const auto settled = [&](const testing::RunSettings& settings) {
+                Simulation sim = tumbling(grains, true, settings, many);
+                sim.advance(18000);
+                (void)lift_one(sim, 2e-4);
+                sim.advance(400);
+                return sim;
+            };
+            Simulation sim = settled({});
+            const Archive middle = sim.snapshot();
+            std::size_t some = 0, least = many, most = 0;
+            for (unsigned k = 0; k < 30; ++k) {
+                sim.advance(50);
+                const std::size_t now = sleepers(sim.world());
+                least = std::min(least, now);
+                most = std::max(most, now);
+                std::size_t idle_blocks = 0;
+                for (std::size_t first = 0; first < many; first += Table::idle_rows) idle_blocks += sim.world().table<Bodies>().is_idle(first, std::min<std::size_t>(first + Table::idle_rows, many)) ? 1u : 0u;
+                some += idle_blocks > 0 && idle_blocks * Table::idle_rows < many ? 1u : 0u;
+            }
+            CAPTURE(least);
+            CAPTURE(most);
+            CAPTURE(some);
+            CHECK(most > least); // somebody falls asleep or wakes
+            CHECK(most > many / 4);
+            if (grains == Grains::spheres) CHECK(some > 0);
+            const auto whole = fingerprint(sim.snapshot());
+            const auto run = [&](const testing::RunSettings& settings) {
+                Simulation other = settled(settings);
+                other.advance(1500);
+                return fingerprint(other.snapshot());
+            };
+            CHECK(run({.threads = 2, .schedule = {.grain = 16}}) == whole);
+            CHECK(run({.threads = 3, .schedule = {.last_order = true, .grain = 8}}) == whole);
+            CHECK(run({.lists = {.sort_every = 0}}) == whole);
+            CHECK(run({.lists = {.sort_every = 1}}) == whole);
+            CHECK(run({.lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .tune = false}}) == whole);
+            CHECK(run({.lists = {.outer_skin = 0.001, .inner_skin = 0.0001, .tune = false}}) == whole);
+            Simulation again = tumbling(grains, true, {}, many);
+            for (const int used : {0, 1}) { // a new one, and one that has run
+                CAPTURE(used);
+                again.restore(middle);
+                again.advance(1500);
+                CHECK(fingerprint(again.snapshot()) == whole);
+            }
+        }
     }
 
     TEST_CASE("a scene that does not ask for sleep has nothing of it, and one that cannot is refused") {
@@ -154,6 +167,7 @@ TEST_SUITE("sleep") {
         CHECK(refusal([](World&, Sleep& s) { s.speed = 0; }).find("sleep: expected an acceleration") == 0);
         CHECK(refusal([](World& w, Sleep&) { (void)testing::add_facet_floor(w, -1, 1, 1, 0); }).find("sleep: expected planes") == 0);
         CHECK(refusal([](World& w, Sleep&) { (void)add_boundary(w, Vec3::Zero(), 0, Motion::prescribed); }).find("sleep: expected boundaries that stand still") == 0);
+        CHECK(refusal([](World& w, Sleep&) { value_of<Spin>(w, add_boundary(w, Vec3::Zero(), 0, Motion::fixed)) = Vec3(0, 0, 1); }).find("sleep: expected fixed bodies without motion") == 0);
         CHECK(refusal([](World& w, Sleep&) { w.table<Bodies>().add<BoundaryWork>(); }).find("sleep: expected no energy ledger") == 0);
     }
 }

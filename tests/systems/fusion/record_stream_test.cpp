@@ -44,7 +44,9 @@ TEST_SUITE("fusion/record_stream") {
         CHECK(why("1,x", "t,id") == "line 7: id: expected a number, found \"x\"");
         CHECK(why("{\"t\": 1, ").find("line 7: expected an object of JSON, found \"{\"t\": 1, \"") == 0);
         CHECK(why("{\"t\": 1} more").find("line 7: expected an object of JSON") == 0);
-        CHECK(why("{\"t\": [1, 2]}") == "line 7: t: expected a number, found \"several\"");
+        CHECK(why("{\"t\": [1, 2]}") == "line 7: expected a flat object of JSON, found \"{\"t\": [1, 2]}\"");
+        CHECK(why("{\"t\": " + std::string(60000, '[')).find("line 7: expected a flat object") == 0);
+        CHECK(why("{\"t\": {\"s\": 1}}").find("line 7: expected a flat object") == 0);
         CHECK(why("{\"t\": true}") == "line 7: t: expected a number, found \"true\"");
         CHECK(why("{\"t\": \"\"}") == "line 7: t: expected a number, found \"\"");
         CHECK(why("{\"t\": 1, \"t\": 2}") == "line 7: t: expected once, found twice");

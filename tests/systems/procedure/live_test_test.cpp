@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 
 #include <fstream>
+#include <thread>
 
 using namespace bris;
 
@@ -56,7 +57,7 @@ const Recorded& recorded() {
 /// A file of lines, followed.
 struct Followed {
     TemporaryDirectory folder;
-    LiveSettings settings{.patience = 0.2};
+    LiveSettings settings{.patience = 2};
 
     std::filesystem::path write(const std::vector<std::string>& lines, const char* name = "stream") const {
         std::ofstream out(folder / name);
@@ -140,6 +141,7 @@ TEST_SUITE("procedure/live_test") {
             if (k >= 3 * 5 + 3 * 4 + 41) rest.push_back(recorded().lines[k]);
         std::filesystem::copy_file(f.folder / "log", f.folder / "log2");
         const auto going_on = f.follow(rest, "log2");
+        REQUIRE(going_on->follow_to(0.004));
         CHECK(going_on->so_far().measured.back().axial_strain == doctest::Approx(0.004));
         (void)going_on->follow_to(1);
         check_same(going_on->so_far(), recorded().read());
@@ -148,7 +150,8 @@ TEST_SUITE("procedure/live_test") {
         check_same(all->so_far(), recorded().read());
         // and the log alone is all of it
         const auto again = std::make_unique<LiveTest>(f.write({}), f.folder / "log", recorded().infos, f.settings);
-        CHECK(again->over());
+        CHECK_FALSE(again->follow_to(1));
+        CHECK(again->report().find("the sender ended it") != std::string::npos);
         check_same(again->so_far(), recorded().read());
     }
 
@@ -171,7 +174,7 @@ TEST_SUITE("procedure/live_test") {
     TEST_CASE("what cannot be used is let be and reported, and the test goes on without it") {
         std::vector<std::string> lines{"garbage", "{\"id\": 99, \"t\": 1}", "{\"id\": 1.5, \"t\": 1}", "{\"id\": 1}", "{\"note\": 3}", "{\"axial_strain\": 0.5, \"deviatoric_stress_Pa\": \"nan\"}"};
         for (const std::string& line : recorded().lines) {
-            if (of_sensor(line, 1)) lines.push_back(with(line, "\"az\": ", "\"az\": 1"));        // another unit
+            if (of_sensor(line, 1)) lines.push_back(with(with(with(line, "\"ax\": ", "\"ax_g\": "), "\"ay\": ", "\"ax\": "), "\"ax_g\": ", "\"ay\": ")); // other axes
             else if (of_sensor(line, 3)) lines.push_back(with(line, "\"ax\": ", "\"gx_is\": ")); // a vector with a part missing
             else lines.push_back(line);
         }
@@ -186,27 +189,83 @@ TEST_SUITE("procedure/live_test") {
         CHECK(found.ways[1].displacement == recorded().read().ways[1].displacement);
         const std::string report = test->report();
         for (const char* what : {"line 1: expected an object of JSON or names of columns, found \"garbage\"", "expected the id of a file rock_NN.txt, found 99", "found 1.5",
-                                 "sensor 1: t: expected a number", "expected an id, or axial_strain", "expected numbers, found 0.5 and nan", "sensor 1: refused", "sensor 3: refused: numbers"}) {
+                                 "sensor 1: t: expected a number", "expected an id, or axial_strain", "expected numbers, found 0.5 and nan", "sensor 1: refused: frame", "sensor 3: refused: numbers"}) {
             CAPTURE(what);
             CHECK(report.find(what) != std::string::npos);
         }
     }
 
-    TEST_CASE("a stream that falls silent has ended: the log says so, and the same lines end there again") {
+    TEST_CASE("a stream that falls silent has ended; who goes on from its log listens again") {
         std::vector<std::string> half(recorded().lines.begin(), recorded().lines.begin() + 80);
+        Followed f;
+        f.settings.patience = 0.1;
+        {
+            const auto test = f.follow(half);
+            CHECK_FALSE(test->follow_to(0.01));
+            CHECK(test->over());
+            CHECK(test->report().find("nothing came for 0.1 s after 80 lines") != std::string::npos);
+        }
+        f.settings.patience = 2;
+        LiveTest again(f.write(recorded().lines), f.folder / "log", recorded().infos, f.settings);
+        REQUIRE(again.follow_to(0.01));
+        check_same(again.so_far(), recorded().read());
+    }
+
+    TEST_CASE("a run that goes on knows at each strain what it knew then, not what came later") {
+        std::vector<std::string> lines;
+        std::vector<std::string> late;
+        for (const std::string& line : recorded().lines) {
+            if (of_sensor(line, 2) && line.find("strain\": 0.001") != std::string::npos) late.push_back(line); // comes at 0.5 %
+            else lines.push_back(line);
+            if (line.find("\"axial_strain\": 0.005,") != std::string::npos) lines.insert(lines.end(), late.begin(), late.end());
+        }
+        REQUIRE(late.size() == 1);
         const Followed f;
-        const auto test = f.follow(half);
-        CHECK_FALSE(test->follow_to(0.01));
-        CHECK(test->over());
-        CHECK(test->report().find("nothing came for 0.2 s after 80 lines") != std::string::npos);
-        const LiveTest again(f.write(recorded().lines), f.folder / "log", recorded().infos, f.settings);
-        CHECK(again.over());
-        check_same(again.so_far(), test->so_far());
+        std::vector<RecordedTest> first;
+        {
+            const auto test = f.follow(lines);
+            for (int k = 1; k <= 7; ++k) {
+                REQUIRE(test->follow_to(1e-3 * k));
+                first.push_back(test->so_far());
+            }
+        }
+        CHECK(first[2].ways[1].strain.size() == 2);
+        CHECK(first[6].ways[1].strain.size() == 7);
+        const auto again = f.follow(lines);
+        for (int k = 1; k <= 7; ++k) {
+            REQUIRE(again->follow_to(1e-3 * k));
+            check_same(again->so_far(), first[static_cast<std::size_t>(k - 1)]);
+        }
+        CHECK(again->ages().empty()); // all from the log
+    }
+
+    TEST_CASE("one wrong strain does not pass for the end of the test") {
+        std::vector<std::string> lines = recorded().lines;
+        lines.insert(lines.begin() + 60, {R"({"axial_strain": 0.5, "deviatoric_stress_Pa": 1e5})", R"({"id": 1, "t": 70.5, "strain": 0.5})"});
+        const Followed f;
+        const auto test = f.follow(lines);
+        REQUIRE(test->follow_to(0.004));
+        CHECK(test->so_far().measured.back().axial_strain == doctest::Approx(0.004));
+        (void)test->follow_to(1);
+        check_same(test->so_far(), recorded().read());
+        CHECK(test->report().find("the machine: expected an axial strain near") != std::string::npos);
+    }
+
+    TEST_CASE("lines that came and were not taken are logged when a run stops, and a cut-off line stays one") {
+        const Followed f;
+        {
+            const auto test = f.follow(recorded().lines);
+            REQUIRE(test->follow_to(0.001));
+            std::this_thread::sleep_for(std::chrono::milliseconds(300)); // all are read meanwhile
+        }
+        const auto again = std::make_unique<LiveTest>(f.write({}), f.folder / "log", recorded().infos, f.settings);
+        (void)again->follow_to(1);
+        check_same(again->so_far(), recorded().read());
     }
 
     TEST_CASE("a replay takes its time") {
         Followed f;
-        f.settings.speed = 1000; // 24 s of rest and test
+        f.settings.speed = 1000; // 180 s of rest and test
         const auto test = f.follow(recorded().lines);
         const Instant began = this_instant();
         REQUIRE(test->follow_to(0.01));
