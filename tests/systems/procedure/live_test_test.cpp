@@ -1,8 +1,8 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
-#include "engine/signal/attitude.hpp"
 #include "systems/procedure/live_test.hpp"
 #include "systems/procedure/twin.hpp"
+#include "tests/systems/procedure/steady_run.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -14,35 +14,15 @@ using namespace bris;
 
 namespace {
 
-/// Three sensor rocks that drift and turn steadily over 1 % of strain, recorded; its folder and its lines.
+/// A steady run, recorded; its folder and its lines.
 struct Recorded {
     TemporaryDirectory folder;
     std::vector<SensorInfo> infos;
     std::vector<std::string> lines;
 
     Recorded() {
-        ModelRun run;
-        run.sensors = 3;
-        for (int s = 0; s < 3; ++s) {
-            run.rocks.push_back(static_cast<EntityId>(s));
-            run.start.push_back({Vec3(0.03 * s, 0.05, 0.1), exponential_map(Vec3(0.4 * s, 1, -0.3 * s))});
-        }
-        for (int stage = 0; stage <= 100; ++stage) {
-            TriaxialPoint p;
-            p.axial_strain = 1e-4 * stage;
-            p.deviatoric_stress = 1e5 * (1 - std::exp(-stage / 20.0));
-            p.ring_radius.assign(8, 0.075 + 1e-6 * stage);
-            run.points.push_back(p);
-            run.displacement.emplace_back();
-            run.rotation.emplace_back();
-            for (int s = 0; s < 3; ++s) {
-                run.displacement.back().push_back(1e-5 * stage * Vec3(1, s, -1));
-                run.rotation.back().push_back(1e-3 * stage * Vec3(0.3 * s, -0.2, 1));
-            }
-        }
-        TriaxialScene scene;
-        for (const RockPose& p : run.start) scene.poses.push_back({p.position, p.orientation});
-        write_recorded_test(folder.path(), 55e3, record_sensors(run, {}, 1), scene, run.points);
+        const ModelRun run = testing::steady_run();
+        write_recorded_test(folder.path(), 55e3, record_sensors(run, {}, 1), testing::scene_of(run), run.points);
         infos = read_sensor_infos(folder.path());
         lines = stream_of(folder / "55kPa", 1.2, 60);
     }
