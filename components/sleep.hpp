@@ -19,7 +19,7 @@ struct Sleep {
     unsigned steps = 100;              ///< > 0
     // what review_sleep looked at last
     std::vector<std::uint8_t> sleeps = {}; ///< by row
-    bool idle_next = false;                ///< rows are left alone from the next step on
+    bool again = false;                    ///< in the next step: pairs that fell asleep were looked at once more
 };
 
 /// Steps in a row in which a body was at rest; from Sleep::steps on it sleeps.

@@ -111,7 +111,7 @@ std::size_t sleepers(const World& world) {
 
 bool sleep_is_due(const World& world) {
     const Sleep& sleep = world.resource<Sleep>();
-    return sleep.idle_next || WhoSleeps(world, sleep).differs_from(sleep.sleeps);
+    return sleep.again || WhoSleeps(world, sleep).differs_from(sleep.sleeps);
 }
 
 void review_sleep(World& world, Sleep& sleep) {
@@ -124,7 +124,7 @@ void review_sleep(World& world, Sleep& sleep) {
         mark_awake<PlanePairs>(world, sleep.sleeps);
     }
     leave_idle_rows(world, sleep);
-    sleep.idle_next = changed;
+    sleep.again = changed;
 }
 
 } // namespace bris
