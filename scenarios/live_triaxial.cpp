@@ -116,13 +116,16 @@ private:
     std::vector<double> ages_;
 };
 
+/// Every 0.1 % of strain: a line, and the table of all stages so far.
 void LiveRun::tell(double latest) {
     const TriaxialPoint& now = model_->state().points.back();
-    const RockBelief rocks = mean_of(model_->belief());
-    const Matrix c = model_->belief().covariance();
-    rows_.push_back({now.axial_strain, now.deviatoric_stress, now.volumetric_strain, rocks.friction, rocks.friction * std::sqrt(c(0, 0)), rocks.stiffness, rocks.stiffness * std::sqrt(c(1, 1)), latest});
+    rows_.push_back({now.axial_strain, now.deviatoric_stress, now.volumetric_strain});
+    for (const NamedValue& v : describe(model_->belief())) rows_.back().push_back(std::get<double>(v.value));
+    rows_.back().push_back(latest);
     const auto every = static_cast<std::size_t>(std::llround(std::max(1.0, 1e-3 / test_settings_.stage_strain)));
-    if (common_.quiet || (rows_.size() - 1) % every != 0) return;
+    if ((rows_.size() - 1) % every != 0 && !model_->done()) return;
+    write_csv(common_.out / "live.csv", {"axial_strain", "q_Pa", "volumetric_strain", "friction", "friction_deviation", "stiffness_ratio", "stiffness_ratio_deviation", "latency_s"}, rows_, {}, 6);
+    if (common_.quiet) return;
     progress_.pause();
     fmt::print("{:6.2f} %  q {:6.1f} kPa  friction {:.3f} +- {:.3f}  stiffness {:.2f} +- {:.2f}{}\n", 100 * now.axial_strain, 1e-3 * now.deviatoric_stress, rows_.back()[3], rows_.back()[4],
                rows_.back()[5], rows_.back()[6], std::isnan(latest) ? "  (nothing heard)" : fmt::format("  {:.3f} s behind", latest));
@@ -161,8 +164,6 @@ void LiveRun::follow() {
         ages_.insert(ages_.end(), ages.begin(), ages.end());
         tell(ages.empty() ? std::nan("") : ages.back());
         keep_frame();
-        if (ages.empty() && !model_->done()) continue; // written again when there is something to tell
-        write_csv(common_.out / "live.csv", {"axial_strain", "q_Pa", "volumetric_strain", "friction", "friction_deviation", "stiffness_ratio", "stiffness_ratio_deviation", "latency_s"}, rows_, {}, 6);
     }
 }
 

@@ -134,6 +134,7 @@ private:
     Learned learned_;
     std::vector<ModelArm> arms_;
     std::vector<ModelRun> runs_;
+    ModelRun forecast_; // by the worlds together
     RockScatter scatter_;
     double learning_wall_ = 0;
 };
@@ -213,6 +214,7 @@ void Experiment::run() {
         write_recorded_test(t_.record, test_.confining_pressure, record_sensors(truth_, settings, common_.seed), scene_, measured());
     }
     if (std::ranges::any_of(names_, learns)) learn_parameters();
+    if (!learned_.second.runs.empty()) forecast_ = foretold_by(learned_, prior_of(t_.model, t_.learning));
     std::vector<ModelArm> to_run;
     for (const std::string& name : names_) {
         arms_.push_back(arm_of(name));
@@ -225,11 +227,11 @@ void Experiment::run() {
             runs_.push_back(std::move(*next++));
             continue;
         }
-        runs_.push_back(foretold_by(learned_, prior_of(t_.model, t_.learning)));
+        runs_.push_back(forecast_);
         if (arm.name == "null") arm.ways = ways_of(run_another());
         if (arm.ways.empty()) continue;
-        scatter_ = scatter_of(learned_.second);
-        runs_.back() = analyse(runs_.back(), scatter_, {sensor_rocks(truth_), arm.ways, t_.position_noise, t_.attitude_noise, t_.lateness});
+        if (scatter_.displacement_variance.empty()) scatter_ = scatter_of(learned_.second);
+        runs_.back() = analyse(forecast_, scatter_, {sensor_rocks(truth_), arm.ways, t_.position_noise, t_.attitude_noise, t_.lateness});
     }
 }
 
@@ -295,8 +297,8 @@ void Experiment::report() const {
     }
     draw();
     if (t_.layouts && !learned_.known.empty()) {
-        const ModelRun forecast = foretold_by(learned_, prior_of(t_.model, t_.learning));
-        write_layouts(common_.out / "layouts.csv", try_layouts(truth_, forecast, scatter_of(learned_.second), {.position_noise = t_.position_noise, .attitude_noise = t_.attitude_noise, .seed = common_.seed}));
+        const RockScatter scatter = scatter_.displacement_variance.empty() ? scatter_of(learned_.second) : scatter_;
+        write_layouts(common_.out / "layouts.csv", try_layouts(truth_, forecast_, scatter, {.position_noise = t_.position_noise, .attitude_noise = t_.attitude_noise, .seed = common_.seed}));
     }
     report_results(common_, summary);
 }

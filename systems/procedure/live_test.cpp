@@ -30,6 +30,9 @@ struct Sent {
     std::string line;
 };
 
+/// A line that was cut off stays one: as a comment.
+std::string logged(const LineSource::Line& line) { return fmt::format("{}{}\n", line.whole ? "" : "# cut off: ", line.text); }
+
 std::string object_of(const CsvTable& table, std::size_t row) {
     std::string text;
     for (std::size_t k = 0; k < table.names.size(); ++k)
@@ -56,7 +59,7 @@ LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path lo
 // What has come and was not taken yet would be lost.
 LiveTest::~LiveTest() {
     if (!over_)
-        while (const auto line = lines_.next(0)) fmt::print(log_, "{}{}\n", line->whole ? "" : "# cut off: ", line->text);
+        while (const auto line = lines_.next(0)) fmt::print(log_, "{}", logged(*line));
     std::fclose(log_);
 }
 
@@ -66,7 +69,7 @@ void LiveTest::note(const std::string& kind, const std::string& text) {
 }
 
 void LiveTest::write_log(const LineSource::Line& line) {
-    fmt::print(log_, "{}{}\n", line.whole ? "" : "# cut off: ", line.text);
+    fmt::print(log_, "{}", logged(line));
     if (std::fflush(log_) != 0) throw OutputError("cannot write the log of the stream: is the disk full?");
 }
 

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <span>
+#include <utility>
 
 namespace bris {
 
@@ -34,35 +35,48 @@ private:
     std::uint32_t steps_;
 };
 
+/// The two bodies of a near pair, by row.
+template <class Pairs> class PartnersOf {
+public:
+    explicit PartnersOf(const World& world)
+        : entry_(world.column<typename Pairs::Near, NearPair>()), rows_(world.column<Pairs, PairRows>()), body_(world.column<Listed, ListedBody>()) {}
+    std::pair<Row, Row> operator()(std::size_t k) const { return {body_[entry_[k].owner], rows_[entry_[k].pair].partner_body}; }
+
+private:
+    std::span<const NearEntry> entry_;
+    std::span<const PairPlaces> rows_;
+    std::span<const Row> body_;
+};
+
 /// Pairs with somebody awake, by the bits of their group. Those that fall asleep are looked at once more, as all are after
 /// lists were made anew: their forces are from then on those of bodies that do not move.
 template <class Pairs> void mark_awake(World& world, const std::vector<std::uint8_t>& sleeps) {
     if (!world.has<Pairs>()) return;
     auto& index = world.resource<NearIndex<Pairs>>();
-    const auto entry = world.column<typename Pairs::Near, NearPair>();
-    const auto rows = world.column<Pairs, PairRows>();
-    const auto body = world.column<Listed, ListedBody>();
+    const PartnersOf<Pairs> partners(world);
     if (index.awake.empty()) index.look.assign(index.touching.size(), 0xff);
     else index.look = index.awake;
     index.awake.assign(index.touching.size(), 0);
     for (std::size_t k = 0; k < index.size(); ++k) {
-        const bool sleep = sleeps[body[entry[k].owner]] != 0 && sleeps[rows[entry[k].pair].partner_body] != 0;
+        const auto [owner, partner] = partners(k);
+        const bool sleep = sleeps[owner] != 0 && sleeps[partner] != 0;
         index.awake[k / 8] = static_cast<std::uint8_t>(index.awake[k / 8] | (sleep ? 0u : 1u) << (k % 8));
     }
     for (std::size_t g = 0; g < index.look.size(); ++g) index.look[g] |= index.awake[g];
 }
 
+/// Bodies with a pair that is looked at.
 template <class Pairs> void mark_busy(const World& world, std::vector<std::uint8_t>& busy) {
     if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
-    const auto entry = world.column<typename Pairs::Near, NearPair>();
-    const auto rows = world.column<Pairs, PairRows>();
-    const auto body = world.column<Listed, ListedBody>();
+    const PartnersOf<Pairs> partners(world);
     const auto& look = index.look.empty() ? index.awake : index.look;
     for (std::size_t g = 0; g < look.size(); ++g)
         for (unsigned rest = look[g]; rest != 0; rest &= rest - 1) {
             const std::size_t k = 8 * g + static_cast<std::size_t>(__builtin_ctz(rest));
-            if (k < index.size()) busy[body[entry[k].owner]] = busy[rows[entry[k].pair].partner_body] = 1;
+            if (k >= index.size()) break; // past the last pair of its group
+            const auto [owner, partner] = partners(k);
+            busy[owner] = busy[partner] = 1;
         }
 }
 

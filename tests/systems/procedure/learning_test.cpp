@@ -1,6 +1,7 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "systems/procedure/learning.hpp"
+#include "tests/systems/procedure/simple_point.hpp"
 
 #include <doctest/doctest.h>
 
@@ -14,12 +15,8 @@ ModelRun simple_run(const RockBelief& rocks, double strain, std::uint64_t seed) 
     Random random(seed, 11);
     const double push = 0.05 * random.normal();
     for (int k = 0; k <= std::lround(strain / 1e-4); ++k) {
-        TriaxialPoint p;
-        p.axial_strain = k * 1e-4;
-        const double stiff = 1e8 * rocks.stiffness * p.axial_strain, strong = 4e5 * std::pow(rocks.friction, 0.8) * (1 + push * std::min(1.0, p.axial_strain / 5e-3));
-        p.deviatoric_stress = stiff * strong / (stiff + strong);
-        p.ring_radius.assign(8, 0.1);
-        run.points.push_back(p);
+        run.points.push_back(testing::simple_point(rocks, k * 1e-4, push));
+        const TriaxialPoint& p = run.points.back();
         run.displacement.push_back({Vec3(0, 0, -p.axial_strain * (1 + rocks.friction))});
         run.rotation.push_back({Vec3::Zero()});
     }

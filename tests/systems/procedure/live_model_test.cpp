@@ -1,5 +1,6 @@
 #include "engine/random.hpp"
 #include "systems/procedure/live_model.hpp"
+#include "tests/systems/procedure/simple_point.hpp"
 
 #include <doctest/doctest.h>
 
@@ -15,12 +16,8 @@ ModelRun simple_run(const RockBelief& rocks, double strain, std::uint64_t seed) 
     const double push = 0.03 * random.normal();
     const Vec3 astray = 2e-4 * random.direction();
     for (int k = 0; k <= std::lround(strain / 1e-4); ++k) {
-        TriaxialPoint p;
-        p.axial_strain = k * 1e-4;
-        const double stiff = 1e8 * rocks.stiffness * p.axial_strain, strong = 4e5 * std::pow(rocks.friction, 0.8) * (1 + push * std::min(1.0, p.axial_strain / 5e-3));
-        p.deviatoric_stress = stiff * strong / (stiff + strong);
-        p.ring_radius.assign(8, 0.1);
-        run.points.push_back(p);
+        run.points.push_back(testing::simple_point(rocks, k * 1e-4, push));
+        const TriaxialPoint& p = run.points.back();
         const double way = p.axial_strain / 0.02;
         run.displacement.push_back({way * (Vec3(1e-3 * rocks.friction, 0, 0) + astray), way * (Vec3(1e-3 * rocks.friction, 0, 0) + 0.9 * astray), way * Vec3(0, 0, 1e-3)});
         run.rotation.emplace_back(3, Vec3::Zero());
