@@ -31,7 +31,7 @@ struct Live {
     std::filesystem::path recordings = std::filesystem::path(BRIS_ASSETS) / "smartrock";
     std::filesystem::path stream = std::filesystem::path(BRIS_ASSETS) / "smartrock" / "55kPa";
     RockBelief model{0.5, 1};
-    Learning learning{.specimen_scatter = 0.15};
+    Learning learning{.specimen_scatter = 0.2};
     LiveSettings live;
     double stage_time = 1.2;
     bool compare = true;
@@ -179,7 +179,7 @@ void LiveRun::prepare() {
 }
 
 RunModels LiveRun::models() {
-    return [this](const std::vector<ModelArm>& arms, double strain) { return run_models(scene_, test_settings_, specimen_, arms, strain, common_, progress_); };
+    return [this](const std::vector<ModelArm>& arms, double strain) { return try_models(scene_, test_settings_, specimen_, arms, strain, common_, progress_); };
 }
 
 void LiveRun::run() {

@@ -193,7 +193,7 @@ void Experiment::learn_parameters() {
     measured.lateness = t_.lateness;
     const bool all_the_way = std::ranges::any_of(names_, is_computed);
     learned_ = learn_in_two_generations(prior_of(t_.model, t_.learning), measured, t_.learning, all_the_way ? test_.final_axial_strain : t_.learning.final_strain,
-                                        [&](const std::vector<ModelArm>& arms, double strain) { return run_all(arms, strain); });
+                                        [&](const std::vector<ModelArm>& arms, double strain) { return try_models(scene_, test_, specimen_, arms, strain, common_, progress_); });
     learning_wall_ = seconds_since(began);
 }
 

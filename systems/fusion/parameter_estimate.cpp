@@ -11,8 +11,9 @@ namespace bris {
 
 namespace {
 
-constexpr int points = 25; // of the quadrature along each parameter
-constexpr std::array specimens{-2.5, -2.0, -1.5, -1.0, -0.5, 0.0, 0.5, 1.0, 1.5, 2.0, 2.5}; // in deviations
+constexpr Eigen::Index nodes_along = 21; // of the quadrature, along each axis
+constexpr double reach = 5;       // of it, in deviations of what is known so far
+constexpr double comes_in = 2.5;  // the likelihood, by this factor from pass to pass
 
 } // namespace
 
@@ -54,15 +55,32 @@ ParameterEstimate::Measurement ParameterEstimate::difference_of(const Channel& c
     const double noise = channel.settings.noise;
     return {.coefficients = information_ * (design_.transpose() * difference),
             .difference = measured,
+            .lasting = lasting,
             .chaos = left_of(difference).squaredNorm() / (static_cast<double>(design_.rows() - terms_) - (lasting > 0 ? 1 : 0)), // one for r
-            .noise = noise * noise * (1 + lasting * lasting),
-            .own = (1 - lasting) * channel.settings.scatter};
+            .noise = noise * noise * (1 + lasting * lasting)};
 }
 
-void ParameterEstimate::see(std::size_t channel, const Vector& foretold, double measured) {
+ParameterEstimate::Seen ParameterEstimate::seen_of(const Channel& channel) const {
+    Seen seen;
+    const ParameterChannel& c = channel.settings;
+    const auto n = static_cast<Eigen::Index>(channel.raw.size());
+    for (std::size_t k = 0; k < channel.raw.size(); ++k) seen.measurements.push_back(difference_of(channel, k));
+    if (c.scatter <= 0) return seen;
+    Matrix process(n, n), differences = Matrix::Identity(n, n);
+    for (Eigen::Index k = 0; k < n; ++k) {
+        const auto at = static_cast<std::size_t>(k);
+        if (k > 0) differences(k, k - 1) = -seen.measurements[at].lasting;
+        for (Eigen::Index l = 0; l < n; ++l)
+            process(k, l) = c.scatter * c.scatter * std::exp(-std::abs(channel.raw[at].place - channel.raw[static_cast<std::size_t>(l)].place) / c.memory);
+    }
+    seen.own = differences * process * differences.transpose();
+    return seen;
+}
+
+void ParameterEstimate::see(std::size_t channel, const Vector& foretold, double measured, double place) {
     require(foretold.size() == design_.rows(), fmt::format("foretold: expected one number of each of {} worlds, found {}", design_.rows(), foretold.size()));
     Channel& c = channels_[channel];
-    c.raw.push_back({foretold, left_of(foretold), measured});
+    c.raw.push_back({foretold, left_of(foretold), measured, place});
     if (c.raw.size() > 1) {
         const Vector &before = c.raw[c.raw.size() - 2].left, &now = c.raw.back().left;
         const double size = before.norm() * now.norm();
@@ -72,91 +90,77 @@ void ParameterEstimate::see(std::size_t channel, const Vector& foretold, double 
 }
 
 double ParameterEstimate::surprise(std::size_t channel) const {
-    const Channel& c = channels_[channel];
-    const Measurement m = difference_of(c, c.raw.size() - 1);
+    const Seen seen = seen_of(channels_[channel]);
+    const Measurement& m = seen.measurements.back();
     const Vector here = terms_at(known_.mean[0], known_.mean[1]);
-    const Matrix covariance = known_.covariance();
-    double spread = 0;
-    for (Eigen::Index p = 0; p < 2; ++p)
-        for (Eigen::Index q = 0; q < 2; ++q) spread += m.coefficients[1 + p] * covariance(p, q) * m.coefficients[1 + q];
-    const double variance = m.chaos * (1 + here.dot(information_ * here)) + m.noise + m.own * m.own + spread;
+    const double spread = (known_.root.transpose() * m.coefficients.segment(1, 2)).squaredNorm(), own = seen.own.size() > 0 ? seen.own.diagonal().tail(1)[0] : 0;
+    const double variance = m.chaos * (1 + here.dot(information_ * here)) + m.noise + own + spread;
     return std::pow(m.difference - m.coefficients.dot(here), 2) / variance;
 }
 
 const Gaussian& ParameterEstimate::parameters() {
     if (!stale_) return known_;
-    measurements_.clear(); // with the correlation as it is known now
-    for (const Channel& one : channels_)
-        for (std::size_t k = 0; k < one.raw.size(); ++k) measurements_.push_back(difference_of(one, k));
+    seen_.clear(); // with the correlation as it is known now
+    for (const Channel& one : channels_) seen_.push_back(seen_of(one));
     known_ = integral();
     stale_ = false;
     return known_;
 }
 
-double ParameterEstimate::log_likelihood(const Vector& terms, double own) const {
+double ParameterEstimate::log_likelihood(const Seen& seen, const Vector& terms) const {
     const auto freedom = static_cast<double>(design_.rows() - terms_);
     const double leverage = terms.dot(information_ * terms);
-    double sum = 0;
-    for (const Measurement& m : measurements_) {
-        const double off = m.difference - m.coefficients.dot(terms) - own * m.own, variance = m.chaos * (1 + leverage) + m.noise;
-        sum -= 0.5 * (std::log(variance) + (freedom + 1) * std::log1p(off * off / (freedom * variance)));
+    if (seen.own.size() == 0) {
+        double sum = 0;
+        for (const Measurement& m : seen.measurements) {
+            const double off = m.difference - m.coefficients.dot(terms), variance = m.chaos * (1 + leverage) + m.noise;
+            sum -= 0.5 * (std::log(variance) + (freedom + 1) * std::log1p(off * off / (freedom * variance)));
+        }
+        return sum;
     }
+    Matrix covariance = seen.own;
+    Vector off(seen.own.rows());
+    for (Eigen::Index k = 0; k < off.size(); ++k) {
+        const Measurement& m = seen.measurements[static_cast<std::size_t>(k)];
+        off[k] = m.difference - m.coefficients.dot(terms);
+        covariance(k, k) += m.chaos * freedom / std::max(1.0, freedom - 2) * (1 + leverage) + m.noise; // the variance of Student's t
+    }
+    const Eigen::LLT<Matrix> root(covariance);
+    return -0.5 * root.matrixL().solve(off).squaredNorm() - Vector(root.matrixLLT().diagonal()).array().log().sum();
+}
+
+double ParameterEstimate::log_likelihood(const Vector& at) const {
+    const Vector terms = terms_at(at[0], at[1]);
+    double sum = 0;
+    for (const Seen& seen : seen_) sum += log_likelihood(seen, terms);
     return sum;
 }
 
-// Mean and covariance of prior times likelihood to the power of `share`.
-Gaussian ParameterEstimate::integral_over(const Box& box, double share) const {
-    const bool scattered = std::ranges::any_of(channels_, [](const Channel& c) { return c.settings.scatter > 0; });
-    const auto at = [&](std::size_t p, int k) { return box[p][0] + (box[p][1] - box[p][0]) * k / (points - 1); };
-    struct Node { double log, a, b; };
-    std::vector<Node> nodes;
-    for (int i = 0; i < points; ++i)
-        for (int j = 0; j < points; ++j) {
-            const double a = at(0, i), b = at(1, j);
-            const Vector terms = terms_at(a, b);
-            const double u = (a - prior_.mean[0]) / prior_.root(0, 0), v = (b - prior_.mean[1] - prior_.root(1, 0) * u) / prior_.root(1, 1);
-            for (const double own : specimens)
-                if (scattered || own == 0) nodes.push_back({trust_ * share * log_likelihood(terms, own) - 0.5 * (u * u + v * v + own * own), a - box[0][0], b - box[1][0]});
-        }
-    const double largest = std::ranges::max(nodes, {}, &Node::log).log;
-    double sum = 0, ma = 0, mb = 0, aa = 0, ab = 0, bb = 0;
-    for (const auto& [log, a, b] : nodes) {
-        const double w = std::exp(log - largest);
-        sum += w;
-        ma += w * a;
-        mb += w * b;
-        aa += w * a * a;
-        ab += w * a * b;
-        bb += w * b * b;
+// Mean and covariance of prior times likelihood to the power of `share`, about which `known` is roughly right.
+Gaussian ParameterEstimate::integral_around(const Gaussian& known, double share) const {
+    constexpr Eigen::Index n = 2, nodes = nodes_along * nodes_along;
+    const double spacing = 2 * reach / (nodes_along - 1);
+    Matrix at(n, nodes); // in deviations of what is known
+    Vector log(nodes);
+    for (Eigen::Index k = 0; k < nodes; ++k) {
+        at.col(k) << spacing * static_cast<double>(k % nodes_along) - reach, spacing * static_cast<double>(k / nodes_along) - reach;
+        const Vector here = known.mean + known.root * at.col(k);
+        log[k] = trust_ * share * log_likelihood(here) - 0.5 * squared_distance(prior_, here);
     }
-    ma /= sum;
-    mb /= sum;
-    Vector mean(2);
-    mean << box[0][0] + ma, box[1][0] + mb;
+    const Vector weight = (log.array() - log.maxCoeff()).exp() / (log.array() - log.maxCoeff()).exp().sum();
+    const Vector mean = at * weight;
+    const Matrix off = at.colwise() - mean;
     // no finer than the nodes stand
-    const auto least = [&](std::size_t p) { return std::pow(0.3 * (box[p][1] - box[p][0]) / (points - 1), 2); };
-    Matrix covariance(2, 2);
-    covariance << aa / sum - ma * ma + least(0), ab / sum - ma * mb, ab / sum - ma * mb, bb / sum - mb * mb + least(1);
-    return {mean, covariance};
+    const Matrix covariance = off * weight.asDiagonal() * off.transpose() + std::pow(0.3 * spacing, 2) * Matrix::Identity(n, n);
+    return {known.mean + known.root * mean, known.root * covariance * known.root.transpose()};
 }
 
-// The likelihood comes in by shares, and the box closes in on where the posterior is: a narrow ridge would fall between the
-// nodes of a wide one.
+// The likelihood comes in by shares, and the nodes close in on where the posterior is: a narrow ridge would fall between
+// those of a wide grid.
 Gaussian ParameterEstimate::integral() const {
-    Box box;
-    for (Eigen::Index p = 0; p < 2; ++p) {
-        const double reach = 4 * prior_.root.row(p).norm();
-        box[static_cast<std::size_t>(p)] = {prior_.mean[p] - reach, prior_.mean[p] + reach};
-    }
     Gaussian known = prior_;
-    for (const double share : {1e-4, 1e-3, 1e-2, 0.1, 0.3, 1.0, 1.0, 1.0}) {
-        known = integral_over(box, share);
-        for (std::size_t p = 0; p < 2; ++p) {
-            const auto row = static_cast<Eigen::Index>(p);
-            const double reach = 6 * known.root.row(row).norm();
-            box[p] = {std::max(box[p][0], known.mean[row] - reach), std::min(box[p][1], known.mean[row] + reach)};
-        }
-    }
+    for (double share = 1e-5; share < 1; share *= comes_in) known = integral_around(known, share);
+    for (int pass = 0; pass < 3; ++pass) known = integral_around(known, 1);
     return known;
 }
 

@@ -27,6 +27,8 @@ Matrix left_at(const Worlds& worlds, const Matrix& leaves, Motions motion, std::
     return leaves * all;
 }
 
+constexpr double most_alike = 0.95; // of two rocks
+
 /// Likeness over distance, from all pairs of rocks at some stages: sums in bins, then a line through the logarithms.
 Likeness likeness_of(const Worlds& worlds, const Matrix& leaves, Motions motion, const std::vector<std::size_t>& stages) {
     const ModelRun& like = worlds.runs.front();
@@ -54,7 +56,7 @@ Likeness likeness_of(const Worlds& worlds, const Matrix& leaves, Motions motion,
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (std::size_t k = 0; k < bins; ++k) {
         if (count[k] < 1) continue;
-        const double d = distance[k] / count[k], value = products[k] / count[k];
+        const double d = distance[k] / count[k], value = std::min(products[k] / count[k], most_alike);
         if (value < 0.05) break;
         const double w = count[k] * value * value;
         n += w;
@@ -63,9 +65,10 @@ Likeness likeness_of(const Worlds& worlds, const Matrix& leaves, Motions motion,
         xx += w * d * d;
         xy += w * d * std::log(value);
     }
-    const double slope = n * xx - x * x > 0 ? (n * xy - x * y) / (n * xx - x * x) : 0;
+    const bool one_distance = !(n * xx - x * x > 1e-9 * n * xx); // then the line begins at perfect likeness
+    const double slope = one_distance ? xy / xx : (n * xy - x * y) / (n * xx - x * x);
     if (!(slope < 0)) return {};
-    return {std::min(std::exp((y - slope * x) / n), 0.95), -1 / slope};
+    return {std::min(std::exp((y - slope * x) / n), most_alike), -1 / slope};
 }
 
 constexpr double gate = 4; // deviations, in each direction

@@ -23,6 +23,7 @@ constexpr double first_scale = 0.45;      // at which rocks are put at random pl
 constexpr double growth_per_step = 2e-4;  // relative, while nothing resists
 constexpr double squeezing_limit = 2e-3;  // overlap, of a rock's bounding radius, at which it waits for room
 constexpr std::uint64_t growth_block = 20; // steps at one size
+constexpr std::uint64_t patience = 20000; // steps, after which rocks that jam may be squeezed by as much again: compaction frees them
 constexpr std::uint64_t placing_stream = 2001;
 
 std::span<const EntityId> rocks_of_lift(const Specimen& specimen, std::uint64_t lift, unsigned lifts) {
@@ -106,7 +107,8 @@ void TriaxialTest::fill() {
     if (state.lift == 0 && state.phase_steps == 0) start_lift();
     run(growth_block);
     const bool grown = grow_rocks(world, rocks_of_lift(world.resource<Specimen>(), state.lift, settings_.lifts),
-                                  largest_overlaps(world), 1 + growth_per_step * growth_block, squeezing_limit);
+                                  largest_overlaps(world), 1 + growth_per_step * growth_block,
+                                  squeezing_limit * static_cast<double>(1 + state.phase_steps / patience));
     if (!grown && state.phase_steps > 10 * settings_.longest_stage)
         throw SimulationError(fmt::format("filling: lift {} of {} has no room for its rocks after {} steps; "
                                           "try more rocks or a higher initial porosity",

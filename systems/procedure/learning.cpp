@@ -13,6 +13,7 @@ namespace bris {
 
 namespace {
 
+constexpr std::size_t fewest_worlds = 6; // to learn from
 constexpr double no_stress = 1e3; // Pa, below which a logarithm of q says nothing
 
 /// Mean of q over a window of strain; NaN if nothing was measured there.
@@ -117,7 +118,7 @@ bool see_sensors(ParameterEstimate& estimate, const Panel& worlds, const Measure
     Vector foretold(static_cast<Eigen::Index>(worlds.runs.size()));
     for (std::size_t j = 0; j < worlds.runs.size(); ++j)
         foretold[static_cast<Eigen::Index>(j)] = outwards(*worlds.runs[j], heard, [&](const Heard& h) { return worlds.runs[j]->displacement[h.stage][h.sensor]; });
-    estimate.see(1, foretold, outwards(*worlds.runs.front(), heard, [&](const Heard& h) { return measured.ways[h.sensor].displacement[h.sample]; }));
+    estimate.see(1, foretold, outwards(*worlds.runs.front(), heard, [&](const Heard& h) { return measured.ways[h.sensor].displacement[h.sample]; }), std::log(to));
     return true;
 }
 
@@ -127,7 +128,7 @@ std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, 
     const std::size_t n = worlds.beliefs.size();
     std::vector<MeasuredTest> foretold;
     for (const ModelRun* run : worlds.runs) foretold.push_back(measured_test(run->points));
-    // another specimen differs in how it widens as it does in strength
+    // another specimen differs in how it widens as much as in strength, if not the same way
     const auto last = worlds.runs.front()->displacement.size() - 1;
     double widening = 0;
     std::vector<Heard> all;
@@ -151,7 +152,7 @@ std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, 
             q[static_cast<Eigen::Index>(j)] = std::log(world);
         }
         if (says_something) {
-            estimate.see(0, q, std::log(found));
+            estimate.see(0, q, std::log(found), std::log(to)); // the more strain, the slower specimens change
             distance = estimate.surprise(0);
         }
         if (settings.by_sensors && see_sensors(estimate, worlds, measured, from, to)) says_something = true;
@@ -180,12 +181,14 @@ MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
 /// next tells, and measurements count for less.
 double trust_in(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain) {
     if (worlds.runs.size() < 7) return 1;
+    Learning same_specimen = settings;
+    same_specimen.specimen_scatter = 0;
     double sum = 0;
     for (std::size_t j = 0; j < worlds.runs.size(); ++j) {
         Panel others = worlds;
         others.beliefs.erase(others.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
         others.runs.erase(others.runs.begin() + static_cast<std::ptrdiff_t>(j));
-        const auto known = learn_trusting(prior, others, as_measured(*worlds.runs[j], measured), settings, final_strain, 1, Asked::the_end);
+        const auto known = learn_trusting(prior, others, as_measured(*worlds.runs[j], measured), same_specimen, final_strain, 1, Asked::the_end);
         sum += squared_distance(known.back().belief, logarithms_of(worlds.beliefs[j]));
     }
     return std::min(1.0, 2 * static_cast<double>(worlds.runs.size()) / sum);
@@ -260,14 +263,20 @@ Worlds run_worlds(const Gaussian& belief, const Learning& settings, const std::s
     std::vector<ModelArm> arms;
     for (const RockBelief& b : worlds.beliefs) arms.push_back({.name = fmt::format("{} world {} of {}", name, arms.size() + 1, settings.worlds), .rocks = b});
     worlds.runs = run(arms, strain);
+    for (std::size_t j = worlds.runs.size(); j-- > 0;) {
+        if (worlds.runs[j].stopped.empty()) continue;
+        fmt::print("left out: {}\n", worlds.runs[j].stopped);
+        if (worlds.runs.size() <= fewest_worlds) throw SimulationError(worlds.runs[j].stopped);
+        worlds.runs.erase(worlds.runs.begin() + static_cast<std::ptrdiff_t>(j));
+        worlds.beliefs.erase(worlds.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
+    }
     return worlds;
 }
 
 Gaussian spread_around(const Gaussian& prior, const std::vector<KnownAt>& known) {
     Gaussian around = known.empty() ? prior : known.back().belief;
-    const Matrix covariance = around.covariance();
-    around.root.setZero();
-    for (Eigen::Index p = 0; p < 2; ++p) around.root(p, p) = std::min(prior.root(p, p), std::max(2 * std::sqrt(covariance(p, p)), 0.3 * prior.root(p, p)));
+    const Vector deviation = around.root.rowwise().norm(), before = prior.root.rowwise().norm();
+    around.root = Matrix((2 * deviation).cwiseMax(0.3 * before).cwiseMin(before).asDiagonal());
     return around;
 }
 

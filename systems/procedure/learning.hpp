@@ -17,7 +17,7 @@ struct Learning {
     double final_strain = 0.01;     ///< to which learning goes on
     double first_window = 1e-4, window = 1e-3; ///< of axial strain, over which q is averaged: half of it, within these
     double friction_deviation = 0.3, stiffness_deviation = 0.4; ///< of their logarithms, before anything is measured
-    double specimen_scatter = 0;    ///< by which the real specimen may be stronger or weaker than the model's, of ln q
+    double specimen_scatter = 0;    ///< by which the real specimen may be stronger or weaker than the model's, of ln q; and widen more or less, likewise
     double force_noise = 0.01;      ///< of ln q as measured
     bool by_sensors = true;         ///< and not by q alone
 
@@ -69,7 +69,8 @@ std::vector<double> window_ends(const Learning& settings, double final_strain);
 /// The runs of some arms to an axial strain.
 using RunModels = std::function<std::vector<ModelRun>(const std::vector<ModelArm>&, double strain)>;
 
-/// A generation of worlds, drawn from what is known.
+/// A generation of worlds, drawn from what is known. Those that a guard stopped are left out, and said so; throws
+/// SimulationError if fewer than six are left.
 Worlds run_worlds(const Gaussian& belief, const Learning& settings, const std::string& name, double strain, const RunModels& run);
 /// What the second generation is drawn from: around what was learned, wide enough to show slopes through the chaos.
 Gaussian spread_around(const Gaussian& prior, const std::vector<KnownAt>& known);

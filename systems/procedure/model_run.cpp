@@ -303,16 +303,28 @@ ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common)
     return {.progress = [&progress, slot](double fraction, const std::string& text) { progress.report(slot, fraction, text); }};
 }
 
-std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
+std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
                                  double strain, const Common& common, Progress& progress) {
     TriaxialSettings test = settings;
     test.final_axial_strain = std::min(strain, test.final_axial_strain);
     std::vector<ModelRun> runs(arms.size());
-    run_ensemble(arms.size(), common.threads, [&](std::size_t k) { 
+    run_ensemble(arms.size(), common.threads, [&](std::size_t k) {
         KeptRun kept(common, test, specimen, arms[k]);
-        runs[k] = run_model(scene, test, specimen, arms[k], common.seed, watch_on(progress, k, common), &kept);
+        try {
+            runs[k] = run_model(scene, test, specimen, arms[k], common.seed, watch_on(progress, k, common), &kept);
+        } catch (const SimulationError& error) {
+            runs[k].stopped = fmt::format("{} (friction {:.3g}, stiffness {:.3g}): {}", arms[k].name, arms[k].rocks.friction, arms[k].rocks.stiffness, error.what());
+        }
     });
     progress.pause();
+    return runs;
+}
+
+std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
+                                 double strain, const Common& common, Progress& progress) {
+    auto runs = try_models(scene, settings, specimen, arms, strain, common, progress);
+    for (const ModelRun& run : runs)
+        if (!run.stopped.empty()) throw SimulationError(run.stopped);
     return runs;
 }
 

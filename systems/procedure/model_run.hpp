@@ -64,6 +64,7 @@ struct ModelRun {
     double fusion_work = 0, platen_work = 0;     ///< J, of the corrections, and of the boundaries while shearing
     std::uint64_t accepted = 0, refused = 0, steps = 0; ///< vectors measured
     double wall_time = 0;                        ///< s
+    std::string stopped = {};                    ///< by a guard, with what it said; the stages are those before
 };
 
 /// Who watches a run: is told of fraction and description, and sees the world after each stage.
@@ -85,6 +86,10 @@ ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings,
                    const ModelWatch& watch = {}, KeptRun* kept = nullptr);
 
 /// Runs several to an axial strain (no farther than the test goes), `threads` at a time, each kept in the folder of the results.
+/// One that a guard stops says so and leaves the others alone.
+std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
+                                 double strain, const Common& common, Progress& progress);
+/// The same; throws SimulationError if one was stopped.
 std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
                                  double strain, const Common& common, Progress& progress);
 

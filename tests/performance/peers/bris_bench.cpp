@@ -16,6 +16,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <tuple>
 
@@ -28,13 +29,15 @@ using namespace bris;
 struct Bench {
     std::string scene = "settle", law = "linear";
     std::filesystem::path bed, places;
-    bool make = false, profile = false, sleep = false;
+    bool make = false, profile = false, sleep = false, serial = false;
+    double skin = 0, outer = 3;
+    unsigned sort_every = ListSettings{}.sort_every;
     unsigned spheres = 2000, threads = 1;
     double step = 0, low = -1e9, high = 1e9, speed = 0;
     std::uint64_t check_steps = 200, steps = 1000;
 
     void describe(auto& option) {
-        option("scene", scene, "", "its stiffness, step and weight", {"settle", "fall", "shear", "quiet", "poly", "clumps"});
+        option("scene", scene, "", "its stiffness, step and weight", {"settle", "fall", "shear", "quiet", "poly", "clumps", "drop"});
         option("low", low, "m", "spheres whose centres start below it are held");
         option("high", high, "m", "spheres whose centres start above it are drawn along x");
         option("speed", speed, "m/s", "at which they are", at_least(0));
@@ -44,6 +47,10 @@ struct Bench {
         option("make", make, "", "make the bed instead of a run");
         option("spheres", spheres, "", "of the bed to be made (settle, quiet)", within(1, 50e6));
         option("sleep", sleep, "", "let bodies sleep that have come to rest");
+        option("skin", skin, "", "of the pair lists, of the mean radius; 0: BRIS finds it", at_least(0));
+        option("outer", outer, "", "skin of the outer lists, of that; 1: there are none but the inner ones", at_least(1));
+        option("sort_every", sort_every, "", "refreshes of the lists between re-orderings of rows; 0: never");
+        option("serial", serial, "", "run the systems one after the other, not as one pass over the rows");
         option("threads", threads, "", "to run on", within(1, 4096));
         option("step", step, "s", "time step; 0: that of the scene", at_least(0));
         option("check_steps", check_steps, "", "before the physics is measured", within(1, 1e9));
@@ -66,6 +73,18 @@ double translational_energy(const World& world) {
     return sum;
 }
 
+ListSettings lists_of(const Bench& s, const peers::Bed& bed) {
+    ListSettings lists{.sort_every = s.sort_every};
+    if (s.skin == 0) return lists;
+    double radius = 0;
+    for (const Ball& b : bed.balls) radius += b.radius / static_cast<double>(bed.balls.size());
+    constexpr double just_outside = 1 + 1e-9;
+    lists.inner_skin = s.skin * radius;
+    lists.outer_skin = lists.largest_skin = std::max(s.outer, just_outside) * lists.inner_skin;
+    lists.tune = false;
+    return lists;
+}
+
 /// MB, of the process so far.
 double peak_memory() {
     rusage usage{};
@@ -82,9 +101,9 @@ void run(const Bench& s) {
     const LawName law = peers::law_named(s.law);
     const peers::Bed bed = peers::read_bed(s.bed);
     World scene_world = make_scene(bed, scene, law);
-    add_lists(scene_world, law);
+    add_lists(scene_world, law, lists_of(s, bed));
     if (s.sleep) add_sleep(scene_world, {});
-    Simulation simulation(std::move(scene_world), steps(law), s.threads, {.timed = s.profile});
+    Simulation simulation(std::move(scene_world), steps(law), s.threads, {.serial = s.serial, .timed = s.profile});
     const World& world = simulation.world();
 
     const auto start = this_instant();

@@ -26,6 +26,7 @@ SCENES = {
     'shear': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
     'poly': dict(dt=2e-6, skin=6e-4, kn=1e5, gn=20600, gz=1000, every=20, stones=0),
     'clumps': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, stones=1),
+    'drop': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, stones=1),
 }
 # scene, law, spheres, steps after which the codes are compared
 BASES = {'settle': 16000, 'clumps': 11880}  # spheres of the bed that larger ones are laid together from

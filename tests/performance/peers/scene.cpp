@@ -49,15 +49,16 @@ void add_single(World& world, const Ball& ball, const Scene& scene, std::uint32_
 } // namespace
 
 Scene scene_named(const std::string& name) {
-    static const std::array<Scene, 6> scenes{{{"settle", 1e6, 5838, 1e-5, 9.81},
+    static const std::array<Scene, 7> scenes{{{"settle", 1e6, 5838, 1e-5, 9.81},
                                               {"fall", 1e6, 5838, 1e-5, 9.81, true},
                                               {"shear", 1e6, 5838, 1e-5, 9.81},
                                               {"quiet", 1e6, 5838, 1e-5, 9.81},
                                               {"poly", 1e5, 20600, 2e-6, 1000},
-                                              {"clumps", 1e6, 1250, 2e-5, 9.81}}};
+                                              {"clumps", 1e6, 1250, 2e-5, 9.81},
+                                              {"drop", 1e6, 1250, 2e-5, 9.81, true}}};
     for (const Scene& scene : scenes)
         if (scene.name == name) return scene;
-    throw InputError("--scene: expected settle, fall, shear, quiet, poly or clumps, found " + name);
+    throw InputError("--scene: expected settle, fall, shear, quiet, poly, clumps or drop, found " + name);
 }
 
 LawName law_named(const std::string& name) {

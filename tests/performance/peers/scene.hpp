@@ -25,7 +25,7 @@ constexpr double friction = 0.5;
 // Hertz and Mindlin; the tangential spring as stiffness times stretch, dashpots of Tsuji, as the other codes have it
 constexpr double young_modulus = 5e8, poisson_ratio = 0.25, restitution = 0.3;
 
-/// settle, fall, shear, quiet, poly or clumps. Throws InputError.
+/// settle, fall (the same drawn apart), shear, quiet, poly, clumps or drop (those drawn apart). Throws InputError.
 Scene scene_named(const std::string& name);
 
 LawName law_named(const std::string& name); ///< linear or hertz

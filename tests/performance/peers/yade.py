@@ -34,13 +34,16 @@ else:
     physics, law = Ip2_FrictMat_FrictMat_MindlinPhys(en=0.3, es=0.3), Law2_ScGeom_MindlinPhys_Mindlin()
 O.materials.append(grain)
 
-movers = []
+movers, grains = [], []
 for group in groups.values():
     spheres = [utils.sphere(row[:3], row[3], material=grain) for row in group]
     if len(rows[0]) > 4:
-        movers.append(O.bodies.appendClumped(spheres, discretization=0)[0])
+        mover, members = O.bodies.appendClumped(spheres, discretization=0)
     else:
-        movers.append(O.bodies.append(spheres[0]))
+        mover = O.bodies.append(spheres[0])
+        members = [mover]
+    movers.append(mover)
+    grains += members
 walls = [O.bodies.append(utils.wall(place, axis=axis, sense=sense, material=wall))
          for axis in range(3) for place, sense in ((0., 1), (box[axis], -1))]
 
@@ -67,7 +70,7 @@ O.run(int(number['check']), wait=True)
 check_wall_s = time.time() - start
 if words['places'] != 'none':
     with open(words['places'], 'w') as out:
-        out.writelines('%.17g %.17g %.17g\n' % tuple(O.bodies[n].state.pos) for n in movers)
+        out.writelines('%.17g %.17g %.17g\n' % tuple(O.bodies[n].state.pos) for n in grains)
 
 energy = weight = 0.
 for n in movers:

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <array>
+#include <utility>
 
 using namespace bris;
 
@@ -62,6 +63,13 @@ struct Game {
     }
 };
 
+Matrix random_worlds(Eigen::Index count) {
+    Random random(1, 1);
+    Matrix worlds(count, 2);
+    for (double& x : worlds.reshaped()) x = random.normal();
+    return worlds;
+}
+
 } // namespace
 
 TEST_SUITE("fusion/parameter_estimate") {
@@ -89,6 +97,53 @@ TEST_SUITE("fusion/parameter_estimate") {
         const double by_line = line.mean_distance(60), by_curve = curve.mean_distance(60);
         CHECK(by_curve < 3);
         CHECK(by_curve < 0.5 * by_line);
+    }
+
+    TEST_CASE("where worlds hold no chaos, what is learned is what Kalman's update says") {
+        Gaussian exact = Game{}.prior();
+        exact.root(1, 0) = 0.1;
+        const Matrix worlds = random_worlds(11);
+        ParameterEstimate estimate(exact, worlds, {{0, 0.03}, {0, 0.03}});
+        for (const auto& [channel, y] : {std::pair{0, -0.1}, {1, -0.3}}) {
+            Matrix slope(1, 2);
+            slope << 0.8, channel ? 0.5 : 1.0;
+            estimate.see(static_cast<std::size_t>(channel), worlds * slope.transpose(), y);
+            exact = measure<double>(exact, Vector::Constant(1, y), slope, Matrix::Constant(1, 1, 0.03 * 0.03)).estimate;
+        }
+        const Gaussian& found = estimate.parameters();
+        // Student's t of eight degrees in the place of the normal: a little wider, a little less moved
+        CHECK((found.mean - exact.mean).norm() < 0.05);
+        for (Eigen::Index p = 0; p < 2; ++p) CHECK(std::sqrt(found.covariance()(p, p) / exact.covariance()(p, p)) == doctest::Approx(1.1).epsilon(0.1));
+    }
+
+    TEST_CASE("a specimen that differs by a process of its own is weighed as generalised least squares weigh it") {
+        const Gaussian before = Game{}.prior();
+        const Matrix worlds = random_worlds(9);
+        const std::array<double, 3> places{0, 0.7, 3};
+        ParameterEstimate estimate(before, worlds, {{0.2, 0, 2}});
+        Matrix slopes(3, 2), process(3, 3);
+        slopes << 0.8, 1, 0.8, 0.6, 0.8, 0.1;
+        Vector measured(3);
+        measured << 0.1, 0.3, -0.4;
+        for (Eigen::Index k = 0; k < 3; ++k) {
+            const double place = places[static_cast<std::size_t>(k)];
+            estimate.see(0, worlds * slopes.row(k).transpose(), measured[k], place);
+            for (Eigen::Index l = 0; l < 3; ++l) process(k, l) = 0.04 * std::exp(-std::abs(place - places[static_cast<std::size_t>(l)]) / 2);
+        }
+        const Gaussian exact = measure<double>(before, measured, slopes, process).estimate, &found = estimate.parameters();
+        CHECK((found.mean - exact.mean).norm() < 1e-3);
+        CHECK((found.covariance() - exact.covariance()).norm() < 0.04 * exact.covariance().norm()); // never finer than the nodes stand
+    }
+
+    TEST_CASE("a narrow ridge is found wherever it runs, from a start many deviations off") {
+        Matrix worlds(8, 2);
+        worlds << -0.4, 0, -1, 0.4, -0.7, 0.6, -0.5, -0.3, -0.9, 0.1, -0.7, -0.2, -0.2, 0.5, -1.1, 0.2;
+        ParameterEstimate estimate(Game{}.prior(), worlds, {{0, 1e-3}});
+        estimate.see(0, worlds.col(0) + worlds.col(1), 3); // 7 of its deviations
+        const Gaussian& found = estimate.parameters();
+        CHECK(found.mean.sum() == doctest::Approx(3).epsilon(2e-3));
+        CHECK((found.root.transpose() * Vector::Ones(2)).norm() < 5e-3);
+        CHECK(std::sqrt(found.covariance()(0, 0)) == doctest::Approx(0.3 * 0.4 / 0.5).epsilon(0.1));
     }
 
     TEST_CASE("a real specimen that may be stronger for other reasons teaches less") {

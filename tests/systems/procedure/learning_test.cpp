@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include <array>
+
 using namespace bris;
 
 namespace {
@@ -67,6 +69,51 @@ TEST_SUITE("procedure/learning") {
         const auto a = learn(prior, worlds, one, learning, 0.01), b = learn(prior, worlds, other, learning, 0.01);
         REQUIRE(a.size() == b.size());
         for (std::size_t k = 0; k < a.size(); ++k) CHECK((a[k].belief.mean == b[k].belief.mean) == (a[k].strain <= 5e-3));
+    }
+
+    TEST_CASE("a world that a guard stops is left out, unless too few are left") {
+        const Learning learning;
+        const Gaussian prior = prior_of({0.5, 1}, learning);
+        const auto worlds_without = [&](std::size_t stopped) {
+            return run_worlds(prior, learning, "first", 2e-3, [&](const std::vector<ModelArm>& arms, double strain) {
+                std::vector<ModelRun> runs;
+                for (const ModelArm& arm : arms) runs.push_back(simple_run(arm.rocks, strain, runs.size()));
+                for (std::size_t k = 0; k < stopped; ++k) runs[2 * k + 1].stopped = "overlap";
+                return runs;
+            });
+        };
+        const Worlds all = worlds_without(0), some = worlds_without(2);
+        REQUIRE(some.runs.size() == 6);
+        REQUIRE(some.beliefs.size() == 6);
+        const std::array<std::size_t, 6> left{0, 2, 4, 5, 6, 7};
+        for (std::size_t k = 0; k < 6; ++k) {
+            CHECK(some.beliefs[k].friction == all.beliefs[left[k]].friction);
+            CHECK(some.runs[k].points.back().deviatoric_stress == all.runs[left[k]].points.back().deviatoric_stress);
+        }
+        CHECK_THROWS_AS(worlds_without(3), SimulationError);
+    }
+
+    TEST_CASE("tests of a specimen that may be stronger by itself teach less of friction, and no truth lies far outside") {
+        // real specimens that are stronger or weaker by a fifth for other reasons than friction
+        double outside = 0, deviation = 0;
+        constexpr int specimens = 12;
+        for (int k = 0; k < specimens; ++k) {
+            const Learning learning{.specimen_scatter = 0.2};
+            Random random(static_cast<std::uint64_t>(k), 5);
+            const Gaussian prior = prior_of({0.6, 1}, learning);
+            Worlds worlds{beliefs_of_worlds(prior, 10), {}};
+            for (const RockBelief& b : worlds.beliefs) worlds.runs.push_back(simple_run(b, 0.01, 20 + worlds.runs.size()));
+            const RockBelief truth = mean_of({prior.mean + prior.root * Vector::NullaryExpr(2, [&] { return random.normal(); }), prior.covariance()});
+            MeasuredTest measured = measured_test(simple_run(truth, 0.01, 50 + static_cast<std::uint64_t>(k)).points);
+            const double stronger = std::exp(0.2 * random.normal());
+            for (double& q : measured.q) q *= stronger;
+            const Gaussian after = learn(prior, worlds, measured, learning, 0.01).back().belief;
+            outside += squared_distance(after, logarithms_of(truth)) / specimens;
+            deviation += after.root.row(0).norm() / specimens;
+        }
+        CHECK(outside < 3.4); // 2 expected, of chi square of 24 degrees over 12: 99 %
+        CHECK(deviation > 0.12);
+        CHECK(deviation < 0.27); // 0.3 before
     }
 
     TEST_CASE("beliefs of worlds are spread as what is known is") {
