@@ -31,7 +31,7 @@ struct Live {
     std::filesystem::path recordings = std::filesystem::path(BRIS_ASSETS) / "smartrock";
     std::filesystem::path stream = std::filesystem::path(BRIS_ASSETS) / "smartrock" / "55kPa";
     RockBelief model{0.5, 1};
-    Learning learning{.specimen_scatter = 0.2};
+    Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     LiveSettings live;
     double stage_time = 1.2;
     bool compare = true;

@@ -26,7 +26,7 @@ struct Smart {
     Triaxial triaxial;
     std::filesystem::path recordings = std::filesystem::path(BRIS_ASSETS) / "smartrock";
     RockBelief model{0.5, 1};
-    Learning learning{.specimen_scatter = 0.2};
+    Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     Corrections corrections;
     IntakeSettings intake;
     double change = 0.03, stage_time = 1.2, drift = 1e-3, turn = 0.1;

@@ -116,14 +116,14 @@ double ParameterEstimate::log_likelihood(const Seen& seen, const Vector& terms) 
             const double off = m.difference - m.coefficients.dot(terms), variance = m.chaos * (1 + leverage) + m.noise;
             sum -= 0.5 * (std::log(variance) + (freedom + 1) * std::log1p(off * off / (freedom * variance)));
         }
-        return sum;
+        return trust_ * sum;
     }
     Matrix covariance = seen.own;
     Vector off(seen.own.rows());
     for (Eigen::Index k = 0; k < off.size(); ++k) {
         const Measurement& m = seen.measurements[static_cast<std::size_t>(k)];
         off[k] = m.difference - m.coefficients.dot(terms);
-        covariance(k, k) += m.chaos * freedom / std::max(1.0, freedom - 2) * (1 + leverage) + m.noise; // the variance of Student's t
+        covariance(k, k) += m.chaos / trust_ * freedom / std::max(1.0, freedom - 2) * (1 + leverage) + m.noise; // the variance of Student's t
     }
     const Eigen::LLT<Matrix> root(covariance);
     return -0.5 * root.matrixL().solve(off).squaredNorm() - Vector(root.matrixLLT().diagonal()).array().log().sum();
@@ -145,7 +145,7 @@ Gaussian ParameterEstimate::integral_around(const Gaussian& known, double share)
     for (Eigen::Index k = 0; k < nodes; ++k) {
         at.col(k) << spacing * static_cast<double>(k % nodes_along) - reach, spacing * static_cast<double>(k / nodes_along) - reach;
         const Vector here = known.mean + known.root * at.col(k);
-        log[k] = trust_ * share * log_likelihood(here) - 0.5 * squared_distance(prior_, here);
+        log[k] = share * log_likelihood(here) - 0.5 * squared_distance(prior_, here);
     }
     const Vector weight = (log.array() - log.maxCoeff()).exp() / (log.array() - log.maxCoeff()).exp().sum();
     const Vector mean = at * weight;

@@ -29,7 +29,8 @@ class ParameterEstimate {
 public:
     /// `prior`: of two parameters. `worlds`: N x 2, what each believes; N at least 6. The regression is of second order from
     /// 12 on. Throws InputError.
-    /// `trust`: power of the likelihood, below 1 where measurements have shown to tell less than they seem to.
+    /// `trust`: power of the likelihood, below 1 where worlds have shown to tell less of each other than they seem to; where
+    /// specimens scatter, of the variance of chaos only, which that does not touch.
     ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels, double trust = 1);
 
     /// One more measurement of a channel, and what each world foretold of it. `place`: where along the memory of the channel.

@@ -15,13 +15,18 @@ namespace {
 
 constexpr std::size_t fewest_worlds = 6; // to learn from
 constexpr double no_stress = 1e3; // Pa, below which a logarithm of q says nothing
+constexpr double no_volume = 1e-3; // volumetric strain, likewise
+constexpr double volume_noise = 0.02; // of volumetric strain as measured, relative
+constexpr double dilation_scatter = 1.4; // by which specimens differ more in dilation than in strength (eight specimens)
 
-/// Mean of q over a window of strain; NaN if nothing was measured there.
-double mean_q(const MeasuredTest& s, double from, double to) {
+using Measured = std::vector<double> MeasuredTest::*;
+
+/// Mean of what was measured over a window of strain; NaN if nothing was.
+double window_mean(Measured what, const MeasuredTest& s, double from, double to) {
     double sum = 0, count = 0;
     for (std::size_t k = 0; k < s.strain.size(); ++k)
         if (s.strain[k] > from + 1e-9 && s.strain[k] <= to + 1e-9) {
-            sum += s.q[k];
+            sum += (s.*what)[k];
             ++count;
         }
     return sum / count;
@@ -122,32 +127,50 @@ bool see_sensors(ParameterEstimate& estimate, const Panel& worlds, const Measure
     return true;
 }
 
+/// In units of the worlds' mean: it grows with strain, and how much specimens differ with it.
+bool see_volume(ParameterEstimate& estimate, const std::vector<MeasuredTest>& foretold, const MeasuredTest& measured, double from, double to) {
+    Vector volume(static_cast<Eigen::Index>(foretold.size()));
+    for (std::size_t j = 0; j < foretold.size(); ++j) volume[static_cast<Eigen::Index>(j)] = window_mean(&MeasuredTest::volumetric_strain, foretold[j], from, to);
+    const double found = window_mean(&MeasuredTest::volumetric_strain, measured, from, to), unit = volume.cwiseAbs().mean();
+    if (!std::isfinite(found) || !(unit > no_volume)) return false;
+    estimate.see(2, volume / unit, found / unit, std::log(to));
+    return true;
+}
+
+/// How the channels that worlds foretell are measured: ln q, the sensor rocks' way outwards, volumetric strain.
+std::vector<ParameterChannel> channels_of(const Panel& worlds, const MeasuredTest& measured, const Learning& settings) {
+    const ModelRun& like = *worlds.runs.front();
+    const auto last = like.displacement.size() - 1;
+    std::vector<Heard> all;
+    for (std::size_t s = 0; s < std::min(measured.ways.size(), like.sensors); ++s)
+        if (!measured.ways[s].strain.empty() && stands_off_axis(like, s)) all.push_back({s, 0, last});
+    double widening = 0;
+    for (const ModelRun* run : worlds.runs)
+        widening += std::abs(outwards(*run, all, [&](const Heard& h) { return run->displacement[last][h.sensor]; })) / static_cast<double>(worlds.runs.size());
+    // widening and dilation are one thing measured twice: together they count once
+    const bool twice = settings.by_sensors && settings.by_volume && !all.empty();
+    const double scatter = settings.specimen_scatter, of_widening = twice ? std::sqrt(2.0) * scatter : scatter;
+    return {{scatter, settings.force_noise},
+            {of_widening * widening, measured.displacement_noise / std::sqrt(std::max(1.0, static_cast<double>(measured.ways.size())))},
+            {dilation_scatter * of_widening, volume_noise}};
+}
+
 enum class Asked { every_window, the_end };
 
 std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain, double trust, Asked asked) {
     const std::size_t n = worlds.beliefs.size();
     std::vector<MeasuredTest> foretold;
     for (const ModelRun* run : worlds.runs) foretold.push_back(measured_test(run->points));
-    // another specimen differs in how it widens as much as in strength, if not the same way
-    const auto last = worlds.runs.front()->displacement.size() - 1;
-    double widening = 0;
-    std::vector<Heard> all;
-    for (std::size_t s = 0; s < std::min(measured.ways.size(), worlds.runs.front()->sensors); ++s)
-        if (!measured.ways[s].strain.empty() && stands_off_axis(*worlds.runs.front(), s)) all.push_back({s, 0, last});
-    for (const ModelRun* run : worlds.runs) widening += std::abs(outwards(*run, all, [&](const Heard& h) { return run->displacement[last][h.sensor]; })) / static_cast<double>(n);
-    ParameterEstimate estimate(prior, logarithms_of(worlds.beliefs),
-                               {{settings.specimen_scatter, settings.force_noise},
-                                {settings.specimen_scatter * widening, measured.displacement_noise / std::sqrt(std::max(1.0, static_cast<double>(measured.ways.size())))}},
-                               trust);
+    ParameterEstimate estimate(prior, logarithms_of(worlds.beliefs), channels_of(worlds, measured, settings), trust);
     std::vector<KnownAt> known;
     double from = 0;
     for (const double to : window_ends(settings, final_strain)) {
         double distance = -1;
-        const double found = mean_q(measured, from, to);
+        const double found = window_mean(&MeasuredTest::q, measured, from, to);
         Vector q(static_cast<Eigen::Index>(n));
         bool says_something = found > no_stress;
         for (std::size_t j = 0; j < n; ++j) {
-            const double world = mean_q(foretold[j], from, to);
+            const double world = window_mean(&MeasuredTest::q, foretold[j], from, to);
             says_something = says_something && world > no_stress;
             q[static_cast<Eigen::Index>(j)] = std::log(world);
         }
@@ -156,6 +179,7 @@ std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, 
             distance = estimate.surprise(0);
         }
         if (settings.by_sensors && see_sensors(estimate, worlds, measured, from, to)) says_something = true;
+        if (settings.by_volume && see_volume(estimate, foretold, measured, from, to)) says_something = true;
         if (says_something && asked == Asked::every_window) known.push_back({to, estimate.parameters(), distance});
         from = to;
     }
@@ -166,6 +190,7 @@ std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, 
 /// What would have been measured of a world, at the strains of a real test.
 MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
     MeasuredTest m = measured_test(run.points);
+    if (std::ranges::none_of(like.volumetric_strain, [](double v) { return std::isfinite(v); })) std::ranges::fill(m.volumetric_strain, std::nan(""));
     m.displacement_noise = like.displacement_noise;
     m.ways = like.ways;
     for (std::size_t s = 0; s < m.ways.size() && s < run.sensors; ++s)
@@ -206,6 +231,7 @@ MeasuredTest measured_test(const std::vector<TriaxialPoint>& points) {
     for (const TriaxialPoint& p : points) {
         s.strain.push_back(p.axial_strain);
         s.q.push_back(p.deviatoric_stress);
+        s.volumetric_strain.push_back(p.volumetric_strain);
     }
     return s;
 }

@@ -17,9 +17,10 @@ struct Learning {
     double final_strain = 0.01;     ///< to which learning goes on
     double first_window = 1e-4, window = 1e-3; ///< of axial strain, over which q is averaged: half of it, within these
     double friction_deviation = 0.3, stiffness_deviation = 0.4; ///< of their logarithms, before anything is measured
-    double specimen_scatter = 0;    ///< by which the real specimen may be stronger or weaker than the model's, of ln q; and widen more or less, likewise
+    double specimen_scatter = 0;    ///< by which the real specimen may be stronger or weaker than the model's, of ln q; and widen and dilate more or less
     double force_noise = 0.01;      ///< of ln q as measured
     bool by_sensors = true;         ///< and not by q alone
+    bool by_volume = false;         ///< likewise
 
     void describe(auto& option);
 };
@@ -27,9 +28,10 @@ struct Learning {
 /// The stage of a run nearest to a sample's strain; nothing: it goes not that far. Half a stage is less than sensors tell apart.
 std::optional<std::size_t> stage_of_sample(const ModelRun& run, double strain);
 
-/// What was measured in a test: q (Pa) by axial strain, in order of strain, and the ways of the sensor rocks, if there are.
+/// What was measured in a test: q (Pa) and volumetric strain (NaN: not) by axial strain, in order of strain, and the ways of
+/// the sensor rocks, if there are.
 struct MeasuredTest {
-    std::vector<double> strain, q;
+    std::vector<double> strain, q, volumetric_strain;
     std::vector<SensorWay> ways = {};
     double displacement_noise = 1e-4; ///< m, of them
     double lateness = 0;              ///< of strain, by which their samples come late
@@ -59,8 +61,8 @@ struct Worlds {
     std::vector<ModelRun> runs;
 };
 
-/// Learns window by window up to `final_strain`, from no measurement before its time: from the logarithm of q, and from how
-/// far the sensor rocks have moved outwards in the mean.
+/// Learns window by window up to `final_strain`, from no measurement before its time: from the logarithm of q, from how far
+/// the sensor rocks have moved outwards in the mean, and from the volumetric strain, each as far as it is measured and asked for.
 std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain);
 
 /// Where windows end, up to `final_strain`.
@@ -106,6 +108,7 @@ void Learning::describe(auto& option) {
     option("specimen_scatter", specimen_scatter, "", "by which the real specimen may be stronger than the model's for other reasons, of ln q", at_least(0));
     option("force_noise", force_noise, "", "of q as measured, relative", at_least(0));
     option("learn_by_sensors", by_sensors, "", "too, by how far they move outwards, where that was recorded, not by q alone");
+    option("learn_by_volume", by_volume, "", "likewise, by the volumetric strain");
 }
 
 } // namespace bris

@@ -116,6 +116,30 @@ TEST_SUITE("procedure/learning") {
         CHECK(deviation < 0.27); // 0.3 before
     }
 
+    TEST_CASE("volumetric strain tells of friction where it is asked for and measured") {
+        const auto dilating = [](const RockBelief& rocks, std::uint64_t seed) {
+            ModelRun run = simple_run(rocks, 0.01, seed);
+            for (TriaxialPoint& p : run.points) p.volumetric_strain = -1.5 * rocks.friction * p.axial_strain;
+            return run;
+        };
+        Learning learning{.specimen_scatter = 0.25, .by_sensors = false};
+        const Gaussian prior = prior_of({0.5, 1}, learning);
+        Worlds worlds{beliefs_of_worlds(prior, 8), {}};
+        for (const RockBelief& b : worlds.beliefs) worlds.runs.push_back(dilating(b, worlds.runs.size()));
+        MeasuredTest measured = measured_test(dilating({0.7, 1}, 50).points);
+        const auto learned = [&] { return learn(prior, worlds, measured, learning, 0.01).back().belief; };
+        const Gaussian by_q = learned();
+        learning.by_volume = true;
+        const Gaussian by_both = learned();
+        for (double& v : measured.volumetric_strain) v = std::nan("");
+        const Gaussian unmeasured = learned();
+        // by q a specimen's scatter leaves 0.25 / 0.8 of ln friction, by dilation 1.4 * 0.25
+        CHECK(by_q.root.row(0).norm() == doctest::Approx(1 / std::sqrt(1 / 0.09 + 1 / 0.098)).epsilon(0.15));
+        CHECK(by_both.root.row(0).norm() == doctest::Approx(1 / std::sqrt(1 / 0.09 + 1 / 0.098 + 1 / 0.123)).epsilon(0.15));
+        CHECK(by_both.mean[0] > by_q.mean[0]);
+        CHECK(unmeasured.mean == by_q.mean);
+    }
+
     TEST_CASE("beliefs of worlds are spread as what is known is") {
         Gaussian g(2);
         g.mean << -0.5, 0.1;
