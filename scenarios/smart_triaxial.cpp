@@ -123,11 +123,8 @@ void Computation::learn() {
     const Gaussian prior = prior_of(s_.model, s_.learning);
     RockBelief now = s_.model;
     for (std::size_t k = 0; k < tests_.size(); ++k) {
-        MeasuredTest measured = measured_test(tests_[k].measured);
-        measured.ways = tests_[k].ways;
-        measured.displacement_noise = tests_[k].recordings.front().info.displacement_noise;
         done_[k].before = now;
-        done_[k].learned = learn_in_two_generations(prior, measured, s_.learning, s_.learning.final_strain,
+        done_[k].learned = learn_in_two_generations(prior, measured_test(tests_[k]), s_.learning, s_.learning.final_strain,
                                                     [&](const std::vector<ModelArm>& arms, double strain) {
                                                         return try_models(scene_, settings_at(tests_[k].pressure), specimen_, arms, strain, common_, progress_);
                                                     });

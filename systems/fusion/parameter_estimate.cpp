@@ -22,7 +22,7 @@ ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& worlds
     for (const ParameterChannel& c : channels) channels_.push_back({c, {}});
     const Eigen::Index n = worlds.rows();
     require(prior.mean.size() == 2 && worlds.cols() == 2, fmt::format("worlds: expected two parameters, found {} and {}", prior.mean.size(), worlds.cols()));
-    require(n >= 6, fmt::format("worlds: expected at least 6 to learn from, found {}", n));
+    require(n >= static_cast<Eigen::Index>(fewest_worlds), fmt::format("worlds: expected at least {} to learn from, found {}", fewest_worlds, n));
     terms_ = n >= 12 ? 6 : 3;
     design_.resize(n, terms_);
     for (Eigen::Index j = 0; j < n; ++j) design_.row(j) = terms_at(worlds(j, 0), worlds(j, 1)).transpose();
@@ -147,7 +147,8 @@ Gaussian ParameterEstimate::integral_around(const Gaussian& known, double share)
         const Vector here = known.mean + known.root * at.col(k);
         log[k] = share * log_likelihood(here) - 0.5 * squared_distance(prior_, here);
     }
-    const Vector weight = (log.array() - log.maxCoeff()).exp() / (log.array() - log.maxCoeff()).exp().sum();
+    Vector weight = (log.array() - log.maxCoeff()).exp();
+    weight /= weight.sum();
     const Vector mean = at * weight;
     const Matrix off = at.colwise() - mean;
     // no finer than the nodes stand

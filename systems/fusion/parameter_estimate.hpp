@@ -27,7 +27,8 @@ struct ParameterChannel {
 /// Worlds are never changed: their errors stay independent of what was measured, and they may run ahead.
 class ParameterEstimate {
 public:
-    /// `prior`: of two parameters. `worlds`: N x 2, what each believes; N at least 6. The regression is of second order from
+    static constexpr std::size_t fewest_worlds = 6;
+    /// `prior`: of two parameters. `worlds`: N x 2, what each believes; N at least fewest_worlds. The regression is of second order from
     /// 12 on. Throws InputError.
     /// `trust`: power of the likelihood, below 1 where worlds have shown to tell less of each other than they seem to; where
     /// specimens scatter, of the variance of chaos only, which that does not touch.

@@ -13,7 +13,6 @@ namespace bris {
 
 namespace {
 
-constexpr std::size_t fewest_worlds = 6; // to learn from
 constexpr double no_stress = 1e3; // Pa, below which a logarithm of q says nothing
 constexpr double no_volume = 1e-3; // volumetric strain, likewise
 constexpr double volume_noise = 0.02; // of volumetric strain as measured, relative
@@ -236,6 +235,13 @@ MeasuredTest measured_test(const std::vector<TriaxialPoint>& points) {
     return s;
 }
 
+MeasuredTest measured_test(const RecordedTest& test) {
+    MeasuredTest s = measured_test(test.measured);
+    s.ways = test.ways;
+    s.displacement_noise = test.recordings.front().info.displacement_noise;
+    return s;
+}
+
 Vector logarithms_of(const RockBelief& rocks) {
     Vector v(2);
     v << std::log(rocks.friction), std::log(rocks.stiffness);
@@ -292,7 +298,7 @@ Worlds run_worlds(const Gaussian& belief, const Learning& settings, const std::s
     for (std::size_t j = worlds.runs.size(); j-- > 0;) {
         if (worlds.runs[j].stopped.empty()) continue;
         fmt::print("left out: {}\n", worlds.runs[j].stopped);
-        if (worlds.runs.size() <= fewest_worlds) throw SimulationError(worlds.runs[j].stopped);
+        if (worlds.runs.size() <= ParameterEstimate::fewest_worlds) throw SimulationError(worlds.runs[j].stopped);
         worlds.runs.erase(worlds.runs.begin() + static_cast<std::ptrdiff_t>(j));
         worlds.beliefs.erase(worlds.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
     }

@@ -3,6 +3,7 @@
 #include "engine/options.hpp"
 #include "engine/signal/kalman.hpp"
 #include "systems/procedure/model_run.hpp"
+#include "systems/procedure/recorded_test.hpp"
 
 #include <functional>
 #include <optional>
@@ -37,6 +38,7 @@ struct MeasuredTest {
     double lateness = 0;              ///< of strain, by which their samples come late
 };
 MeasuredTest measured_test(const std::vector<TriaxialPoint>& points);
+MeasuredTest measured_test(const RecordedTest& test);
 
 /// Logarithms of friction and stiffness, of one or (N x 2) of each of several.
 Vector logarithms_of(const RockBelief& rocks);
@@ -72,7 +74,7 @@ std::vector<double> window_ends(const Learning& settings, double final_strain);
 using RunModels = std::function<std::vector<ModelRun>(const std::vector<ModelArm>&, double strain)>;
 
 /// A generation of worlds, drawn from what is known. Those that a guard stopped are left out, and said so; throws
-/// SimulationError if fewer than six are left.
+/// SimulationError if too few to learn from are left.
 Worlds run_worlds(const Gaussian& belief, const Learning& settings, const std::string& name, double strain, const RunModels& run);
 /// What the second generation is drawn from: around what was learned, wide enough to show slopes through the chaos.
 Gaussian spread_around(const Gaussian& prior, const std::vector<KnownAt>& known);

@@ -18,10 +18,7 @@ void LiveModel::learn_at(double strain, const RecordedTest& so_far) {
     const auto ends = window_ends(settings_, settings_.final_strain);
     const auto passed = std::ranges::find_if(ends.rbegin(), ends.rend(), [&](double end) { return end <= strain + 0.5 * stage_strain_; });
     if (passed == ends.rend() || *passed <= strain - 0.5 * stage_strain_) return;
-    MeasuredTest measured = measured_test(so_far.measured);
-    measured.ways = so_far.ways;
-    measured.displacement_noise = so_far.recordings.front().info.displacement_noise;
-    const auto all = learn(prior_, second_.runs.empty() ? first_ : second_, measured, settings_, std::min(*passed, strain));
+    const auto all = learn(prior_, second_.runs.empty() ? first_ : second_, measured_test(so_far), settings_, std::min(*passed, strain));
     if (all.empty()) return;
     if (!known_.empty() && known_.back().strain == strain) known_.pop_back(); // by the first generation
     known_.push_back(all.back());
