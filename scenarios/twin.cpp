@@ -230,7 +230,7 @@ void Experiment::run() {
         runs_.push_back(forecast_);
         if (arm.name == "null") arm.ways = ways_of(run_another());
         if (arm.ways.empty()) continue;
-        if (scatter_.displacement_variance.empty()) scatter_ = scatter_of(learned_.second);
+        if (scatter_.displacement.deviation.empty()) scatter_ = scatter_of(learned_.second);
         runs_.back() = analyse(forecast_, scatter_, {sensor_rocks(truth_), arm.ways, t_.position_noise, t_.attitude_noise, t_.lateness});
     }
 }
@@ -267,11 +267,11 @@ void Experiment::add_learned(Summary& summary) const {
     summary.add(describe(last));
     summary.add("learned_squared_distance_of_truth", squared_distance(last, logarithms_of({test_.friction, 1})));
     summary.add("learning_wall_time_s", learning_wall_);
-    if (scatter_.displacement.length <= 0) return;
-    summary.add("likeness_of_displacements", scatter_.displacement.near);
-    summary.add("likeness_of_displacements_length_m", scatter_.displacement.length);
-    summary.add("likeness_of_rotations", scatter_.rotation.near);
-    summary.add("likeness_of_rotations_length_m", scatter_.rotation.length);
+    if (scatter_.displacement.likeness.length <= 0) return;
+    summary.add("likeness_of_displacements", scatter_.displacement.likeness.near);
+    summary.add("likeness_of_displacements_length_m", scatter_.displacement.likeness.length);
+    summary.add("likeness_of_rotations", scatter_.rotation.likeness.near);
+    summary.add("likeness_of_rotations_length_m", scatter_.rotation.likeness.length);
 }
 
 void Experiment::draw() const {
@@ -297,7 +297,7 @@ void Experiment::report() const {
     }
     draw();
     if (t_.layouts && !learned_.known.empty()) {
-        const RockScatter scatter = scatter_.displacement_variance.empty() ? scatter_of(learned_.second) : scatter_;
+        const RockScatter scatter = scatter_.displacement.deviation.empty() ? scatter_of(learned_.second) : scatter_;
         write_layouts(common_.out / "layouts.csv", try_layouts(truth_, forecast_, scatter, {.position_noise = t_.position_noise, .attitude_noise = t_.attitude_noise, .seed = common_.seed}));
     }
     report_results(common_, summary);

@@ -1,12 +1,14 @@
 #include "systems/procedure/analysis.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/signal/moderated_variance.hpp"
 #include "systems/fusion/parameter_estimate.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 namespace bris {
@@ -29,16 +31,28 @@ Matrix left_at(const Worlds& worlds, const Matrix& leaves, Motions motion, std::
 
 constexpr double most_alike = 0.95; // of two rocks
 
+/// Of one direction, of each rock: worlds are few, so rocks tell of each other.
+std::vector<double> deviations_of(const Matrix& left, double freedom) {
+    std::vector<double> deviations(static_cast<std::size_t>(left.cols() / 3));
+    for (std::size_t r = 0; r < deviations.size(); ++r)
+        deviations[r] = left.middleCols<3>(static_cast<Eigen::Index>(3 * r)).squaredNorm() / (3 * freedom);
+    deviations = moderated_variances(std::move(deviations), 3 * freedom);
+    for (double& d : deviations) d = std::sqrt(d);
+    return deviations;
+}
+
 /// Likeness over distance, from all pairs of rocks at some stages: sums in bins, then a line through the logarithms.
-Likeness likeness_of(const Worlds& worlds, const Matrix& leaves, Motions motion, const std::vector<std::size_t>& stages) {
+Likeness likeness_of(const Worlds& worlds, const Matrix& leaves, Motions motion, const std::vector<std::vector<double>>& deviation) {
     const ModelRun& like = worlds.runs.front();
-    const std::size_t rocks = like.rocks.size();
+    const std::size_t rocks = like.rocks.size(), last = like.points.size() - 1;
     double reach = 0;
     for (const RockPose& p : like.start) reach = std::max(reach, (p.position - like.start.front().position).norm());
     constexpr std::size_t bins = 24;
     std::array<double, bins> products{}, count{}, distance{};
-    for (const std::size_t stage : stages) {
-        const Matrix left = left_at(worlds, leaves, motion, stage);
+    for (std::size_t tenth = 1; tenth <= 10; ++tenth) {
+        const std::size_t stage = tenth * last / 10;
+        Matrix left = left_at(worlds, leaves, motion, stage);
+        for (std::size_t r = 0; r < rocks; ++r) left.middleCols<3>(static_cast<Eigen::Index>(3 * r)) /= std::max(deviation[stage][r], std::numeric_limits<double>::min());
         const double scale = left.squaredNorm() / static_cast<double>(rocks);
         if (!(scale > 0)) continue;
         for (std::size_t a = 0; a < rocks; ++a)
@@ -79,49 +93,49 @@ bool is_gross(const Vec3& off, const std::optional<Vec3>& off_before, double dev
     return !off_before || (off - *off_before).squaredNorm() > 0.25 * off.squaredNorm();
 }
 
-/// What the last sample of each sensor up to a strain was off by; nothing: none yet, or refused.
-std::vector<std::optional<Vec3>> innovations_at(const std::vector<SensorWay>& ways, std::vector<Vec3> SensorWay::* channel, const ModelRun& forecast, Motions motion,
-                                                const std::vector<std::size_t>& hosts, double strain, double deviation) {
-    std::vector<std::optional<Vec3>> innovations(ways.size());
-    for (std::size_t s = 0; s < ways.size(); ++s) {
-        const auto off_by = [&](std::ptrdiff_t k) -> std::optional<Vec3> {
-            if (k < 0) return {};
-            const auto sample = static_cast<std::size_t>(k);
-            const auto stage = stage_of_sample(forecast, ways[s].strain[sample]);
-            if (!stage || !(ways[s].*channel)[sample].allFinite()) return {};
-            return Vec3((ways[s].*channel)[sample] - (forecast.*motion)[*stage][hosts[s]]);
-        };
-        const auto after = std::upper_bound(ways[s].strain.begin(), ways[s].strain.end(), strain + 1e-9);
-        for (auto k = after - ways[s].strain.begin() - 1; k >= 0 && !innovations[s]; --k) { // one that was refused leaves the one before
-            const auto off = off_by(k);
-            if (off && !is_gross(*off, off_by(k - 1), deviation)) innovations[s] = off;
-        }
+/// What the last sample of a sensor up to a strain was off by; nothing: none yet, or refused.
+std::optional<Vec3> innovation_at(const SensorWay& way, std::vector<Vec3> SensorWay::* channel, const ModelRun& forecast, Motions motion,
+                                  std::size_t host, double strain, double deviation) {
+    const auto off_by = [&](std::ptrdiff_t k) -> std::optional<Vec3> {
+        if (k < 0) return {};
+        const auto sample = static_cast<std::size_t>(k);
+        const auto stage = stage_of_sample(forecast, way.strain[sample]);
+        if (!stage || !(way.*channel)[sample].allFinite()) return {};
+        return Vec3((way.*channel)[sample] - (forecast.*motion)[*stage][host]);
+    };
+    const auto after = std::upper_bound(way.strain.begin(), way.strain.end(), strain + 1e-9);
+    for (auto k = after - way.strain.begin() - 1; k >= 0; --k) { // one that was refused leaves the one before
+        const auto off = off_by(k);
+        if (off && !is_gross(*off, off_by(k - 1), deviation)) return off;
     }
-    return innovations;
+    return {};
 }
 
 /// Innovations of the sensors at one stage, carried to all rocks.
 void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<std::size_t>& hosts, const std::vector<std::optional<Vec3>>& innovations,
-           const Likeness& likeness, double variance, double noise) {
+           const MotionScatter& scatter, double noise) {
     std::vector<std::size_t> heard;
     for (std::size_t s = 0; s < innovations.size(); ++s)
-        if (innovations[s]) heard.push_back(s);
+        if (innovations[s]) heard.push_back(hosts[s]);
     const auto m = static_cast<Eigen::Index>(heard.size());
-    if (m == 0 || !(variance > 0)) return;
-    const auto place = [&](std::size_t rock) -> const Vec3& { return run.start[rock].position; };
-    const auto host = [&](Eigen::Index i) -> const Vec3& { return place(hosts[heard[static_cast<std::size_t>(i)]]); };
-    Matrix alike(m, m), innovation(m, 3);
-    for (Eigen::Index i = 0; i < m; ++i) {
-        innovation.row(i) = innovations[heard[static_cast<std::size_t>(i)]]->transpose();
-        for (Eigen::Index j = 0; j < m; ++j) alike(i, j) = likeness((host(i) - host(j)).norm());
-        alike(i, i) += noise * noise / variance;
+    if (m == 0) return;
+    const std::vector<double>& deviation = scatter.deviation[stage];
+    const auto covariance = [&](std::size_t a, std::size_t b) {
+        return deviation[a] * deviation[b] * scatter.likeness((run.start[a].position - run.start[b].position).norm());
+    };
+    Matrix of_sensors(m, m), innovation(m, 3);
+    for (Eigen::Index i = 0, s = 0; i < m; ++s) {
+        const auto& off = innovations[static_cast<std::size_t>(s)];
+        if (off) innovation.row(i++) = off->transpose();
     }
-    const Matrix weights = alike.ldlt().solve(innovation);
+    for (Eigen::Index i = 0; i < m; ++i) {
+        for (Eigen::Index j = 0; j < m; ++j) of_sensors(i, j) = covariance(heard[static_cast<std::size_t>(i)], heard[static_cast<std::size_t>(j)]);
+        of_sensors(i, i) += noise * noise;
+    }
+    const Matrix weights = of_sensors.ldlt().solve(innovation);
     for (std::size_t rock = 0; rock < run.rocks.size(); ++rock)
-        for (Eigen::Index i = 0; i < m; ++i) {
-            const double share = likeness((place(rock) - host(i)).norm());
-            (run.*motion)[stage][rock] += share * weights.row(i).transpose();
-        }
+        for (Eigen::Index i = 0; i < m; ++i)
+            (run.*motion)[stage][rock] += covariance(rock, heard[static_cast<std::size_t>(i)]) * weights.row(i).transpose();
 }
 
 } // namespace
@@ -130,34 +144,34 @@ RockScatter scatter_of(const Worlds& worlds) {
     require(!worlds.runs.empty(), "analysis: expected worlds, found none");
     const Matrix leaves = WorldRegression(logarithms_of(worlds.beliefs)).leaves();
     const ModelRun& like = worlds.runs.front();
-    const std::size_t end = like.points.size();
-    const auto freedom = static_cast<double>(worlds.beliefs.size() - 3), rocks = static_cast<double>(like.rocks.size());
-    std::vector<std::size_t> some;
-    for (std::size_t k = 1; k <= 10; ++k) some.push_back(k * (end - 1) / 10);
-    const auto variance_of = [&](Motions motion) {
-        std::vector<double> variance(end, 0);
-        for (std::size_t stage = 1; stage < end; ++stage) variance[stage] = left_at(worlds, leaves, motion, stage).squaredNorm() / (freedom * 3 * rocks);
-        return variance;
+    const auto freedom = static_cast<double>(worlds.beliefs.size() - 3);
+    const auto scatter_in = [&](Motions motion) {
+        MotionScatter scatter;
+        for (std::size_t stage = 0; stage < like.points.size(); ++stage) scatter.deviation.push_back(deviations_of(left_at(worlds, leaves, motion, stage), freedom));
+        scatter.likeness = likeness_of(worlds, leaves, motion, scatter.deviation);
+        return scatter;
     };
-    return {likeness_of(worlds, leaves, &ModelRun::displacement, some), likeness_of(worlds, leaves, &ModelRun::rotation, some),
-            variance_of(&ModelRun::displacement), variance_of(&ModelRun::rotation)};
+    return {scatter_in(&ModelRun::displacement), scatter_in(&ModelRun::rotation)};
 }
 
 void analyse_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors, std::size_t stage) {
     require(sensors.hosts.size() == sensors.ways.size(), "analysis: expected a way for each host");
     const double come = run.points[stage].axial_strain - sensors.lateness;
-    const auto correct = [&](Motions motion, std::vector<Vec3> SensorWay::* channel, const Likeness& likeness, double variance, double noise) {
-        // innovations are held from one sample to the next
-        const auto innovations = innovations_at(sensors.ways, channel, forecast, motion, sensors.hosts, come, std::sqrt(variance + noise * noise));
-        carry(run, motion, stage, sensors.hosts, innovations, likeness, variance, noise);
+    const auto correct = [&](Motions motion, std::vector<Vec3> SensorWay::* channel, const MotionScatter& of, double noise) {
+        std::vector<std::optional<Vec3>> innovations; // held from one sample to the next
+        for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
+            const std::size_t host = sensors.hosts[s];
+            innovations.push_back(innovation_at(sensors.ways[s], channel, forecast, motion, host, come, std::hypot(of.deviation[stage][host], noise)));
+        }
+        carry(run, motion, stage, sensors.hosts, innovations, of, noise);
     };
-    correct(&ModelRun::displacement, &SensorWay::displacement, scatter.displacement, scatter.displacement_variance[stage], sensors.position_noise);
-    correct(&ModelRun::rotation, &SensorWay::rotation, scatter.rotation, scatter.rotation_variance[stage], sensors.attitude_noise);
+    correct(&ModelRun::displacement, &SensorWay::displacement, scatter.displacement, sensors.position_noise);
+    correct(&ModelRun::rotation, &SensorWay::rotation, scatter.rotation, sensors.attitude_noise);
 }
 
 ModelRun analyse(const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors) {
     ModelRun run = forecast;
-    for (std::size_t stage = 1; stage < std::min(forecast.points.size(), scatter.displacement_variance.size()); ++stage) analyse_stage(run, forecast, scatter, sensors, stage);
+    for (std::size_t stage = 1; stage < std::min(forecast.points.size(), scatter.displacement.deviation.size()); ++stage) analyse_stage(run, forecast, scatter, sensors, stage);
     return run;
 }
 

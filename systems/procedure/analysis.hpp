@@ -10,10 +10,14 @@ struct Likeness {
     double operator()(double distance) const { return distance > 0 ? near * std::exp(-distance / length) : 1; }
 };
 
-/// How the rocks of worlds scatter beyond the regression on their beliefs.
+/// How one kind of rocks' motions scatters over worlds, beyond the regression on their beliefs.
+struct MotionScatter {
+    Likeness likeness;
+    std::vector<std::vector<double>> deviation; ///< m or rad, of one direction, by stage and rock
+};
+
 struct RockScatter {
-    Likeness displacement, rotation;
-    std::vector<double> displacement_variance, rotation_variance; ///< m2 and rad2, of one direction, by stage
+    MotionScatter displacement, rotation;
 };
 RockScatter scatter_of(const Worlds& worlds);
 
@@ -26,7 +30,7 @@ struct SensorsHeard {
 };
 
 /// Corrects what the worlds foretold by what the rocks did that carry sensors: optimal interpolation (Gandin
-/// 1963). What is left of each world beyond the regression on its beliefs shows how far rocks scatter at each stage, and
+/// 1963). What is left of each world beyond the regression on its beliefs shows how far each rock scatters at each stage, and
 /// how alike at which distance; the innovations of the sensors are carried to all others by it. The worlds themselves are
 /// not touched, so nothing is put off its equilibrium. No sample is used before its strain, nor before it has come; one
 /// far off, and unlike the one before it, is refused.

@@ -100,32 +100,33 @@ std::vector<std::size_t> random_rocks(std::size_t rocks, std::size_t count, Rand
 
 } // namespace
 
-std::vector<std::size_t> most_telling_rocks(const std::vector<RockPose>& rocks, const Likeness& likeness, double noise, std::size_t count) {
+std::vector<std::size_t> most_telling_rocks(const std::vector<RockPose>& rocks, const MotionScatter& scatter, double noise, std::size_t count) {
     const auto n = static_cast<Eigen::Index>(rocks.size());
+    const std::vector<double>& deviation = scatter.deviation.back();
     Matrix covariance(n, n);
     for (Eigen::Index a = 0; a < n; ++a)
         for (Eigen::Index b = 0; b < n; ++b)
-            covariance(a, b) = likeness((rocks[static_cast<std::size_t>(a)].position - rocks[static_cast<std::size_t>(b)].position).norm());
+            covariance(a, b) = deviation[static_cast<std::size_t>(a)] * deviation[static_cast<std::size_t>(b)] *
+                               scatter.likeness((rocks[static_cast<std::size_t>(a)].position - rocks[static_cast<std::size_t>(b)].position).norm());
     std::vector<std::size_t> chosen;
     for (std::size_t k = 0; k < std::min(count, rocks.size()); ++k) {
         Eigen::Index best = 0;
         double most = -1;
         for (Eigen::Index r = 0; r < n; ++r) {
-            const double gain = covariance.col(r).squaredNorm() / (covariance(r, r) + noise);
+            const double gain = covariance.col(r).squaredNorm() / (covariance(r, r) + noise * noise);
             if (gain <= most || std::ranges::count(chosen, static_cast<std::size_t>(r)) > 0) continue;
             best = r;
             most = gain;
         }
         const Vector column = covariance.col(best);
-        covariance -= column * column.transpose() / (column[best] + noise);
+        covariance -= column * column.transpose() / (column[best] + noise * noise);
         chosen.push_back(static_cast<std::size_t>(best));
     }
     return chosen;
 }
 
 std::vector<LayoutResult> try_layouts(const ModelRun& truth, const ModelRun& forecast, const RockScatter& scatter, const LayoutTrial& trial) {
-    const double reach = reach_of_neighbours(truth.start), last = scatter.displacement_variance.back();
-    const double noise = last > 0 ? trial.position_noise * trial.position_noise / last : 0;
+    const double reach = reach_of_neighbours(truth.start);
     std::vector<LayoutResult> results;
     const auto add = [&](const char* layout, LayoutResult result) {
         result.layout = layout;
@@ -136,7 +137,7 @@ std::vector<LayoutResult> try_layouts(const ModelRun& truth, const ModelRun& for
         if (truth.sensors > 0) add("placed", with(sensor_rocks(truth)));
         for (const std::size_t count : trial.sensors) {
             if (2 * count > truth.rocks.size()) continue;
-            add("informed", with(most_telling_rocks(truth.start, scatter.displacement, noise, count)));
+            add("informed", with(most_telling_rocks(truth.start, scatter.displacement, trial.position_noise, count)));
             std::vector<LayoutResult> draws;
             for (unsigned d = 0; d < trial.draws; ++d) draws.push_back(with(random_rocks(truth.rocks.size(), count, Random(trial.seed, 4000 + d))));
             add("random", mean_of(draws));

@@ -27,9 +27,8 @@ struct LayoutResult {
     double seconds_per_stage;  ///< that the analysis of a stage takes
 };
 
-/// One after the other, the rocks whose displacement, once measured with that noise over scatter (variances), leaves
-/// least variance over all rocks.
-std::vector<std::size_t> most_telling_rocks(const std::vector<RockPose>& rocks, const Likeness& likeness, double noise, std::size_t count);
+/// One after the other, the rocks whose motion, once measured with a noise (a deviation), leaves least variance over all rocks at the end.
+std::vector<std::size_t> most_telling_rocks(const std::vector<RockPose>& rocks, const MotionScatter& scatter, double noise, std::size_t count);
 
 std::vector<LayoutResult> try_layouts(const ModelRun& truth, const ModelRun& forecast, const RockScatter& scatter, const LayoutTrial& trial);
 

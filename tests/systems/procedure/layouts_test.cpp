@@ -41,7 +41,7 @@ struct Line {
 
 TEST_SUITE("procedure/layouts") {
     TEST_CASE("the most telling rock of a line is its middle, and the next ones stand apart") {
-        const auto chosen = most_telling_rocks(rocks_on_a_line(21), {0.9, 0.1}, 0.01, 3);
+        const auto chosen = most_telling_rocks(rocks_on_a_line(21), {{0.9, 0.1}, {std::vector<double>(21, 1)}}, 0.1, 3);
         REQUIRE(chosen.size() == 3);
         CHECK(chosen[0] == 10);
         CHECK(std::abs(static_cast<int>(chosen[1]) - 10) > 4);
@@ -51,7 +51,7 @@ TEST_SUITE("procedure/layouts") {
 
     TEST_CASE("sensors that hear nothing leave the whole error, more of them less") {
         const Line line(30);
-        const RockScatter scatter{{0.9, 10}, {}, std::vector<double>(6, 1e-6), std::vector<double>(6, 0)};
+        const RockScatter scatter{{{0.9, 10}, {6, std::vector<double>(30, 1e-3)}}, {{}, {6, std::vector<double>(30, 0)}}};
         const auto results = try_layouts(line.truth, line.forecast, scatter, {.sensors = {1, 10}, .intervals = {1e-3, 1.0}, .draws = 3, .position_noise = 1e-6});
         REQUIRE(results.size() == 10); // for each interval: placed; informed and random, of 1 and 10
         CHECK(results[0].layout == "placed");
