@@ -93,6 +93,11 @@ inline Quad load(const double* row) {
     return a;
 }
 inline void store(double* row, Quad value) { std::memcpy(row, &value, sizeof value); }
+/// -a where the uppermost bit of `sign` is set, else a; the other bits of `sign` are to be 0.
+inline Quad flipped(Quad a, std::uint32_t sign) {
+    using Bits [[gnu::vector_size(sizeof(Quad)), gnu::may_alias]] = std::int64_t;
+    return reinterpret_cast<Quad>(reinterpret_cast<Bits>(a) ^ static_cast<std::int64_t>(std::uint64_t{sign} << 32));
+}
 
 /// Cross product of the first three as z x y: sums of many are turned round once, at their end. The
 /// fourth is a[3]*b[3] - a[3]*b[3] = 0 for finite numbers.

@@ -41,6 +41,8 @@ void Threads::run(const std::function<void()>& work) {
     team = 1;
 }
 
+unsigned team_size() { return team; }
+
 void detail::run_chunks(std::size_t chunks, ChunkBody body, void* context) {
     const std::size_t workers = chunks < team ? chunks : team.load();
     std::atomic<std::size_t> next{0};
@@ -70,8 +72,10 @@ Threads::~Threads() = default;
 
 void Threads::run(const std::function<void()>& work) { arena_->arena.execute(work); }
 
+unsigned team_size() { return static_cast<unsigned>(tbb::this_task_arena::max_concurrency()); }
+
 void detail::run_chunks(std::size_t chunks, ChunkBody body, void* context) {
-    if (chunks <= 1 || tbb::this_task_arena::max_concurrency() == 1) {
+    if (chunks <= 1 || team_size() == 1) {
         for (std::size_t chunk = 0; chunk < chunks; ++chunk) body(context, chunk);
         return;
     }

@@ -24,6 +24,9 @@ private:
     std::unique_ptr<Arena> arena_;
 };
 
+/// Threads that a loop started here runs on: those of the team whose work this is.
+unsigned team_size();
+
 namespace detail {
 using ChunkBody = void (*)(void* context, std::size_t chunk);
 void run_chunks(std::size_t chunks, ChunkBody body, void* context);

@@ -6,7 +6,6 @@
 
 #ifndef BRIS_STD_THREADS
 #include <oneapi/tbb/flow_graph.h>
-#include <oneapi/tbb/task_arena.h>
 #endif
 
 #include <algorithm>
@@ -31,6 +30,13 @@ bool may_share_pass(const System& a, const System& b) {
         for (const Access& y : b.accesses)
             if ((x.writes || y.writes) && same_data(x, y) && x.table != *a.row_local) return false;
     return true;
+}
+
+/// Rows a chunk of row-local systems: as many as stay in the cache from one system to the next, since each call costs
+/// some 50 ns; with several threads less, in whole lanes, so that none waits long for another.
+std::size_t rows_per_chunk(std::size_t rows) {
+    constexpr std::size_t least = 32, most = 2048;
+    return team_size() == 1 ? most : std::clamp(rows / (4 * team_size()) / 8 * 8, least, most);
 }
 
 bool writes_state(const System& s) {
@@ -162,7 +168,7 @@ void Schedule::run_node(Plan& plan, std::size_t node, World&) {
     const auto began = settings_.timed ? std::chrono::steady_clock::now()
                                        : std::chrono::steady_clock::time_point{};
     if (const Table* table = chunked_[n.systems.front()]) {
-        for_chunks(table->size(), settings_.grain, [&](std::size_t, std::size_t first, std::size_t last) {
+        for_chunks(table->size(), settings_.grain != 0 ? settings_.grain : rows_per_chunk(table->size()), [&](std::size_t, std::size_t first, std::size_t last) {
             if (table->is_idle(first, last)) return;
             for (const std::size_t i : n.systems)
                 calls_[i](RowRange{static_cast<Row>(first), static_cast<Row>(last)});
@@ -201,7 +207,7 @@ void Schedule::run(World& world) {
         return;
     }
 #ifndef BRIS_STD_THREADS
-    if (!plan.chain && !settings_.serial && tbb::this_task_arena::max_concurrency() > 1) {
+    if (!plan.chain && !settings_.serial && team_size() > 1) {
         if (!plan.graph) {
             // built inside the world's arena: a flow graph runs where it was made
             plan.graph = std::make_unique<tbb::flow::graph>();

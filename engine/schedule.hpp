@@ -14,7 +14,7 @@ struct ScheduleSettings {
     bool serial = false;     ///< the list in order, one system after the other
     bool last_order = false; ///< another valid order: of the systems that could be next, the last
     bool timed = false;      ///< wall time per node
-    std::size_t grain = 256; ///< rows a chunk of row-local systems
+    std::size_t grain = 0;   ///< rows a chunk of row-local systems; 0: by the rows and threads that there are
 };
 
 /// Turns the step list into what runs. The order of the list is the meaning; an edge joins two
