@@ -111,31 +111,30 @@ std::optional<Vec3> innovation_at(const SensorWay& way, std::vector<Vec3> Sensor
     return {};
 }
 
-/// Innovations of the sensors at one stage, carried to all rocks.
-void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<std::size_t>& hosts, const std::vector<std::optional<Vec3>>& innovations,
-           const MotionScatter& scatter, double noise) {
-    std::vector<std::size_t> heard;
-    for (std::size_t s = 0; s < innovations.size(); ++s)
-        if (innovations[s]) heard.push_back(hosts[s]);
-    const auto m = static_cast<Eigen::Index>(heard.size());
-    if (m == 0) return;
+/// How far a rock is from its forecast, as its sensor says.
+struct Innovation {
+    std::size_t host;
+    Vec3 off;
+};
+
+/// Carries those of one stage to all rocks.
+void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<Innovation>& innovations, const MotionScatter& scatter, double noise) {
+    if (innovations.empty()) return;
     const std::vector<double>& deviation = scatter.deviation[stage];
     const auto covariance = [&](std::size_t a, std::size_t b) {
         return deviation[a] * deviation[b] * scatter.likeness((run.start[a].position - run.start[b].position).norm());
     };
-    Matrix of_sensors(m, m), innovation(m, 3);
-    for (Eigen::Index i = 0, s = 0; i < m; ++s) {
-        const auto& off = innovations[static_cast<std::size_t>(s)];
-        if (off) innovation.row(i++) = off->transpose();
-    }
+    const auto m = static_cast<Eigen::Index>(innovations.size());
+    const auto at = [&](Eigen::Index i) -> const Innovation& { return innovations[static_cast<std::size_t>(i)]; };
+    Matrix of_sensors(m, m), off(m, 3);
     for (Eigen::Index i = 0; i < m; ++i) {
-        for (Eigen::Index j = 0; j < m; ++j) of_sensors(i, j) = covariance(heard[static_cast<std::size_t>(i)], heard[static_cast<std::size_t>(j)]);
+        off.row(i) = at(i).off.transpose();
+        for (Eigen::Index j = 0; j < m; ++j) of_sensors(i, j) = covariance(at(i).host, at(j).host);
         of_sensors(i, i) += noise * noise;
     }
-    const Matrix weights = of_sensors.ldlt().solve(innovation);
+    const Matrix weights = of_sensors.ldlt().solve(off);
     for (std::size_t rock = 0; rock < run.rocks.size(); ++rock)
-        for (Eigen::Index i = 0; i < m; ++i)
-            (run.*motion)[stage][rock] += covariance(rock, heard[static_cast<std::size_t>(i)]) * weights.row(i).transpose();
+        for (Eigen::Index i = 0; i < m; ++i) (run.*motion)[stage][rock] += covariance(rock, at(i).host) * weights.row(i).transpose();
 }
 
 } // namespace
@@ -158,12 +157,13 @@ void analyse_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& s
     require(sensors.hosts.size() == sensors.ways.size(), "analysis: expected a way for each host");
     const double come = run.points[stage].axial_strain - sensors.lateness;
     const auto correct = [&](Motions motion, std::vector<Vec3> SensorWay::* channel, const MotionScatter& of, double noise) {
-        std::vector<std::optional<Vec3>> innovations; // held from one sample to the next
+        std::vector<Innovation> innovations; // held from one sample to the next
         for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
             const std::size_t host = sensors.hosts[s];
-            innovations.push_back(innovation_at(sensors.ways[s], channel, forecast, motion, host, come, std::hypot(of.deviation[stage][host], noise)));
+            const auto off = innovation_at(sensors.ways[s], channel, forecast, motion, host, come, std::hypot(of.deviation[stage][host], noise));
+            if (off) innovations.push_back({host, *off});
         }
-        carry(run, motion, stage, sensors.hosts, innovations, of, noise);
+        carry(run, motion, stage, innovations, of, noise);
     };
     correct(&ModelRun::displacement, &SensorWay::displacement, scatter.displacement, sensors.position_noise);
     correct(&ModelRun::rotation, &SensorWay::rotation, scatter.rotation, sensors.attitude_noise);

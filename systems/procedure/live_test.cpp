@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <sstream>
 #include <thread>
 
@@ -21,7 +22,10 @@ constexpr auto silence_mark = "{\"end\": 1, \"by_silence\": 1}\n"; // in a log: 
 constexpr double largest_jump = 0.01; // of axial strain, from one record of the machine to the next
 constexpr double same_strain = 1e-9; // of what was asked for and what has come
 
-Vec3 vector_of(const StreamRecord& r, const char* x, const char* y, const char* z) { return {r.number(x), r.number(y), r.number(z)}; }
+// of a sample
+constexpr std::array sample_names{"strain", "seq", "ax", "ay", "az", "gx", "gy", "gz", "ux", "uy", "uz", "qw", "qx", "qy", "qz"};
+namespace in_sample { constexpr std::size_t strain = 0, sequence = 1, force = 2, rate = 5, displacement = 8, attitude = 11; }
+constexpr std::uint32_t bits_of(std::size_t first, std::size_t count) { return ((1u << count) - 1) << first; }
 
 /// Samples of sensors first: where the machine has passed a strain, they are there.
 struct Sent {
@@ -149,13 +153,15 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
     if (!std::isfinite(t)) return note("no time", fmt::format("line {}: sensor {}: t: expected a number, found {}", record.line, id, t));
     if (is_far_off(record, "a sensor", record.number("strain"))) return;
     SensorRecords& sensor = found->second;
-    const auto [place, is_new] = sensor.by_time.emplace(t, record);
+    const Sample sample = sample_of(record);
+    const auto [place, is_new] = sensor.by_time.emplace(t, sample);
     if (is_new) {
+        sensor.sent |= sample.sent;
         sensor.late += static_cast<std::uint64_t>(record.number("strain") < followed_ - same_strain);
         return;
     }
     ++sensor.twice;
-    if (place->second.numbers != record.numbers)
+    if (place->second.sent != sample.sent || std::memcmp(&place->second.numbers, &sample.numbers, sizeof sample.numbers) != 0)
         note("contradicts", fmt::format("line {}: sensor {}: t = {} was sent before with other numbers; the first stand", record.line, id, t));
 }
 
@@ -176,9 +182,18 @@ void LiveTest::take_of_machine(const StreamRecord& record) {
     if (std::isfinite(record.number("t"))) strain_at_.emplace(record.number("t"), strain);
 }
 
-double LiveTest::strain_of(const StreamRecord& record) const {
-    if (record.has("strain")) return record.number("strain");
-    const double t = record.number("t");
+LiveTest::Sample LiveTest::sample_of(const StreamRecord& record) {
+    Sample sample{{}, 0};
+    for (std::size_t k = 0; k < sample_names.size(); ++k) {
+        const auto found = record.numbers.find(sample_names[k]);
+        sample.numbers[k] = found != record.numbers.end() ? found->second : std::nan("");
+        if (found != record.numbers.end()) sample.sent |= bits_of(k, 1);
+    }
+    return sample;
+}
+
+double LiveTest::strain_of(double t, const Sample& sample) const {
+    if ((sample.sent & bits_of(in_sample::strain, 1)) != 0) return sample.numbers[in_sample::strain];
     const auto after = strain_at_.lower_bound(t);
     if (after != strain_at_.end() && after->first == t) return after->second;
     if (after == strain_at_.begin()) return !strain_at_.empty() && after->second <= 0 ? 0 : std::nan(""); // before the test, or before it was followed
@@ -190,23 +205,22 @@ double LiveTest::strain_of(const StreamRecord& record) const {
 Recording LiveTest::recording_of(const SensorInfo& info) const {
     Recording r;
     r.info = info;
-    const auto& records = sensors_.at(info.id).by_time;
-    const auto any = [&](std::initializer_list<const char*> names) {
-        return std::ranges::any_of(records, [&](const auto& one) { return std::ranges::any_of(names, [&](const char* name) { return one.second.has(name); }); });
-    };
+    const auto& [by_time, sent, late, twice] = sensors_.at(info.id);
     const auto is_count = [](double n) { return n >= 0 && n < 9e15 && n == std::floor(n); };
-    const bool counted = std::ranges::all_of(records, [&](const auto& one) { return is_count(one.second.number("seq")); }), force = any({"ax", "ay", "az"}), rate = any({"gx", "gy", "gz"}),
-               displacement = any({"ux", "uy", "uz"}), attitude = any({"qw", "qx", "qy", "qz"});
-    for (const auto& [t, one] : records) {
-        const double strain = strain_of(one);
+    const bool counted = std::ranges::all_of(by_time, [&](const auto& one) { return is_count(one.second.numbers[in_sample::sequence]); });
+    const bool force = (sent & bits_of(in_sample::force, 3)) != 0, rate = (sent & bits_of(in_sample::rate, 3)) != 0,
+               displacement = (sent & bits_of(in_sample::displacement, 3)) != 0, attitude = (sent & bits_of(in_sample::attitude, 4)) != 0;
+    for (const auto& [t, one] : by_time) {
+        const double strain = strain_of(t, one);
         if (std::isnan(strain)) continue;
+        const double* n = one.numbers.data();
         r.time.push_back(t);
         r.strain.push_back(strain);
-        if (counted) r.sequence.push_back(static_cast<std::uint64_t>(one.number("seq")));
-        if (force) r.force.push_back(info.force_of(vector_of(one, "ax", "ay", "az")));
-        if (rate) r.rate.push_back(info.rate_of(vector_of(one, "gx", "gy", "gz")));
-        if (displacement) r.displacement.push_back(vector_of(one, "ux", "uy", "uz"));
-        if (attitude) r.attitude.emplace_back(one.number("qw"), one.number("qx"), one.number("qy"), one.number("qz"));
+        if (counted) r.sequence.push_back(static_cast<std::uint64_t>(n[in_sample::sequence]));
+        if (force) r.force.push_back(info.force_of({n[in_sample::force], n[in_sample::force + 1], n[in_sample::force + 2]}));
+        if (rate) r.rate.push_back(info.rate_of({n[in_sample::rate], n[in_sample::rate + 1], n[in_sample::rate + 2]}));
+        if (displacement) r.displacement.emplace_back(n[in_sample::displacement], n[in_sample::displacement + 1], n[in_sample::displacement + 2]);
+        if (attitude) r.attitude.emplace_back(n[in_sample::attitude], n[in_sample::attitude + 1], n[in_sample::attitude + 2], n[in_sample::attitude + 3]);
     }
     return r;
 }
@@ -241,7 +255,7 @@ std::string LiveTest::report() const {
                                    machine_.empty() ? 0 : 100 * machine_.rbegin()->first);
     for (const auto& [kind, what] : notes_) text += fmt::format("{} time{}: {}\n", what.first, what.first == 1 ? "" : "s", what.second);
     for (const auto& [id, sensor] : sensors_) {
-        const double last = sensor.by_time.empty() ? std::nan("") : strain_of(sensor.by_time.rbegin()->second);
+        const double last = sensor.by_time.empty() ? std::nan("") : strain_of(sensor.by_time.rbegin()->first, sensor.by_time.rbegin()->second);
         text += fmt::format("sensor {}: {} records, {} late, {} sent again", id, sensor.by_time.size(), sensor.late, sensor.twice);
         text += sensor.by_time.empty() ? "\n" : fmt::format(", the last at {:.3f} % of axial strain\n", 100 * last);
     }

@@ -4,6 +4,8 @@
 #include "systems/fusion/record_stream.hpp"
 #include "systems/procedure/recorded_test.hpp"
 
+#include <array>
+#include <cstdint>
 #include <cstdio>
 #include <deque>
 #include <filesystem>
@@ -52,8 +54,14 @@ public:
     std::string report() const;
 
 private:
+    /// What a SmartRock sent at one t: strain, seq, ax ay az, gx gy gz, ux uy uz, qw qx qy qz, and by bits which of them.
+    struct Sample {
+        std::array<double, 15> numbers;
+        std::uint32_t sent;
+    };
     struct SensorRecords {
-        std::map<double, StreamRecord> by_time;
+        std::map<double, Sample> by_time;
+        std::uint32_t sent = 0; ///< in any of them
         std::uint64_t late = 0, twice = 0;
     };
     void take_line(const LineSource::Line& line, bool from_log);
@@ -66,7 +74,8 @@ private:
     void end(const std::string& why, bool by_sender);
     bool is_far_off(const StreamRecord& record, const char* who, double strain);
     void note(const std::string& kind, const std::string& text);
-    double strain_of(const StreamRecord& record) const;
+    static Sample sample_of(const StreamRecord& record);
+    double strain_of(double t, const Sample& sample) const;
     Recording recording_of(const SensorInfo& info) const;
     TriaxialPoint point_of(const StreamRecord& record) const;
 
