@@ -36,7 +36,8 @@ bool may_share_pass(const System& a, const System& b) {
 /// some 50 ns; with several threads less, in whole lanes, so that none waits long for another.
 std::size_t rows_per_chunk(std::size_t rows) {
     constexpr std::size_t least = 32, most = 2048;
-    return team_size() == 1 ? most : std::clamp(rows / (4 * team_size()) / 8 * 8, least, most);
+    const std::size_t threads = team_size();
+    return threads == 1 ? most : std::clamp(rows / (4 * threads) / 8 * 8, least, most);
 }
 
 bool writes_state(const System& s) {

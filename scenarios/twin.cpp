@@ -58,7 +58,7 @@ struct Twin {
         option("catch_up", catch_up, "", "begin again with what was learned, else go on from where the model is");
         option("layouts", layouts, "", "try other sensor rocks: how many, which, and how often they tell, and what that leaves of the error of rocks without (layouts.csv)");
         option("record", record, "", "a folder for what the sensors of the truth record, as smart_triaxial reads it; empty: none");
-        option("filter", filter, "", "what turns recordings into corrections", {"printed", "corrected", "error_state"});
+        option("filter", filter, "", "what turns recordings into corrections", filter_names);
         option("interval", interval, "", "axial strain between samples", above(0));
         option("injection_steps", corrections.injection_steps, "", "in which a correction enters; 1: it jumps, as in the report", at_least(1));
         option("pull_stiffness", corrections.pull.stiffness, "N/m", "of forces that pull sensor rocks", above(0));

@@ -9,7 +9,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <sstream>
 #include <thread>
 
@@ -26,6 +25,7 @@ constexpr double same_strain = 1e-9; // of what was asked for and what has come
 constexpr std::array sample_names{"strain", "seq", "ax", "ay", "az", "gx", "gy", "gz", "ux", "uy", "uz", "qw", "qx", "qy", "qz"};
 namespace in_sample { constexpr std::size_t strain = 0, sequence = 1, force = 2, rate = 5, displacement = 8, attitude = 11; }
 constexpr std::uint32_t bits_of(std::size_t first, std::size_t count) { return ((1u << count) - 1) << first; }
+bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 /// Samples of sensors first: where the machine has passed a strain, they are there.
 struct Sent {
@@ -161,7 +161,7 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
         return;
     }
     ++sensor.twice;
-    if (place->second.sent != sample.sent || std::memcmp(&place->second.numbers, &sample.numbers, sizeof sample.numbers) != 0)
+    if (place->second.sent != sample.sent || !std::ranges::equal(place->second.numbers, sample.numbers, same_number))
         note("contradicts", fmt::format("line {}: sensor {}: t = {} was sent before with other numbers; the first stand", record.line, id, t));
 }
 
@@ -205,21 +205,21 @@ double LiveTest::strain_of(double t, const Sample& sample) const {
 Recording LiveTest::recording_of(const SensorInfo& info) const {
     Recording r;
     r.info = info;
-    const auto& [by_time, sent, late, twice] = sensors_.at(info.id);
+    const SensorRecords& sensor = sensors_.at(info.id);
     const auto is_count = [](double n) { return n >= 0 && n < 9e15 && n == std::floor(n); };
-    const bool counted = std::ranges::all_of(by_time, [&](const auto& one) { return is_count(one.second.numbers[in_sample::sequence]); });
-    const bool force = (sent & bits_of(in_sample::force, 3)) != 0, rate = (sent & bits_of(in_sample::rate, 3)) != 0,
-               displacement = (sent & bits_of(in_sample::displacement, 3)) != 0, attitude = (sent & bits_of(in_sample::attitude, 4)) != 0;
-    for (const auto& [t, one] : by_time) {
+    const bool counted = std::ranges::all_of(sensor.by_time, [&](const auto& one) { return is_count(one.second.numbers[in_sample::sequence]); });
+    const auto any = [&](std::size_t first, std::size_t count) { return (sensor.sent & bits_of(first, count)) != 0; };
+    const bool force = any(in_sample::force, 3), rate = any(in_sample::rate, 3), displacement = any(in_sample::displacement, 3), attitude = any(in_sample::attitude, 4);
+    for (const auto& [t, one] : sensor.by_time) {
         const double strain = strain_of(t, one);
         if (std::isnan(strain)) continue;
         const double* n = one.numbers.data();
         r.time.push_back(t);
         r.strain.push_back(strain);
         if (counted) r.sequence.push_back(static_cast<std::uint64_t>(n[in_sample::sequence]));
-        if (force) r.force.push_back(info.force_of({n[in_sample::force], n[in_sample::force + 1], n[in_sample::force + 2]}));
-        if (rate) r.rate.push_back(info.rate_of({n[in_sample::rate], n[in_sample::rate + 1], n[in_sample::rate + 2]}));
-        if (displacement) r.displacement.emplace_back(n[in_sample::displacement], n[in_sample::displacement + 1], n[in_sample::displacement + 2]);
+        if (force) r.force.push_back(info.force_of(Vec3(n + in_sample::force)));
+        if (rate) r.rate.push_back(info.rate_of(Vec3(n + in_sample::rate)));
+        if (displacement) r.displacement.emplace_back(n + in_sample::displacement);
         if (attitude) r.attitude.emplace_back(n[in_sample::attitude], n[in_sample::attitude + 1], n[in_sample::attitude + 2], n[in_sample::attitude + 3]);
     }
     return r;
