@@ -1,9 +1,9 @@
 #include "components/boundary.hpp"
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
-#include "engine/parallel.hpp"
+#include "engine/lane_math.hpp"
 #include "systems/contact/collide.hpp"
-#include "systems/contact/scalar_tile.hpp"
+#include "systems/contact/collide_chunk.hpp"
 
 namespace bris {
 
@@ -12,49 +12,77 @@ namespace {
 using detail::Movers;
 using detail::TileTarget;
 
-template <class Law>
-void collide_chunk(const TileTarget& to, const Movers& movers, const PlanePlaceRow* planes,
-                   NearIndex<PlanePairs>& index, double deepest, std::size_t chunk, std::size_t first, std::size_t last) {
-    detail::ScalarTile<Law> tile(to, movers);
-    detail::Sleepers<PlanePairs> sleepers(to, index);
-    for (std::size_t group = first; group < last; group += 8) {
-        if (sleepers.skips(group)) continue;
-        unsigned now = 0;
-        for (std::size_t row = group; row < std::min(group + 8, last); ++row) {
-            const PlaceRow& p = movers.place[to.near[row].owner];
-            const PlanePlaceRow& plane = planes[to.near[row].other];
-            const Vec3 centre(p.x, p.y, p.z);
-            const double distance = (centre - plane.point).dot(plane.normal);
-            if (!(distance < p.radius)) continue;
-            const unsigned bit = 1u << (row - group);
-            now |= bit;
-            if (sleepers.asked(group, bit) == 0) continue;
-            if (p.radius - distance > deepest * p.radius) index.too_deep[chunk] = static_cast<Row>(row);
-            tile.add(static_cast<Row>(row), plane.normal, distance, plane.motion.at(centre - distance * plane.normal), plane.motion.spin);
-        }
-        detail::book(to, index, group, sleepers.touching(group, now, index.touching[group / 8]));
-    }
-    tile.flush();
-    sleepers.put_springs_back();
+Vec3Lanes vector(const FourLanes& a) { return {a[0], a[1], a[2]}; }
+
+/// Planes, one a lane: numbers from + 0 to + 3 of their rows.
+template <class PlaneOf> FourLanes four_of(PlaneOf&& plane, std::ptrdiff_t from) {
+    static_assert(sizeof(PlanePlaceRow) == 15 * sizeof(double));
+    return transpose(load_rows([&](int q) { return plane(q).point.data() + from; }));
 }
 
-template <class Law>
-void run(const TileTarget& to, const Movers& movers, const PlanePlaceRow* planes,
-         NearIndex<PlanePairs>& index, const Limits& limits) {
-    for_chunks(index.size(), near_rows_per_chunk,
-               [&](std::size_t chunk, std::size_t first, std::size_t last) {
-                   collide_chunk<Law>(to, movers, planes, index, limits.overlap, chunk, first, last);
-               });
-    index.look.clear();
-}
+struct PlaneGeometry {
+    Movers movers;
+    const PlanePlaceRow* planes;
+    double deepest; // of the radius
+
+    unsigned touching(const NearEntry* near) const {
+        const auto a = transpose(load_rows([&](int q) { return &movers.place[near[q].owner].x; }));
+        const auto plane = [&](int q) -> const PlanePlaceRow& { return planes[near[q].other]; };
+        const auto p = four_of(plane, 0), n = four_of(plane, 2); // n[0]: z of the point
+        return bits(dot({a[0] - p[0], a[1] - p[1], a[2] - p[2]}, {n[1], n[2], n[3]}) < a[3]);
+    }
+    void call_for_places(const NearEntry*) const {} // few, and close to those of their neighbours
+    void call_for(const TileTarget&, const Row*) const {}
+
+    template <class Law>
+    unsigned collide(const TileTarget& to, const Row* rows, int count) const {
+        std::array<std::size_t, lane_count> slot, own; // the latter: bodies
+        for (std::size_t q = 0; q < lane_count; ++q) own[q] = movers.body_of(slot[q] = to.near[rows[q]].owner);
+        const auto rows_of = [](const auto* table, const auto& bodies, auto member) {
+            return transpose(load_rows([&](int q) { return &(table[bodies[static_cast<std::size_t>(q)]].*member); }));
+        };
+        const auto plane = [&](int q) -> const PlanePlaceRow& { return planes[to.near[rows[q]].other]; };
+        const auto a = rows_of(movers.place, slot, &PlaceRow::x);
+        const auto p0 = four_of(plane, 0), p4 = four_of(plane, 4), p8 = four_of(plane, 8), p11 = four_of(plane, 11);
+        const Vec3Lanes foot{p0[0], p0[1], p0[2]}, normal{p0[3], p4[0], p4[1]}, drift{p4[2], p4[3], p8[0]}, turning{p8[1], p8[2], p8[3]}, pivot{p11[1], p11[2], p11[3]};
+        const Vec3Lanes centre = vector(a);
+        const Lane distance = dot(centre - foot, normal), overlap = a[3] - distance, arm = a[3] - 0.5 * overlap;
+        const Vec3Lanes point = centre - arm * normal; // in the middle of the overlap
+        const auto v = rows_of(movers.motion, own, &MotionRow::vx);
+        const Vec3Lanes spin = vector(rows_of(movers.motion, own, &MotionRow::spin_x));
+        Vec3Lanes u = vector(v) - (drift + cross(turning, centre - distance * normal - pivot)), middle = centre; // of the body
+        if (movers.centre != nullptr) {
+            middle = vector(rows_of(movers.centre, own, &CentreRow::x));
+            u = u + cross(spin, centre - middle);
+        }
+        ContactLanes c{normal.x, normal.y, normal.z, overlap, v[3], a[3]};
+        c.closing = -dot(u, normal);
+        if constexpr (Law::has_history) {
+            u = u - arm * cross(spin, normal);
+            c.twist = 0.5 * dot(spin + turning, normal);
+            c.ux = u.x, c.uy = u.y, c.uz = u.z;
+        }
+        if constexpr (Law::has_dashpots) {
+            const Vec3Lanes kick = vector(rows_of(movers.kick, own, &KickRow::vx)), more = vector(rows_of(movers.kick, own, &KickRow::spin_x));
+            const Vec3Lanes now = u + kick + cross(more, point - middle);
+            c.vx = now.x, c.vy = now.y, c.vz = now.z;
+        }
+        if constexpr (Law::has_rolling) {
+            const Vec3Lanes w = spin - turning;
+            c.wx = w.x, c.wy = w.y, c.wz = w.z;
+        }
+        detail::apply_law<Law>(to, rows, count, c, point.x, point.y, point.z);
+        return bits(overlap > deepest * a[3]);
+    }
+};
 
 template <class Law, class Near, class Pairs> struct Collide;
 template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
     static void planes(Rows<NearPlanes, const NearPair, PairForce, Near...> near, detail::ListedSpheres listed,
                        detail::MovingBodies<Law> bodies, Rows<Planes, const PlanePlace> places, Rows<PlanePairs, Pairs...> pairs,
                        NearIndex<PlanePairs>& index, const Materials& materials, const Limits& limits, const Clock& clock) {
-        run<Law>(detail::target_of<Law>(near, pairs, materials, clock), {listed, bodies, index}, places.column<PlanePlace>(), index,
-                 limits);
+        detail::collide_all<Law>(detail::target_of<Law>(near, pairs, materials, clock),
+                                 PlaneGeometry{{listed, bodies, index}, places.column<PlanePlace>(), limits.overlap}, index);
     }
 };
 

@@ -1,9 +1,8 @@
 #include "components/kinds.hpp"
 #include "components/near_spheres.hpp"
 #include "components/settings.hpp"
-#include "engine/parallel.hpp"
 #include "systems/contact/collide.hpp"
-#include "systems/contact/tile.hpp"
+#include "systems/contact/collide_chunk.hpp"
 
 namespace bris {
 
@@ -12,17 +11,18 @@ namespace {
 using detail::Movers;
 using detail::TileTarget;
 
-// bit k: near pair k of this group of lane_count touches
-unsigned touching_lanes(const NearEntry* near, const PlaceRow* place) {
-    return near_lanes([&](int q) -> const PlaceRow& { return place[near[q].owner]; },
-                      [&](int q) -> const PlaceRow& { return place[near[q].other]; }, 0);
-}
-
-struct Tile {
+struct SphereGeometry {
     Movers movers;
     double deepest; // of the mean radius
 
-    /// What the tile after next will read and that may be far away: its owners stand side by side, their partners do not.
+    unsigned touching(const NearEntry* near) const {
+        return near_lanes([&](int q) -> const PlaceRow& { return movers.place[near[q].owner]; },
+                          [&](int q) -> const PlaceRow& { return movers.place[near[q].other]; }, 0);
+    }
+    void call_for_places(const NearEntry* near) const {
+        for (std::size_t q = 0; q < 8; ++q) __builtin_prefetch(&movers.place[near[q].other]);
+    }
+    /// What may be far away: owners stand side by side, their partners do not.
     void call_for(const TileTarget& to, const Row* rows) const {
         for (int q = 0; q < lane_count; ++q) {
             const std::size_t other = movers.body_of(to.near[rows[q]].other);
@@ -31,9 +31,8 @@ struct Tile {
         }
     }
 
-    /// Bits of the lanes that are too deep.
     template <class Law>
-    unsigned operator()(const TileTarget& to, const Row* rows, int count) const {
+    unsigned collide(const TileTarget& to, const Row* rows, int count) const {
         std::array<std::size_t, lane_count> own_sphere, other_sphere, own, other; // the latter: bodies
         for (std::size_t q = 0; q < lane_count; ++q) {
             const NearEntry& e = to.near[rows[q]];
@@ -116,54 +115,12 @@ struct Tile {
     }
 };
 
-template <class Law>
-void collide_chunk(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs>& index,
-                   std::size_t chunk, std::size_t first, std::size_t last) {
-    alignas(64) std::array<Row, near_rows_per_chunk + 8> touching;
-    std::size_t count = 0;
-    detail::Sleepers<SpherePairs> sleepers(to, index);
-    for (std::size_t group = first; group < last; group += 8) {
-        if (sleepers.skips(group)) continue;
-        unsigned now = touching_lanes(to.near + group, tile.movers.place);
-        if constexpr (lane_count == 4) now |= touching_lanes(to.near + group + 4, tile.movers.place) << 4;
-        if (last - group < 8) now &= (1u << (last - group)) - 1;
-        if (group + 24 <= last)
-            for (std::size_t q = 16; q < 24; ++q) __builtin_prefetch(&tile.movers.place[to.near[group + q].other]);
-        std::uint8_t& flags = index.touching[group / 8];
-        now = sleepers.touching(group, now, flags);
-        detail::forget(to, static_cast<Row>(group), flags & ~now);
-        flags = static_cast<std::uint8_t>(now);
-        now = sleepers.asked(group, now);
-        for (; now != 0; now &= now - 1)
-            touching[count++] = static_cast<Row>(group) + static_cast<Row>(__builtin_ctz(now));
-    }
-    if (count == 0) return;
-    for (std::size_t k = 0; k < 8; ++k) touching[count + k] = touching[count - 1];
-    for (std::size_t k = 0; k < count; k += lane_count) {
-        if (k + 3 * lane_count <= count) tile.call_for(to, &touching[k + 2 * lane_count]);
-        const int here = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
-        const unsigned deep = tile.template operator()<Law>(to, &touching[k], here);
-        if (deep != 0 && index.too_deep[chunk] == no_row) index.too_deep[chunk] = touching[k + static_cast<std::size_t>(__builtin_ctz(deep))];
-    }
-    sleepers.put_springs_back();
-}
-
-template <class Law>
-void run(const TileTarget& to, const Tile& tile, NearIndex<SpherePairs>& index, std::size_t near_rows) {
-    for_chunks(near_rows, near_rows_per_chunk,
-               [&](std::size_t chunk, std::size_t first, std::size_t last) {
-                   collide_chunk<Law>(to, tile, index, chunk, first, last);
-               });
-    index.look.clear();
-}
-
 template <class Law, class Near, class Pairs> struct Collide;
 template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
     static void spheres(Rows<NearSpheres, const NearPair, PairForce, Near...> near, detail::ListedSpheres listed,
                         detail::MovingBodies<Law> bodies, Rows<SpherePairs, Pairs...> pairs, NearIndex<SpherePairs>& index,
                         const Materials& materials, const Limits& limits, const Clock& clock) {
-        run<Law>(detail::target_of<Law>(near, pairs, materials, clock), {{listed, bodies, index}, limits.overlap}, index,
-                 index.size());
+        detail::collide_all<Law>(detail::target_of<Law>(near, pairs, materials, clock), SphereGeometry{{listed, bodies, index}, limits.overlap}, index);
     }
 };
 

@@ -83,7 +83,7 @@ struct CoulombSpring {
             // a dashpot gives as much as the limit leaves: |g - d t| = limit
             const Lane push = dashpot * (gx * tx + gy * ty + gz * tz), size = dashpot * dashpot * speed2;
             const Lane room = limit * limit - (gx * gx + gy * gy + gz * gz);
-            const LaneMask capped = size - 2.0 * push > room;
+            const LaneMask capped = (size - 2.0 * push > room) & (size > 0.0);
             if (bits(capped) != 0)
                 dashpot = capped ? (size > 0.0 ? dashpot * (push + sqrt(push * push + size * max(room, lanes(0)))) / size : lanes(0)) : dashpot;
             gx -= dashpot * tx;

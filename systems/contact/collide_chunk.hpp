@@ -1,0 +1,54 @@
+#pragma once
+
+#include "engine/parallel.hpp"
+#include "systems/contact/tile.hpp"
+
+#include <algorithm>
+
+namespace bris::detail {
+
+/// Forces of some near rows: those that touch are listed first, then handed to the law lane_count at a time. A Geometry
+/// knows the surfaces:
+///   unsigned touching(near)         bit q: near pair q of lane_count touches
+///   void call_for_places(near)      asks for what touching() will read of lane_count * 2 rows on
+///   void call_for(to, rows)         asks for what the tile after next will read
+///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes that are too deep
+template <class Law, class Geometry, class Pairs>
+void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index, std::size_t chunk, std::size_t first, std::size_t last) {
+    alignas(64) std::array<Row, near_rows_per_chunk + 8> touching;
+    std::size_t count = 0;
+    Sleepers<Pairs> sleepers(to, index);
+    for (std::size_t group = first; group < last; group += 8) {
+        if (sleepers.skips(group)) continue;
+        unsigned now = geometry.touching(to.near + group);
+        if constexpr (lane_count == 4) now |= geometry.touching(to.near + group + 4) << 4;
+        if (last - group < 8) now &= (1u << (last - group)) - 1;
+        if (group + 24 <= last) geometry.call_for_places(to.near + group + 16);
+        std::uint8_t& flags = index.touching[group / 8];
+        now = sleepers.touching(group, now, flags);
+        forget(to, static_cast<Row>(group), flags & ~now);
+        flags = static_cast<std::uint8_t>(now);
+        now = sleepers.asked(group, now);
+        for (; now != 0; now &= now - 1)
+            touching[count++] = static_cast<Row>(group) + static_cast<Row>(__builtin_ctz(now));
+    }
+    if (count == 0) return;
+    for (std::size_t k = 0; k < 8; ++k) touching[count + k] = touching[count - 1];
+    for (std::size_t k = 0; k < count; k += lane_count) {
+        if (k + 3 * lane_count <= count) geometry.call_for(to, &touching[k + 2 * lane_count]);
+        const int here = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
+        const unsigned deep = geometry.template collide<Law>(to, &touching[k], here);
+        if (deep != 0 && index.too_deep[chunk] == no_row) index.too_deep[chunk] = touching[k + static_cast<std::size_t>(__builtin_ctz(deep))];
+    }
+    sleepers.put_springs_back();
+}
+
+template <class Law, class Geometry, class Pairs>
+void collide_all(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index) {
+    for_chunks(index.size(), near_rows_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
+        collide_chunk<Law>(to, geometry, index, chunk, first, last);
+    });
+    index.look.clear();
+}
+
+} // namespace bris::detail
