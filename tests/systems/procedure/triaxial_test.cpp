@@ -182,6 +182,10 @@ TEST_SUITE("procedure/triaxial") {
         for (const bool catch_up : {false, true}) {
             arm.catch_up = catch_up;
             arm.corrections.pull = {catch_up ? 0 : 1e6, 50, 0.01};
+            arm.corrections.filter.lag = 5;
+            arm.corrections.lateness = 3e-4;
+            arm.corrections.note_every = 1e-4;
+            arm.corrections.largest_shift = 1e-7;
             unsigned blocks = 0;
             Archive whole, gone_on;
             save_run(whole, run_model(scene, short_test(), specimen, arm, 1, {.progress = [&](double, const std::string&) { ++blocks; }}));
@@ -212,6 +216,11 @@ TEST_SUITE("procedure/triaxial") {
             CHECK(a.steps == b.steps);
             CHECK(a.accepted == b.accepted);
             CHECK(a.fusion_work == b.fusion_work);
+            CHECK(a.too_late == 0);
+            CHECK(a.reduced == b.reduced);
+            CHECK((a.reduced > 0) == catch_up); // pulls have a limit of their own
+            CHECK(a.smoothed.size() == 10);
+            CHECK(a.smoothed[0].size() == 21); // noted at the start, and at each stage
             CHECK(a.platen_work == b.platen_work);
             // what is done is not run again; another arm is another run
             unsigned run_again = 0;
