@@ -10,29 +10,11 @@ namespace {
 
 constexpr double same_time = 1e-9; // times and strains are sums of steps
 
-/// Where a body is `later`, had it gone on from `estimate` and not from `given`: what it went meanwhile is known.
-RigidState carried(const RigidState& estimate, const RigidState& given, const RigidState& later, double dt) {
-    const Vec3 dv = estimate.velocity - given.velocity, dw = estimate.spin - given.spin;
-    RigidState s = later;
-    s.position += estimate.position - given.position + dt * dv;
-    s.velocity += dv;
-    s.orientation = (exponential_map(attitude_error(later.orientation, given.orientation) + dt * dw) * estimate.orientation).normalized();
-    s.spin += dw;
-    return s;
-}
-
 RigidState between(const RigidState& a, const RigidState& b, double share) {
     return {.position = a.position + share * (b.position - a.position),
             .velocity = a.velocity + share * (b.velocity - a.velocity),
             .orientation = (exponential_map(share * attitude_error(b.orientation, a.orientation)) * a.orientation).normalized(),
             .spin = a.spin + share * (b.spin - a.spin)};
-}
-
-Analysis difference(const RigidState& a, const RigidState& b) {
-    return {.shift = a.position - b.position,
-            .velocity = a.velocity - b.velocity,
-            .turn = attitude_error(a.orientation, b.orientation),
-            .spin = a.spin - b.spin};
 }
 
 /// Calls visit(number) for all numbers of a part of a snapshot, to read or to write.
@@ -56,7 +38,23 @@ void visit_numbers(auto& snapshot, auto&& visit) requires requires { snapshot.gi
     for (int k = 0; k < snapshot.root.size(); ++k) visit(snapshot.root.data()[k]);
 }
 
+bool is_same(const RigidState& a, const RigidState& b) {
+    return a.position == b.position && a.velocity == b.velocity && a.orientation.coeffs() == b.orientation.coeffs() && a.spin == b.spin;
+}
+
 } // namespace
+
+// Where a body is `later`, had it gone on from `estimate` and not from `given`: what it went meanwhile is known.
+RigidState SensorFilter::carried(const RigidState& estimate, const RigidState& given, const RigidState& later, double dt) {
+    if (is_same(estimate, given)) return later;
+    const Vec3 dv = estimate.velocity - given.velocity, dw = estimate.spin - given.spin;
+    RigidState s = later;
+    s.position += estimate.position - given.position + dt * dv;
+    s.velocity += dv;
+    s.orientation = (exponential_map(attitude_error(later.orientation, given.orientation) + dt * dw) * estimate.orientation).normalized();
+    s.spin += dw;
+    return s;
+}
 
 void SensorFilter::remember(const Snapshot& snapshot) {
     window_.push_back(snapshot);
@@ -64,8 +62,9 @@ void SensorFilter::remember(const Snapshot& snapshot) {
 }
 
 void SensorFilter::note(const BodyForecast& now) {
-    if (settings_.lag == 0) return;
-    if (!begun_ || now.time > last_time_ + same_time * std::abs(now.time)) (void)analyse(now, {});
+    if (!remembers() || (begun_ && now.time <= last_time_ + same_time * std::abs(now.time))) return;
+    (void)analyse(now, {});
+    window_.back().given = now.state; // nobody corrects it
 }
 
 void SensorFilter::go_back_to(const Snapshot& snapshot) {

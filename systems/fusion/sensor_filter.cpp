@@ -32,10 +32,21 @@ Analysis SensorFilter::analyse(const BodyForecast& forecast, const Measured& mea
     begun_ = true;
     last_time_ = forecast.time;
     if (settings_.kind == FilterKind::printed) return analyse_as_printed(forecast, measured, dt);
-    move_on(dt, forecast.state);
-    const Analysis a = observe(measured);
-    if (settings_.lag > 0) remember({forecast, measured, filter_.state, filter_.state, filter_.error().root});
+    move_on(dt, window_.empty() ? forecast.state : carried(window_.back().estimate, window_.back().given, forecast.state, dt));
+    const Analysis seen = observe(measured);
+    if (remembers()) remember({forecast, measured, filter_.state, filter_.state, filter_.error().root});
+    Analysis a = difference(filter_.state, forecast.state);
+    a.accepted = seen.accepted;
+    a.refused = seen.refused;
+    a.largest_distance = seen.largest_distance;
     return a;
+}
+
+Analysis SensorFilter::difference(const RigidState& a, const RigidState& b) {
+    return {.shift = a.position - b.position,
+            .velocity = a.velocity - b.velocity,
+            .turn = attitude_error(a.orientation, b.orientation),
+            .spin = a.spin - b.spin};
 }
 
 // The simulation has moved the body on; what it may have missed meanwhile adds to what was not known before.
@@ -47,8 +58,8 @@ void SensorFilter::move_on(double dt, const RigidState& forecast) {
     filter_.move_to(forecast, walk);
 }
 
+// Only counts.
 Analysis SensorFilter::observe(const Measured& measured) {
-    const RigidState before = filter_.state;
     Analysis a;
     const auto take = [&](const Verdict& v) {
         ++(v.accepted ? a.accepted : a.refused);
@@ -62,15 +73,17 @@ Analysis SensorFilter::observe(const Measured& measured) {
         take(filter_.observe_attitude(Quat::FromTwoVectors(now * measured.up, Vec3::UnitZ()) * now, square(measured.attitude_deviation)));
     }
     if (measured.spin.allFinite()) take(filter_.observe_spin(measured.spin, square(measured.spin_deviation)));
-    a.shift = filter_.state.position - before.position;
-    a.velocity = filter_.state.velocity - before.velocity;
-    a.turn = attitude_error(filter_.state.orientation, before.orientation);
-    a.spin = filter_.state.spin - before.spin;
     return a;
 }
 
 void SensorFilter::leave(const Analysis& part) {
     if (settings_.kind == FilterKind::printed) return;
+    RigidState& stays = remembers() ? window_.back().given : filter_.state;
+    stays.position -= part.shift;
+    stays.velocity -= part.velocity;
+    stays.orientation = (exponential_map(-part.turn) * stays.orientation).normalized();
+    stays.spin -= part.spin;
+    if (remembers()) return;
     Gaussian error = filter_.error();
     Vector left = Vector::Zero(InertialFilter::size);
     left.head<12>() << part.shift, part.velocity, part.turn, part.spin;
@@ -78,14 +91,6 @@ void SensorFilter::leave(const Analysis& part) {
     roots << error.root, left;
     error.root = triangle_of<double>(roots);
     filter_.restore(error);
-    RigidState& stays = filter_.state;
-    stays.position -= part.shift;
-    stays.velocity -= part.velocity;
-    stays.orientation = (exponential_map(-part.turn) * stays.orientation).normalized();
-    stays.spin -= part.spin;
-    if (window_.empty()) return;
-    window_.back().estimate = window_.back().given = stays;
-    window_.back().root = error.root;
 }
 
 // Steps 3 to 6 of the report. It needs all six numbers at once, and knows no gate.

@@ -71,9 +71,10 @@ public:
     explicit SensorFilter(const FilterSettings& settings);
 
     Analysis analyse(const BodyForecast& forecast, const Measured& measured);
-    /// Part of the last correction that the body is not given: it stays where it is, and is known so much less.
-    /// `printed` knows of none.
+    /// Part of the last correction that the body is not given. A filter that remembers goes on from its own estimate; any
+    /// other takes the body's motion for its estimate, and knows so much less of it. `printed` knows of nothing.
     void leave(const Analysis& part);
+    bool remembers() const { return settings_.lag > 0; }
 
     /// Remembers the simulated motion, without a measurement: late ones of about this time will ask for it.
     void note(const BodyForecast& now);
@@ -104,6 +105,8 @@ private:
     Analysis analyse_as_printed(const BodyForecast& forecast, const Measured& measured, double dt);
     void move_on(double dt, const RigidState& forecast);
     Analysis observe(const Measured& measured);
+    static Analysis difference(const RigidState& a, const RigidState& b);
+    static RigidState carried(const RigidState& estimate, const RigidState& given, const RigidState& later, double dt);
     Transition transition(double dt, const Vec3& spin) const;
     void remember(const Snapshot& snapshot);
     void go_back_to(const Snapshot& snapshot);
