@@ -140,9 +140,10 @@ SmoothedErrors errors_of_smoothed(const ModelRun& run, const ModelRun& truth) {
             const auto at = std::ranges::lower_bound(truth.points, pose.time * (1 - 1e-9), {}, &TriaxialPoint::axial_strain);
             if (at == truth.points.end()) continue;
             const auto stage = static_cast<std::size_t>(at - truth.points.begin());
-            const Vec3 off = pose.position - truth.start[rock].position - truth.displacement[stage][rock];
+            // both since the start, which need not be the same
+            const Vec3 off = pose.position - run.start[rock].position - truth.displacement[stage][rock];
             displacement += off.squaredNorm();
-            rotation += attitude_error(pose.attitude, exponential_map(truth.rotation[stage][rock]) * truth.start[rock].orientation).squaredNorm();
+            rotation += attitude_error(pose.attitude, exponential_map(truth.rotation[stage][rock]) * run.start[rock].orientation).squaredNorm();
             distance += off.cwiseQuotient(pose.position_deviation).squaredNorm() / 3;
             ++count;
         }

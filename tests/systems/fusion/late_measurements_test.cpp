@@ -204,6 +204,23 @@ TEST_SUITE("systems/fusion/late_measurements") {
         CHECK(next.shift.x() == doctest::Approx(left.x() * variance / (variance + 1e-10)).epsilon(1e-9));
     }
 
+    TEST_CASE("a filter that remembers goes on from its own estimate: what is left of a correction is asked for again, and no less is known") {
+        Model model;
+        SensorFilter filter(settings_with(3)), followed(settings_with(3));
+        Model other = model;
+        model.give(filter.analyse(model.go_to(0.05), measured_at(1)));
+        const Analysis a = followed.analyse(other.go_to(0.05), measured_at(1));
+        followed.leave(a); // nothing is given
+        const Analysis next = filter.analyse(model.go_to(0.1), measured_at(2)), all = followed.analyse(other.go_to(0.1), measured_at(2));
+        model.give(next);
+        other.give(all);
+        CHECK((a.shift.norm() > 1e-3 && all.shift.norm() > next.shift.norm()));
+        CHECK((model.state.position - other.state.position).norm() < 1e-14);
+        CHECK((model.state.velocity - other.state.velocity).norm() < 1e-14);
+        CHECK(attitude_error(model.state.orientation, other.state.orientation).norm() < 1e-14);
+        CHECK((filter.covariance() - followed.covariance()).norm() < 1e-14);
+    }
+
     TEST_CASE("smoothed poses and deviations are those of all measurements taken at once") {
         const RandomWalk walk(3);
         const auto smoothed = walk.filtered().smoothed();
