@@ -47,7 +47,7 @@ struct Twin {
         triaxial.confining_pressure = {55e3};
         triaxial.test.final_axial_strain = 0.025;
         corrections.pull = {5e6, 100, 0.01}; // about the contact forces at 55 kPa
-        corrections.largest_shift = 1e-6;    // at which corrections, spread or not, do less than 5 % of the work of the platens
+        corrections.largest_shift = 1e-6;    // at which corrections, spread or not, do 5 % of the work of the platens at most
     }
     void describe(auto& option) {
         option.group("twin");
