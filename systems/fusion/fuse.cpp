@@ -131,7 +131,8 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, const Re
         bodies.template column<AngularMomentum>()[b] += dL;
         std::uint32_t& guided = bodies.template column<Guided>()[b];
         if (pulls) {
-            if (filter.remembers()) filter.leave(to_come); // the body may follow or not: what it does is seen as the simulation's motion
+            // the body may follow or not: what it does is seen as the simulation's motion
+            if (filter.remembers()) filter.leave({.shift = to_come.shift, .turn = to_come.turn});
             bodies.template column<Pull>()[b] = pull_for(to_come, fusion.pull);
             guided = 1;
         } else {

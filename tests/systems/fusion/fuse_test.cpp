@@ -295,6 +295,22 @@ TEST_SUITE("systems/fusion/fuse") {
         }
     }
 
+    TEST_CASE("a filter that remembers knows that a pulled body was given its velocity, though not its place") {
+        std::vector<TimedMeasurement> samples;
+        for (const double time : {1e-4, 2e-4, 3e-4}) {
+            samples.push_back(at(time, Vec3(0.001, 0, 0)));
+            samples.back().what.position_deviation = 1e-3;
+        }
+        samples[0].what.velocity = Vec3(0.1, 0, 0);
+        samples[0].what.velocity_deviation = 1e-6;
+        Simulation sim = pair(samples, 1, {.position = 1, .velocity = 1, .gate = 1, .lag = 5}, 0.06);
+        fusion_of(sim).pull = {1, 0, 0.01}; // of no force
+        sim.advance(60);
+        CHECK(counted(sim, Accepted{}) == 4);
+        CHECK((value_of<Velocity>(sim, 0) - Vec3(0.1, 0, 0)).norm() < 1e-4);
+        CHECK(value_of<Position>(sim, 0).x() == doctest::Approx(5e-5).epsilon(0.05)); // flown, from 1e-4 on
+    }
+
     TEST_CASE("samples that come later than the lag, or late without one, are counted and move nothing") {
         for (const unsigned lag : {0u, 1u}) {
             Simulation late = flight({3, 4, 6}, 3.4e-3, lag, 0), lost = flight({3, 4, 6}, 1, lag, 0);
