@@ -14,6 +14,9 @@ struct SensorHost : State<EntityId> { static constexpr auto name = "host", unit 
 struct NextSample : State<std::uint64_t> { static constexpr auto name = "next_sample", unit = ""; };      // of its recording
 struct Accepted   : State<std::uint64_t> { static constexpr auto name = "accepted", unit = ""; };         // vectors measured
 struct Refused    : State<std::uint64_t> { static constexpr auto name = "refused", unit = ""; };          // too far from the forecast
+struct TooLate    : State<std::uint64_t> { static constexpr auto name = "too_late", unit = ""; };         // samples, later than the filter looks back
+struct Reduced    : State<std::uint64_t> { static constexpr auto name = "reduced", unit = ""; };          // corrections followed in part only: too far for a step
+struct Withheld   : State<std::uint64_t> { static constexpr auto name = "withheld", unit = ""; };         // not at all: much too far
 struct LargestInnovation : State<double> { static constexpr auto name = "largest_innovation", unit = ""; }; // chi square of three degrees
 
 /// How a body's motion is to be corrected: a part of the way in each of the steps to come. `felt` 1: as motion, which

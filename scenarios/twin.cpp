@@ -2,8 +2,10 @@
 // run without and with the recordings. Does the model then know better what the other rocks do? Beside them a run with
 // the true parameters from a start disturbed by less than a grain of dust: no model can know more than that.
 #include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
+#include "engine/signal/attitude.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "systems/experiments/names.hpp"
@@ -45,6 +47,7 @@ struct Twin {
         triaxial.confining_pressure = {55e3};
         triaxial.test.final_axial_strain = 0.025;
         corrections.pull = {5e6, 100, 0.01}; // about the contact forces at 55 kPa
+        corrections.largest_shift = 1e-6;    // at which corrections, spread or not, do 5 % of the work of the platens at most
     }
     void describe(auto& option) {
         option.group("twin");
@@ -61,13 +64,15 @@ struct Twin {
         option("filter", filter, "", "what turns recordings into corrections", filter_names);
         option("interval", interval, "", "axial strain between samples", above(0));
         option("injection_steps", corrections.injection_steps, "", "in which a correction enters; 1: it jumps, as in the report", at_least(1));
+        option("largest_shift", corrections.largest_shift, "m", "of a sensor rock that is put, in a step; 0: whatever is measured", at_least(0));
         option("pull_stiffness", corrections.pull.stiffness, "N/m", "of forces that pull sensor rocks", above(0));
         option("largest_pull", corrections.pull.largest_force, "N", "of them", at_least(0));
         option("position_noise", position_noise, "m", "of the recordings", above(0));
         option("attitude_noise", attitude_noise, "rad", "of the recordings", above(0));
         option("dropout", faults.dropout, "", "share of samples that never come", within(0, 0.99));
         option("outliers", faults.outliers, "", "share of samples that are 20 mm and half a radian off", within(0, 0.99));
-        option("lateness", lateness, "", "axial strain by which samples come late, where worlds learn and are analysed", at_least(0));
+        option("lateness", lateness, "", "axial strain by which samples come late", at_least(0));
+        option("lag", corrections.filter.lag, "", "samples back to which a sensor rock that is put or pulled takes late ones; 0: they are refused");
         option("drift", corrections.filter.drift, "m2", "that the model may go astray in a unit of strain", at_least(0));
         option("turning", corrections.filter.turning, "rad2", "likewise", at_least(0));
         triaxial.describe(option);
@@ -115,6 +120,7 @@ private:
     void add_arm(Summary& summary, std::size_t k, const TwinErrors* of_free) const;
     void add_properties(Summary& summary, const std::string& name, const ModelRun& run) const;
     void add_learned(Summary& summary) const;
+    void write_smoothed() const;
     void draw() const;
     ModelArm arm_of(const std::string& name) const;
     void learn_parameters();
@@ -155,6 +161,8 @@ ModelArm Experiment::arm_of(const std::string& name) const {
     if (name == "jumped" || name == "spread" || name == "pulled" || name == "both" || name == "analysed")
         arm.ways = ways_of(truth_);
     if (name == "jumped" || name == "spread") arm.corrections.pull.stiffness = 0;
+    arm.corrections.lateness = t_.lateness;
+    arm.corrections.note_every = t_.interval;
     arm.corrections.spread = name == "spread";
     return arm;
 }
@@ -252,6 +260,14 @@ void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_f
     add("fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].platen_work);
     add("measurements_accepted", runs_[k].accepted);
     add("measurements_refused", runs_[k].refused);
+    add("samples_too_late", runs_[k].too_late);
+    add("corrections_reduced", runs_[k].reduced);
+    add("corrections_withheld", runs_[k].withheld);
+    if (arms_[k].corrections.filter.lag == 0) return;
+    const SmoothedErrors smoothed = errors_of_smoothed(runs_[k], truth_);
+    add("smoothed_rmse_displacement_sensors_m", smoothed.displacement);
+    add("smoothed_rmse_rotation_sensors_rad", smoothed.rotation);
+    add("smoothed_squared_distance", smoothed.squared_distance);
 }
 
 void Experiment::add_properties(Summary& summary, const std::string& name, const ModelRun& run) const {
@@ -272,6 +288,21 @@ void Experiment::add_learned(Summary& summary) const {
     summary.add("likeness_of_displacements_length_m", scatter_.displacement.likeness.length);
     summary.add("likeness_of_rotations", scatter_.rotation.likeness.near);
     summary.add("likeness_of_rotations_length_m", scatter_.rotation.likeness.length);
+}
+
+/// The ways of sensor rocks as filters that look back know them.
+void Experiment::write_smoothed() const {
+    for (std::size_t k = 0; k < arms_.size(); ++k) {
+        std::vector<std::vector<double>> rows;
+        for (std::size_t rock = 0; rock < runs_[k].smoothed.size(); ++rock)
+            for (const SmoothedPose& p : runs_[k].smoothed[rock]) {
+                const Vec3 u = p.position - runs_[k].start[rock].position, turn = attitude_error(p.attitude, runs_[k].start[rock].orientation);
+                rows.push_back({static_cast<double>(rock + 1), p.time, u.x(), u.y(), u.z(), turn.x(), turn.y(), turn.z(), p.position_deviation.norm(), p.attitude_deviation.norm()});
+            }
+        if (!rows.empty())
+            write_csv(common_.out / fmt::format("smoothed_{}.csv", arms_[k].name),
+                      {"sensor", "axial_strain", "ux_m", "uy_m", "uz_m", "turn_x_rad", "turn_y_rad", "turn_z_rad", "deviation_m", "deviation_rad"}, rows, {}, 7);
+    }
 }
 
 void Experiment::draw() const {
@@ -295,6 +326,7 @@ void Experiment::report() const {
         write_known(common_.out / "learned.csv", learned_.known);
         write_worlds(common_.out / "worlds.csv", learned_.second);
     }
+    write_smoothed();
     draw();
     if (t_.layouts && !learned_.known.empty()) {
         const RockScatter scatter = scatter_.displacement.deviation.empty() ? scatter_of(learned_.second) : scatter_;

@@ -24,8 +24,8 @@ void InertialFilter::begin(double position_m, double velocity_m_s, double rotati
     for (int k = 0; k < size; ++k) error_.root(k, k) = deviations[k / 3];
 }
 
-void InertialFilter::advance(double dt, double acceleration_density, double angular_density) {
-    const Vec3 turn = dt * state.spin;
+Transition InertialFilter::free_motion(double dt, const Vec3& rate, double acceleration_density, double angular_density) {
+    const Vec3 turn = dt * rate;
     Transition t = at_rest();
     const Mat3 one = Mat3::Identity();
     t.F.block<3, 3>(position, velocity) = dt * one;
@@ -38,7 +38,12 @@ void InertialFilter::advance(double dt, double acceleration_density, double angu
     };
     drive(position, velocity, acceleration_density);
     drive(rotation, spin, angular_density);
-    error_ = predict(error_, t);
+    return t;
+}
+
+void InertialFilter::advance(double dt, double acceleration_density, double angular_density) {
+    error_ = predict(error_, free_motion(dt, state.spin, acceleration_density, angular_density));
+    const Vec3 turn = dt * state.spin;
     state.position += dt * state.velocity;
     state.orientation = (exponential_map(turn) * state.orientation).normalized();
 }

@@ -50,6 +50,8 @@ public:
     /// Standard deviations of the six parts, the same for each axis.
     void begin(double position_m, double velocity_m_s, double rotation_rad, double spin_rad_s, double force_bias_m_s2, double rate_bias_rad_s);
 
+    /// What free motion over dt (s) at a rate of turning (rad/s) makes of the error, and the noise densities of advance() add to it.
+    static Transition free_motion(double dt, const Vec3& rate, double acceleration_density, double angular_density);
     /// Free motion over dt (s) under white noise of linear and angular acceleration, (m/s2)2/Hz and (rad/s2)2/Hz.
     void advance(double dt, double acceleration_density, double angular_density);
     /// Motion over dt as the sensor measured it.

@@ -14,10 +14,21 @@ namespace bris {
 
 namespace {
 
+constexpr double least_share = 0.01; // of a correction: one that is to be cut to less is no news of this model
+
 double end_of_step(const Clock& clock) { return clock.time() + clock.dt; }
-// times are sums of steps: a sample within a millionth of a step of its end has been taken
-bool is_taken(double sample, const Fusion& fusion, const Clock& clock) {
-    return fusion.by_strain ? sample <= fusion.strain * (1 + 1e-9) : sample <= end_of_step(clock) + 1e-6 * clock.dt;
+double now_of(const Fusion& fusion, const Clock& clock) { return fusion.by_strain ? fusion.strain : end_of_step(clock); }
+// times are sums of steps: a sample within a millionth of a step of its end has come
+bool has_come(double time, const Fusion& fusion, const Clock& clock) {
+    return fusion.by_strain ? time <= fusion.strain * (1 + 1e-9) : time <= end_of_step(clock) + 1e-6 * clock.dt;
+}
+bool note_is_due(const Fusion& fusion, const Clock& clock) {
+    return fusion.note_every > 0 && has_come(static_cast<double>(fusion.notes) * fusion.note_every, fusion, clock);
+}
+/// Of a time before this step, or passed by another analysis.
+bool is_late(const TimedMeasurement& m, const SensorFilter& filter, const Fusion& fusion, const Clock& clock) {
+    const double since = fusion.by_strain ? m.arrives * (1 - 1e-9) : clock.time() - 1e-6 * clock.dt;
+    return filter.has_passed(m.time) || (m.arrives > m.time && m.time < since);
 }
 
 Vec3 momentum_of(double inertia, const Vec3& spin) { return inertia * spin; }
@@ -28,15 +39,12 @@ template <class BodyRows> Row row_of(const BodyRows& bodies, EntityId body) {
     return static_cast<Row>(std::find(id, id + bodies.size(), body) - id);
 }
 
-void add_to(Analysis& sum, const Analysis& more) {
-    sum.shift += more.shift;
-    sum.velocity += more.velocity;
-    sum.turn += more.turn; // small ones
-    sum.spin += more.spin;
-    sum.accepted += more.accepted;
-    sum.refused += more.refused;
-    sum.largest_distance = std::max(sum.largest_distance, more.largest_distance);
+Analysis sum_of(const Analysis& a, const Analysis& b) { // turns: small ones
+    return {a.shift + b.shift, a.velocity + b.velocity, a.turn + b.turn, a.spin + b.spin, a.accepted + b.accepted, a.refused + b.refused,
+            std::max(a.largest_distance, b.largest_distance)};
 }
+
+Analysis scaled(double share, const Analysis& a) { return {.shift = share * a.shift, .velocity = share * a.velocity, .turn = share * a.turn, .spin = share * a.spin}; }
 
 Vec3 at_most(const Vec3& v, double largest) { return v.norm() > largest ? Vec3(largest / v.norm() * v) : v; }
 
@@ -54,21 +62,66 @@ RigidState state_at(double earlier, const RigidState& now, const Analysis& to_co
     return s;
 }
 
+/// Takes the samples of a sensor that have come: adds what they say to the correction to come. False: none said anything.
+bool take_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& samples, std::uint64_t& next, std::uint64_t& too_late, const RigidState& now,
+                  Analysis& to_come, const Fusion& fusion, const Clock& clock) {
+    bool heard = false;
+    for (; next < samples.size() && has_come(samples[next].arrives, fusion, clock); ++next) {
+        const TimedMeasurement& m = samples[next];
+        if (!is_late(m, filter, fusion, clock)) {
+            const double earlier = fusion.by_strain ? 0 : end_of_step(clock) - m.time;
+            to_come = sum_of(to_come, filter.analyse({m.time, state_at(earlier, now, to_come)}, m.what));
+            heard = true;
+            continue;
+        }
+        filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
+        const auto late = filter.analyse_late(m.time, m.what);
+        if (late) to_come = sum_of(to_come, *late);
+        else ++too_late;
+        heard = heard || late;
+    }
+    return heard;
+}
+
+/// Share of a correction that keeps within the limit of a step; 0: it is too small to be given.
+double share_in_step(const Analysis& wanted, double radius, const Fusion& fusion, const Clock& clock) {
+    // no point of the body goes farther in a step, and so changes no overlap by more
+    const double way = (wanted.shift.norm() + radius * wanted.turn.norm()) / fusion.injection_steps + clock.dt * (wanted.velocity.norm() + radius * wanted.spin.norm());
+    if (fusion.largest_shift <= 0 || way <= fusion.largest_shift) return 1;
+    const double share = fusion.largest_shift / way;
+    return share < least_share ? 0 : share;
+}
+
 template <class BodyRows, class OrientationOf, class MomentumOf>
 void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, const Replay& replay, const Clock& clock, OrientationOf&& orientation_of,
           MomentumOf&& momentum) {
+    const bool notes = note_is_due(fusion, clock);
     for (Row s = sensors.first(); s < sensors.last(); ++s) {
         std::uint64_t& next = sensors.column<NextSample>()[s];
         const auto& samples = replay.samples[s];
-        if (next >= samples.size() || !is_taken(samples[next].time, fusion, clock)) continue;
+        if (!notes && (next >= samples.size() || !has_come(samples[next].arrives, fusion, clock))) continue;
         const Row b = row_of(bodies, sensors.column<SensorHost>()[s]);
         Vec3 &velocity = bodies.template column<Velocity>()[b], &spin = bodies.template column<Spin>()[b];
         CorrectionRow& correction = bodies.template column<Correction>()[b];
         const RigidState now{bodies.template column<Position>()[b], velocity + 0.5 * clock.dt * bodies.template column<Acceleration>()[b], orientation_of(b), spin};
-        Analysis to_come{.shift = correction.steps * correction.shift, .turn = correction.steps * correction.turn};
-        for (; next < samples.size() && is_taken(samples[next].time, fusion, clock); ++next) {
-            const double time = samples[next].time, earlier = fusion.by_strain ? 0 : end_of_step(clock) - time;
-            add_to(to_come, fusion.filters[s].analyse({time, state_at(earlier, now, to_come)}, samples[next].what));
+        const Analysis under_way{.shift = correction.steps * correction.shift, .turn = correction.steps * correction.turn};
+        Analysis to_come = under_way;
+        SensorFilter& filter = fusion.filters[s];
+        const bool heard = take_samples(filter, samples, next, sensors.column<TooLate>()[s], now, to_come, fusion, clock);
+        if (notes) filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
+        if (!heard) continue;
+        sensors.column<Accepted>()[s] += to_come.accepted;
+        sensors.column<Refused>()[s] += to_come.refused;
+        double& largest = sensors.column<LargestInnovation>()[s];
+        largest = std::max(largest, to_come.largest_distance);
+        const bool pulls = fusion.pull.stiffness > 0;
+        const double share = pulls ? 1 : share_in_step(to_come, bodies.template column<BoundingRadius>()[b], fusion, clock);
+        if (share < 1) {
+            const Analysis given = share > 0 ? scaled(share, to_come) : under_way;
+            filter.leave(sum_of(to_come, scaled(-1, given)));
+            ++(share > 0 ? sensors.column<Reduced>() : sensors.column<Withheld>())[s];
+            if (share == 0) continue;
+            to_come = given;
         }
         const Vec3 &dv = to_come.velocity, &dw = to_come.spin, dL = momentum(b, dw);
         bodies.template column<FusionWork>()[b] += bodies.template column<InertialMass>()[b] * dv.dot(now.velocity + 0.5 * dv) + dL.dot(now.spin + 0.5 * dw);
@@ -77,28 +130,27 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, const Re
         bodies.template column<StepSpin>()[b] += dw;
         bodies.template column<AngularMomentum>()[b] += dL;
         std::uint32_t& guided = bodies.template column<Guided>()[b];
-        if (fusion.pull.stiffness > 0) {
+        if (pulls) {
+            // the body may follow or not: what it does is seen as the simulation's motion
+            if (filter.remembers()) filter.leave({.shift = to_come.shift, .turn = to_come.turn});
             bodies.template column<Pull>()[b] = pull_for(to_come, fusion.pull);
             guided = 1;
         } else {
             give_correction(correction, guided, to_come.shift, to_come.turn, fusion.injection_steps);
         }
-        sensors.column<Accepted>()[s] += to_come.accepted;
-        sensors.column<Refused>()[s] += to_come.refused;
-        double& largest = sensors.column<LargestInnovation>()[s];
-        largest = std::max(largest, to_come.largest_distance);
     }
+    if (notes) fusion.notes = static_cast<std::uint64_t>(now_of(fusion, clock) / fusion.note_every * (1 + 1e-9)) + 1;
 }
 
 } // namespace
 
 void Fusion::save(Archive& archive) const {
-    put_fields(archive, "fusion/strain", std::tie(strain));
+    put_fields(archive, "fusion/strain", std::tie(strain, notes));
     for (std::size_t k = 0; k < filters.size(); ++k) filters[k].save(archive, fmt::format("fusion/{}", k));
 }
 
 void Fusion::load(const Archive& archive) {
-    get_fields(archive, "fusion/strain", std::tie(strain));
+    get_fields(archive, "fusion/strain", std::tie(strain, notes));
     for (std::size_t k = 0; k < filters.size(); ++k) filters[k].load(archive, fmt::format("fusion/{}", k));
 }
 
@@ -113,11 +165,15 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<s
     table.add<NextSample>();
     table.add<Accepted>();
     table.add<Refused>();
+    table.add<TooLate>();
+    table.add<Reduced>();
+    table.add<Withheld>();
     table.add<LargestInnovation>();
     table.resize(hosts.size());
     for (Row s = 0; s < hosts.size(); ++s) {
-        const bool in_order = std::ranges::is_sorted(samples[s], {}, &TimedMeasurement::time);
-        require(in_order, fmt::format("sensor {}: expected samples in the order of time", s));
+        require(std::ranges::is_sorted(samples[s], {}, &TimedMeasurement::arrives), fmt::format("sensor {}: expected samples in the order of arrival", s));
+        const bool causal = std::ranges::all_of(samples[s], [](const TimedMeasurement& m) { return m.arrives >= m.time; });
+        require(causal, fmt::format("sensor {}: expected samples to arrive after their time", s));
         table.column<SensorId>()[s] = s;
         table.column<SensorHost>()[s] = hosts[s];
     }
@@ -137,8 +193,8 @@ bool fusion_is_due(const World& world) {
     const Clock& clock = world.resource<Clock>();
     const auto next = world.column<Sensors, NextSample>();
     for (std::size_t s = 0; s < samples.size(); ++s)
-        if (next[s] < samples[s].size() && is_taken(samples[s][next[s]].time, fusion, clock)) return true;
-    return false;
+        if (next[s] < samples[s].size() && has_come(samples[s][next[s]].arrives, fusion, clock)) return true;
+    return note_is_due(fusion, clock);
 }
 
 void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion, const Replay& replay, const Clock& clock) {

@@ -17,7 +17,12 @@ Mat3 square(double deviation) { return deviation * deviation * Mat3::Identity();
 
 Measured::Measured() : position(Vec3::Constant(unknown)), velocity(position), spin(position), up(position), attitude(unknown, unknown, unknown, unknown) {}
 
+bool Measured::is_empty() const {
+    return !position.allFinite() && !velocity.allFinite() && !spin.allFinite() && !up.allFinite() && !attitude.coeffs().allFinite();
+}
+
 SensorFilter::SensorFilter(const FilterSettings& settings) : settings_(settings) {
+    if (settings.kind == FilterKind::printed) settings_.lag = 0; // it knows of no time but now
     filter_.begin(settings.position, settings.velocity, settings.attitude, settings.spin, 0, 0);
     filter_.gate = settings.gate < 1 ? chi_squared_quantile(settings.gate, 3) : 0;
 }
@@ -27,12 +32,34 @@ Analysis SensorFilter::analyse(const BodyForecast& forecast, const Measured& mea
     begun_ = true;
     last_time_ = forecast.time;
     if (settings_.kind == FilterKind::printed) return analyse_as_printed(forecast, measured, dt);
-    // the simulation has moved the body on; what it may have missed meanwhile adds to what was not known before
+    move_on(dt, window_.empty() ? forecast.state : carried(window_.back().estimate, window_.back().given, forecast.state, dt));
+    const Analysis seen = observe(measured);
+    if (remembers()) remember({forecast, measured, filter_.state, filter_.state, filter_.error().root});
+    Analysis a = difference(filter_.state, forecast.state);
+    a.accepted = seen.accepted;
+    a.refused = seen.refused;
+    a.largest_distance = seen.largest_distance;
+    return a;
+}
+
+Analysis SensorFilter::difference(const RigidState& a, const RigidState& b) {
+    return {.shift = a.position - b.position,
+            .velocity = a.velocity - b.velocity,
+            .turn = attitude_error(a.orientation, b.orientation),
+            .spin = a.spin - b.spin};
+}
+
+// The simulation has moved the body on; what it may have missed meanwhile adds to what was not known before.
+void SensorFilter::move_on(double dt, const RigidState& forecast) {
     if (dt > 0) filter_.advance(dt, settings_.acceleration_density, settings_.angular_acceleration_density);
     Matrix walk = Matrix::Zero(12, 12);
     walk.diagonal().head<3>().setConstant(settings_.drift * dt);
     walk.diagonal().segment<3>(6).setConstant(settings_.turning * dt);
-    filter_.move_to(forecast.state, walk);
+    filter_.move_to(forecast, walk);
+}
+
+// Only counts.
+Analysis SensorFilter::observe(const Measured& measured) {
     Analysis a;
     const auto take = [&](const Verdict& v) {
         ++(v.accepted ? a.accepted : a.refused);
@@ -46,11 +73,24 @@ Analysis SensorFilter::analyse(const BodyForecast& forecast, const Measured& mea
         take(filter_.observe_attitude(Quat::FromTwoVectors(now * measured.up, Vec3::UnitZ()) * now, square(measured.attitude_deviation)));
     }
     if (measured.spin.allFinite()) take(filter_.observe_spin(measured.spin, square(measured.spin_deviation)));
-    a.shift = filter_.state.position - forecast.state.position;
-    a.velocity = filter_.state.velocity - forecast.state.velocity;
-    a.turn = attitude_error(filter_.state.orientation, forecast.state.orientation);
-    a.spin = filter_.state.spin - forecast.state.spin;
     return a;
+}
+
+void SensorFilter::leave(const Analysis& part) {
+    if (settings_.kind == FilterKind::printed) return;
+    RigidState& stays = remembers() ? window_.back().given : filter_.state;
+    stays.position -= part.shift;
+    stays.velocity -= part.velocity;
+    stays.orientation = (exponential_map(-part.turn) * stays.orientation).normalized();
+    stays.spin -= part.spin;
+    if (remembers()) return;
+    Gaussian error = filter_.error();
+    Vector left = Vector::Zero(InertialFilter::size);
+    left.head<12>() << part.shift, part.velocity, part.turn, part.spin;
+    Matrix roots(left.size(), left.size() + 1);
+    roots << error.root, left;
+    error.root = triangle_of<double>(roots);
+    filter_.restore(error);
 }
 
 // Steps 3 to 6 of the report. It needs all six numbers at once, and knows no gate.
@@ -83,7 +123,9 @@ void SensorFilter::save(Archive& archive, const std::string& path) const {
     put("/root", filter_.error().root);
     put("/COV", printed_.COV);
     put("/cov", printed_.cov);
-    put_fields(archive, path + "/time", std::tie(last_time_, begun_));
+    const Vec3& spin = filter_.state.spin; // by which the next forecast is turned
+    put_fields(archive, path + "/time", std::tie(last_time_, begun_, spin.x(), spin.y(), spin.z()));
+    if (settings_.lag > 0) save_window(archive, path + "/window");
 }
 
 void SensorFilter::load(const Archive& archive, const std::string& path) {
@@ -96,7 +138,9 @@ void SensorFilter::load(const Archive& archive, const std::string& path) {
     filter_.restore(error);
     get("/COV", printed_.COV);
     get("/cov", printed_.cov);
-    get_fields(archive, path + "/time", std::tie(last_time_, begun_));
+    Vec3& spin = filter_.state.spin;
+    get_fields(archive, path + "/time", std::tie(last_time_, begun_, spin.x(), spin.y(), spin.z()));
+    if (settings_.lag > 0) load_window(archive, path + "/window");
 }
 
 } // namespace bris

@@ -4,6 +4,7 @@
 #include "engine/signal/inertial_filter.hpp"
 #include "engine/signal/printed_filter.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +29,7 @@ struct FilterSettings {
     double drift = 0;                           ///< m2 in a unit of time, or of what stands for it
     double turning = 0;                         ///< rad2, likewise
     double gate = 0.99;                         ///< probability with which a right measurement is let in; 1: all are
+    unsigned lag = 0;                           ///< analyses that a late measurement may have been passed by; 0: late ones are refused
 };
 
 /// What the simulation says of a body, at the time of a measurement: s, or strain in a test that knows no time.
@@ -43,6 +45,7 @@ struct Measured {
     Quat attitude;
     double position_deviation = 1e-4, velocity_deviation = 1e-3, spin_deviation = 1e-2, attitude_deviation = 0.01;
     Measured();
+    bool is_empty() const; ///< nothing was
 };
 
 /// What a body's motion is to be corrected by.
@@ -52,25 +55,71 @@ struct Analysis {
     double largest_distance = 0;        ///< squared, of an innovation: chi square of three degrees
 };
 
-/// The filter of one sensor: a forecast and a measurement in, a correction out.
+/// Where a body was, by all that was measured of it before and since.
+struct SmoothedPose {
+    double time = 0; ///< s, or strain
+    Vec3 position = Vec3::Zero();
+    Quat attitude = Quat::Identity();
+    Vec3 position_deviation = Vec3::Zero(), attitude_deviation = Vec3::Zero(); ///< m and rad, along the world's axes
+};
+
+/// The filter of one sensor: a forecast and a measurement in, a correction out. It remembers its last analyses
+/// (FilterSettings::lag), and goes back to them for measurements that come late.
 class SensorFilter {
 public:
     SensorFilter() = default;
     explicit SensorFilter(const FilterSettings& settings);
 
     Analysis analyse(const BodyForecast& forecast, const Measured& measured);
+    /// Part of the last correction that the body is not given. A filter that remembers goes on from its own estimate; any
+    /// other takes the body's motion for its estimate, and knows so much less of it. `printed` knows of nothing.
+    void leave(const Analysis& part);
+    bool remembers() const { return settings_.lag > 0; }
+
+    /// Remembers the simulated motion, without a measurement: late ones of about this time will ask for it.
+    void note(const BodyForecast& now);
+    /// Whether an analysis has passed this time.
+    bool has_passed(double time) const { return begun_ && time < last_time_; }
+    /// Takes a measurement in its place: goes back to the analysis before it, and forward again over what has been
+    /// simulated and measured since. The correction is that of the newest analysis (note() where the body is now).
+    /// Between two analyses the body is taken to have moved straight. Nothing: it is later than the filter looks back.
+    std::optional<Analysis> analyse_late(double time, const Measured& measured);
+    /// The poses at the analyses that it remembers, by what came after them too (fixed-lag smoothing).
+    std::vector<SmoothedPose> smoothed() const;
+    /// Of the error of position, velocity, rotation and spin (12 x 12), after the last analysis.
+    Matrix covariance() const { return filter_.covariance().topLeftCorner<12, 12>(); }
 
     void save(Archive& archive, const std::string& path) const;
     void load(const Archive& archive, const std::string& path);
 
 private:
+    /// An analysis, with what it takes to do it again.
+    struct Snapshot {
+        BodyForecast forecast;
+        Measured measured;
+        RigidState estimate; // by all that has come since, as far as it is of this time or before
+        RigidState given;    // what the simulation went on from
+        Matrix root;         // of the error's covariance
+    };
+
     Analysis analyse_as_printed(const BodyForecast& forecast, const Measured& measured, double dt);
+    void move_on(double dt, const RigidState& forecast);
+    Analysis observe(const Measured& measured);
+    static Analysis difference(const RigidState& a, const RigidState& b);
+    static RigidState carried(const RigidState& estimate, const RigidState& given, const RigidState& later, double dt);
+    Transition transition(double dt, const Vec3& spin) const;
+    void remember(const Snapshot& snapshot);
+    void go_back_to(const Snapshot& snapshot);
+    Analysis analyse_again(std::size_t k);
+    void save_window(Archive& archive, const std::string& path) const;
+    void load_window(const Archive& archive, const std::string& path);
 
     FilterSettings settings_;
     InertialFilter filter_; // `corrected` uses its first four parts only
     PrintedFilter printed_;
     double last_time_ = 0;
     bool begun_ = false;
+    std::vector<Snapshot> window_; // in order of time: one more than `lag`
 };
 
 } // namespace bris

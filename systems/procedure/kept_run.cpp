@@ -38,13 +38,25 @@ void put_arm(Archive& archive, const TriaxialSettings& s, const ModelArm& arm) {
                                 double(s.longest_stage), s.safety, double(s.mass_scaling), double(s.gravity), arm.rocks.friction, arm.rocks.stiffness, double(arm.catch_up),
                                 arm.disturbance, double(static_cast<int>(c.filter.kind)), c.filter.position, c.filter.velocity, c.filter.attitude, c.filter.spin,
                                 c.filter.acceleration_density, c.filter.angular_acceleration_density, c.filter.drift, c.filter.turning, c.filter.gate, double(c.injection_steps),
-                                c.pull.stiffness, c.pull.largest_force, c.pull.arm, double(c.spread), c.position_noise, c.attitude_noise};
+                                c.pull.stiffness, c.pull.largest_force, c.pull.arm, double(c.spread), c.position_noise, c.attitude_noise,
+                                c.largest_shift, c.lateness, c.note_every, double(c.filter.lag)};
     for (const LearnedBelief& b : arm.learned) numbers.insert(numbers.end(), {b.strain, b.rocks.friction, b.rocks.stiffness});
     put(archive, "arm", numbers);
     for (const SensorWay& way : arm.ways) {
         put(archive, "strain", way.strain);
         put_stages(archive, "way", {way.displacement, way.rotation, way.tilt});
     }
+}
+
+auto numbers_of(auto& run) {
+    return std::tie(run.sensors, run.fusion_work, run.platen_work, run.accepted, run.refused, run.steps, run.wall_time, run.too_late, run.reduced, run.withheld);
+}
+
+void visit_numbers(SmoothedPose& p, auto&& visit) {
+    visit(p.time);
+    for (int k = 0; k < 4; ++k) visit(p.attitude.coeffs()[k]);
+    for (Vec3* v : {&p.position, &p.position_deviation, &p.attitude_deviation})
+        for (int k = 0; k < 3; ++k) visit((*v)[k]);
 }
 
 } // namespace
@@ -72,7 +84,12 @@ void save_run(Archive& archive, const ModelRun& run) {
     archive.put("run/rocks", std::span<const EntityId>(run.rocks));
     archive.put("run/shell", std::span<const unsigned>(run.shell));
     save_poses(archive, "run/start", run.start);
-    put_fields(archive, "run/numbers", std::tie(run.sensors, run.fusion_work, run.platen_work, run.accepted, run.refused, run.steps, run.wall_time));
+    put_fields(archive, "run/numbers", numbers_of(run));
+    for (std::size_t s = 0; s < run.smoothed.size(); ++s) {
+        std::vector<double> numbers;
+        for (SmoothedPose p : run.smoothed[s]) visit_numbers(p, [&](double number) { numbers.push_back(number); });
+        put(archive, fmt::format("run/smoothed/{}", s), numbers);
+    }
 }
 
 ModelRun load_run(const Archive& archive) {
@@ -83,7 +100,12 @@ ModelRun load_run(const Archive& archive) {
     run.rocks = archive.get<EntityId>("run/rocks");
     run.shell = archive.get<unsigned>("run/shell");
     run.start = load_poses(archive, "run/start");
-    get_fields(archive, "run/numbers", std::tie(run.sensors, run.fusion_work, run.platen_work, run.accepted, run.refused, run.steps, run.wall_time));
+    get_fields(archive, "run/numbers", numbers_of(run));
+    for (std::size_t s = 0; archive.find(fmt::format("run/smoothed/{}", s)) != nullptr; ++s) {
+        const auto numbers = archive.get<double>(fmt::format("run/smoothed/{}", s));
+        auto& way = run.smoothed.emplace_back();
+        for (auto next = numbers.begin(); next != numbers.end();) visit_numbers(way.emplace_back(), [&](double& number) { number = *next++; });
+    }
     return run;
 }
 

@@ -73,7 +73,7 @@ void give_sensors(Simulation& simulation, const ModelArm& arm, const std::vector
         hosts.push_back(world.resource<Specimen>().smart_rocks[s]);
         samples.emplace_back();
         for (std::size_t k = 0; k < arm.ways[s].strain.size(); ++k) {
-            TimedMeasurement m{arm.ways[s].strain[k], {}};
+            TimedMeasurement m{arm.ways[s].strain[k], {}, arm.ways[s].strain[k] + c.lateness};
             m.what.position = start[s].position + arm.ways[s].displacement[k];
             const bool oriented = arm.ways[s].rotation[k].allFinite();
             if (oriented) m.what.attitude = exponential_map(arm.ways[s].rotation[k]) * start[s].orientation;
@@ -91,6 +91,8 @@ void give_sensors(Simulation& simulation, const ModelArm& arm, const std::vector
     fusion.by_strain = true;
     fusion.spread = c.spread;
     fusion.pull = c.pull;
+    fusion.largest_shift = c.largest_shift;
+    fusion.note_every = c.filter.lag > 0 ? c.note_every : 0;
     simulation.prepare();
 }
 
@@ -147,6 +149,9 @@ void count_fusion(World& world, ModelRun& run) {
     for (std::size_t s = 0; s < world.table<Sensors>().size(); ++s) {
         run.accepted += world.column<Sensors, Accepted>()[s];
         run.refused += world.column<Sensors, Refused>()[s];
+        run.too_late += world.column<Sensors, TooLate>()[s];
+        run.reduced += world.column<Sensors, Reduced>()[s];
+        run.withheld += world.column<Sensors, Withheld>()[s];
     }
 }
 
@@ -158,6 +163,21 @@ void keep_stage(const Model& model, World& world, ModelRun& run) {
     for (std::size_t k = 0; k < now.size(); ++k) {
         run.displacement.back().push_back(now[k].position - model.start[k].position);
         run.rotation.back().push_back(attitude_error(now[k].orientation, model.start[k].orientation));
+    }
+}
+
+/// What the filters that look back now know of the ways so far, in place of what they knew before.
+void keep_smoothed(const World& world, ModelRun& run) {
+    if (!world.has_resource<Fusion>()) return;
+    const auto host = world.column<Sensors, SensorHost>();
+    run.smoothed.resize(run.sensors);
+    for (std::size_t s = 0; s < host.size(); ++s) {
+        const auto rock = static_cast<std::size_t>(std::ranges::find(run.rocks, host[s]) - run.rocks.begin());
+        auto& way = run.smoothed[rock];
+        const auto window = world.resource<Fusion>().filters[s].smoothed();
+        if (window.empty()) continue;
+        std::erase_if(way, [&](const SmoothedPose& p) { return p.time >= window.front().time; });
+        way.insert(way.end(), window.begin(), window.end());
     }
 }
 
@@ -251,6 +271,7 @@ private:
             run_.shell = shells_of(world, run_.rocks, run_.sensors);
         }
         keep_stage(*model_, world, run_);
+        keep_smoothed(world, run_);
         watch_.stage(world, run_.points.back());
         if (told_ == arm_.learned.size() || run_.points.back().axial_strain < arm_.learned[told_].strain - 0.5 * settings_.stage_strain) return;
         const RockBelief belief = arm_.learned[told_++].rocks;

@@ -33,6 +33,9 @@ struct Corrections {
     unsigned injection_steps = 60;
     PullSettings pull;
     bool spread = false;         ///< over the contact network
+    double largest_shift = 0;    ///< m, of a rock in a step (Fusion); 0: none
+    double lateness = 0;         ///< axial strain by which samples come late; filter.lag says how far back they may be taken
+    double note_every = 1e-3;    ///< strain between notes of the motion, for those
     double position_noise = 1e-6, attitude_noise = 1e-4; ///< m and rad, of the ways
 };
 
@@ -63,6 +66,8 @@ struct ModelRun {
     std::vector<unsigned> shell;                 ///< contacts from the nearest sensor rock at the start; 0: itself
     double fusion_work = 0, platen_work = 0;     ///< J, of the corrections, and of the boundaries while shearing
     std::uint64_t accepted = 0, refused = 0, steps = 0; ///< vectors measured
+    std::uint64_t too_late = 0, reduced = 0, withheld = 0; ///< samples; corrections
+    std::vector<std::vector<SmoothedPose>> smoothed = {}; ///< of each sensor rock, where filters look back: by what came up to their lag later too
     double wall_time = 0;                        ///< s
     std::string stopped = {};                    ///< by a guard, with what it said; the stages are those before
 };

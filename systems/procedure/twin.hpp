@@ -36,4 +36,11 @@ struct TwinErrors {
 };
 TwinErrors errors_of(const ModelRun& run, const ModelRun& truth);
 
+/// How far the smoothed ways of sensor rocks are off the truth, root mean square over all sensors and times.
+struct SmoothedErrors {
+    double displacement, rotation; ///< m and rad
+    double squared_distance;       ///< of positions, in their deviations, for each axis: 1 if these are honest
+};
+SmoothedErrors errors_of_smoothed(const ModelRun& run, const ModelRun& truth);
+
 } // namespace bris

@@ -1,3 +1,4 @@
+#include "components/settings.hpp"
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "systems/experiments/bench.hpp"
@@ -6,6 +7,8 @@
 #include "systems/fusion/fuse.hpp"
 
 #include <doctest/doctest.h>
+
+#include <algorithm>
 
 using namespace bris;
 
@@ -44,6 +47,25 @@ Simulation pair(std::vector<TimedMeasurement> samples, unsigned injection_steps,
     add_sensors(world, {0}, {std::move(samples)}, settings, injection_steps);
     return begin(std::move(world), LawName::linear, 1e-5);
 }
+
+Fusion& fusion_of(Simulation& sim) { return sim.world().resource<Fusion>(); }
+
+/// A ball that flies otherwise than the model believes, seen every millisecond; samples of the named times (ms) come late.
+Simulation flight(const std::vector<unsigned>& late, double lateness, unsigned lag, double note_every) {
+    std::vector<TimedMeasurement> samples;
+    for (unsigned k = 1; k <= 10; ++k) {
+        TimedMeasurement m = at(1e-3 * k, Vec3(1e-3, 0, 0) + 1e-3 * k * Vec3(-0.05, 0.1, 0.02 * (k % 3)));
+        m.what.position_deviation = 1e-4;
+        if (std::ranges::count(late, k) > 0) m.arrives += lateness;
+        samples.push_back(m);
+    }
+    std::ranges::stable_sort(samples, {}, &TimedMeasurement::arrives);
+    Simulation sim = pair(std::move(samples), 1, {.position = 2e-3, .velocity = 0.1, .acceleration_density = 1e-3, .gate = 1, .lag = lag}, 0.06);
+    fusion_of(sim).note_every = note_every;
+    return sim;
+}
+
+std::uint64_t counted(Simulation& sim, auto component) { return sim.world().column<Sensors, decltype(component)>()[0]; }
 
 } // namespace
 
@@ -170,10 +192,162 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(fusion_work(sim.world()) == 0);
     }
 
+    TEST_CASE("a correction over the limit of a step goes no farther than that, and the filter knows what is left") {
+        const Vec3 seen(-1e-3, 2e-4, 1e-4);
+        for (const unsigned steps : {1u, 4u}) {
+            Simulation sim = pair({at(3e-4, seen)}, steps, certain_motion(), 0.03);
+            const double limit = fusion_of(sim).largest_shift = 5e-5;
+            sim.advance(30);
+            Vec3 before = value_of<Position>(sim, 0);
+            for (unsigned k = 0; k < 10; ++k) {
+                sim.advance(1);
+                const Vec3 now = value_of<Position>(sim, 0);
+                CHECK((now - before).norm() < limit * (1 + 1e-9));
+                before = now;
+            }
+            CAPTURE(steps);
+            CHECK((before - steps * limit * seen.normalized()).norm() < 1e-9 * limit);
+            CHECK(counted(sim, Reduced{}) == 1);
+            CHECK(counted(sim, Withheld{}) == 0);
+            // what was measured is known to 1e-9 m: all that is not known is what is left
+            const Vec3 left = seen - before;
+            const Matrix covariance = fusion_of(sim).filters[0].covariance();
+            CHECK((covariance.topLeftCorner<3, 3>() - left * left.transpose()).norm() < 1e-9 * left.squaredNorm());
+        }
+    }
+
+    TEST_CASE("a correction a hundred times over the limit is withheld: the body does not know of it, and the filter does") {
+        const Vec3 seen(-1e-3, 2e-4, 0);
+        Simulation sim = pair({at(3e-4, seen)}, 1, certain_motion()), alone = pair({}, 1, certain_motion());
+        fusion_of(sim).largest_shift = 9e-6;
+        sim.advance(60);
+        alone.advance(30);
+        const Vec3 left = seen - value_of<Position>(alone, 0); // then and there
+        alone.advance(30);
+        CHECK(counted(sim, Withheld{}) == 1);
+        CHECK(counted(sim, Reduced{}) == 0);
+        CHECK(counted(sim, Accepted{}) == 1);
+        CHECK(fingerprint(sim.snapshot(), "bodies/") == fingerprint(alone.snapshot(), "bodies/"));
+        CHECK((fusion_of(sim).filters[0].covariance().topLeftCorner<3, 3>() - left * left.transpose()).norm() < 1e-6 * left.squaredNorm());
+    }
+
+    TEST_CASE("what is left of a correction comes with the samples after it") {
+        std::vector<TimedMeasurement> samples;
+        for (const double time : {1e-4, 2e-4, 3e-4, 4e-4, 5e-4}) samples.push_back(at(time, Vec3(-1e-3, 0, 0)));
+        Simulation sim = pair(std::move(samples), 1, certain_motion(), 0.03);
+        fusion_of(sim).largest_shift = 3e-4;
+        sim.advance(60);
+        CHECK(counted(sim, Reduced{}) == 3);
+        CHECK(counted(sim, Refused{}) == 0);
+        CHECK((value_of<Position>(sim, 0) - Vec3(-1e-3, 0, 0)).norm() < 1e-9);
+    }
+
+    TEST_CASE("two spheres that touch, told to be a radius inside each other, stop the run without a limit and not with one") {
+        std::vector<TimedMeasurement> samples;
+        for (const double time : {1e-4, 2e-4, 3e-4}) samples.push_back(at(time, Vec3(0.01, 0, 0)));
+        Simulation jumps = pair(samples, 1, certain_motion(), 0.02);
+        jumps.world().resource<Limits>().overlap = 0.25;
+        CHECK_THROWS_AS(jumps.advance(100), SimulationError);
+        Simulation limited = pair(samples, 1, certain_motion(), 0.02);
+        limited.world().resource<Limits>().overlap = 0.25;
+        fusion_of(limited).largest_shift = 2e-4;
+        double deepest = 0;
+        for (unsigned k = 0; k < 3000; ++k) {
+            limited.advance(1);
+            deepest = std::max(deepest, value_of<Position>(limited, 0).x());
+        }
+        CHECK(counted(limited, Reduced{}) == 3);
+        CHECK(deepest > 2e-4);
+        CHECK(deepest < 6.1e-4);
+        // it was pushed back out, with no more than was put in
+        CHECK(value_of<Position>(limited, 0).x() < 0);
+        CHECK(0.5 * value_of<InertialMass>(limited, 0) * value_of<Velocity>(limited, 0).squaredNorm() < 1.01 * fusion_work(limited.world()));
+    }
+
+    TEST_CASE("a limit that is not met and a memory that is not asked leave all bits as they are") {
+        const std::vector<TimedMeasurement> samples{at(3e-4, Vec3(5e-5, 1e-5, 0)), at(8e-4, Vec3(4e-5, 2e-5, 0))};
+        Simulation plain = pair(samples, 60), other = pair(samples, 60, {.lag = 5});
+        fusion_of(other).largest_shift = 1;
+        plain.advance(200);
+        other.advance(200);
+        CHECK(fingerprint(plain.snapshot(), "bodies/") == fingerprint(other.snapshot(), "bodies/"));
+        CHECK(fingerprint(plain.snapshot(), "sensors/") == fingerprint(other.snapshot(), "sensors/"));
+    }
+
+    TEST_CASE("samples that come late within the lag leave a flying ball where they leave it on time") {
+        Simulation on_time = flight({}, 0, 0, 0);
+        on_time.advance(1200);
+        for (const double note_every : {0.0, 1e-3, 0.7e-3}) {
+            Simulation late = flight({3, 4, 6}, 3.4e-3, 20, note_every), lost = flight({3, 4, 6}, 1, 20, note_every);
+            // without notes the start of what the filter knows is the first sample
+            Simulation same = flight({}, 0, 20, note_every);
+            late.advance(1200);
+            lost.advance(1200);
+            same.advance(1200);
+            CAPTURE(note_every);
+            CHECK(counted(late, TooLate{}) == 0);
+            CHECK(counted(late, Accepted{}) == 10);
+            CHECK((value_of<Position>(late, 0) - value_of<Position>(same, 0)).norm() < 1e-13); // of 1e-3: sums in another order
+            CHECK((value_of<Velocity>(late, 0) - value_of<Velocity>(same, 0)).norm() < 1e-11);
+            CHECK((fusion_of(late).filters[0].covariance() - fusion_of(same).filters[0].covariance()).norm() < 1e-15);
+            CHECK((value_of<Position>(lost, 0) - value_of<Position>(same, 0)).norm() > 1e-6);
+            if (note_every == 0) CHECK(value_of<Position>(same, 0) == value_of<Position>(on_time, 0));
+        }
+    }
+
+    TEST_CASE("a filter that remembers knows that a pulled body was given its velocity, though not its place") {
+        std::vector<TimedMeasurement> samples;
+        for (const double time : {1e-4, 2e-4, 3e-4}) {
+            samples.push_back(at(time, Vec3(0.001, 0, 0)));
+            samples.back().what.position_deviation = 1e-3;
+        }
+        samples[0].what.velocity = Vec3(0.1, 0, 0);
+        samples[0].what.velocity_deviation = 1e-6;
+        Simulation sim = pair(samples, 1, {.position = 1, .velocity = 1, .gate = 1, .lag = 5}, 0.06);
+        fusion_of(sim).pull = {1, 0, 0.01}; // of no force
+        sim.advance(60);
+        CHECK(counted(sim, Accepted{}) == 4);
+        CHECK((value_of<Velocity>(sim, 0) - Vec3(0.1, 0, 0)).norm() < 1e-4);
+        CHECK(value_of<Position>(sim, 0).x() == doctest::Approx(5e-5).epsilon(0.05)); // flown, from 1e-4 on
+    }
+
+    TEST_CASE("samples that come later than the lag, or late without one, are counted and move nothing") {
+        for (const unsigned lag : {0u, 1u}) {
+            Simulation late = flight({3, 4, 6}, 3.4e-3, lag, 0), lost = flight({3, 4, 6}, 1, lag, 0);
+            late.advance(1200);
+            lost.advance(1200);
+            CAPTURE(lag);
+            CHECK(counted(late, TooLate{}) == 3);
+            CHECK(counted(late, Accepted{}) == 7);
+            CHECK(counted(lost, TooLate{}) == 0);
+            if (lag == 0) CHECK(fingerprint(late.snapshot(), "bodies/") == fingerprint(lost.snapshot(), "bodies/"));
+        }
+    }
+
+    TEST_CASE("a run resumed with samples that are late still to come has the same bits") {
+        for (const std::uint64_t steps : {350u, 500u, 660u}) {
+            const auto make = [] {
+                Simulation sim = flight({3, 4, 6}, 3.4e-3, 20, 0.7e-3);
+                fusion_of(sim).largest_shift = 3e-4;
+                return sim;
+            };
+            Simulation whole = make(), resumed = make();
+            whole.advance(steps);
+            resumed.restore(whole.snapshot());
+            whole.advance(1200 - steps);
+            resumed.advance(1200 - steps);
+            CAPTURE(steps);
+            CHECK(counted(whole, Reduced{}) > 0);
+            CHECK(counted(whole, TooLate{}) == 0);
+            CHECK(fingerprint(whole.snapshot()) == fingerprint(resumed.snapshot()));
+        }
+    }
+
     TEST_CASE("sensors need hosts of their own, and samples in order") {
         World world = make_world(Grains::spheres);
         CHECK_THROWS_WITH_AS(add_sensors(world, {1, 1}, {{}, {}}, {}), doctest::Contains("one for each host"), InputError);
-        CHECK_THROWS_WITH_AS(add_sensors(world, {1}, {{at(2, Vec3::Zero()), at(1, Vec3::Zero())}}, {}), doctest::Contains("order of time"), InputError);
+        CHECK_THROWS_WITH_AS(add_sensors(world, {1}, {{at(2, Vec3::Zero()), at(1, Vec3::Zero())}}, {}), doctest::Contains("order of arrival"), InputError);
+        CHECK_THROWS_WITH_AS(add_sensors(world, {1}, {{{2, {}, 1}}}, {}), doctest::Contains("arrive after their time"), InputError);
         CHECK_THROWS_WITH_AS(add_sensors(world, {1}, {}, {}), doctest::Contains("found 0"), InputError);
     }
 }
