@@ -208,7 +208,7 @@ void add_stiffnesses(StressRows& rows, double stiffest, std::uint64_t all_steps)
 
 StressRows stress_servo(const StressSettings& s) {
     StressRows rows;
-    const std::uint64_t steps = s.full ? 40'000 : 15'000;
+    const std::uint64_t steps = s.full ? 40'000 : 25'000;
     add_gas_and_few(rows, steps);
     add_loaded(rows, 0.7, steps);
     if (s.full) add_loaded(rows, 0.9, steps);

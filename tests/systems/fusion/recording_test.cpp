@@ -30,7 +30,7 @@ std::vector<Recording> two_recordings() {
     const Quat askew = Random(6, 1).rotation();
     SensorInfo& info = all[1].info;
     std::tie(info.mounting_w, info.mounting_x, info.mounting_y, info.mounting_z) = std::tuple(askew.w(), askew.x(), askew.y(), askew.z());
-    info.force_unit = "g";
+    info.force_unit = std::string("g");
     info.rate_unit = "deg/s";
     return all;
 }

@@ -90,7 +90,7 @@ TEST_SUITE("fusion/sensor_way") {
     TEST_CASE("recordings that are written read back the same") {
         const TemporaryDirectory folder;
         Recording r = slow_recording(Vec3(0.1, 0, 0), Vec3(1e-3, 0, 0));
-        r.info.force_unit = "g";
+        r.info.force_unit = std::string("g");
         r.info.rate_unit = "deg/s";
         const Quat mounting = exponential_map(Vec3(1, 0.2, -0.4));
         r.info.mounting_w = mounting.w();

@@ -138,6 +138,7 @@ TEST_SUITE("procedure/triaxial") {
         arm.ways = recorded_ways(truth, sensor_rocks(truth), 1e-4, 1e-7, 1e-5, 1);
         arm.corrections.position_noise = 1e-7;
         arm.corrections.attitude_noise = 1e-5;
+        arm.corrections.largest_shift = 3e-6; // m: given whole, they may push rocks into each other until a guard stops the run
         arm.corrections.filter = {.acceleration_density = 1, .angular_acceleration_density = 100, .drift = 1e-6, .turning = 1e-2, .gate = 1};
         const ModelRun fused = run(arm);
         const TwinErrors same = errors_of(run({}), truth), without = errors_of(free, truth);
