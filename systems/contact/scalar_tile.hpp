@@ -6,7 +6,7 @@
 
 namespace bris::detail {
 
-/// Collects contacts found one by one (spheres against planes and facets) and hands them to the law
+/// Collects contacts found one by one (spheres against facets and membrane) and hands them to the law
 /// lane_count at a time.
 template <class Law> class ScalarTile {
 public:
