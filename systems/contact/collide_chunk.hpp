@@ -10,7 +10,7 @@ namespace bris::detail {
 /// Forces of some near rows: those that touch are listed first, then handed to the law lane_count at a time. A Geometry
 /// knows the surfaces:
 ///   unsigned touching(near)         bit q: near pair q of lane_count touches
-///   void call_for_places(near)      asks for what touching() will read of lane_count * 2 rows on
+///   void call_for_places(near)      asks for what touching() will read of these eight
 ///   void call_for(to, rows)         asks for what the tile after next will read
 ///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes that are too deep
 template <class Law, class Geometry, class Pairs>

@@ -3,6 +3,7 @@
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
 #include "engine/signal/imu.hpp"
+#include "systems/procedure/learning.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -137,13 +138,12 @@ SmoothedErrors errors_of_smoothed(const ModelRun& run, const ModelRun& truth) {
     double displacement = 0, rotation = 0, distance = 0, count = 0;
     for (std::size_t rock = 0; rock < run.smoothed.size(); ++rock)
         for (const SmoothedPose& pose : run.smoothed[rock]) {
-            const auto at = std::ranges::lower_bound(truth.points, pose.time * (1 - 1e-9), {}, &TriaxialPoint::axial_strain);
-            if (at == truth.points.end()) continue;
-            const auto stage = static_cast<std::size_t>(at - truth.points.begin());
+            const auto stage = stage_of_sample(truth, pose.time);
+            if (!stage) continue;
             // both since the start, which need not be the same
-            const Vec3 off = pose.position - run.start[rock].position - truth.displacement[stage][rock];
+            const Vec3 off = pose.position - run.start[rock].position - truth.displacement[*stage][rock];
             displacement += off.squaredNorm();
-            rotation += attitude_error(pose.attitude, exponential_map(truth.rotation[stage][rock]) * run.start[rock].orientation).squaredNorm();
+            rotation += attitude_error(pose.attitude, exponential_map(truth.rotation[*stage][rock]) * run.start[rock].orientation).squaredNorm();
             distance += off.cwiseQuotient(pose.position_deviation).squaredNorm() / 3;
             ++count;
         }

@@ -85,7 +85,7 @@ struct CoulombSpring {
             const Lane room = limit * limit - (gx * gx + gy * gy + gz * gz);
             const LaneMask capped = (size - 2.0 * push > room) & (size > 0.0);
             if (bits(capped) != 0)
-                dashpot = capped ? (size > 0.0 ? dashpot * (push + sqrt(push * push + size * max(room, lanes(0)))) / size : lanes(0)) : dashpot;
+                dashpot = capped ? dashpot * (push + sqrt(push * push + size * max(room, lanes(0)))) / size : dashpot;
             gx -= dashpot * tx;
             gy -= dashpot * ty;
             gz -= dashpot * tz;
