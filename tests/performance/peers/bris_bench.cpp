@@ -13,6 +13,7 @@
 #include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
 #include "tests/performance/peers/make_bed.hpp"
+#include "tests/performance/peers/moving_walls.hpp"
 
 #include <fmt/format.h>
 
@@ -33,14 +34,16 @@ struct Bench {
     double skin = 0, outer = 3;
     unsigned sort_every = ListSettings{}.sort_every;
     unsigned spheres = 2000, threads = 1;
-    double step = 0, low = -1e9, high = 1e9, speed = 0;
+    double step = 0, low = -1e9, high = 1e9, speed = 0, strain = 0, damping = 0;
     std::uint64_t check_steps = 200, steps = 1000;
 
     void describe(auto& option) {
-        option("scene", scene, "", "its stiffness, step and weight", {"settle", "fall", "shear", "quiet", "poly", "clumps", "drop"});
+        option("scene", scene, "", "its stiffness, step and weight", {"settle", "fall", "shear", "quiet", "poly", "clumps", "drop", "triaxial", "triaxial_spheres"});
         option("low", low, "m", "spheres whose centres start below it are held");
         option("high", high, "m", "spheres whose centres start above it are drawn along x");
         option("speed", speed, "m/s", "at which they are", at_least(0));
+        option("strain", strain, "", "axial, that a pressed bed is brought to in check_steps", within(0, 0.1));
+        option("damping", damping, "", "local", within(0, 0.9));
         option("law", law, "", "of contact", {"linear", "hertz"});
         option("bed", bed, "", "file of the bed");
         option("places", places, "", "file for the spheres after check_steps");
@@ -96,19 +99,27 @@ void run(const Bench& s) {
     peers::Scene scene = peers::scene_named(s.scene);
     require(!s.bed.empty(), "--bed: expected a file, found none");
     if (s.make) return write_bed(s.bed, make_bed(scene, s.spheres, s.threads));
+    require(s.strain == 0 || (scene.pressed && s.check_steps % peers::path_parts == 0),
+            fmt::format("--strain: expected triaxial or triaxial_spheres and check_steps in {} parts, found {} and {}", peers::path_parts, s.scene, s.check_steps));
     if (s.step > 0) scene.step = s.step;
     std::tie(scene.low, scene.high, scene.speed) = std::tuple(s.low, s.high, s.speed);
     const LawName law = peers::law_named(s.law);
     const peers::Bed bed = peers::read_bed(s.bed);
     World scene_world = make_scene(bed, scene, law);
     add_lists(scene_world, law, lists_of(s, bed));
+    if (s.damping > 0) scene_world.add_resource(LocalDamping{s.damping});
     if (s.sleep) add_sleep(scene_world, {});
     Simulation simulation(std::move(scene_world), steps(law), s.threads, {.serial = s.serial, .timed = s.profile});
     const World& world = simulation.world();
 
     const auto start = this_instant();
-    simulation.advance(s.check_steps);
+    std::vector<Vec3> pressures;
+    if (s.strain > 0)
+        pressures = peers::compress(simulation, s.strain, s.check_steps);
+    else
+        simulation.advance(s.check_steps);
     const double check_wall = seconds_since(start);
+    for (const Vec3& p : pressures) fmt::print("pressure {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
     if (!s.places.empty()) peers::write_bed(s.places, {bed.box, peers::balls_now(world), bed.stones});
     const double energy = translational_energy(world);
     simulation.advance(1); // contacts and forces are those at its beginning

@@ -27,7 +27,12 @@ SCENES = {
     'poly': dict(dt=2e-6, skin=6e-4, kn=1e5, gn=20600, gz=1000, every=20, stones=0),
     'clumps': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, stones=1),
     'drop': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, stones=1),
+    'triaxial': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=0, every=0, stones=1),
+    'triaxial_spheres': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=0, every=0, stones=0),
 }
+PRESSED = ['triaxial', 'triaxial_spheres']  # beds in a box of which three planes move
+STRAIN = 0.005  # that those are brought to
+PARTS = 20  # of the path, after each of which pressures are printed; the same in moving_walls.hpp, lammps.in and yade.py
 # scene, law, spheres, steps after which the codes are compared
 BASES = {'settle': 16000, 'clumps': 11880}  # spheres of the bed that larger ones are laid together from
 SHEAR_SPEED = 0.1  # m/s, along x, of the uppermost spheres of a bed that is sheared; the lowest stand still
@@ -89,6 +94,8 @@ def make_bed(case, work):
     if not data.exists() or data.stat().st_mtime < bed.stat().st_mtime:
         head, *lines = bed.read_text().splitlines()
         count, *box = head.split()
+        if scene in PRESSED:  # planes move apart: the data's box is not theirs
+            box = [1.05 * float(side) for side in box]
         rows = [line.split() for line in lines]
         with open(data, 'w') as out:
             out.write(f'bed\n\n{count} atoms\n1 atom types\n\n')
@@ -107,18 +114,25 @@ def rough_walls(bed):
     return heights[len(heights) // 10], heights[-len(heights) // 10]
 
 
+def pressures_in(text):
+    """Pa, on the three planes that move, at the twentieths of the path."""
+    return [tuple(map(float, line.split()[1:4])) for line in re.findall(r'^pressure .*$', text, re.M)][-PARTS:]
+
+
 def command(code, case, threads, steps, bed, data, step=None, places='none'):
     """A run of a case; `step`: s, other than the scene's; `places`: file for the spheres after the check steps."""
     scene, law, _, check = case
     s = dict(SCENES[scene], dt=step or SCENES[scene]['dt'])
     low, high = rough_walls(bed) if scene == 'shear' else (-1e9, 1e9)
-    s.update(low=low, high=high, speed=SHEAR_SPEED if scene == 'shear' else 0)
+    s.update(low=low, high=high, speed=SHEAR_SPEED if scene == 'shear' else 0, strain=STRAIN if scene in PRESSED else 0)
     if code == 'bris':
         return [BENCH, '--scene', scene, '--law', law, '--bed', bed, '--threads', threads, '--check-steps', check, '--steps', steps,
-                '--step', s['dt'], '--low', low, '--high', high, '--speed', s['speed'], *(['--places', places] if places != 'none' else [])]
+                '--step', s['dt'], '--low', low, '--high', high, '--speed', s['speed'], '--strain', s['strain'], *(['--places', places] if places != 'none' else [])]
     values = dict(s, kt=s['kn'] * 2 / 7, gt=s['gn'] / 2, check=check, timed=steps, places=places, keep=int(places != 'none'))
     if code == 'yade':
         return ['yade', '-n', '-x', f'-j{threads}', HERE / 'yade.py', bed, f'law={law}'] + [f'{k}={v}' for k, v in values.items()]
+    if scene in PRESSED:
+        values.update(zip('xyz', open(bed).readline().split()[1:]))
     values.update(data=data, **({'law': law} if code == 'lammps' else {'hertz': int(law == 'hertz')}))
     variables = [word for name, value in values.items() for word in ('-var', name, value)]
     run = [CODES[code], '-in', HERE / f'{code}.in', '-log', 'none', *variables]

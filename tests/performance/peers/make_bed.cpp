@@ -4,7 +4,9 @@
 #include "engine/random.hpp"
 #include "engine/simulation.hpp"
 #include "systems/broadphase/lists.hpp"
+#include "systems/output/quantities.hpp"
 #include "systems/steps.hpp"
+#include "tests/performance/peers/moving_walls.hpp"
 
 #include <algorithm>
 #include <array>
@@ -17,6 +19,7 @@ namespace bris::peers {
 namespace {
 
 constexpr std::uint64_t seed = 7;
+constexpr double slippery = 0.1; // friction, for a bed as dense as one that was shaken
 
 struct Stage {
     double weight;   ///< times the scene's
@@ -110,18 +113,48 @@ void settle(Bed& bed, Scene scene, const Stage& stage, unsigned threads) {
     bed.balls = balls_now(simulation.world());
 }
 
+/// Presses a settled bed from above and from two sides, to the same pressure on all.
+void press(Bed& bed, const Scene& scene, double rough, unsigned threads) {
+    constexpr double pressure = 55e3, rate = 0.2; // Pa, of strain a second
+    constexpr int longest = 2000, block = 50;     // steps a block
+    double top = 0;
+    for (const Ball& b : bed.balls) top = std::max(top, b.centre.z() + b.radius);
+    bed.box.z() = std::min(bed.box.z(), top);
+    World world = make_scene(bed, scene, LawName::linear_viscous);
+    auto& materials = world.resource<Materials>();
+    materials.list.front().friction = rough;
+    materials.mix();
+    world.add_resource(LocalDamping{0.5});
+    add_lists(world, LawName::linear_viscous);
+    Simulation simulation(std::move(world), steps(LawName::linear_viscous), threads);
+    for (int k = 0; k < longest; ++k) {
+        const Vec3 lacking = Vec3::Ones() - pressure_on(simulation.world()) / pressure;
+        if (k > 0 && lacking.cwiseAbs().maxCoeff() < 1e-3 && measure(simulation.world()).unbalanced_ratio < 1e-3) break;
+        move_walls(simulation, -rate * bed.box.cwiseProduct(lacking.cwiseMax(-1)));
+        simulation.advance(block);
+    }
+    bed.box = sides_of(simulation.world());
+    bed.balls = balls_now(simulation.world());
+}
+
 void shuffle(std::vector<Ball>& balls) {
     Random random(seed, 2);
     for (std::size_t k = balls.size(); k > 1; --k) std::swap(balls[k - 1], balls[random.bits() % k]);
 }
 
+Bed pressed_bed(const Scene& scene, unsigned spheres, unsigned threads) {
+    Bed bed = make_bed(scene_named(scene.name == "triaxial" ? "clumps" : "settle"), spheres, threads);
+    for (const double rough : {slippery, friction, friction}) press(bed, scene, rough, threads);
+    return bed;
+}
+
 } // namespace
 
 Bed make_bed(const Scene& scene, unsigned spheres, unsigned threads) {
+    if (scene.pressed) return pressed_bed(scene, spheres, threads);
     Bed bed = scene.name == "poly" ? loose_mixture() : scene.name == "clumps" ? loose_stones() : loose_spheres(spheres);
     // poly is heavy already
     const double more = scene.name == "poly" ? 1 : 10, speed = 0.05 * std::sqrt(more * scene.gravity * bed.box.z());
-    const double slippery = 0.1; // for a bed as dense as one that was shaken
     settle(bed, scene, {more, slippery, 0.2, 2, speed}, threads);
     settle(bed, scene, {1, slippery, 0.5, 0.3, 0}, threads);
     // without history a bed has to find its rest anew, each time nearer by

@@ -6,6 +6,7 @@
 #include "engine/ordering.hpp"
 #include "systems/build/mass_properties.hpp"
 #include "systems/build/scene.hpp"
+#include "tests/performance/peers/moving_walls.hpp"
 
 #include <algorithm>
 #include <array>
@@ -49,16 +50,18 @@ void add_single(World& world, const Ball& ball, const Scene& scene, std::uint32_
 } // namespace
 
 Scene scene_named(const std::string& name) {
-    static const std::array<Scene, 7> scenes{{{"settle", 1e6, 5838, 1e-5, 9.81},
+    static const std::array<Scene, 9> scenes{{{"settle", 1e6, 5838, 1e-5, 9.81},
                                               {"fall", 1e6, 5838, 1e-5, 9.81, true},
                                               {"shear", 1e6, 5838, 1e-5, 9.81},
                                               {"quiet", 1e6, 5838, 1e-5, 9.81},
                                               {"poly", 1e5, 20600, 2e-6, 1000},
                                               {"clumps", 1e6, 1250, 2e-5, 9.81},
-                                              {"drop", 1e6, 1250, 2e-5, 9.81, true}}};
+                                              {"drop", 1e6, 1250, 2e-5, 9.81, true},
+                                              {"triaxial", 1e6, 1250, 2e-5, 0, false, true},
+                                              {"triaxial_spheres", 1e6, 5838, 1e-5, 0, false, true}}};
     for (const Scene& scene : scenes)
         if (scene.name == name) return scene;
-    throw InputError("--scene: expected settle, fall, shear, quiet, poly, clumps or drop, found " + name);
+    throw InputError("--scene: expected settle, fall, shear, quiet, poly, clumps, drop, triaxial or triaxial_spheres, found " + name);
 }
 
 LawName law_named(const std::string& name) {
@@ -93,11 +96,14 @@ World make_scene(const Bed& bed, const Scene& scene, LawName law) {
     }
     if (scene.falls)
         for (Vec3& velocity : world.column<Bodies, Velocity>()) velocity.z() = 0.5 * scene.step * scene.gravity;
-    add_box(world, Vec3::Zero(), bed.box, material);
+    if (scene.pressed)
+        add_moving_box(world, bed.box, material);
+    else
+        add_box(world, Vec3::Zero(), bed.box, material);
     auto& limits = world.resource<Limits>();
     limits.low = Vec3::Zero();
-    limits.high = bed.box;
-    world.add_resource<Gravity>({Vec3(0, 0, -scene.gravity)});
+    limits.high = scene.pressed ? Vec3(1.1 * bed.box) : bed.box;
+    if (scene.gravity > 0) world.add_resource<Gravity>({Vec3(0, 0, -scene.gravity)});
     world.resource<Clock>().dt = scene.step;
     return world;
 }

@@ -16,6 +16,7 @@ struct Scene {
     double step;             ///< s
     double gravity;          ///< m/s2
     bool falls = false;      ///< begins without contacts: at rest then, not half a step before
+    bool pressed = false;    ///< no weight; three of the walls can move
     double low = -1e9, high = 1e9; ///< m: spheres whose centres start below are held, those above drawn along x
     double speed = 0;        ///< m/s, of those
 };
@@ -25,7 +26,8 @@ constexpr double friction = 0.5;
 // Hertz and Mindlin; the tangential spring as stiffness times stretch, dashpots of Tsuji, as the other codes have it
 constexpr double young_modulus = 5e8, poisson_ratio = 0.25, restitution = 0.3;
 
-/// settle, fall (the same drawn apart), shear, quiet, poly, clumps or drop (those drawn apart). Throws InputError.
+/// settle, fall (the same drawn apart), shear, quiet, poly, clumps, drop (those drawn apart), triaxial (clumps pressed) or
+/// triaxial_spheres. Throws InputError.
 Scene scene_named(const std::string& name);
 
 LawName law_named(const std::string& name); ///< linear or hertz

@@ -65,8 +65,25 @@ O.engines = [
     NewtonIntegrator(damping=0., gravity=(0, 0, -gz)),
 ]
 O.dt = dt
+
+def compress(part, strain):
+    """The path of lammps.in: the three walls opposite to the origin move."""
+    moving = [O.bodies[n] for n in walls[1::2]]
+    for k in range(20):
+        rate = strain / (16 * part * dt) if 2 <= k < 18 else 0.
+        for axis, (wall, share) in enumerate(zip(moving, (0.5, 0.5, -1.))):
+            wall.state.vel = Vector3([rate * share * box[axis] if axis == a else 0. for a in range(3)])
+        O.run(part, wait=True)
+        sides = [wall.state.pos[axis] for axis, wall in enumerate(moving)]
+        volume = sides[0] * sides[1] * sides[2]
+        print('pressure', *(O.forces.f(wall.id, sync=True)[axis] * sides[axis] / volume for axis, wall in enumerate(moving)))
+
+
 start = time.time()
-O.run(int(number['check']), wait=True)
+if number['strain'] > 0:
+    compress(int(number['check']) // 20, number['strain'])
+else:
+    O.run(int(number['check']), wait=True)
 check_wall_s = time.time() - start
 if words['places'] != 'none':
     with open(words['places'], 'w') as out:
@@ -92,6 +109,6 @@ began = time.time()
 O.run(int(number['timed']), wait=True)
 wall_s = time.time() - began
 print('code=yade spheres=%d wall_s=%.6g check_wall_s=%.6g coordination=%.6g kinetic_energy_J=%.8g wall_force_over_weight=%.8g' %
-      (len(rows), wall_s, check_wall_s, 2. * contacts / len(rows), energy, push / weight))
+      (len(rows), wall_s, check_wall_s, 2. * contacts / len(rows), energy, push / (weight or 1)))
 sys.stdout.flush()
 os._exit(0)
