@@ -34,7 +34,7 @@ struct Bench {
     double skin = 0, outer = 3;
     unsigned sort_every = ListSettings{}.sort_every;
     unsigned spheres = 2000, threads = 1;
-    double step = 0, low = -1e9, high = 1e9, speed = 0, strain = 0, damping = 0;
+    double step = 0, low = -1e9, high = 1e9, speed = 0, strain = 0;
     std::uint64_t check_steps = 200, steps = 1000;
 
     void describe(auto& option) {
@@ -43,7 +43,6 @@ struct Bench {
         option("high", high, "m", "spheres whose centres start above it are drawn along x");
         option("speed", speed, "m/s", "at which they are", at_least(0));
         option("strain", strain, "", "axial, that a pressed bed is brought to in check_steps", within(0, 0.1));
-        option("damping", damping, "", "local", within(0, 0.9));
         option("law", law, "", "of contact", {"linear", "hertz"});
         option("bed", bed, "", "file of the bed");
         option("places", places, "", "file for the spheres after check_steps");
@@ -107,7 +106,6 @@ void run(const Bench& s) {
     const peers::Bed bed = peers::read_bed(s.bed);
     World scene_world = make_scene(bed, scene, law);
     add_lists(scene_world, law, lists_of(s, bed));
-    if (s.damping > 0) scene_world.add_resource(LocalDamping{s.damping});
     if (s.sleep) add_sleep(scene_world, {});
     Simulation simulation(std::move(scene_world), steps(law), s.threads, {.serial = s.serial, .timed = s.profile});
     const World& world = simulation.world();

@@ -90,15 +90,21 @@ Bed loose_stones() {
     return bed;
 }
 
+/// A scene with another friction of its grains, and local damping.
+World damped_scene(const Bed& bed, const Scene& scene, double rough, double damping) {
+    World world = make_scene(bed, scene, LawName::linear_viscous);
+    auto& materials = world.resource<Materials>();
+    materials.list.front().friction = rough;
+    materials.mix();
+    world.add_resource(LocalDamping{damping});
+    return world;
+}
+
 void settle(Bed& bed, Scene scene, const Stage& stage, unsigned threads) {
     scene.gravity *= stage.weight;
     scene.step *= 2; // stable as well
-    World world = make_scene(bed, scene, LawName::linear_viscous);
-    auto& materials = world.resource<Materials>();
-    materials.list.front().friction = stage.friction;
-    materials.mix();
+    World world = damped_scene(bed, scene, stage.friction, stage.damping);
     world.resource<Limits>().overlap = 1; // the first blow may be hard
-    world.add_resource(LocalDamping{stage.damping});
     const auto motion = world.column<Bodies, MotionOf>();
     const auto velocity = world.column<Bodies, Velocity>();
     for (Row r = 0; r < velocity.size(); ++r) {
@@ -120,11 +126,7 @@ void press(Bed& bed, const Scene& scene, double rough, unsigned threads) {
     double top = 0;
     for (const Ball& b : bed.balls) top = std::max(top, b.centre.z() + b.radius);
     bed.box.z() = std::min(bed.box.z(), top);
-    World world = make_scene(bed, scene, LawName::linear_viscous);
-    auto& materials = world.resource<Materials>();
-    materials.list.front().friction = rough;
-    materials.mix();
-    world.add_resource(LocalDamping{0.5});
+    World world = damped_scene(bed, scene, rough, 0.5);
     add_lists(world, LawName::linear_viscous);
     Simulation simulation(std::move(world), steps(LawName::linear_viscous), threads);
     for (int k = 0; k < longest; ++k) {
