@@ -5,7 +5,7 @@
 
 namespace bris {
 
-/// A thing of the scene: counted up from 0 within its kind, never reused in a run. Files, options
+/// A thing of the scene: counted up from 0 within its kind, not reused while things are only added. Files, options
 /// and components store ids; rows are where a thing happens to be now.
 using EntityId = std::uint32_t;
 

@@ -16,12 +16,12 @@
 namespace bris {
 
 void report_results(const Common& common, const Summary& results) {
-    results.print(common.scenario);
     Summary whole;
     whole.add("scenario", common.scenario);
     whole.add(common.settings);
     whole.add(results.entries());
-    whole.write(common.out / "summary.json");
+    whole.write(common.out / "summary.json"); // before the terminal: who reads there may have gone
+    results.print(common.scenario);
 }
 
 } // namespace bris

@@ -8,11 +8,13 @@
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
+#include "engine/memory.hpp"
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/lattice.hpp"
+#include "systems/build/memory_estimate.hpp"
 #include "systems/build/scene.hpp"
 #include "systems/build/vessels.hpp"
 #include "systems/procedure/bulk_run.hpp"
@@ -201,6 +203,8 @@ void report(const DrumTest& t, BulkRun& run) {
 }
 
 void run(const DrumTest& t, const Common& common) {
+    const unsigned spheres = t.small_spheres + t.large_spheres;
+    require_memory("spheres", spheres, bytes_of_spheres(spheres), common.memory_limit);
     run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 

@@ -44,7 +44,7 @@ struct Live {
         option.group("stream");
         option("stream", stream, "", "records as they come, JSON objects or CSV, a line each: -, a file that grows, a pipe, or a folder with recordings.csv and test.csv to be replayed");
         option("recordings", recordings, "", "a folder with rock_NN.txt and sensor_poses.csv: what is known of the sensor rocks beforehand");
-        option("patience", live.patience, "s", "without a record, after which the stream has ended and the model goes on alone", above(0));
+        option("patience", live.patience, "s", "without a record of the test machine, after which the stream has ended and the model goes on alone", above(0));
         option("lateness", live.lateness, "", "axial strain, by which the model waits for records that come late", at_least(0));
         option("speed", live.speed, "", "of a replay by the records' times; 1: as it was, 0: as fast as can be", at_least(0));
         option("stage_time", stage_time, "s", "that the test took for 0.01 % of strain, in a folder to be replayed", above(0));
@@ -67,7 +67,11 @@ constexpr auto log_name = "stream.ndjson";
 std::filesystem::path prepare_stream(const Live& s, const Common& common) {
     const auto log = common.out / log_name;
     const bool goes_on = !common.resume.empty() && std::filesystem::is_directory(common.resume);
-    if (!goes_on && std::filesystem::exists(log)) std::filesystem::rename(log, log.string() + ".before"); // it may be all that is left of a test
+    if (!goes_on && std::filesystem::exists(log)) { // it may be all that is left of a test
+        auto kept = log.string() + ".before";
+        for (int k = 2; std::filesystem::exists(kept); ++k) kept = fmt::format("{}.before.{}", log.string(), k);
+        std::filesystem::rename(log, kept);
+    }
     if (goes_on && !std::filesystem::equivalent(common.resume, common.out) && std::filesystem::exists(common.resume / log_name))
         std::filesystem::copy_file(common.resume / log_name, log, std::filesystem::copy_options::overwrite_existing);
     if (!std::filesystem::is_directory(s.stream)) return s.stream;
@@ -193,6 +197,9 @@ void LiveRun::run() {
     follow();
     if (s_.compare) free_ = models()({{.name = "DEM only", .rocks = s_.model}}, test_settings_.final_axial_strain).front();
     progress_.pause();
+    if (!free_ || free_->stopped.empty()) return;
+    fmt::print("not compared: {}\n", free_->stopped);
+    free_.reset();
 }
 
 void LiveRun::write_run_file(const std::string& found) const {
@@ -258,6 +265,10 @@ void LiveRun::report() {
 void run(const Live& given, const Common& common) {
     Live s = given;
     require(s.triaxial.confining_pressure.size() == 1, "--confining-pressure: expected one, found several");
+    const std::string folder = folder_of(s.triaxial.confining_pressure.front());
+    const bool is_replay = std::filesystem::is_directory(s.stream) && s.stream.filename().string().ends_with("kPa");
+    require(!is_replay || s.stream.filename() == folder, fmt::format("--stream: expected a test at {}, as --confining-pressure says, found '{}'", folder, s.stream.string()));
+    check_test(s.triaxial);
     require_memory_for(s.triaxial, common.threads, common.memory_limit);
     if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(s.recordings / "sensor_poses.csv")) s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
     if (common.explain) {

@@ -74,6 +74,7 @@ struct Computed {
     Learned learned;
     ModelRun free, fused;
     std::vector<View> views;
+    bool complete() const { return free.stopped.empty() && fused.stopped.empty(); }
 };
 
 class Computation {
@@ -130,6 +131,7 @@ void Computation::learn() {
                                                     });
         if (!done_[k].learned.known.empty()) now = mean_of(done_[k].learned.known.back().belief);
         fmt::print("{}: friction {:.3f}, stiffness {:.2f}\n", folder_of(tests_[k].pressure), now.friction, now.stiffness);
+        write_known(common_.out / folder_of(tests_[k].pressure) / "learned.csv", done_[k].learned.known);
     }
     learning_wall_ = seconds_since(began);
 }
@@ -170,24 +172,34 @@ void Computation::run_arms() {
         const RockBelief& first = done_[k].before;
         fused[k] = {.name = "fused", .rocks = first, .learned = schedule_of(done_[k].learned.known, first, s_.change), .catch_up = true, .corrections = s_.corrections};
         tell_the_last(fused[k], done_[k].learned.known);
-        const SensorInfo& info = tests_[k].recordings.front().info;
-        fused[k].corrections.position_noise = info.displacement_noise;
-        fused[k].corrections.attitude_noise = info.attitude_noise;
+        fused[k].corrections.position_noise = fused[k].corrections.attitude_noise = 0;
+        for (const Recording& r : tests_[k].recordings) { // of the worst of them
+            fused[k].corrections.position_noise = std::max(fused[k].corrections.position_noise, r.info.displacement_noise);
+            fused[k].corrections.attitude_noise = std::max(fused[k].corrections.attitude_noise, r.info.attitude_noise);
+        }
         if (s_.corrections.pull.stiffness > 0) fused[k].ways = tests_[k].ways;
     }
     std::vector<std::unique_ptr<FrameWriter>> frames(tests_.size());
+    const auto run = [&](std::size_t k, const ModelArm& arm, const ModelWatch& watch, bool keep) {
+        const TriaxialSettings settings = settings_at(tests_[k].pressure);
+        KeptRun kept(common_, settings, specimen_, arm);
+        try {
+            return run_model(scene_, settings, specimen_, arm, common_.seed, watch, keep ? &kept : nullptr);
+        } catch (const SimulationError& error) { // the others go on
+            ModelRun none;
+            none.stopped = fmt::format("{} at {}: {}", arm.name, folder_of(tests_[k].pressure), error.what());
+            return none;
+        }
+    };
     run_ensemble(2 * tests_.size(), common_.threads, [&](std::size_t job) {
         const std::size_t k = job / 2;
         ModelWatch watch = watch_on(progress_, job, common_);
-        const TriaxialSettings settings = settings_at(tests_[k].pressure);
         if (job % 2 == 0) {
-            const ModelArm free{.name = "DEM only", .rocks = s_.model};
-            KeptRun kept(common_, settings, specimen_, free);
-            done_[k].free = run_model(scene_, settings, specimen_, free, common_.seed, watch, &kept);
+            done_[k].free = run(k, {.name = "DEM only", .rocks = s_.model}, watch, true);
             return;
         }
         watch.stage = [&, k](const World& world, const TriaxialPoint& point) { show(k, world, point, frames[k]); };
-        done_[k].fused = run_model(scene_, settings, specimen_, fused[k], common_.seed, watch); // not kept: its pictures are taken on the way
+        done_[k].fused = run(k, fused[k], watch, false); // not kept: its pictures are taken on the way
     });
     progress_.pause();
     arms_wall_ = seconds_since(began);
@@ -213,8 +225,9 @@ void Computation::draw() const {
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         const auto three = [&](const std::string& title, const char* x, const char* y, auto&& curve) {
             panels.push_back({.title = title, .x_label = x, .y_label = y,
-                              .curves = {curve("measured", thinned(tests_[k].measured), Curve::Style::points), curve("DEM only", done_[k].free.points, Curve::Style::dashed),
-                                         curve("fused", done_[k].fused.points, Curve::Style::line)}});
+                              .curves = {curve("measured", thinned(tests_[k].measured), Curve::Style::points)}});
+            if (done_[k].free.stopped.empty()) panels.back().curves.push_back(curve("DEM only", done_[k].free.points, Curve::Style::dashed));
+            if (done_[k].fused.stopped.empty()) panels.back().curves.push_back(curve("fused", done_[k].fused.points, Curve::Style::line));
         };
         const std::string at = fmt::format(" at {}", folder_of(tests_[k].pressure));
         three(fmt::format("Deviatoric stress{}", at), "axial strain (%)", "q (kPa)",
@@ -230,6 +243,7 @@ void Computation::draw() const {
 
 void Computation::report() {
     Summary summary;
+    std::string stopped;
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         const RecordedTest& test = tests_[k];
         const Computed& c = done_[k];
@@ -242,17 +256,18 @@ void Computation::report() {
         };
         if (!c.learned.known.empty())
             for (const NamedValue& v : describe(c.learned.known.back().belief)) summary.add(NamedValue(at + v.key, std::get<double>(v.value)));
-        write_known(common_.out / folder_of(test.pressure) / "learned.csv", c.learned.known);
+        add("sensors_refused", test.refused());
+        for (const auto& [name, run] : {std::pair{"dem_only.csv", &c.free}, std::pair{"fused.csv", &c.fused}})
+            if (run->stopped.empty()) write_curve(common_.out / folder_of(test.pressure) / name, run->points);
+            else stopped += fmt::format("{}{}", stopped.empty() ? "" : "; ", run->stopped);
+        if (!c.complete()) continue;
         const Misfit free = misfit_of(c.free, test), fused = misfit_of(c.fused, test);
         both("q", "_Pa", free.q, fused.q);
         both("volumetric_strain", "", free.volumetric_strain, fused.volumetric_strain);
         both("ring_strain", "", free.ring_strain, fused.ring_strain);
         both("sensor_displacement", "_m", free.sensor_displacement, fused.sensor_displacement);
-        add("sensors_refused", test.refused());
         add("measurements_accepted", c.fused.accepted);
         add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.platen_work);
-        write_curve(common_.out / folder_of(test.pressure) / "dem_only.csv", c.free.points);
-        write_curve(common_.out / folder_of(test.pressure) / "fused.csv", c.fused.points);
     }
     summary.add("preparation_wall_time_s", preparation_wall_);
     summary.add("learning_wall_time_s", learning_wall_);
@@ -260,10 +275,12 @@ void Computation::report() {
     draw();
     report_results(common_, summary);
     fmt::print("results in {}\n", common_.out.string());
+    if (!stopped.empty()) throw SimulationError(stopped);
 }
 
 void run(const Smart& given, const Common& common) {
     Smart s = given;
+    check_test(s.triaxial);
     require_memory_for(s.triaxial, common.threads, common.memory_limit);
     const auto infos = read_sensor_infos(s.recordings);
     if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(s.recordings / "sensor_poses.csv")) s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";

@@ -23,7 +23,6 @@ namespace bris {
 
 namespace {
 
-std::string name_of(double pressure) { return fmt::format("{:.4g}kPa", pressure / 1e3); }
 
 TriaxialSettings settings_at(const Triaxial& t, double pressure) {
     TriaxialSettings settings = t.test;
@@ -174,7 +173,7 @@ void Test::finish() {
     keeper_.save(simulation_);
     write_curve(out_ / "curve.csv", test_.state().points);
     frames_.reset();
-    draw_curves(out_ / "curves.png", {{name_of(settings_.confining_pressure), &test_.state().points}});
+    draw_curves(out_ / "curves.png", {{folder_of(settings_.confining_pressure), &test_.state().points}});
     if (!views_.empty()) draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
     summary().write(out_ / "summary.json");
 }
@@ -212,7 +211,7 @@ void print_table(const std::vector<Summary>& results) {
     for (const Summary& result : results) {
         std::string suffix;
         for (const NamedValue& entry : result.entries()) {
-            if (entry.key == "confining_pressure_Pa") suffix = name_of(std::get<double>(entry.value));
+            if (entry.key == "confining_pressure_Pa") suffix = folder_of(std::get<double>(entry.value));
             if (entry.key == "stage_strain") break; // settings from here on
             NamedValue named = entry;
             named.key = suffix + " " + entry.key;
@@ -220,18 +219,6 @@ void print_table(const std::vector<Summary>& results) {
         }
     }
     table.print("triaxial");
-}
-
-void check(const Triaxial& t) {
-    const double stages = t.test.final_axial_strain / t.test.stage_strain;
-    require(stages > 0.999 && std::abs(stages - std::round(stages)) < 1e-6 * stages,
-            fmt::format("--final-axial-strain: expected a multiple of --stage-strain, found {:g} and {:g}",
-                        t.test.final_axial_strain, t.test.stage_strain));
-    std::vector<std::string> names;
-    for (const double pressure : t.confining_pressure) names.push_back(name_of(pressure));
-    std::sort(names.begin(), names.end());
-    const auto twice = std::adjacent_find(names.begin(), names.end());
-    require(twice == names.end(), "--confining-pressure: expected different pressures, found twice " + (twice == names.end() ? "" : *twice));
 }
 
 void print_specimen(const Triaxial& t, const TriaxialScene& scene) {
@@ -279,7 +266,7 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
     const auto& pressures = shared.settings.confining_pressure;
     for (std::size_t k = 0; k < done.size(); ++k) {
         results.push_back(done[k]->summary());
-        curves.push_back({name_of(pressures[k]), &done[k]->state().points});
+        curves.push_back({folder_of(pressures[k]), &done[k]->state().points});
     }
     print_table(results);
     if (done.size() == 1) return;
@@ -289,7 +276,7 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
         for (const NamedValue& entry : results[k].entries()) {
             if (entry.key == "stage_strain") break; // settings from here on
             NamedValue named = entry;
-            named.key = name_of(pressures[k]) + "_" + entry.key;
+            named.key = folder_of(pressures[k]) + "_" + entry.key;
             all.add(named);
         }
     all.add(shared.common.settings);
@@ -303,7 +290,7 @@ void run(const Triaxial& t, const Common& common) {
         fmt::print("{}", make_simulation(scene, 1, common.serial).schedule().explain());
         return;
     }
-    check(t);
+    check_test(t);
     print_specimen(t, scene);
     const std::size_t tests = t.confining_pressure.size();
     const unsigned at_once = std::max(1u, std::min<unsigned>(common.threads, static_cast<unsigned>(tests)));
@@ -315,7 +302,7 @@ void run(const Triaxial& t, const Common& common) {
     std::vector<std::unique_ptr<Test>> done(tests);
     run_ensemble(tests, at_once, [&](std::size_t k) {
         const double pressure = t.confining_pressure[k];
-        const std::filesystem::path folder = tests == 1 ? "" : name_of(pressure);
+        const std::filesystem::path folder = tests == 1 ? "" : folder_of(pressure);
         done[k] = std::make_unique<Test>(shared, pressure, common.out / folder, threads);
         const auto checkpoint = from.test_in(folder);
         if (checkpoint.empty()) done[k]->restore(specimen);

@@ -96,6 +96,7 @@ std::vector<std::string> names_of_arms(const std::string& list) {
     std::istringstream text(list);
     for (std::string name; std::getline(text, name, ',');) {
         require(std::ranges::count(arm_names, name) == 1, fmt::format("--arms: expected free, chaos, jumped, spread, pulled, learned, both, ensemble, analysed and null, found '{}'", name));
+        require(std::ranges::count(names, name) == 0, fmt::format("--arms: expected each once, found '{}' twice", name));
         names.push_back(name);
     }
     return names;
@@ -337,6 +338,9 @@ void Experiment::report() const {
 
 void run(const Twin& t, const Common& common) {
     require(t.triaxial.confining_pressure.size() == 1, "--confining-pressure: expected one, found several");
+    require(t.record.empty() || (t.faults.dropout == 0 && t.faults.outliers == 0 && t.lateness == 0),
+            "--record: expected no --dropout, --outliers or --lateness, which it does not record");
+    check_test(t.triaxial);
     require_memory_for(t.triaxial, common.threads, common.memory_limit);
     if (common.explain) {
         fmt::print("{}", make_simulation(make_scene(t.triaxial, common.seed), 1, common.serial).schedule().explain());

@@ -1,7 +1,6 @@
 #include "components/boundary.hpp"
 #include "components/membrane_surface.hpp"
 #include "components/near_spheres.hpp"
-#include "engine/errors.hpp"
 #include "systems/broadphase/chunk_lists.hpp"
 #include "systems/broadphase/lists.hpp"
 
@@ -160,19 +159,6 @@ template <class Pairs> void use_slots(World& world, bool partners_too) {
     }
 }
 
-void check_facet_runs(const World& world) {
-    const auto entry = world.column<NearFacets, NearPair>();
-    const auto names = world.column<FacetPairs, PairKey>();
-    std::size_t run = 0;
-    for (std::size_t k = 1; k < world.resource<NearIndex<FacetPairs>>().size(); ++k) {
-        const PairNames &a = names[entry[k - 1].pair], &b = names[entry[k].pair];
-        run = a.owner == b.owner && a.partner == b.partner && a.sphere == b.sphere ? run + 1 : 0;
-        if (run >= 64)
-            throw SimulationError("body " + std::to_string(b.owner) + " has a sphere near more than 64 facets of body " +
-                                  std::to_string(b.partner) + ": use a coarser mesh");
-    }
-}
-
 } // namespace
 
 void prune_pairs(World& world) {
@@ -210,7 +196,6 @@ void prune_pairs(World& world) {
             return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) - place[p.sphere].radius;
         });
         make_incidence<FacetPairs>(world);
-        check_facet_runs(world);
     }
     if (world.has<MembranePairs>()) {
         const auto& membrane = world.resource<Membrane>();

@@ -193,7 +193,7 @@ RockSample sample_rocks(const Grading& grading, std::span<const Clump> clumps, s
         rocks = rocks_of(middle);
         (rocks.size() < count ? low : high) = middle;
     }
-    rocks.resize(std::min(rocks.size(), count));
+    require(rocks.size() == count, fmt::format("grading {}: expected {} rocks, found no volume that gives as many, only {}: ask for some more or less", grading.name, count, rocks.size()));
     return finished(std::move(rocks), clumps, seed, smallest, truncated);
 }
 

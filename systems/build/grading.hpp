@@ -51,7 +51,8 @@ struct RockSample {
 /// By mass: the rocks are laid end to end from coarse to fine, each as long as its mass, and each has
 /// the size of the curve at its own middle; so the mass on every sieve is that of the curve to within
 /// half a rock. Each clump is used equally often, in an order drawn from the seed. Densities are taken
-/// as equal. Throws InputError for no clumps, no rocks or a size at which nothing is left.
+/// as equal. Throws InputError for no clumps, no rocks, a size at which nothing is left, or where the curve is flat, for a number that
+/// no volume of rocks has.
 RockSample sample_rocks(const Grading& grading, std::span<const Clump> clumps, std::size_t count,
                         std::uint64_t seed, double smallest_size = 0);
 

@@ -5,6 +5,7 @@
 #include "components/kinds.hpp"
 #include "components/membrane.hpp"
 #include "components/pair.hpp"
+#include "components/sensor.hpp"
 #include "components/sphere.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
@@ -56,6 +57,7 @@ void rename_pairs(World& world, const std::vector<EntityId>& name) {
 
 std::vector<EntityId> retire_bodies(World& world, const std::vector<Row>& gone) {
     Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
+    require(!world.has<Sensors>(), "bodies: expected a scene without sensors to retire some, found one with");
     std::vector<char> stays(bodies.size(), 1);
     for (const Row r : gone) {
         require(bodies.column<MotionOf>()[r] == static_cast<std::uint32_t>(Motion::free),

@@ -19,7 +19,7 @@ Row add_body(World& world, const BodyValues& v) {
     Table& bodies = world.table<Bodies>();
     const auto row = static_cast<Row>(bodies.size());
     bodies.resize(bodies.size() + 1);
-    bodies.column<BodyId>()[row] = row; // ids are counted up, and bodies are never removed
+    bodies.column<BodyId>()[row] = row; // ids are counted up; retire_bodies closes them up again
     bodies.column<Position>()[row] = v.position;
     bodies.column<MaterialOf>()[row] = v.material;
     bodies.column<MotionOf>()[row] = static_cast<std::uint32_t>(v.motion);

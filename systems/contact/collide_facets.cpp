@@ -7,6 +7,7 @@
 
 #include <span>
 #include <utility>
+#include <vector>
 
 namespace bris {
 
@@ -16,7 +17,13 @@ using detail::Feature;
 using detail::Nearest;
 using detail::TileTarget;
 
-constexpr std::size_t facets_per_run = 64; // of one body near one sphere; the prune checks it
+constexpr std::size_t usual_run = 64; // near facets of one body and one sphere; more take memory of their own
+
+/// A facet in reach of a sphere.
+struct Reached : Nearest {
+    Row row;     ///< near row
+    bool counts; ///< carries; else another of its run does in its place
+};
 
 struct Surfaces {
     detail::Movers movers;
@@ -25,28 +32,31 @@ struct Surfaces {
     double deepest;
 };
 
-Nearest nearest(const Surfaces& s, const NearEntry& near) {
-    const PlaceRow& p = s.movers.place[near.owner];
+/// Those of near rows [first, last), one sphere against one body, that are in reach.
+std::span<Reached> reached_of(const Surfaces& s, const TileTarget& to, std::size_t first, std::size_t last, std::span<Reached> room) {
+    const PlaceRow& p = s.movers.place[to.near[first].owner];
     const Vec3 centre(p.x, p.y, p.z);
-    const FacetPlaceRow& facet = s.facets[near.other];
-    Nearest n = detail::nearest_on_mesh_facet(facet, centre);
-    if (n.distance >= p.radius || n.distance == 0) n.feature = Feature::none;
-    return n;
+    std::size_t count = 0;
+    for (std::size_t row = first; row < last; ++row) {
+        const Nearest n = detail::nearest_on_mesh_facet(s.facets[to.near[row].other], centre);
+        if (n.distance < p.radius && n.distance != 0) room[count++] = {n, static_cast<Row>(row), false};
+    }
+    return room.first(count);
 }
 
+bool lies_in(const Vec3& point, const Vec3& of_plane, const Vec3& normal, double close) { return std::abs((point - of_plane).dot(normal)) <= close; }
+
 // an edge or vertex counts once for a body, and not at all where a face of the body already carries
-bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Nearest> run,
-                 std::size_t first, std::size_t k) {
-    const Nearest& mine = run[k];
-    const double radius = s.movers.place[to.near[first + k].owner].radius, close = 1e-9 * radius;
+bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Reached> run, std::size_t k, double radius) {
+    const Reached& mine = run[k];
+    const double close = 1e-9 * radius;
     for (std::size_t j = 0; j < run.size(); ++j) {
-        if (j == k || run[j].feature == Feature::none) continue;
+        if (j == k) continue;
+        const double apart = (mine.point - run[j].point).norm();
         if (run[j].feature == Feature::face) {
-            const FacetPlaceRow& face = s.facets[to.near[first + j].other];
-            if (std::abs((mine.point - face.corners[0]).dot(face.normal)) <= close &&
-                (mine.point - run[j].point).norm() <= radius)
-                return true;
-        } else if ((j < k || run[j].feature > mine.feature) && (mine.point - run[j].point).norm() <= close) {
+            const FacetPlaceRow& face = s.facets[to.near[run[j].row].other];
+            if (apart <= radius && lies_in(mine.point, face.corners[0], face.normal, close)) return true;
+        } else if (apart <= close && (run[j].feature > mine.feature || (run[j].feature == mine.feature && j < k))) {
             return true;
         }
     }
@@ -54,54 +64,67 @@ bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Neares
 }
 
 // two faces on one plane share the points of their seam: the first carries
-bool is_counted(std::span<const Nearest> run, std::size_t k, double radius) {
+bool is_seam(std::span<const Reached> run, std::size_t k, double radius) {
     for (std::size_t j = 0; j < k; ++j)
         if (run[j].feature == Feature::face && (run[k].point - run[j].point).norm() <= 1e-9 * radius) return true;
     return false;
 }
 
+// of a straight edge that is cut, the far piece is in reach with its end only, and the near one carries
+bool is_further_along(std::span<const Reached> run, const Reached& mine, double radius) {
+    for (const Reached& other : run)
+        if (other.counts && other.distance < mine.distance && (mine.point - other.point).norm() <= radius &&
+            lies_in(mine.point, other.point, other.normal, 1e-9 * radius))
+            return true;
+    return false;
+}
+
+void choose(const Surfaces& s, const TileTarget& to, std::span<Reached> run, double radius) {
+    for (std::size_t k = 0; k < run.size(); ++k)
+        run[k].counts = run[k].feature == Feature::face ? !is_seam(run, k, radius) : !is_shadowed(s, to, run, k, radius);
+    for (Reached& r : run)
+        if (r.counts && r.feature != Feature::face && is_further_along(run, r, radius)) r.counts = false;
+}
+
 // A sphere that slides from one facet to the next takes its spring along: where a contact has begun
 // and another of the run counts no more, though still in reach, the spring goes over, to the nearest.
 // Only springs tell which contacts there were, and what is in reach is listed, so lists leave no trace.
-void hand_over_springs(const TileTarget& to, std::span<const Nearest> run, std::size_t first, std::uint64_t touching) {
-    const auto spring_of = [&](std::size_t k) -> SpringRow& { return to.spring[to.near[first + k].pair]; };
-    for (std::size_t d = 0; d < run.size(); ++d) {
-        if (((touching >> d) & 1) != 0 || run[d].feature == Feature::none || !Spring::keep(spring_of(d))) continue;
-        std::size_t heir = run.size();
-        for (std::size_t k = 0; k < run.size(); ++k)
-            if (((touching >> k) & 1) != 0 && !Spring::keep(spring_of(k)) &&
-                (heir == run.size() || (run[k].point - run[d].point).squaredNorm() < (run[heir].point - run[d].point).squaredNorm()))
-                heir = k;
-        if (heir == run.size()) return;
-        spring_of(heir) = spring_of(d);
-        spring_of(d) = {};
-        if (to.roll != nullptr) to.roll[to.near[first + heir].pair] = std::exchange(to.roll[to.near[first + d].pair], {});
+void hand_over_springs(const TileTarget& to, std::span<const Reached> run) {
+    const auto pair_of = [&](const Reached& r) { return to.near[r.row].pair; };
+    for (const Reached& left : run) {
+        if (left.counts || !Spring::keep(to.spring[pair_of(left)])) continue;
+        const Reached* heir = nullptr;
+        for (const Reached& r : run)
+            if (r.counts && !Spring::keep(to.spring[pair_of(r)]) &&
+                (heir == nullptr || (r.point - left.point).squaredNorm() < (heir->point - left.point).squaredNorm()))
+                heir = &r;
+        if (heir == nullptr) return;
+        to.spring[pair_of(*heir)] = std::exchange(to.spring[pair_of(left)], {});
+        if (to.roll != nullptr) to.roll[pair_of(*heir)] = std::exchange(to.roll[pair_of(left)], {});
     }
 }
 
 // near rows [first, last) are one sphere against the facets of one body
 template <class Law>
-std::uint64_t collide_sphere_with_body(const Surfaces& s, const TileTarget& to, std::size_t first,
-                                       std::size_t last, detail::ScalarTile<Law>& tile, Row& too_deep) {
-    std::array<Nearest, facets_per_run> found;
-    for (std::size_t row = first; row < last; ++row) found[row - first] = nearest(s, to.near[row]);
-    const std::span<const Nearest> run(found.data(), last - first);
+void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index, std::size_t first, std::size_t last,
+                              detail::ScalarTile<Law>& tile, Row& too_deep) {
+    std::array<Reached, usual_run> few;
+    std::vector<Reached> many(last - first > usual_run ? last - first : 0);
+    const std::span<Reached> run = reached_of(s, to, first, last, many.empty() ? std::span<Reached>(few) : many);
     const double radius = s.movers.place[to.near[first].owner].radius;
-    std::uint64_t touching = 0;
-    for (std::size_t k = 0; k < run.size(); ++k) {
-        if (run[k].feature == Feature::none) continue;
-        const bool again = run[k].feature == Feature::face ? is_counted(run, k, radius) : is_shadowed(s, to, run, first, k);
-        if (!again) touching |= std::uint64_t{1} << k;
-    }
-    if (touching != 0 && to.spring != nullptr) hand_over_springs(to, run, first, touching);
-    for (std::uint64_t rest = touching; rest != 0; rest &= rest - 1) {
-        const auto k = static_cast<std::size_t>(__builtin_ctzll(rest));
-        const auto row = static_cast<Row>(first + k);
-        if (radius - run[k].distance > s.deepest * radius) too_deep = row;
+    choose(s, to, run, radius);
+    if (to.spring != nullptr) hand_over_springs(to, run);
+    auto next = run.begin();
+    for (auto row = static_cast<Row>(first); row < last; ++row) {
+        while (next != run.end() && (next->row < row || !next->counts)) ++next;
+        const bool touches = next != run.end() && next->row == row;
+        if (index.touching[row] != 0 && !touches) detail::forget(to, row, 1);
+        index.touching[row] = touches ? 1 : 0;
+        if (!touches) continue;
+        if (radius - next->distance > s.deepest * radius) too_deep = row;
         const SurfaceMotion& motion = s.facets[to.near[row].other].motion;
-        tile.add(row, run[k].normal, run[k].distance, motion.at(run[k].point), motion.spin);
+        tile.add(row, next->normal, next->distance, motion.at(next->point), motion.spin);
     }
-    return touching;
 }
 
 template <class Law>
@@ -118,14 +141,8 @@ void collide_chunk(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs
     while (row < last && row > 0 && same_run(row - 1, row)) ++row;
     while (row < last) {
         std::size_t after = row + 1;
-        while (after < end && after - row < facets_per_run && same_run(row, after)) ++after;
-        const std::uint64_t now =
-            collide_sphere_with_body<Law>(s, to, row, after, tile, index.too_deep[chunk]);
-        for (std::size_t k = row; k < after; ++k) {
-            const bool touches = ((now >> (k - row)) & 1) != 0;
-            if (index.touching[k] != 0 && !touches) detail::forget(to, static_cast<Row>(k), 1);
-            index.touching[k] = touches ? 1 : 0;
-        }
+        while (after < end && same_run(row, after)) ++after;
+        collide_sphere_with_body<Law>(s, to, index, row, after, tile, index.too_deep[chunk]);
         row = after;
     }
     tile.flush();

@@ -93,7 +93,7 @@ double share_in_step(const Analysis& wanted, double radius, const Fusion& fusion
 }
 
 template <class BodyRows, class OrientationOf, class MomentumOf>
-void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, const Replay& replay, const Clock& clock, OrientationOf&& orientation_of,
+void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock, OrientationOf&& orientation_of,
           MomentumOf&& momentum) {
     const bool notes = note_is_due(fusion, clock);
     for (Row s = sensors.first(); s < sensors.last(); ++s) {
@@ -125,6 +125,7 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, const Re
         }
         const Vec3 &dv = to_come.velocity, &dw = to_come.spin, dL = momentum(b, dw);
         bodies.template column<FusionWork>()[b] += bodies.template column<InertialMass>()[b] * dv.dot(now.velocity + 0.5 * dv) + dL.dot(now.spin + 0.5 * dw);
+        lists.unseen = true; // what contacts read of this body was placed before
         velocity += dv;
         spin += dw;
         bodies.template column<StepSpin>()[b] += dw;
@@ -197,15 +198,15 @@ bool fusion_is_due(const World& world) {
     return note_is_due(fusion, clock);
 }
 
-void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion, const Replay& replay, const Clock& clock) {
+void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock) {
     const double* inertia = bodies.column<SphereInertia>();
-    fuse(sensors, bodies, fusion, replay, clock, [](Row) { return Quat::Identity(); }, [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], spin); });
+    fuse(sensors, bodies, fusion, lists, replay, clock, [](Row) { return Quat::Identity(); }, [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], spin); });
 }
 
-void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const InertialInertia> bodies, Fusion& fusion, const Replay& replay, const Clock& clock) {
+void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const InertialInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock) {
     const Quat* orientation = bodies.column<Orientation>();
     const Vec3* inertia = bodies.column<InertialInertia>();
-    fuse(sensors, bodies, fusion, replay, clock, [&](Row b) { return orientation[b]; },
+    fuse(sensors, bodies, fusion, lists, replay, clock, [&](Row b) { return orientation[b]; },
          [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], orientation[b], spin); });
 }
 

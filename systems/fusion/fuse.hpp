@@ -3,6 +3,7 @@
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "components/sensor.hpp"
+#include "components/settings.hpp"
 #include "engine/clock.hpp"
 #include "engine/rows.hpp"
 #include "systems/fusion/sensor_filter.hpp"
@@ -64,9 +65,10 @@ using FusedBodies = Rows<Bodies, const BodyId, const Position, const BoundingRad
 bool fusion_is_due(const World& world);
 
 /// Corrects the bodies of sensors by the samples that have come by now, each in the place of its time: velocity and spin at once, position and
-/// attitude in the steps to come. What velocities gain in energy is booked.
-void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion, const Replay& replay, const Clock& clock);
-void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const InertialInertia> bodies, Fusion& fusion, const Replay& replay, const Clock& clock);
+/// attitude in the steps to come. What velocities gain in energy is booked; contacts see it in the next step, whether there are new lists
+/// in it or not.
+void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock);
+void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const InertialInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock);
 
 /// J, put into the scene by all corrections.
 double fusion_work(const World& world);

@@ -103,7 +103,7 @@ private:
         std::size_t run = 0, longest = 0;
         for (std::size_t k = 1; k < values.size(); ++k) longest = std::max(longest, run = values[k] == values[k - 1] ? run + 1 : std::size_t{0});
         const double stuck = static_cast<double>(longest) / r_.info.sampling_rate;
-        if (stuck <= limits_.stuck) return false;
+        if (stuck <= std::max(limits_.stuck, 3 / r_.info.sampling_rate)) return false;
         refuse("stuck", fmt::format("{} stays the same for {:.3g} s, expected noise", what, stuck));
         return true;
     }

@@ -12,7 +12,7 @@ struct IntakeLimits {
     double frame = 10;              ///< degrees, by which its direction may differ from upwards, beyond three deviations of the levelling
     double saturated = 0.01;        ///< largest share of samples at the end of the range
     double noise_ratio = 3;         ///< of the noise at rest over that declared, or its inverse
-    double stuck = 0.5;             ///< s without a change of any digit, of a sensor that has noise
+    double stuck = 0.5;             ///< s without a change of any digit, of a sensor that has noise; three samples at least
     double jump = 0.01;             ///< m, by which a displacement may change from one sample to the next, and stay so
     double clock_drift = 1e-3;      ///< by which a clock may run fast or slow against its own count of samples
     double same = 0.999;            ///< correlation from which two recordings are one and the same

@@ -17,13 +17,13 @@ constexpr double comes_in = 2.5;  // the likelihood, by this factor from pass to
 
 } // namespace
 
-ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels, double trust)
+ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels, double trust, Eigen::Index more_worlds)
     : prior_(prior), known_(prior), trust_(trust), middle_(worlds.colwise().mean()) {
     for (const ParameterChannel& c : channels) channels_.push_back({c, {}});
     const Eigen::Index n = worlds.rows();
     require(prior.mean.size() == 2 && worlds.cols() == 2, fmt::format("worlds: expected two parameters, found {} and {}", prior.mean.size(), worlds.cols()));
     require(n >= static_cast<Eigen::Index>(fewest_worlds), fmt::format("worlds: expected at least {} to learn from, found {}", fewest_worlds, n));
-    terms_ = n >= 12 ? 6 : 3;
+    terms_ = n + more_worlds >= 12 ? 6 : 3;
     design_.resize(n, terms_);
     for (Eigen::Index j = 0; j < n; ++j) design_.row(j) = terms_at(worlds(j, 0), worlds(j, 1)).transpose();
     const Matrix square = design_.transpose() * design_;
@@ -53,10 +53,12 @@ ParameterEstimate::Measurement ParameterEstimate::difference_of(const Channel& c
         measured -= lasting * channel.raw[k - 1].measured;
     }
     const double noise = channel.settings.noise;
+    const double freedom = static_cast<double>(design_.rows() - terms_) - (lasting > 0 ? 1 : 0); // one for r
     return {.coefficients = information_ * (design_.transpose() * difference),
             .difference = measured,
             .lasting = lasting,
-            .chaos = left_of(difference).squaredNorm() / (static_cast<double>(design_.rows() - terms_) - (lasting > 0 ? 1 : 0)), // one for r
+            .freedom = freedom,
+            .chaos = left_of(difference).squaredNorm() / freedom,
             .noise = noise * noise * (1 + lasting * lasting)};
 }
 
@@ -108,13 +110,12 @@ const Gaussian& ParameterEstimate::parameters() {
 }
 
 double ParameterEstimate::log_likelihood(const Seen& seen, const Vector& terms) const {
-    const auto freedom = static_cast<double>(design_.rows() - terms_);
     const double leverage = terms.dot(information_ * terms);
     if (seen.own.size() == 0) {
         double sum = 0;
         for (const Measurement& m : seen.measurements) {
             const double off = m.difference - m.coefficients.dot(terms), variance = m.chaos * (1 + leverage) + m.noise;
-            sum -= 0.5 * (std::log(variance) + (freedom + 1) * std::log1p(off * off / (freedom * variance)));
+            sum -= 0.5 * (std::log(variance) + (m.freedom + 1) * std::log1p(off * off / (m.freedom * variance)));
         }
         return trust_ * sum;
     }
@@ -123,7 +124,7 @@ double ParameterEstimate::log_likelihood(const Seen& seen, const Vector& terms) 
     for (Eigen::Index k = 0; k < off.size(); ++k) {
         const Measurement& m = seen.measurements[static_cast<std::size_t>(k)];
         off[k] = m.difference - m.coefficients.dot(terms);
-        covariance(k, k) += m.chaos / trust_ * freedom / std::max(1.0, freedom - 2) * (1 + leverage) + m.noise; // the variance of Student's t
+        covariance(k, k) += m.chaos / trust_ * m.freedom / std::max(1.0, m.freedom - 2) * (1 + leverage) + m.noise; // the variance of Student's t
     }
     const Eigen::LLT<Matrix> root(covariance);
     return -0.5 * root.matrixL().solve(off).squaredNorm() - Vector(root.matrixLLT().diagonal()).array().log().sum();

@@ -32,7 +32,8 @@ public:
     /// 12 on. Throws InputError.
     /// `trust`: power of the likelihood, below 1 where worlds have shown to tell less of each other than they seem to; where
     /// specimens scatter, of the variance of chaos only, which that does not touch.
-    ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels, double trust = 1);
+    /// `more_worlds`: besides these, that the order of the regression goes by: what tries an estimate with some left out.
+    ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels, double trust = 1, Eigen::Index more_worlds = 0);
 
     /// One more measurement of a channel, and what each world foretold of it. `place`: where along the memory of the channel.
     void see(std::size_t channel, const Vector& foretold, double measured, double place = 0);
@@ -46,7 +47,7 @@ public:
 
 private:
     struct Raw { Vector foretold, left; double measured, place; };
-    struct Measurement { Vector coefficients; double difference, lasting, chaos, noise; }; // the last two are variances
+    struct Measurement { Vector coefficients; double difference, lasting, freedom, chaos, noise; }; // the last two are variances
     struct Seen {
         std::vector<Measurement> measurements;
         Matrix own; // covariance of what the specimen's own difference adds to them; empty: none

@@ -47,7 +47,7 @@ SensorInfo read_sensor_info(const std::filesystem::path& path);
 void write_sensor_info(const std::filesystem::path& path, SensorInfo info);
 
 /// What one SmartRock recorded, in SI units and in its body's axes, in the order of arrival. A vector of a sample that
-/// lacks it is NaN; a channel that the file lacks is empty.
+/// lacks it is NaN, which the intake refuses; a channel that the file lacks is empty.
 struct Recording {
     SensorInfo info;
     std::vector<double> time;            ///< s, by the sensor's clock

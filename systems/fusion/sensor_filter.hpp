@@ -12,11 +12,10 @@ namespace bris {
 
 /// Which mathematics turns a forecast and a measurement into an estimate.
 enum class FilterKind : std::uint32_t {
-    printed,     ///< as the report prints it, errors and all
-    corrected,   ///< the same with them mended: displacement and velocity, attitude, spin
-    error_state  ///< InertialFilter
+    printed,  ///< as the report prints it, errors and all
+    corrected ///< the same with them mended, as an error state: displacement and velocity, attitude, spin (InertialFilter)
 };
-inline const std::vector<std::string> filter_names{"printed", "corrected", "error_state"};
+inline const std::vector<std::string> filter_names{"printed", "corrected"};
 
 struct FilterSettings {
     FilterKind kind = FilterKind::corrected;

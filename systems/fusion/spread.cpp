@@ -127,11 +127,11 @@ double spread_corrections(World& world, const SpreadSettings& settings) {
         Vector6 whole;
         whole << c.steps * c.shift, c.steps * c.turn;
         steps = std::max(steps, c.steps);
-        if (n.first[id] >= 0) hold(id, settings.hold, whole);
+        if (c.steps > 0 && n.first[id] >= 0) hold(id, settings.hold, whole);
     }
     if (steps == 0) return 0;
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(A);
-    require(solver.info() == Eigen::Success, "fusion: the stiffness of the contact network cannot be factorised");
+    if (solver.info() != Eigen::Success) throw SimulationError("fusion: the stiffness of the contact network cannot be factorised");
     const Eigen::VectorXd u = solver.solve(pull);
     for (EntityId id = 0; id < n.row.size(); ++id)
         if (n.first[id] >= 0) {

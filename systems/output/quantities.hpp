@@ -5,7 +5,8 @@
 
 namespace bris {
 
-/// What a scene looks like mechanically, summed over bodies and contacts in id order.
+/// What a scene looks like mechanically, summed over bodies and contacts in id order. Contacts are those of the last step, from before
+/// bodies moved in it: kinetic and elastic energy are a step apart.
 struct Quantities {
     double kinetic_energy = 0;       ///< J, at the time of the positions, inertial masses
     double elastic_energy = 0;       ///< J, normal, tangential and rolling springs

@@ -246,9 +246,26 @@ std::filesystem::path CheckpointKeeper::save_stopped(const Simulation& simulatio
     return path;
 }
 
-Checkpoint resume(Simulation& simulation, const std::filesystem::path& path,
+namespace {
+
+/// Of a folder of results, the checkpoint that was written last.
+std::filesystem::path last_checkpoint(const std::filesystem::path& folder) {
+    std::filesystem::path last;
+    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
+        const std::string name = entry.path().filename().string();
+        if (!name.ends_with(".ckpt.h5") || name.find(".stopped.") != std::string::npos) continue;
+        if (last.empty() || entry.last_write_time() > std::filesystem::last_write_time(last)) last = entry.path();
+    }
+    require(!last.empty(), fmt::format("--resume: expected a checkpoint NAME.ckpt.h5 in '{}', found none", folder.string()));
+    return last;
+}
+
+} // namespace
+
+Checkpoint resume(Simulation& simulation, const std::filesystem::path& given,
                   const std::string& scenario, const std::vector<NamedValue>& settings,
                   std::initializer_list<std::string_view> may_differ) {
+    const std::filesystem::path path = std::filesystem::is_directory(given) ? last_checkpoint(given) : given;
     require(path.filename().string().find(".stopped.") == std::string::npos,
             fmt::format("--resume: expected a checkpoint to go on from, found '{}', the state in which a run was stopped; "
                         "it is there to be looked at", path.string()));

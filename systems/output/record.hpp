@@ -112,7 +112,7 @@ private:
     std::chrono::steady_clock::time_point last_;
 };
 
-/// Reads a checkpoint, refuses one of another run (`may_differ` besides the settings that always
+/// Reads a checkpoint, of a folder of results the one written last; refuses one of another run (`may_differ` besides the settings that always
 /// may), and puts its State into the simulation. Returns it, for what else was kept in it.
 Checkpoint resume(Simulation& simulation, const std::filesystem::path& path,
                   const std::string& scenario, const std::vector<NamedValue>& settings,

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace bris {
 
@@ -36,7 +37,8 @@ template <class Pairs> void add_pairs(const World& world, const std::vector<Row>
 } // namespace
 
 double Stresses::mismatch() const {
-    return std::max(std::abs(contact.axial / boundary.axial - 1), std::abs(contact.radial / boundary.radial - 1));
+    const double axial = std::abs(contact.axial / boundary.axial - 1), radial = std::abs(contact.radial / boundary.radial - 1);
+    return std::isfinite(axial) && std::isfinite(radial) ? std::max(axial, radial) : std::numeric_limits<double>::infinity();
 }
 
 Stresses measure_stresses(const World& world) {

@@ -14,7 +14,7 @@ struct AxisymmetricStress {
 /// are the same.
 struct Stresses {
     AxisymmetricStress contact, boundary;
-    /// The larger relative difference of the two parts.
+    /// The larger relative difference of the two parts; infinite where a boundary carries nothing.
     double mismatch() const;
 };
 Stresses measure_stresses(const World& world);

@@ -173,13 +173,15 @@ bool BedMaker::advance() {
         if (settled || since > settings_.longest_pour) enter(BedPhase::harden, 0);
         return true;
     }
-    const bool at_rest =
-        state().kinetic_ratio < settings_.kinetic_ratio && state().unbalanced_ratio < settings_.unbalanced_ratio;
-    if (!at_rest && since <= settings_.longest_rest) return true;
+    if (!at_rest() && since <= settings_.longest_rest) return true;
     state().steps = clock.step;
     state().time = clock.time();
     state().phase = BedPhase::ready;
     return false;
+}
+
+bool BedMaker::at_rest() const {
+    return state().kinetic_ratio < settings_.kinetic_ratio && state().unbalanced_ratio < settings_.unbalanced_ratio;
 }
 
 double BedMaker::fraction() const {

@@ -77,6 +77,8 @@ public:
     bool advance();
     double fraction() const;
     std::string description() const;
+    /// Whether the bed, as last looked at, rests as its settings say; one that took too long is used as it is.
+    bool at_rest() const;
     /// Sets contacts to those of the phase and of the settings.
     void apply_phase();
 

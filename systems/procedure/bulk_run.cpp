@@ -214,6 +214,7 @@ void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
     summary.add("bed_steps", bed().steps);
     summary.add("bed_kinetic_ratio", bed().kinetic_ratio);
     summary.add("bed_unbalanced_ratio", bed().unbalanced_ratio);
+    summary.add("bed_at_rest", maker_.at_rest());
     summary.add("bed_coordination", bed().coordination);
     add_quantities(summary, last_);
     summary.add("refreshes", world().resource<ListState>().refreshes);

@@ -52,13 +52,16 @@ bool grow_rocks(World& world, std::span<const EntityId> rocks, std::span<const d
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto growth = world.column<Bodies, Growth>();
     const auto radius = world.column<Bodies, BoundingRadius>();
-    bool all = true;
+    bool all = true, grown = false;
     for (const EntityId id : rocks) {
         const Row r = rows[id];
-        if (squeezed[r] < limit * radius[r]) growth[r] = std::min(1.0, growth[r] * factor);
+        if (squeezed[r] < limit * radius[r] && growth[r] < 1) {
+            growth[r] = std::min(1.0, growth[r] * factor);
+            grown = true;
+        }
         all = all && growth[r] == 1;
     }
-    if (!all) resize_rocks(world, rocks);
+    if (grown) resize_rocks(world, rocks);
     return all;
 }
 

@@ -20,17 +20,6 @@ constexpr double dilation_scatter = 1.4; // by which specimens differ more in di
 
 using Measured = std::vector<double> MeasuredTest::*;
 
-/// Mean of what was measured over a window of strain; NaN if nothing was.
-double window_mean(Measured what, const MeasuredTest& s, double from, double to) {
-    double sum = 0, count = 0;
-    for (std::size_t k = 0; k < s.strain.size(); ++k)
-        if (s.strain[k] > from + 1e-9 && s.strain[k] <= to + 1e-9) {
-            sum += (s.*what)[k];
-            ++count;
-        }
-    return sum / count;
-}
-
 /// One stage of a run made of those of several: sums with weights.
 void add_blend(ModelRun& sum, const Worlds& worlds, const Vector& weights, std::size_t stage) {
     TriaxialPoint point;
@@ -81,6 +70,30 @@ struct Panel {
     std::vector<const ModelRun*> runs;
 };
 
+/// Means over a window of strain: of what was measured, and of what each world foretold at the same strains.
+struct Means {
+    double measured = 0;
+    Vector foretold;
+};
+
+/// Nothing: not measured there.
+std::optional<Means> means_of(const Panel& worlds, const MeasuredTest& measured, Measured what, double TriaxialPoint::* foretold, double from, double to) {
+    Means m{0, Vector::Zero(static_cast<Eigen::Index>(worlds.runs.size()))};
+    double count = 0;
+    for (std::size_t k = 0; k < measured.strain.size(); ++k) {
+        if (measured.strain[k] <= from + 1e-9 || measured.strain[k] > to + 1e-9 || !std::isfinite((measured.*what)[k])) continue;
+        const auto stage = stage_of_sample(*worlds.runs.front(), measured.strain[k]);
+        if (!stage) continue;
+        m.measured += (measured.*what)[k];
+        for (std::size_t j = 0; j < worlds.runs.size(); ++j) m.foretold[static_cast<Eigen::Index>(j)] += worlds.runs[j]->points[*stage].*foretold;
+        ++count;
+    }
+    if (count == 0) return {};
+    m.measured /= count;
+    m.foretold /= count;
+    return m;
+}
+
 /// A displacement that no world comes near: ten deviations of the worlds and of the noise.
 bool is_gross(const Panel& worlds, const Heard& h, const Vec3& found, double noise) {
     Vec3 mean = Vec3::Zero();
@@ -116,6 +129,14 @@ std::vector<Heard> heard_in(const Panel& worlds, const MeasuredTest& measured, d
     return heard;
 }
 
+/// ln q.
+bool see_strength(ParameterEstimate& estimate, const Panel& worlds, const MeasuredTest& measured, double from, double to) {
+    const auto q = means_of(worlds, measured, &MeasuredTest::q, &TriaxialPoint::deviatoric_stress, from, to);
+    if (!q || !(q->measured > no_stress) || !(q->foretold.minCoeff() > no_stress)) return false;
+    estimate.see(0, q->foretold.array().log(), std::log(q->measured), std::log(to)); // the more strain, the slower specimens change
+    return true;
+}
+
 bool see_sensors(ParameterEstimate& estimate, const Panel& worlds, const MeasuredTest& measured, double from, double to) {
     const std::vector<Heard> heard = heard_in(worlds, measured, from, to);
     if (heard.empty()) return false;
@@ -127,19 +148,20 @@ bool see_sensors(ParameterEstimate& estimate, const Panel& worlds, const Measure
 }
 
 /// In units of the worlds' mean: it grows with strain, and how much specimens differ with it.
-bool see_volume(ParameterEstimate& estimate, const std::vector<MeasuredTest>& foretold, const MeasuredTest& measured, double from, double to) {
-    Vector volume(static_cast<Eigen::Index>(foretold.size()));
-    for (std::size_t j = 0; j < foretold.size(); ++j) volume[static_cast<Eigen::Index>(j)] = window_mean(&MeasuredTest::volumetric_strain, foretold[j], from, to);
-    const double found = window_mean(&MeasuredTest::volumetric_strain, measured, from, to), unit = volume.cwiseAbs().mean();
-    if (!std::isfinite(found) || !(unit > no_volume)) return false;
-    estimate.see(2, volume / unit, found / unit, std::log(to));
+bool see_volume(ParameterEstimate& estimate, const Panel& worlds, const MeasuredTest& measured, double from, double to) {
+    const auto volume = means_of(worlds, measured, &MeasuredTest::volumetric_strain, &TriaxialPoint::volumetric_strain, from, to);
+    if (!volume) return false;
+    const double unit = volume->foretold.cwiseAbs().mean();
+    if (!(unit > no_volume)) return false;
+    estimate.see(2, volume->foretold / unit, volume->measured / unit, std::log(to));
     return true;
 }
 
-/// How the channels that worlds foretell are measured: ln q, the sensor rocks' way outwards, volumetric strain.
-std::vector<ParameterChannel> channels_of(const Panel& worlds, const MeasuredTest& measured, const Learning& settings) {
+/// How the channels that worlds foretell are measured: ln q, the sensor rocks' way outwards, volumetric strain. Ways scatter by a
+/// share of what they are in the end: at first they are small and each rock's own.
+std::vector<ParameterChannel> channels_of(const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain) {
     const ModelRun& like = *worlds.runs.front();
-    const auto last = like.displacement.size() - 1;
+    const std::size_t last = stage_of_sample(like, final_strain).value_or(like.displacement.size() - 1);
     std::vector<Heard> all;
     for (std::size_t s = 0; s < std::min(measured.ways.size(), like.sensors); ++s)
         if (!measured.ways[s].strain.empty() && stands_off_axis(like, s)) all.push_back({s, 0, last});
@@ -156,29 +178,17 @@ std::vector<ParameterChannel> channels_of(const Panel& worlds, const MeasuredTes
 
 enum class Asked { every_window, the_end };
 
-std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain, double trust, Asked asked) {
-    const std::size_t n = worlds.beliefs.size();
-    std::vector<MeasuredTest> foretold;
-    for (const ModelRun* run : worlds.runs) foretold.push_back(measured_test(run->points));
-    ParameterEstimate estimate(prior, logarithms_of(worlds.beliefs), channels_of(worlds, measured, settings), trust);
+/// `left_out`: worlds that the panel lacks.
+std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain, double trust,
+                                    Asked asked, Eigen::Index left_out = 0) {
+    ParameterEstimate estimate(prior, logarithms_of(worlds.beliefs), channels_of(worlds, measured, settings, final_strain), trust, left_out);
     std::vector<KnownAt> known;
     double from = 0;
     for (const double to : window_ends(settings, final_strain)) {
-        double distance = -1;
-        const double found = window_mean(&MeasuredTest::q, measured, from, to);
-        Vector q(static_cast<Eigen::Index>(n));
-        bool says_something = found > no_stress;
-        for (std::size_t j = 0; j < n; ++j) {
-            const double world = window_mean(&MeasuredTest::q, foretold[j], from, to);
-            says_something = says_something && world > no_stress;
-            q[static_cast<Eigen::Index>(j)] = std::log(world);
-        }
-        if (says_something) {
-            estimate.see(0, q, std::log(found), std::log(to)); // the more strain, the slower specimens change
-            distance = estimate.surprise(0);
-        }
+        bool says_something = see_strength(estimate, worlds, measured, from, to);
+        const double distance = says_something ? estimate.surprise(0) : -1;
         if (settings.by_sensors && see_sensors(estimate, worlds, measured, from, to)) says_something = true;
-        if (settings.by_volume && see_volume(estimate, foretold, measured, from, to)) says_something = true;
+        if (settings.by_volume && see_volume(estimate, worlds, measured, from, to)) says_something = true;
         if (says_something && asked == Asked::every_window) known.push_back({to, estimate.parameters(), distance});
         from = to;
     }
@@ -188,10 +198,12 @@ std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, 
 
 /// What would have been measured of a world, at the strains of a real test.
 MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
-    MeasuredTest m = measured_test(run.points);
-    if (std::ranges::none_of(like.volumetric_strain, [](double v) { return std::isfinite(v); })) std::ranges::fill(m.volumetric_strain, std::nan(""));
-    m.displacement_noise = like.displacement_noise;
-    m.ways = like.ways;
+    MeasuredTest m = like;
+    for (std::size_t k = 0; k < m.strain.size(); ++k) {
+        const auto stage = stage_of_sample(run, m.strain[k]);
+        m.q[k] = stage ? run.points[*stage].deviatoric_stress : std::nan("");
+        if (std::isfinite(m.volumetric_strain[k])) m.volumetric_strain[k] = stage ? run.points[*stage].volumetric_strain : std::nan("");
+    }
     for (std::size_t s = 0; s < m.ways.size() && s < run.sensors; ++s)
         for (std::size_t k = 0; k < m.ways[s].strain.size(); ++k) {
             const auto stage = stage_of_sample(run, m.ways[s].strain[k]);
@@ -202,9 +214,9 @@ MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
 
 /// How far the worlds themselves can be trusted: each in turn is taken for the truth and its parameters learned from the
 /// others. Where they come out farther off than they should, chaos lasts longer than a correlation from one time to the
-/// next tells, and measurements count for less.
+/// next tells, and measurements count for less. With no world to spare that is not tried.
 double trust_in(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain) {
-    if (worlds.runs.size() < 7) return 1;
+    if (worlds.runs.size() <= ParameterEstimate::fewest_worlds) return 1;
     Learning same_specimen = settings;
     same_specimen.specimen_scatter = 0;
     double sum = 0;
@@ -212,7 +224,7 @@ double trust_in(const Gaussian& prior, const Panel& worlds, const MeasuredTest& 
         Panel others = worlds;
         others.beliefs.erase(others.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
         others.runs.erase(others.runs.begin() + static_cast<std::ptrdiff_t>(j));
-        const auto known = learn_trusting(prior, others, as_measured(*worlds.runs[j], measured), same_specimen, final_strain, 1, Asked::the_end);
+        const auto known = learn_trusting(prior, others, as_measured(*worlds.runs[j], measured), same_specimen, final_strain, 1, Asked::the_end, 1);
         sum += squared_distance(known.back().belief, logarithms_of(worlds.beliefs[j]));
     }
     return std::min(1.0, 2 * static_cast<double>(worlds.runs.size()) / sum);
@@ -238,7 +250,9 @@ MeasuredTest measured_test(const std::vector<TriaxialPoint>& points) {
 MeasuredTest measured_test(const RecordedTest& test) {
     MeasuredTest s = measured_test(test.measured);
     s.ways = test.ways;
-    s.displacement_noise = test.recordings.front().info.displacement_noise;
+    double squares = 0;
+    for (const Recording& r : test.recordings) squares += r.info.displacement_noise * r.info.displacement_noise;
+    s.displacement_noise = std::sqrt(squares / static_cast<double>(test.recordings.size()));
     return s;
 }
 

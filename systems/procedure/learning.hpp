@@ -34,7 +34,7 @@ std::optional<std::size_t> stage_of_sample(const ModelRun& run, double strain);
 struct MeasuredTest {
     std::vector<double> strain, q, volumetric_strain;
     std::vector<SensorWay> ways = {};
-    double displacement_noise = 1e-4; ///< m, of them
+    double displacement_noise = 1e-4; ///< m, of them, root mean square
     double lateness = 0;              ///< of strain, by which their samples come late
 };
 MeasuredTest measured_test(const std::vector<TriaxialPoint>& points);
@@ -54,7 +54,7 @@ std::vector<RockBelief> beliefs_of_worlds(const Gaussian& belief, unsigned world
 struct KnownAt {
     double strain;
     Gaussian belief;
-    double squared_distance; ///< of the last measurement from what was expected: chi square of one degree
+    double squared_distance; ///< of the last measurement of q from what was expected: chi square of one degree; -1: none in this window
 };
 
 /// Worlds that differ in what they believe, and what they foretold.

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <sstream>
 #include <thread>
+#include <utility>
 
 namespace bris {
 
@@ -18,7 +19,9 @@ namespace {
 
 constexpr auto end_mark = "{\"end\": 1}";
 constexpr auto silence_mark = "{\"end\": 1, \"by_silence\": 1}\n"; // in a log: who goes on from it goes on listening
-constexpr double largest_jump = 0.01; // of axial strain, from one record of the machine to the next
+constexpr double largest_jump = 2e-3; // of axial strain, from one record of the machine to the next
+constexpr std::size_t agreeing = 3; // records over it, near each other, by which the machine is believed: what was between is lost
+constexpr std::string_view cut_off = "# cut off: "; // before a line that lacks its end: it stays one
 constexpr double same_strain = 1e-9; // of what was asked for and what has come
 
 // of a sample
@@ -34,8 +37,7 @@ struct Sent {
     std::string line;
 };
 
-/// A line that was cut off stays one: as a comment.
-std::string logged(const LineSource::Line& line) { return fmt::format("{}{}\n", line.whole ? "" : "# cut off: ", line.text); }
+std::string logged(const LineSource::Line& line) { return fmt::format("{}{}\n", line.whole ? "" : cut_off, line.text); }
 
 std::string object_of(const CsvTable& table, std::size_t row) {
     std::string text;
@@ -62,9 +64,11 @@ LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path lo
 
 // What has come and was not taken yet would be lost.
 LiveTest::~LiveTest() {
+    std::string rest;
     if (!over_)
-        while (const auto line = lines_.next(0)) fmt::print(log_, "{}", logged(*line));
-    std::fclose(log_);
+        while (const auto line = lines_.next(0)) rest += logged(*line);
+    const bool written = std::fwrite(rest.data(), 1, rest.size(), log_) == rest.size();
+    if (std::fclose(log_) != 0 || !written) std::fputs("cannot write the log of the stream: is the disk full?\n", stderr);
 }
 
 void LiveTest::note(const std::string& kind, const std::string& text) {
@@ -72,45 +76,50 @@ void LiveTest::note(const std::string& kind, const std::string& text) {
     if (count++ == 0) first = text;
 }
 
-void LiveTest::write_log(const LineSource::Line& line) {
-    fmt::print(log_, "{}", logged(line));
-    if (std::fflush(log_) != 0) throw OutputError("cannot write the log of the stream: is the disk full?");
+void LiveTest::write_to_log(std::string_view text) {
+    const bool written = std::fwrite(text.data(), 1, text.size(), log_) == text.size();
+    if (std::fflush(log_) != 0 || !written) throw OutputError("cannot write the log of the stream: is the disk full?");
 }
 
 void LiveTest::end(const std::string& why, bool by_sender) {
     over_ = true;
     note("end", why);
     if (by_sender) return; // its own line says so
-    fmt::print(log_, "{}", silence_mark);
-    std::fflush(log_);
+    write_to_log(silence_mark);
 }
 
 std::optional<LineSource::Line> LiveTest::next_of_log() {
     if (logged_.empty()) return {};
     LineSource::Line line{taken_ + 1, std::move(logged_.front()), this_instant(), true};
     logged_.pop_front();
+    if (line.text.starts_with(cut_off)) {
+        line.text.erase(0, cut_off.size());
+        line.whole = false;
+    }
     return line;
 }
 
 bool LiveTest::follow_to(double strain) {
+    waiting_since_ = this_instant();
     while (!over_ && (machine_.empty() || machine_.rbegin()->first < strain + settings_.lateness - same_strain)) {
         if (interrupted()) throw Interrupted("interrupted; what has come is logged: go on with --resume and the folder of the results");
         if (const auto before = next_of_log()) {
             take_line(*before, true);
             continue;
         }
-        const auto line = lines_.next(settings_.patience);
+        const auto line = lines_.next(std::max(0.0, settings_.patience - seconds_since(waiting_since_)));
         if (line) take_line(*line, false);
         else if (interrupted()) continue;
         else if (lines_.over()) end(fmt::format("the stream ended after {} lines", taken_), false);
-        else end(fmt::format("nothing came for {:g} s after {} lines", settings_.patience, taken_), false);
+        else end(fmt::format("nothing {} for {:g} s after {} lines", machine_.empty() ? "came" : "of the test machine came", settings_.patience, taken_), false);
     }
     followed_ = std::max(followed_, strain);
     return !machine_.empty() && machine_.rbegin()->first >= strain - same_strain;
 }
 
-void LiveTest::take_line(const LineSource::Line& line, bool from_log) {
-    ++taken_;
+void LiveTest::take_line(LineSource::Line line, bool from_log) {
+    line.number = ++taken_; // a sender that is listened to again counts from 1
+    if (machine_.empty()) waiting_since_ = this_instant(); // before the test it is enough that anything comes
     std::optional<StreamRecord> record;
     try {
         record = parser_.parse(line);
@@ -118,7 +127,7 @@ void LiveTest::take_line(const LineSource::Line& line, bool from_log) {
         note("unreadable", e.what());
     }
     if (record && !from_log) wait_for_its_time(*record);
-    if (!from_log) write_log(line); // before it is used: what was used can be used again
+    if (!from_log) write_to_log(logged(line)); // before it is used: what was used can be used again
     if (!record) return;
     if (record->has("end")) return end(fmt::format("the sender ended it after {} lines", taken_), true);
     if (!from_log) arrivals_.push_back(record->arrived);
@@ -168,7 +177,7 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
 /// One wrong strain would pass for the end of the test.
 bool LiveTest::is_far_off(const StreamRecord& record, const char* who, double strain) {
     const double reached = machine_.empty() ? 0 : machine_.rbegin()->first;
-    if (machine_.empty() || !(std::abs(strain - reached) > largest_jump) || strain <= reached) return false;
+    if (!(strain > reached + largest_jump)) return false;
     note(std::string("far off, ") + who, fmt::format("line {}: {}: expected an axial strain near {:.4g}, found {:.4g}: is it in per cent?", record.line, who, reached, strain));
     return true;
 }
@@ -177,7 +186,21 @@ void LiveTest::take_of_machine(const StreamRecord& record) {
     const double strain = record.number("axial_strain");
     if (!std::isfinite(strain) || !std::isfinite(record.number("deviatoric_stress_Pa")))
         return note("not finite", fmt::format("line {}: axial_strain, deviatoric_stress_Pa: expected numbers, found {} and {}", record.line, strain, record.number("deviatoric_stress_Pa")));
-    if (is_far_off(record, "the machine", strain)) return;
+    if (is_far_off(record, "the machine", strain)) {
+        if (!astray_.empty() && !(std::abs(strain - astray_.back().number("axial_strain")) <= largest_jump)) astray_.clear();
+        astray_.push_back(record);
+        if (astray_.size() < agreeing) return;
+        note("gap", fmt::format("line {}: the machine goes on at {:.4g} of axial strain; what came before it is lost", record.line, astray_.front().number("axial_strain")));
+        for (const StreamRecord& r : std::exchange(astray_, {})) believe(r);
+        return;
+    }
+    astray_.clear();
+    believe(record);
+}
+
+void LiveTest::believe(const StreamRecord& record) {
+    const double strain = record.number("axial_strain");
+    waiting_since_ = this_instant();
     if (!machine_.emplace(strain, record).second) return note("twice", fmt::format("line {}: the machine sent axial_strain = {} before; the first stands", record.line, strain));
     if (std::isfinite(record.number("t"))) strain_at_.emplace(record.number("t"), strain);
 }

@@ -11,6 +11,7 @@
 #include <filesystem>
 #include <map>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace bris {
@@ -18,7 +19,7 @@ namespace bris {
 /// How a test is followed while it goes on.
 struct LiveSettings {
     double pressure = 55e3;  ///< Pa
-    double patience = 60;    ///< s without a record, after which the stream counts as ended
+    double patience = 60;    ///< s without a record of the test machine that can be used, after which the stream counts as ended; before its first: without any line
     double lateness = 0;     ///< axial strain, by which the model waits for samples that come late
     double speed = 0;        ///< of a replay, by the records' t: 1 as fast as it was, 0 at once
     IntakeSettings intake = {};
@@ -64,12 +65,13 @@ private:
         std::uint32_t sent = 0; ///< in any of them
         std::uint64_t late = 0, twice = 0;
     };
-    void take_line(const LineSource::Line& line, bool from_log);
+    void take_line(LineSource::Line line, bool from_log);
     std::optional<LineSource::Line> next_of_log();
-    void write_log(const LineSource::Line& line);
+    void write_to_log(std::string_view text);
     void take(const StreamRecord& record);
     void take_of_sensor(const StreamRecord& record);
     void take_of_machine(const StreamRecord& record);
+    void believe(const StreamRecord& record);
     void wait_for_its_time(StreamRecord& record);
     void end(const std::string& why, bool by_sender);
     bool is_far_off(const StreamRecord& record, const char* who, double strain);
@@ -89,10 +91,11 @@ private:
     std::map<double, StreamRecord> machine_;  // by axial strain
     std::map<double, double> strain_at_;      // by the machine's t
     std::map<std::string, std::pair<std::uint64_t, std::string>> notes_; // how often, and the first
+    std::vector<StreamRecord> astray_;        // of the machine, far from what it said before, near each other
     std::vector<Instant> arrivals_;
     std::uint64_t taken_ = 0;
     double followed_ = 0, first_t_ = 0;
-    Instant began_;
+    Instant began_, waiting_since_;
     bool over_ = false, begun_ = false;
 };
 

@@ -69,7 +69,7 @@ struct ModelRun {
     std::uint64_t too_late = 0, reduced = 0, withheld = 0; ///< samples; corrections
     std::vector<std::vector<SmoothedPose>> smoothed = {}; ///< of each sensor rock, where filters look back: by what came up to their lag later too
     double wall_time = 0;                        ///< s
-    std::string stopped = {};                    ///< by a guard, with what it said; the stages are those before
+    std::string stopped = {};                    ///< by a guard, with what it said; all else is empty
 };
 
 /// Who watches a run: is told of fraction and description, and sees the world after each stage.

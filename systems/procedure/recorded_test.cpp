@@ -79,17 +79,17 @@ std::size_t RecordedTest::refused() const {
     return static_cast<std::size_t>(std::ranges::count_if(recordings, [&](const Recording& r) { return !accepted(findings, r.info.id); }));
 }
 
-std::string folder_of(double pressure) { return fmt::format("{:.4g}kPa", pressure / 1e3); }
-
 std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
     if (!std::filesystem::is_directory(folder)) throw OutputError(fmt::format("cannot read folder '{}'", folder.string()));
     for (const auto& entry : std::filesystem::directory_iterator(folder))
         if (entry.path().extension() == ".txt" && entry.path().filename().string().starts_with("rock_")) files.push_back(entry.path());
     require(!files.empty(), fmt::format("--recordings: expected files rock_NN.txt in '{}', found none", folder.string()));
-    std::ranges::sort(files);
     std::vector<SensorInfo> infos;
     for (const auto& file : files) infos.push_back(read_sensor_info(file));
+    std::ranges::sort(infos, {}, &SensorInfo::id);
+    const auto twice = std::ranges::adjacent_find(infos, {}, &SensorInfo::id);
+    require(twice == infos.end(), fmt::format("--recordings: expected an id of its own in each file rock_NN.txt, found {} twice", twice == infos.end() ? 0 : twice->id));
     return infos;
 }
 
@@ -100,7 +100,6 @@ void examine(RecordedTest& test, const IntakeSettings& settings) {
     }
     IntakeLimits limits;
     limits.rest = settings.rest;
-    limits.stuck = std::max(limits.stuck, 3 / test.recordings.front().info.sampling_rate);
     test.ways.clear();
     test.findings = look_at(test.recordings, Vec3(0, 0, -9.81), limits);
     for (const Recording& r : test.recordings)

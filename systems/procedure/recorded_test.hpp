@@ -32,9 +32,6 @@ struct IntakeSettings {
 /// not to be used.
 void examine(RecordedTest& test, const IntakeSettings& settings);
 
-/// The folder of a pressure, as 55kPa.
-std::string folder_of(double pressure);
-
 /// The metadata of all sensor rocks. Throws InputError, OutputError.
 std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder);
 

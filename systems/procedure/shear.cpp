@@ -101,8 +101,8 @@ TriaxialPoint TriaxialTest::measure_point() const {
 void TriaxialTest::move_platen() {
     World& world = simulation_.world();
     auto& platen = world.resource<Platen>();
-    constexpr unsigned parts = 12;
-    const std::uint64_t steps = std::max(1u, settings_.move_steps / parts);
+    constexpr unsigned parts = ramp_parts;
+    const std::uint64_t steps = settings_.move_steps / parts;
     const double mean = settings_.stage_strain * state().height / (static_cast<double>(parts * steps) * world.resource<Clock>().dt);
     for (unsigned k = 0; k < parts; ++k) {
         platen.speed = mean * (1 - std::cos(2 * pi * (k + 0.5) / parts));

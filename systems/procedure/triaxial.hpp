@@ -9,6 +9,9 @@
 
 namespace bris {
 
+/// Of a stage, in which the platen speeds up and slows down.
+inline constexpr unsigned ramp_parts = 12;
+
 /// How a triaxial test is prepared and run; lengths in m, pressures in Pa.
 struct TriaxialSettings {
     double confining_pressure = 55e3;
@@ -24,9 +27,9 @@ struct TriaxialSettings {
     double pressure_tolerance = 0.01;   ///< of each ring's pressure, relative
     double damping = 0.7;               ///< local, but for compaction
     unsigned lifts = 4;
-    unsigned move_steps = 60;           ///< over which the platen moves in a stage
+    unsigned move_steps = 60;           ///< over which the platen moves in a stage: a multiple of ramp_parts
     unsigned longest_stage = 100000;    ///< steps, beyond which an equilibrium has stalled; a specimen that slips takes 20 000
-    unsigned longest_compaction = 150000; ///< steps, beyond which the porosity is not reached
+    unsigned longest_compaction = 400000; ///< steps, beyond which the porosity is not reached; most seeds take 30 000 to 100 000, a few twice that
     double safety = 0.9;                ///< of the stable step in mass scaling
     bool mass_scaling = true;           ///< from consolidation on; else true masses, and a step that follows the contacts
     bool gravity = false;               ///< keep weight during the test

@@ -13,6 +13,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace bris {
 
@@ -23,6 +24,20 @@ namespace {
 double wall_porosity(std::size_t rocks) { return 0.06 * std::max(0.0, std::cbrt(400.0 / static_cast<double>(rocks)) - 1); }
 
 } // namespace
+
+std::string folder_of(double pressure) { return fmt::format("{:.4g}kPa", pressure / 1e3); }
+
+void check_test(const Triaxial& t) {
+    const double stages = t.test.final_axial_strain / t.test.stage_strain;
+    require(stages > 0.999 && std::abs(stages - std::round(stages)) < 1e-6 * stages,
+            fmt::format("--final-axial-strain: expected a multiple of --stage-strain, found {:g} and {:g}", t.test.final_axial_strain, t.test.stage_strain));
+    require(t.test.move_steps % ramp_parts == 0, fmt::format("--move-steps: expected a multiple of {}, found {}", ramp_parts, t.test.move_steps));
+    std::vector<std::string> names;
+    for (const double pressure : t.confining_pressure) names.push_back(folder_of(pressure));
+    std::ranges::sort(names);
+    const auto twice = std::ranges::adjacent_find(names);
+    require(twice == names.end(), "--confining-pressure: expected different pressures, found twice " + (twice == names.end() ? "" : *twice));
+}
 
 TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
     const std::filesystem::path assets = BRIS_ASSETS;

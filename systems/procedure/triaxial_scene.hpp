@@ -70,6 +70,13 @@ struct TriaxialScene {
     std::vector<SmartRockPose> poses;
 };
 
+/// What the results of a test at that pressure (Pa) are kept under, as 55kPa.
+std::string folder_of(double pressure);
+
+/// Throws InputError, naming the option, where settings do not go together: strains that are no whole number of stages, a pressure
+/// twice, steps that do not divide into the parts of a stage's ramp.
+void check_test(const Triaxial& settings);
+
 /// Chooses rocks, mould and sensor rocks. Throws InputError.
 TriaxialScene make_scene(const Triaxial& settings, std::uint64_t seed);
 

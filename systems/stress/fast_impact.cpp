@@ -63,7 +63,8 @@ void add_impacts(StressRows& rows) {
             const std::string what = fmt::format("a sphere at {} radii a step against {}", way, targets[t]);
             const char* criterion = "refused, or as a run 100 times finer within 1 %";
             if (!coarse.velocity) {
-                rows.push_back({"S10", what, criterion, coarse.refusal, true});
+                const bool deep = way * 50 / pi > 0.25; // at its deepest, of a radius; shallower ones are not to be refused
+                rows.push_back({"S10", what, criterion, coarse.refusal, deep});
                 continue;
             }
             const Shot fine = shoot(target, way / 100, 5000);

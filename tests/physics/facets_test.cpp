@@ -117,6 +117,39 @@ TEST_SUITE("physics/facets") {
         CHECK(from_valley.z() == doctest::Approx(1).epsilon(2e-3));
     }
 
+    TEST_CASE("a blade's edge is struck once where the corner of another facet ends on it") {
+        const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
+        const FacetShape edge{{Vec3(-0.1, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0.1, 0, -0.1), Vec3(0.1, 0, 0)}};
+        const FacetShape corner{{Vec3(0, 0, 0), Vec3(0, -0.1, -0.1), Vec3(0, 0, -0.2), Vec3(0, 0.1, -0.1)}};
+        for (const bool corner_first : {true, false}) {
+            const Vec3 v = rebound([&](World& w, std::uint32_t m) {
+                const EntityId host = add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2);
+                add_facet(w, host, corner_first ? corner : edge);
+                add_facet(w, host, corner_first ? edge : corner);
+            });
+            CHECK((v - from_plane).norm() < 1e-10);
+        }
+    }
+
+    TEST_CASE("a blade's edge is one to a sphere that slides along it, however many facets it is cut into") {
+        const auto blade = [](int pieces) -> Floor {
+            return [pieces](World& w, std::uint32_t m) {
+                const EntityId host = add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2);
+                const auto at = [&](int i, double z) { return Vec3(-0.1 + 0.2 * i / pieces, 0, z); };
+                for (int i = 0; i < pieces; ++i) add_facet(w, host, {{at(i, 0), at(i, -0.1), at(i + 1, -0.1), at(i + 1, 0)}});
+            };
+        };
+        const Track whole = slide_over(blade(1), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3);
+        REQUIRE(whole.position.back().x() > -0.03); // over at least one seam
+        check_same(whole, slide_over(blade(7), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3));
+        check_same(whole, slide_over(blade(40), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3));
+    }
+
+    TEST_CASE("a sphere may have hundreds of facets near it") {
+        const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
+        CHECK((rebound([](World& w, std::uint32_t m) { add_facet_floor(w, -0.02, 0.02, 100, m); }) - from_plane).norm() < 1e-10);
+    }
+
     TEST_CASE("one plane is two facets is a hundred facets to a sphere that slides and rolls across seams") {
         // along a row, obliquely over nodes, and along a seam; slipping all the way, and sticking
         const Vec3 rolling(0, 1 / radius, 0);
