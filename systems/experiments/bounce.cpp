@@ -22,7 +22,7 @@ std::vector<BounceRecord> measure(const Bounce& s) {
     add_floor(world, material);
     const EntityId ball = add_sphere(world, s.height * Vec3::UnitZ(), s.radius, material);
     const double mass = value_of<InertialMass>(world, ball);
-    // the first contact begins in the middle of a step: the onset of the dashpot is then second order too
+    // the first contact begins in the middle of a step
     const double fall = std::sqrt(2 * (s.height - s.radius) / s.gravity);
     const double wanted = pi * std::sqrt(mass / s.stiffness) / s.steps_per_contact, dt = fall / (std::round(fall / wanted) + 0.5);
     value_of<Velocity>(world, ball).z() = 0.5 * s.gravity * dt;

@@ -131,7 +131,6 @@ void add_impacts(StressRows& rows, std::size_t which, const StressSettings& s) {
         const std::string what = fmt::format("{} oblique impacts, friction {}, {}", coarse.count, high ? "3 and 10" : "0 to 1", law_names[which]);
         rows.push_back({"S6", what + ": work taken", "never negative, in any step (rounding: 1e-14 of the energy)",
                         fmt::format("least {:.1e} of the energy", std::min(coarse.least, fine.least)), std::min(coarse.least, fine.least) >= -1e-14});
-        // the leapfrog itself is (omega dt)^2/4 off where a contact begins and ends within a step: 1e-2 and 6e-4
         const double order = std::log2(coarse.closure / fine.closure) / 2;
         rows.push_back({"S6", what + ": closure of the impact", "< 1e-2 at 0.1 and 1e-3 at 0.025 of the critical step",
                         fmt::format("{:.1e} ({}) and {:.1e}, order {:.1f}", coarse.closure, coarse.where, fine.closure, order), coarse.closure < 1e-2 && fine.closure < 1e-3});

@@ -127,7 +127,7 @@ void add_walls(StressRows& rows, const std::string& what, const Watch& w) {
 
 /// `may_stop`: where there is too little to push against, the run may also stop, and say why.
 void add_settled(StressRows& rows, const std::string& what, const Watch& w, double target, bool may_stop = false) {
-    const double scale = std::max(target, 1e-300);
+    const double scale = target > 0 ? target : Tube{}.pressure; // none is left of what was
     const bool settled = w.stop.empty() && std::abs(w.mean() - target) < 0.01 * scale && w.deviation() < 1e-3 * scale;
     rows.push_back({"S7", what + ": pressure", may_stop ? "settles at the target: mean within 1 %, std below 0.1 %; or stops and says why" : "settles at the target: mean within 1 %, std below 0.1 %",
                     w.stop.empty() ? fmt::format("mean {:.5g} of {:.5g} Pa, std {:.1e}", w.mean(), target, w.deviation()) : w.stop, settled || (may_stop && !w.stop.empty())});

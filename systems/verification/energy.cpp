@@ -24,9 +24,9 @@ void verify_gas(Checks& checks) {
             gas.law = law;
             gas.steps_per_contact = p.steps;
             const GasResult r = measure(gas);
-            // (pi / steps)^2 / 8 of an impact's energy at either end of each contact, of random sign
+            // where contacts begin and end it is of third order and more, but several at a time disturb each other
             checks.absolute(fmt::format("{}, t_c/{}: largest change of energy", is_hertz(law) ? "Hertz" : "linear", p.steps), "",
-                            0, r.largest_change, 0.5 * (pi / p.steps) * (pi / p.steps), is_hertz(law) ? p.hertz : p.linear);
+                            0, r.largest_change, 0.1 * (pi / p.steps) * (pi / p.steps), is_hertz(law) ? p.hertz : p.linear);
             if (p.steps == 20)
                 checks.at_least(fmt::format("{}: touching pairs, mean", is_hertz(law) ? "Hertz" : "linear"), "", 1, r.contacts);
         }

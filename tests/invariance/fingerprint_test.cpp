@@ -112,6 +112,36 @@ TEST_SUITE("invariance") {
         }
     }
 
+    TEST_CASE("scenes of many chunks end in the same bits on any number of threads") {
+        struct Large {
+            std::string name;
+            Grains grains;
+            Walls walls;
+            unsigned bodies;
+        };
+        for (const Large& scene : {Large{"spheres in planes", Grains::spheres, Walls::planes, 4000}, Large{"spheres in facets", Grains::spheres, Walls::facets, 4000},
+                                   Large{"clumps in facets", Grains::clumps, Walls::facets, 2000}}) {
+            CAPTURE(scene.name);
+            const auto run = [&](unsigned threads) {
+                RunSettings settings = plain;
+                settings.law = LawName::linear_viscous;
+                settings.threads = threads;
+                settings.schedule = {};
+                settings.lists.inner_skin = 0.002;
+                Simulation sim = start(bed({.grains = scene.grains, .walls = scene.walls, .bodies = scene.bodies, .seed = seed}), settings);
+                sim.advance(2400);
+                CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() > 2 * near_rows_per_chunk);
+                CHECK(measure(sim.world()).contacts > 100);
+                return sim.snapshot();
+            };
+            const Archive reference = run(1);
+            for (const unsigned threads : {2u, 3u, 7u}) {
+                CAPTURE(threads);
+                CHECK(difference(reference, run(threads)) == "");
+            }
+        }
+    }
+
     TEST_CASE("looking changes no bit: measuring and snapshots on or off") {
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);

@@ -1,6 +1,7 @@
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
+#include "systems/broadphase/lists.hpp"
 #include "systems/experiments/bench.hpp"
 #include "systems/experiments/collide.hpp"
 #include "systems/fusion/correct.hpp"
@@ -152,6 +153,21 @@ TEST_SUITE("systems/fusion/fuse") {
             return fingerprint(sim.snapshot(), "bodies/position");
         };
         CHECK(positions(true) == positions(false));
+    }
+
+    TEST_CASE("new lists right after a sample change no bit: contacts see what it did to velocities all the same") {
+        const auto after = [](bool anew) {
+            TimedMeasurement m = at(1e-4, Vec3(-1e-5, 0, 0));
+            m.what.velocity = Vec3(0.01, 0.002, 0);
+            m.what.velocity_deviation = 1e-4;
+            Simulation sim = pair({m}, 5, {.position = 1e-4, .velocity = 1, .gate = 1});
+            sim.advance(10);
+            CHECK(counted(sim, Accepted{}) == 2);
+            if (anew) invalidate_lists(sim.world());
+            sim.advance(30);
+            return fingerprint(sim.snapshot(), "bodies/");
+        };
+        CHECK(after(true) == after(false));
     }
 
     TEST_CASE("a run resumed between a sample and the end of its correction has the same bits") {

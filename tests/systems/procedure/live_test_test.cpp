@@ -7,6 +7,10 @@
 
 #include <doctest/doctest.h>
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
 #include <fstream>
 #include <thread>
 
@@ -183,7 +187,7 @@ TEST_SUITE("procedure/live_test") {
             const auto test = f.follow(half);
             CHECK_FALSE(test->follow_to(0.01));
             CHECK(test->over());
-            CHECK(test->report().find("nothing came for 0.1 s after 80 lines") != std::string::npos);
+            CHECK(test->report().find("nothing of the test machine came for 0.1 s after 80 lines") != std::string::npos);
         }
         f.settings.patience = 2;
         LiveTest again(f.write(recorded().lines), f.folder / "log", recorded().infos, f.settings);
@@ -229,6 +233,53 @@ TEST_SUITE("procedure/live_test") {
         (void)test->follow_to(1);
         check_same(test->so_far(), recorded().read());
         CHECK(test->report().find("the machine: expected an axial strain near") != std::string::npos);
+    }
+
+    TEST_CASE("a machine that sends per cent does not end the test") {
+        std::vector<std::string> lines;
+        for (int k = 0; k < 40; ++k) lines.push_back(fmt::format(R"({{"axial_strain": {}, "deviatoric_stress_Pa": {}}})", 0.01 * k, 1e3 * k)); // stages of 0.01 %
+        lines.emplace_back(R"({"end": 1})");
+        const Followed f;
+        const auto test = f.follow(lines);
+        CHECK_FALSE(test->follow_to(0.01));
+        CHECK(test->so_far().measured.size() == 1); // 0
+        CHECK(test->report().find("is it in per cent?") != std::string::npos);
+    }
+
+    TEST_CASE("a test goes on after an outage, once three records of the machine agree where it is") {
+        std::vector<std::string> lines;
+        for (const std::string& line : recorded().lines) {
+            const auto at = line.find("axial_strain\": ");
+            const double strain = at == std::string::npos ? 0 : std::stod(line.substr(at + 15));
+            if (strain > 0.0015 && strain < 0.0055) continue; // and more than 0.2 % of strain is gone
+            lines.push_back(line);
+        }
+        const Followed f;
+        const auto test = f.follow(lines);
+        REQUIRE(test->follow_to(0.008));
+        const auto measured = test->so_far().measured;
+        CHECK(std::ranges::count_if(measured, [](const TriaxialPoint& p) { return p.axial_strain > 0.0055 && p.axial_strain < 0.0065; }) > 0);
+        CHECK(test->report().find("the machine goes on at 0.0055") != std::string::npos);
+    }
+
+    TEST_CASE("a machine that falls silent ends the test, though sensors go on") {
+        Followed f;
+        f.settings.patience = 0.3;
+        const auto path = f.write({R"({"axial_strain": 0, "deviatoric_stress_Pa": 0})"});
+        std::atomic<bool> over = false;
+        std::thread sensor([&] {
+            for (int k = 0; !over && k < 200; ++k) {
+                std::ofstream(path, std::ios::app) << fmt::format(R"({{"id": 1, "t": {}}})", 0.01 * k) << std::endl;
+                std::this_thread::sleep_for(std::chrono::milliseconds(20));
+            }
+        });
+        LiveTest test(path, f.folder / "log", recorded().infos, f.settings);
+        const Instant began = this_instant();
+        CHECK_FALSE(test.follow_to(0.01));
+        over = true;
+        sensor.join();
+        CHECK(seconds_since(began) < 2);
+        CHECK(test.report().find("nothing of the test machine came for 0.3 s") != std::string::npos);
     }
 
     TEST_CASE("lines that came and were not taken are logged when a run stops, and a cut-off line stays one") {
