@@ -265,6 +265,14 @@ void Computation::report() {
         both("q", "_Pa", free.q, fused.q);
         both("volumetric_strain", "", free.volumetric_strain, fused.volumetric_strain);
         both("ring_strain", "", free.ring_strain, fused.ring_strain);
+        for (const unsigned percent : {2u, 4u}) { // later each specimen goes its own way
+            RecordedTest part = test;
+            std::erase_if(part.measured, [&](const TriaxialPoint& p) { return p.axial_strain > 0.01 * percent + 1e-9; });
+            if (part.measured.size() == test.measured.size()) continue;
+            const Misfit free_then = misfit_of(c.free, part), fused_then = misfit_of(c.fused, part);
+            add(fmt::format("error_left_q_to_{}_percent", percent).c_str(), fused_then.q / free_then.q);
+            add(fmt::format("error_left_volumetric_strain_to_{}_percent", percent).c_str(), fused_then.volumetric_strain / free_then.volumetric_strain);
+        }
         both("sensor_displacement", "_m", free.sensor_displacement, fused.sensor_displacement);
         add("measurements_accepted", c.fused.accepted);
         add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.platen_work);
