@@ -23,6 +23,12 @@ template <class Pairs> System gather_of(const char* name, LawName law, bool ledg
     return required(ledger && has_springs(law) ? row_local(name, gather_and_book<Pairs>) : row_local(name, gather<Pairs>));
 }
 
+/// Without friction, it has work to book only with dashpots.
+System gather_of_membrane(LawName law, bool ledger) {
+    constexpr auto name = "gather_membrane";
+    return ledger && has_dashpots(law) ? row_local(name, gather_and_book<MembranePairs>) : row_local(name, gather<MembranePairs>);
+}
+
 bool sleep_or_lists_are_due(const World& world) { return lists_are_due(world) || sleep_is_due(world); }
 
 } // namespace
@@ -48,7 +54,7 @@ StepList steps(LawName law, bool ledger, PatchStiffness patch) {
         required(collide_spheres(law, choices)),
         required(collide_facets(law, choices)),
         required(collide_planes(law, choices)),
-        required(collide_membrane(law)),
+        required(collide_membrane(law, choices)),
         // who touches whom now
         system("list_sphere_contacts", list_contacts<SpherePairs>),
         system("list_facet_contacts", list_contacts<FacetPairs>),
@@ -60,7 +66,7 @@ StepList steps(LawName law, bool ledger, PatchStiffness patch) {
         gather_of<SpherePairs>("gather_spheres", law, ledger),
         gather_of<FacetPairs>("gather_facets", law, ledger),
         gather_of<PlanePairs>("gather_planes", law, ledger),
-        row_local("gather_membrane", gather<MembranePairs>),
+        gather_of_membrane(law, ledger),
         row_local("book_boundary_work", book_boundary_work),
         row_local("book_corrections", book_corrections),
         row_local("pull_sensors", pull_sensors),

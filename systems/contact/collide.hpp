@@ -23,6 +23,6 @@ System collide_facets(LawName law, const StepChoices& choices);
 System collide_planes(LawName law, const StepChoices& choices);
 
 /// The same for spheres against a membrane; never friction.
-System collide_membrane(LawName law);
+System collide_membrane(LawName law, const StepChoices& choices);
 
 } // namespace bris

@@ -99,8 +99,8 @@ void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePai
 }
 
 // a membrane has no friction, whatever the law between grains
-template <class Law>
-void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf> near, detail::ListedSpheres listed,
+template <class Law, class... Work>
+void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf, Work...> near, detail::ListedSpheres listed,
              detail::MovingBodies<Law> bodies, Rows<Elements, const ElementRadius, const ElementSpeed> elements,
              NearIndex<MembranePairs>& index, MembraneBands& bands, const Membrane& membrane, const Materials& materials,
              const Limits& limits, const Clock& clock) {
@@ -108,7 +108,7 @@ void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf> near, detail:
     const MembraneSurface surface(membrane, elements.column<ElementRadius>());
     lay_out_bands(surface, bands);
     const Band band{surface, bands.radii.data(), {listed, bodies, index}, elements.column<ElementSpeed>(),
-                    near.column<FootOf>(), limits.overlap};
+                    near.template column<FootOf>(), limits.overlap};
     for_chunks(index.size(), near_rows_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
         collide_chunk<Law>(to, band, index, chunk, first, last);
     });
@@ -116,11 +116,14 @@ void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf> near, detail:
 
 } // namespace
 
-System collide_membrane(LawName law) {
+System collide_membrane(LawName law, const StepChoices& choices) {
     constexpr auto name = "collide_membrane";
-    if (is_hertz(law))
-        return has_dashpots(law) ? system(name, collide<Law<HertzNormal, Dashpots, Frictionless>>) : system(name, collide<HertzFrictionless>);
-    return has_dashpots(law) ? system(name, collide<Law<LinearNormal, Dashpots, Frictionless>>) : system(name, collide<LinearFrictionless>);
+    if (!has_dashpots(law)) return is_hertz(law) ? system(name, collide<HertzFrictionless>) : system(name, collide<LinearFrictionless>);
+    const auto damped = [&]<class Normal>() {
+        using Damped = Law<Normal, Dashpots, Frictionless>;
+        return choices.ledger ? system(name, collide<Damped, PairWork>) : system(name, collide<Damped>);
+    };
+    return is_hertz(law) ? damped.template operator()<HertzNormal>() : damped.template operator()<LinearNormal>();
 }
 
 } // namespace bris

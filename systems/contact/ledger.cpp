@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/material.hpp"
 #include "components/pair.hpp"
 
 namespace bris {
@@ -18,6 +19,8 @@ void add_ledger(World& world) {
         if (world.has<Pairs>() && world.table<Pairs>().template has<Spring>())
             world.table<typename Pairs::Near>().template add<PairWork>();
     });
+    // a membrane has no friction, but it may have dashpots
+    if (world.has<MembranePairs>() && has_dashpots(world.resource<ContactLaw>().law)) world.table<NearMembrane>().add<PairWork>();
 }
 
 } // namespace bris

@@ -87,19 +87,20 @@ StressRows stress_frames(const StressSettings& s) {
         const double diameter = 2 * mean_radius(tumbling(scene)), nudge = 1e-9 * diameter;
         const double condition = std::max(1.0, difference(reference, places(scene, {}, steps, nudge)) / nudge);
         // every step rounds a place of this size by eps, which kicks a body by k eps size dt / m; n kicks of random sign move it
-        // by (omega dt)^2 n^1.5 eps size, omega dt = 0.1 here, and the run amplifies that by its condition
-        const double rounding = condition * 0.01 * std::pow(steps, 1.5) * std::numeric_limits<double>::epsilon();
+        // by (omega dt)^2 n^1.5 eps size, omega dt = 0.1 here, and the run amplifies that by its condition; the worst of 60 bodies
+        // is three such deviations off
+        const double rounding = 3 * condition * 0.01 * std::pow(steps, 1.5) * std::numeric_limits<double>::epsilon();
         const auto add = [&](const std::string& name, const Frame& f, double size) {
             const double off = difference(reference, places(scene, f, steps));
             const double allowed = rounding * size;
             rows.push_back({"S15", fmt::format("{}: {}", what, name),
-                            fmt::format("places equal to rounding x condition {:.0f}: {:.1e} m", condition, allowed),
+                            fmt::format("places equal within three deviations of rounding x condition {:.0f}: {:.1e} m", condition, allowed),
                             fmt::format("{:.1e} m", off), off <= allowed});
         };
         double worst = 0;
         for (const Mat3& turn : cube_rotations()) worst = std::max(worst, difference(reference, places(scene, {.turn = turn}, steps)));
         const double allowed = rounding * 0.2;
-        rows.push_back({"S15", fmt::format("{}: turned 24 ways", what), fmt::format("places equal to rounding x condition {:.0f}: {:.1e} m", condition, allowed),
+        rows.push_back({"S15", fmt::format("{}: turned 24 ways", what), fmt::format("places equal within three deviations of rounding x condition {:.0f}: {:.1e} m", condition, allowed),
                         fmt::format("{:.1e} m at worst", worst), worst <= allowed});
         add("turned by 0.3, 0.7, -0.4 rad", {.turn = exponential_map(Vec3(0.3, 0.7, -0.4)).toRotationMatrix()}, 0.2);
         add("flying at (3, -2, 1) m/s", {.boost = Vec3(3, -2, 1)}, 0.2);

@@ -237,6 +237,30 @@ TEST_SUITE("physics/membrane") {
         }
     }
 
+    TEST_CASE("what dashpots of a membrane take is booked: energy closes to second order in dt") {
+        double open[2] = {0, 0}, taken = 0;
+        for (int fine = 0; fine < 2; ++fine) {
+            World world = make_world(Grains::spheres);
+            const auto material = add_material(world, linear_material(2e4, 0, 0));
+            world.resource<Materials>().list[material].normal_damping = 100;
+            world.resource<Materials>().mix();
+            add_tube(world, {.rings = 2, .sectors = 8, .radius = 0.045, .height = 0.1}, material);
+            world.resource<Membrane>().active = false;
+            const EntityId ball = add_sphere(world, Vec3(0, 0, 0.04), 0.0085, material);
+            value_of<Velocity>(world, ball) = Vec3(0.5, 0.1, 0.03);
+            Simulation sim = stress::begin(std::move(world), {.dt = fine == 1 ? 5e-6 : 1e-5, .law = LawName::linear_viscous, .ledger = true});
+            const double before = measure(sim.world()).kinetic_energy;
+            sim.advance(fine == 1 ? 60000 : 30000);
+            const Quantities q = measure(sim.world());
+            taken = value_of<ViscousWork>(sim, ball);
+            open[fine] = std::abs(q.kinetic_energy + q.elastic_energy + taken - before);
+            CHECK(taken > 0.1 * before);
+        }
+        MESSAGE("energy open by ", open[0], " J, at half the step ", open[1], " J, of ", taken, " J taken");
+        CHECK(open[0] < 1e-3 * taken);
+        CHECK(open[1] < open[0]);
+    }
+
     TEST_CASE("elements that move, and grains that slide over their slopes, keep the energy balance") {
         // grains that fly about inside a membrane whose rings breathe out of step
         double error[2] = {0, 0}, work = 0;
