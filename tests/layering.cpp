@@ -103,7 +103,7 @@ bool may_include_library(const std::string& file, const std::string& target) {
         {{"tbb/", "oneapi/"},
          {"engine/parallel.hpp", "engine/parallel.cpp", "engine/schedule.cpp"}},
         {{"hdf5", "H5"}, {"engine/io/hdf5.cpp"}},
-        {{"nanoflann"}, {"systems/broadphase/kdtree.cpp", "systems/build/packing.cpp"}},
+        {{"nanoflann"}, {"systems/build/nearest_point.cpp"}},
         {{"openvdb/"}, {"systems/fields/*.cpp", "systems/build/fill_clump.cpp"}},
         {{"CLI/"}, {"engine/options.cpp"}},
         {{"boost/"}, {"engine/signal/chi_squared.cpp", "engine/signal/moderated_variance.cpp", "engine/io/json_numbers.cpp"}},

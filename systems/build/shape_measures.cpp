@@ -1,6 +1,7 @@
 #include "systems/build/shape_measures.hpp"
 
 #include "engine/random.hpp"
+#include "systems/build/nearest_point.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -322,14 +323,13 @@ std::vector<SurfacePoint> surface_points(const Polyhedron& polyhedron, std::size
 
 SurfaceDistance distance_to_union(const Polyhedron& polyhedron, std::span<const Ball> balls) {
     const std::vector<Vec3> surface = union_surface(balls, 0.015 * typical_size(polyhedron));
+    const NearestPoint nearest(surface);
     const auto distance = [&](const Vec3& point) {
         double outside = std::numeric_limits<double>::infinity();
         for (const Ball& ball : balls)
             outside = std::min(outside, (point - ball.centre).norm() - ball.radius);
         if (outside >= 0) return outside; // exact; inside, the nearest of many points is needed
-        double least = std::numeric_limits<double>::infinity();
-        for (const Vec3& other : surface) least = std::min(least, (point - other).squaredNorm());
-        return std::sqrt(least);
+        return nearest.distance(point);
     };
     SurfaceDistance result;
     const std::vector<SurfacePoint> points = surface_points(polyhedron, 4000);
