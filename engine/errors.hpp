@@ -35,18 +35,3 @@ inline void require(bool condition, const std::string& message) {
 }
 
 } // namespace bris
-
-// a programmer's mistake, never a user's; on in checked builds
-#ifdef BRIS_CHECKED
-#include <cstdio>
-#include <cstdlib>
-#define BRIS_ASSERT(condition)                                                                     \
-    do {                                                                                           \
-        if (!(condition)) {                                                                        \
-            std::fprintf(stderr, "%s:%d: assertion failed: %s\n", __FILE__, __LINE__, #condition); \
-            std::abort();                                                                          \
-        }                                                                                          \
-    } while (false)
-#else
-#define BRIS_ASSERT(condition) static_cast<void>(0)
-#endif
