@@ -5,6 +5,7 @@
 #include "systems/broadphase/lists.hpp"
 
 #include <algorithm>
+#include <span>
 
 namespace bris {
 
@@ -87,12 +88,14 @@ template <class Pairs> void make_incidence(World& world) {
     index.contact_end.resize(bodies); // of nobody yet
     for (Row b = 0; b < bodies; ++b) index.contact_end[b] = index.first_contact(b);
     for_chunks(bodies, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b)
-            // rows of one owner are in order already: ties keep theirs
-            std::stable_sort(index.incident.begin() + index.incident_first[b],
-                             index.incident.begin() + index.incident_first[b + 1], [&](Row x, Row y) {
-                                 return names[entry[x].pair].owner < names[entry[y].pair].owner;
-                             });
+        std::vector<std::uint64_t> keys; // id of the owner, then row: those of one owner are in order already
+        for (std::size_t b = begin; b < end; ++b) {
+            const std::span<Row> mine(index.incident.data() + index.incident_first[b], index.incident_first[b + 1] - index.incident_first[b]);
+            keys.clear();
+            for (const Row k : mine) keys.push_back(std::uint64_t{names[entry[k].pair].owner} << 32 | k);
+            std::sort(keys.begin(), keys.end());
+            std::ranges::transform(keys, mine.begin(), [](std::uint64_t key) { return static_cast<Row>(key); });
+        }
     });
 }
 

@@ -17,9 +17,9 @@ constexpr double comes_in = 2.5;  // the likelihood, by this factor from pass to
 
 } // namespace
 
-ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& worlds, const std::vector<ParameterChannel>& channels, double trust, Eigen::Index more_worlds)
-    : prior_(prior), known_(prior), trust_(trust), middle_(worlds.colwise().mean()) {
-    for (const ParameterChannel& c : channels) channels_.push_back({c, {}});
+ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& worlds, std::size_t channels, double trust, Eigen::Index more_worlds,
+                                     SpecimenLikeness likeness)
+    : prior_(prior), known_(prior), trust_(trust), likeness_(likeness), middle_(worlds.colwise().mean()), channels_(channels) {
     const Eigen::Index n = worlds.rows();
     require(prior.mean.size() == 2 && worlds.cols() == 2, fmt::format("worlds: expected two parameters, found {} and {}", prior.mean.size(), worlds.cols()));
     require(n >= static_cast<Eigen::Index>(fewest_worlds), fmt::format("worlds: expected at least {} to learn from, found {}", fewest_worlds, n));
@@ -41,48 +41,54 @@ Vector ParameterEstimate::terms_at(double a, double b) const {
 
 Vector ParameterEstimate::left_of(const Vector& numbers) const { return numbers - design_ * (information_ * (design_.transpose() * numbers)); }
 
-ParameterEstimate::Measurement ParameterEstimate::difference_of(const Channel& channel, std::size_t k) const {
+ParameterEstimate::Difference ParameterEstimate::difference_of(const Channel& channel, std::size_t k) const {
     const Raw& now = channel.raw[k];
     const double correlation = channel.raw.size() < 2 ? 0 : std::clamp(channel.correlation / static_cast<double>(channel.raw.size() - 1), 0.0, 1.0);
     double lasting = 0;
     Vector difference = now.foretold;
-    double measured = now.measured;
+    double measured = now.measured.value, noise = now.measured.noise * now.measured.noise;
     if (k > 0 && channel.raw[k - 1].left.norm() > 0) {
         lasting = correlation * now.left.norm() / channel.raw[k - 1].left.norm();
         difference -= lasting * channel.raw[k - 1].foretold;
-        measured -= lasting * channel.raw[k - 1].measured;
+        measured -= lasting * channel.raw[k - 1].measured.value;
+        noise += std::pow(lasting * channel.raw[k - 1].measured.noise, 2);
     }
-    const double noise = channel.settings.noise;
     const double freedom = static_cast<double>(design_.rows() - terms_) - (lasting > 0 ? 1 : 0); // one for r
     return {.coefficients = information_ * (design_.transpose() * difference),
             .difference = measured,
             .lasting = lasting,
             .freedom = freedom,
             .chaos = left_of(difference).squaredNorm() / freedom,
-            .noise = noise * noise * (1 + lasting * lasting)};
+            .noise = noise};
 }
 
-ParameterEstimate::Seen ParameterEstimate::seen_of(const Channel& channel) const {
+ParameterEstimate::Seen ParameterEstimate::seen() const {
     Seen seen;
-    const ParameterChannel& c = channel.settings;
-    const auto n = static_cast<Eigen::Index>(channel.raw.size());
-    for (std::size_t k = 0; k < channel.raw.size(); ++k) seen.measurements.push_back(difference_of(channel, k));
-    if (c.scatter <= 0) return seen;
+    std::vector<std::pair<std::size_t, ParameterMeasurement>> taken; // channel, as measured
+    for (std::size_t c = 0; c < channels_.size(); ++c)
+        for (std::size_t k = 0; k < channels_[c].raw.size(); ++k) {
+            seen.differences.push_back(difference_of(channels_[c], k));
+            taken.emplace_back(c, channels_[c].raw[k].measured);
+        }
+    if (std::ranges::none_of(taken, [](const auto& t) { return t.second.scatter > 0; })) return seen;
+    const auto n = static_cast<Eigen::Index>(taken.size());
     Matrix process(n, n), differences = Matrix::Identity(n, n);
     for (Eigen::Index k = 0; k < n; ++k) {
-        const auto at = static_cast<std::size_t>(k);
-        if (k > 0) differences(k, k - 1) = -seen.measurements[at].lasting;
-        for (Eigen::Index l = 0; l < n; ++l)
-            process(k, l) = c.scatter * c.scatter * std::exp(-std::abs(channel.raw[at].place - channel.raw[static_cast<std::size_t>(l)].place) / c.memory);
+        const auto& [channel, a] = taken[static_cast<std::size_t>(k)];
+        if (k > 0) differences(k, k - 1) = -seen.differences[static_cast<std::size_t>(k)].lasting; // 0 for the first of a channel
+        for (Eigen::Index l = 0; l < n; ++l) {
+            const auto& [other, b] = taken[static_cast<std::size_t>(l)];
+            process(k, l) = a.scatter * b.scatter * (channel == other ? 1 : likeness_.channels) * std::exp(-std::abs(a.place - b.place) / likeness_.memory);
+        }
     }
     seen.own = differences * process * differences.transpose();
     return seen;
 }
 
-void ParameterEstimate::see(std::size_t channel, const Vector& foretold, double measured, double place) {
+void ParameterEstimate::see(std::size_t channel, const Vector& foretold, const ParameterMeasurement& measured) {
     require(foretold.size() == design_.rows(), fmt::format("foretold: expected one number of each of {} worlds, found {}", design_.rows(), foretold.size()));
     Channel& c = channels_[channel];
-    c.raw.push_back({foretold, left_of(foretold), measured, place});
+    c.raw.push_back({foretold, left_of(foretold), measured});
     if (c.raw.size() > 1) {
         const Vector &before = c.raw[c.raw.size() - 2].left, &now = c.raw.back().left;
         const double size = before.norm() * now.norm();
@@ -92,49 +98,44 @@ void ParameterEstimate::see(std::size_t channel, const Vector& foretold, double 
 }
 
 double ParameterEstimate::surprise(std::size_t channel) const {
-    const Seen seen = seen_of(channels_[channel]);
-    const Measurement& m = seen.measurements.back();
+    const Seen seen = this->seen();
+    std::size_t last = 0; // of that channel
+    for (std::size_t c = 0; c <= channel; ++c) last += channels_[c].raw.size();
+    const Difference& m = seen.differences[--last];
     const Vector here = terms_at(known_.mean[0], known_.mean[1]);
-    const double spread = (known_.root.transpose() * m.coefficients.segment(1, 2)).squaredNorm(), own = seen.own.size() > 0 ? seen.own.diagonal().tail(1)[0] : 0;
+    const double spread = (known_.root.transpose() * m.coefficients.segment(1, 2)).squaredNorm(), own = seen.own.size() > 0 ? seen.own.diagonal()[static_cast<Eigen::Index>(last)] : 0;
     const double variance = m.chaos * (1 + here.dot(information_ * here)) + m.noise + own + spread;
     return std::pow(m.difference - m.coefficients.dot(here), 2) / variance;
 }
 
 const Gaussian& ParameterEstimate::parameters() {
     if (!stale_) return known_;
-    seen_.clear(); // with the correlation as it is known now
-    for (const Channel& one : channels_) seen_.push_back(seen_of(one));
+    seen_ = seen(); // with the correlation as it is known now
     known_ = integral();
     stale_ = false;
     return known_;
 }
 
-double ParameterEstimate::log_likelihood(const Seen& seen, const Vector& terms) const {
+double ParameterEstimate::log_likelihood(const Vector& at) const {
+    const Vector terms = terms_at(at[0], at[1]);
     const double leverage = terms.dot(information_ * terms);
-    if (seen.own.size() == 0) {
+    if (seen_.own.size() == 0) {
         double sum = 0;
-        for (const Measurement& m : seen.measurements) {
+        for (const Difference& m : seen_.differences) {
             const double off = m.difference - m.coefficients.dot(terms), variance = m.chaos * (1 + leverage) + m.noise;
             sum -= 0.5 * (std::log(variance) + (m.freedom + 1) * std::log1p(off * off / (m.freedom * variance)));
         }
         return trust_ * sum;
     }
-    Matrix covariance = seen.own;
-    Vector off(seen.own.rows());
+    Matrix covariance = seen_.own;
+    Vector off(seen_.own.rows());
     for (Eigen::Index k = 0; k < off.size(); ++k) {
-        const Measurement& m = seen.measurements[static_cast<std::size_t>(k)];
+        const Difference& m = seen_.differences[static_cast<std::size_t>(k)];
         off[k] = m.difference - m.coefficients.dot(terms);
         covariance(k, k) += m.chaos / trust_ * m.freedom / std::max(1.0, m.freedom - 2) * (1 + leverage) + m.noise; // the variance of Student's t
     }
     const Eigen::LLT<Matrix> root(covariance);
     return -0.5 * root.matrixL().solve(off).squaredNorm() - Vector(root.matrixLLT().diagonal()).array().log().sum();
-}
-
-double ParameterEstimate::log_likelihood(const Vector& at) const {
-    const Vector terms = terms_at(at[0], at[1]);
-    double sum = 0;
-    for (const Seen& seen : seen_) sum += log_likelihood(seen, terms);
-    return sum;
 }
 
 // Mean and covariance of prior times likelihood to the power of `share`, about which `known` is roughly right.

@@ -41,13 +41,13 @@ struct Game {
         const Vector truth = draw();
         Matrix designs(worlds, 2);
         for (Eigen::Index j = 0; j < worlds; ++j) designs.row(j) = draw().transpose();
-        ParameterEstimate estimate(before, designs, {{0, noise}});
+        ParameterEstimate estimate(before, designs, 1);
         Vector state(worlds + 1); // chaos of each world, and of the real one
         for (double& s : state) s = chaos * random.normal();
         for (int t = 0; t < times; ++t) {
             Vector foretold(worlds);
             for (Eigen::Index j = 0; j < worlds; ++j) foretold[j] = law(t, designs.row(j)) + state[j];
-            (void)estimate.see(0, foretold, law(t, truth) + state[worlds] + noise * random.normal());
+            estimate.see(0, foretold, {law(t, truth) + state[worlds] + noise * random.normal(), noise});
             for (double& s : state) s = lasting * s + chaos * std::sqrt(1 - lasting * lasting) * random.normal();
         }
         if (learned) *learned = estimate.parameters();
@@ -103,11 +103,11 @@ TEST_SUITE("fusion/parameter_estimate") {
         Gaussian exact = Game{}.prior();
         exact.root(1, 0) = 0.1;
         const Matrix worlds = random_worlds(11);
-        ParameterEstimate estimate(exact, worlds, {{0, 0.03}, {0, 0.03}});
+        ParameterEstimate estimate(exact, worlds, 2);
         for (const auto& [channel, y] : {std::pair{0, -0.1}, {1, -0.3}}) {
             Matrix slope(1, 2);
             slope << 0.8, channel ? 0.5 : 1.0;
-            estimate.see(static_cast<std::size_t>(channel), worlds * slope.transpose(), y);
+            estimate.see(static_cast<std::size_t>(channel), worlds * slope.transpose(), {y, 0.03});
             exact = measure<double>(exact, Vector::Constant(1, y), slope, Matrix::Constant(1, 1, 0.03 * 0.03)).estimate;
         }
         const Gaussian& found = estimate.parameters();
@@ -120,14 +120,14 @@ TEST_SUITE("fusion/parameter_estimate") {
         const Gaussian before = Game{}.prior();
         const Matrix worlds = random_worlds(9);
         const std::array<double, 3> places{0, 0.7, 3};
-        ParameterEstimate estimate(before, worlds, {{0.2, 0, 2}});
+        ParameterEstimate estimate(before, worlds, 1, 1, 0, {.memory = 2});
         Matrix slopes(3, 2), process(3, 3);
         slopes << 0.8, 1, 0.8, 0.6, 0.8, 0.1;
         Vector measured(3);
         measured << 0.1, 0.3, -0.4;
         for (Eigen::Index k = 0; k < 3; ++k) {
             const double place = places[static_cast<std::size_t>(k)];
-            estimate.see(0, worlds * slopes.row(k).transpose(), measured[k], place);
+            estimate.see(0, worlds * slopes.row(k).transpose(), {measured[k], 0, 0.2, place});
             for (Eigen::Index l = 0; l < 3; ++l) process(k, l) = 0.04 * std::exp(-std::abs(place - places[static_cast<std::size_t>(l)]) / 2);
         }
         const Gaussian exact = measure<double>(before, measured, slopes, process).estimate, &found = estimate.parameters();
@@ -135,11 +135,36 @@ TEST_SUITE("fusion/parameter_estimate") {
         CHECK((found.covariance() - exact.covariance()).norm() < 0.04 * exact.covariance().norm()); // never finer than the nodes stand
     }
 
+    TEST_CASE("what two channels share of a specimen's difference counts once") {
+        const Gaussian before = Game{}.prior();
+        const Matrix worlds = random_worlds(9);
+        Matrix slopes(4, 2), process(4, 4);
+        slopes << 0.8, 0.5, 0.7, 0.2, 1.1, 0, 1, 0.1;
+        const std::array<double, 4> place{0, 1, 0, 1}, scatter{0.2, 0.2, 0.3, 0.4};
+        const std::array<std::size_t, 4> channel{0, 0, 1, 1};
+        Vector measured(4);
+        measured << 0.1, 0.2, 0.4, 0.3;
+        const auto learned = [&](double likeness) {
+            ParameterEstimate estimate(before, worlds, 2, 1, 0, {.memory = 3, .channels = likeness});
+            for (const Eigen::Index k : {0, 2, 1, 3}) { // in the order of time
+                const auto at = static_cast<std::size_t>(k);
+                estimate.see(channel[at], worlds * slopes.row(k).transpose(), {measured[k], 0, scatter[at], place[at]});
+                for (std::size_t l = 0; l < 4; ++l)
+                    process(k, static_cast<Eigen::Index>(l)) = scatter[at] * scatter[l] * (channel[at] == channel[l] ? 1 : likeness) * std::exp(-std::abs(place[at] - place[l]) / 3);
+            }
+            return estimate.parameters();
+        };
+        const Gaussian found = learned(0.6), exact = measure<double>(before, measured, slopes, process).estimate;
+        CHECK((found.mean - exact.mean).norm() < 1e-3);
+        CHECK((found.covariance() - exact.covariance()).norm() < 0.04 * exact.covariance().norm());
+        CHECK(learned(0).covariance()(0, 0) < 0.95 * found.covariance()(0, 0));
+    }
+
     TEST_CASE("a narrow ridge is found wherever it runs, from a start many deviations off") {
         Matrix worlds(8, 2);
         worlds << -0.4, 0, -1, 0.4, -0.7, 0.6, -0.5, -0.3, -0.9, 0.1, -0.7, -0.2, -0.2, 0.5, -1.1, 0.2;
-        ParameterEstimate estimate(Game{}.prior(), worlds, {{0, 1e-3}});
-        estimate.see(0, worlds.col(0) + worlds.col(1), 3); // 7 of its deviations
+        ParameterEstimate estimate(Game{}.prior(), worlds, 1);
+        estimate.see(0, worlds.col(0) + worlds.col(1), {3, 1e-3}); // 7 of its deviations
         const Gaussian& found = estimate.parameters();
         CHECK(found.mean.sum() == doctest::Approx(3).epsilon(2e-3));
         CHECK((found.root.transpose() * Vector::Ones(2)).norm() < 5e-3);
@@ -151,10 +176,10 @@ TEST_SUITE("fusion/parameter_estimate") {
         Matrix worlds(6, 2);
         worlds << -0.4, 0, -1, 0.4, -0.7, 0.6, -0.5, -0.3, -0.9, 0.1, -0.7, -0.2;
         const auto deviation_with = [&](double scatter) {
-            ParameterEstimate estimate(prior, worlds, {{scatter, 0.01}});
+            ParameterEstimate estimate(prior, worlds, 1);
             Vector foretold(6);
             for (Eigen::Index j = 0; j < 6; ++j) foretold[j] = Game{}.law(0, worlds.row(j)) + 1e-3 * (j % 2 ? 1 : -1);
-            (void)estimate.see(0, foretold, 1.5);
+            estimate.see(0, foretold, {1.5, 0.01, scatter});
             const Vector seen = Vector::Map(std::array{0.8, 1.0}.data(), 2); // the sum that was measured
             return std::sqrt(seen.dot(estimate.parameters().covariance() * seen));
         };
@@ -176,8 +201,8 @@ TEST_SUITE("fusion/parameter_estimate") {
 
     TEST_CASE("too few worlds, and worlds that are all alike, are refused") {
         const Gaussian prior = Game{}.prior();
-        CHECK_THROWS_AS(ParameterEstimate(prior, Matrix::Random(5, 2), {{0, 0.01}}), InputError);
-        CHECK_THROWS_AS(ParameterEstimate(prior, Matrix::Zero(8, 2), {{0, 0.01}}), InputError);
-        CHECK_THROWS_AS(ParameterEstimate(prior, Matrix::Random(8, 3), {{0, 0.01}}), InputError);
+        CHECK_THROWS_AS(ParameterEstimate(prior, Matrix::Random(5, 2), 1), InputError);
+        CHECK_THROWS_AS(ParameterEstimate(prior, Matrix::Zero(8, 2), 1), InputError);
+        CHECK_THROWS_AS(ParameterEstimate(prior, Matrix::Random(8, 3), 1), InputError);
     }
 }

@@ -133,9 +133,10 @@ TEST_SUITE("procedure/learning") {
         const Gaussian by_both = learned();
         for (double& v : measured.volumetric_strain) v = std::nan("");
         const Gaussian unmeasured = learned();
-        // by q a specimen's scatter leaves 0.25 / 0.8 of ln friction, by dilation 1.4 * 0.25
-        CHECK(by_q.root.row(0).norm() == doctest::Approx(1 / std::sqrt(1 / 0.09 + 1 / 0.098)).epsilon(0.15));
-        CHECK(by_both.root.row(0).norm() == doctest::Approx(1 / std::sqrt(1 / 0.09 + 1 / 0.098 + 1 / 0.123)).epsilon(0.15));
+        // by q a specimen's scatter leaves 0.25 / 0.8 of ln friction, by dilation 0.25; what both have in common, 0.6, counts once
+        constexpr double q = 0.25 / 0.8, dilation = 0.25, both = (1 - 0.6 * 0.6) / (1 / (q * q) + 1 / (dilation * dilation) - 2 * 0.6 / (q * dilation));
+        CHECK(by_q.root.row(0).norm() == doctest::Approx(1 / std::sqrt(1 / 0.09 + 1 / (q * q))).epsilon(0.15));
+        CHECK(by_both.root.row(0).norm() == doctest::Approx(1 / std::sqrt(1 / 0.09 + 1 / both)).epsilon(0.15));
         CHECK(by_both.mean[0] > by_q.mean[0]);
         CHECK(unmeasured.mean == by_q.mean);
     }
