@@ -17,6 +17,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace bris {
 
@@ -182,9 +183,10 @@ void Computation::run_arms() {
     std::vector<std::unique_ptr<FrameWriter>> frames(tests_.size());
     const auto run = [&](std::size_t k, const ModelArm& arm, const ModelWatch& watch, bool keep) {
         const TriaxialSettings settings = settings_at(tests_[k].pressure);
-        KeptRun kept(common_, settings, specimen_, arm);
+        std::optional<KeptRun> kept;
+        if (keep) kept.emplace(common_, settings, specimen_, arm);
         try {
-            return run_model(scene_, settings, specimen_, arm, common_.seed, watch, keep ? &kept : nullptr);
+            return run_model(scene_, settings, specimen_, arm, common_.seed, watch, kept ? &*kept : nullptr);
         } catch (const SimulationError& error) { // the others go on
             ModelRun none;
             none.stopped = fmt::format("{} at {}: {}", arm.name, folder_of(tests_[k].pressure), error.what());
@@ -266,10 +268,9 @@ void Computation::report() {
         both("volumetric_strain", "", free.volumetric_strain, fused.volumetric_strain);
         both("ring_strain", "", free.ring_strain, fused.ring_strain);
         for (const unsigned percent : {2u, 4u}) { // later each specimen goes its own way
-            RecordedTest part = test;
-            std::erase_if(part.measured, [&](const TriaxialPoint& p) { return p.axial_strain > 0.01 * percent + 1e-9; });
-            if (part.measured.size() == test.measured.size()) continue;
-            const Misfit free_then = misfit_of(c.free, part), fused_then = misfit_of(c.fused, part);
+            const double until = 0.01 * percent;
+            if (test.measured.back().axial_strain <= until + 1e-9) continue;
+            const Misfit free_then = misfit_of(c.free, test, until), fused_then = misfit_of(c.fused, test, until);
             add(fmt::format("error_left_q_to_{}_percent", percent).c_str(), fused_then.q / free_then.q);
             add(fmt::format("error_left_volumetric_strain_to_{}_percent", percent).c_str(), fused_then.volumetric_strain / free_then.volumetric_strain);
         }

@@ -14,6 +14,8 @@ namespace {
 constexpr Eigen::Index nodes_along = 21; // of the quadrature, along each axis
 constexpr double reach = 5;       // of it, in deviations of what is known so far
 constexpr double comes_in = 2.5;  // the likelihood, by this factor from pass to pass
+constexpr int most_passes = 40;   // with all of it, until deviations change by less than:
+constexpr double settled = 1e-3;
 
 } // namespace
 
@@ -163,7 +165,11 @@ Gaussian ParameterEstimate::integral_around(const Gaussian& known, double share)
 Gaussian ParameterEstimate::integral() const {
     Gaussian known = prior_;
     for (double share = 1e-5; share < 1; share *= comes_in) known = integral_around(known, share);
-    for (int pass = 0; pass < 3; ++pass) known = integral_around(known, 1);
+    for (int pass = 0; pass < most_passes; ++pass) {
+        const Matrix before = known.root;
+        known = integral_around(known, 1);
+        if ((known.root - before).norm() < settled * before.norm()) break;
+    }
     return known;
 }
 

@@ -14,11 +14,12 @@ namespace bris {
 namespace {
 
 constexpr double no_stress = 1e3; // Pa, below which a logarithm of q says nothing
-constexpr double no_volume = 1e-3; // volumetric strain, likewise
+constexpr double compaction = 1e-3; // volumetric strain that grains take up before they dilate
 constexpr double volume_noise = 0.02; // of volumetric strain as measured, relative
-// Specimens differ in strength, dilation and widening by the same share, and alike: eight of friction 0.7 by 0.27, 0.25 and 0.24
-// from 0.3 % of strain on, with correlations of 0.55 to 0.65 (tests/performance/packing_campaign)
-constexpr SpecimenLikeness specimen_likeness{.memory = 4, .channels = 0.6}; // the former of ln strain: the more, the slower specimens change
+// Pairs of specimens of friction 0.7 differ alike in all that is measured: from 0.2 % of strain on by 0.28 in ln q and by 0.26 of their
+// volumetric strain and that compaction; correlations are 0.6 between these, and fall off as those of this memory, or more slowly
+// (eight pairs at three pressures, tests/performance/packing_campaign).
+constexpr SpecimenLikeness specimen_likeness{.memory = 4, .channels = 0.6}; // the former of ln strain
 
 using Measured = std::vector<double> MeasuredTest::*;
 
@@ -152,12 +153,12 @@ bool see_sensors(ParameterEstimate& estimate, const Panel& worlds, const Measure
     return true;
 }
 
-/// In units of the worlds' mean: it grows with strain, and how much specimens differ with it.
+/// Dilation, in units that grow with strain as what specimens differ by does.
 bool see_volume(ParameterEstimate& estimate, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double from, double to) {
     const auto volume = means_of(worlds, measured, &MeasuredTest::volumetric_strain, &TriaxialPoint::volumetric_strain, from, to);
     if (!volume) return false;
-    const double unit = volume->foretold.cwiseAbs().mean();
-    if (!(unit > no_volume)) return false;
+    const double size = std::abs(volume->foretold.mean()), unit = -(size + compaction); // compression is positive
+    if (!(size > compaction)) return false; // all specimens begin alike: that would seem to say that this one goes on like the worlds
     estimate.see(2, volume->foretold / unit, {volume->measured / unit, volume_noise, settings.specimen_scatter, std::log(to)});
     return true;
 }

@@ -36,12 +36,12 @@ std::vector<TriaxialPoint> read_test(const std::filesystem::path& csv) {
 
 constexpr double same_strain = 1e-5; // of what was measured and a stage
 
-/// At the strains that both curves have.
-double difference_of(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured, double TriaxialPoint::* value) {
+/// At the strains that both curves have, up to one.
+double difference_of(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured, double last_strain, double TriaxialPoint::* value) {
     double squares = 0, count = 0;
     for (const TriaxialPoint& m : measured) {
         const auto stage = stage_at(run, m.axial_strain, same_strain);
-        if (m.axial_strain <= 0 || !stage) continue;
+        if (m.axial_strain <= 0 || m.axial_strain > last_strain || !stage) continue;
         squares += std::pow(run[*stage].*value - m.*value, 2);
         ++count;
     }
@@ -60,12 +60,12 @@ double ring_difference(const std::vector<TriaxialPoint>& run, const std::vector<
 }
 
 /// Root mean square of what sensor rocks of the model are off by, as far as they were measured.
-double sensor_difference(const ModelRun& run, const std::vector<SensorWay>& ways) {
+double sensor_difference(const ModelRun& run, const std::vector<SensorWay>& ways, double last_strain) {
     double squares = 0, count = 0;
     for (std::size_t s = 0; s < std::min(run.sensors, ways.size()); ++s) {
         for (std::size_t k = 0; k < ways[s].strain.size(); ++k) {
             const auto stage = stage_at(run.points, ways[s].strain[k], same_strain);
-            if (!stage || !ways[s].displacement[k].allFinite()) continue;
+            if (!stage || ways[s].strain[k] > last_strain || !ways[s].displacement[k].allFinite()) continue;
             squares += (run.displacement[*stage][s] - ways[s].displacement[k]).squaredNorm();
             ++count;
         }
@@ -138,11 +138,12 @@ void write_recorded_test(const std::filesystem::path& folder, double pressure, c
     write_csv(of_test / "test.csv", names, rows, {"what the machine measured, stage by stage; compression positive"}, 6);
 }
 
-Misfit misfit_of(const ModelRun& run, const RecordedTest& test) {
-    return {.q = difference_of(run.points, test.measured, &TriaxialPoint::deviatoric_stress),
-            .volumetric_strain = difference_of(run.points, test.measured, &TriaxialPoint::volumetric_strain),
+Misfit misfit_of(const ModelRun& run, const RecordedTest& test, double last_strain) {
+    const double last = last_strain + same_strain;
+    return {.q = difference_of(run.points, test.measured, last, &TriaxialPoint::deviatoric_stress),
+            .volumetric_strain = difference_of(run.points, test.measured, last, &TriaxialPoint::volumetric_strain),
             .ring_strain = ring_difference(run.points, test.measured),
-            .sensor_displacement = sensor_difference(run, test.ways)};
+            .sensor_displacement = sensor_difference(run, test.ways, last)};
 }
 
 } // namespace bris

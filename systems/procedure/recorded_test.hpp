@@ -4,6 +4,7 @@
 #include "systems/procedure/model_run.hpp"
 
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -43,12 +44,12 @@ RecordedTest read_recorded_test(const std::filesystem::path& folder, double pres
 void write_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<Recording>& recordings, const TriaxialScene& scene,
                          const std::vector<TriaxialPoint>& measured);
 
-/// Root mean square differences of a model from a test, over the strains that both have; NaN where nothing was measured.
+/// Root mean square differences of a model from a test, over the strains that both have, up to one; NaN where nothing was measured.
 struct Misfit {
     double q = 0, volumetric_strain = 0; ///< Pa, -
-    double ring_strain = 0;              ///< -, at the end of the run
+    double ring_strain = 0;              ///< -, at the end of the run, wherever the others end
     double sensor_displacement = 0;      ///< m
 };
-Misfit misfit_of(const ModelRun& run, const RecordedTest& test);
+Misfit misfit_of(const ModelRun& run, const RecordedTest& test, double last_strain = std::numeric_limits<double>::infinity());
 
 } // namespace bris

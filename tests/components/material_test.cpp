@@ -1,4 +1,5 @@
 #include "components/material.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,9 +13,9 @@ TEST_SUITE("components/material") {
         Materials m;
         m.add({.name = "glass", .density = 2800, .young_modulus = 4.8e10, .poisson_ratio = 0.2});
         const LawRow& k = m.hertz_pairs[0];
-        CHECK(k.kn == doctest::Approx(4.8e10 / (2 * (1 - 0.04))).epsilon(1e-14));
+        CHECK(k.kn == about(4.8e10 / (2 * (1 - 0.04))).epsilon(1e-14));
         // 2 (1 - nu) / (2 - nu), accuracy.md 4.1
-        CHECK(k.ks / k.kn == doctest::Approx(0.8 * 2 / 1.8).epsilon(1e-14));
+        CHECK(k.ks / k.kn == about(0.8 * 2 / 1.8).epsilon(1e-14));
     }
 
     TEST_CASE("a force that is cut at zero gives the restitution of the closed form, and a calibrated dashpot undoes it") {
@@ -23,10 +24,10 @@ TEST_SUITE("components/material") {
                                                          {0.8, 0.80810, 0.07436}, {0.98, 0.98008, 0.00646}}};
         for (const auto& [asked, cut, calibrated] : rows) {
             const double ratio = damping_ratio(asked, Tension::allowed);
-            CHECK(restitution_of(ratio, Tension::allowed) == doctest::Approx(asked).epsilon(1e-13));
-            CHECK(restitution_of(ratio, Tension::cut) == doctest::Approx(cut).epsilon(1e-5)); // five digits
-            CHECK(damping_ratio(asked, Tension::calibrated) == doctest::Approx(calibrated).epsilon(1e-3));
-            CHECK(restitution_of(damping_ratio(asked, Tension::calibrated), Tension::calibrated) == doctest::Approx(asked).epsilon(1e-12));
+            CHECK(restitution_of(ratio, Tension::allowed) == about(asked).epsilon(1e-13));
+            CHECK(restitution_of(ratio, Tension::cut) == about(cut).epsilon(1e-5)); // five digits
+            CHECK(damping_ratio(asked, Tension::calibrated) == about(calibrated).epsilon(1e-3));
+            CHECK(restitution_of(damping_ratio(asked, Tension::calibrated), Tension::calibrated) == about(asked).epsilon(1e-12));
         }
         CHECK(damping_ratio(1, Tension::calibrated) == 0);
         CHECK(damping_ratio(0, Tension::allowed) == 1);
@@ -35,9 +36,9 @@ TEST_SUITE("components/material") {
     TEST_CASE("a calibrated dashpot reaches every restitution above 0, and none reaches 0") {
         for (const double e : {1e-2, 1e-4, 1e-8, 1e-100}) {
             const double ratio = damping_ratio(e, Tension::calibrated);
-            CHECK(restitution_of(ratio, Tension::calibrated) == doctest::Approx(e).epsilon(1e-12));
+            CHECK(restitution_of(ratio, Tension::calibrated) == about(e).epsilon(1e-12));
             // exp(-2 ln(2 b) (1 + 1/(2 b^2)) + ...) = 1/(4 b^2) to O(e ln e): 4 % at 1e-2
-            CHECK(ratio == doctest::Approx(0.5 / std::sqrt(e)).epsilon(e * (1 - std::log(e)) + 1e-12));
+            CHECK(ratio == about(0.5 / std::sqrt(e)).epsilon(e * (1 - std::log(e)) + 1e-12));
         }
         CHECK(std::isinf(damping_ratio(0, Tension::calibrated)));
     }
@@ -47,11 +48,11 @@ TEST_SUITE("components/material") {
         const auto ball = m.add({.name = "ball", .friction = 0.3, .restitution = 0.81});
         const auto wall = m.add({.name = "wall", .friction = 0.2, .restitution = 1});
         CHECK(m.linear_pairs[m.pair(ball, wall)].friction == 0.2);
-        CHECK(m.linear_pairs[m.pair(ball, wall)].normal_ratio == doctest::Approx(2 * damping_ratio(0.9, Tension::allowed)));
+        CHECK(m.linear_pairs[m.pair(ball, wall)].normal_ratio == about(2 * damping_ratio(0.9, Tension::allowed)));
         m.policy.tension = Tension::calibrated;
         m.set_pair(ball, wall, {.friction = 0.7, .restitution = 0.4});
         CHECK(m.linear_pairs[m.pair(ball, wall)].friction == 0.7);
-        CHECK(m.linear_pairs[m.pair(wall, ball)].normal_ratio == doctest::Approx(2 * damping_ratio(0.4, Tension::calibrated)));
+        CHECK(m.linear_pairs[m.pair(wall, ball)].normal_ratio == about(2 * damping_ratio(0.4, Tension::calibrated)));
         CHECK(m.linear_pairs[m.pair(ball, ball)].friction == 0.3);
         Archive archive;
         m.save(archive);

@@ -1,6 +1,7 @@
 #include "engine/lane_math.hpp"
 
 #include "engine/random.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -43,7 +44,7 @@ TEST_SUITE("engine/lane_math") {
         });
         for (std::size_t k = 0; k < many; ++k) {
             CHECK(copies[k].coeffs() == turns[k].coeffs());
-            CHECK(norms[k] == doctest::Approx(1).epsilon(1e-15));
+            CHECK(norms[k] == about(1).epsilon(1e-15));
         }
     }
 

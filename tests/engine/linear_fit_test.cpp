@@ -1,5 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/linear_fit.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -15,9 +16,9 @@ TEST_SUITE("engine/linear_fit") {
         const std::array x{0.0, 1.0, 2.0, 3.0, 4.0}, y{4.0, 4.0, 6.0, 10.0, 1e6};
         const LinearFit fit = fit_line(x, y, 0, 3.5);
         CHECK(fit.points == 4);
-        CHECK(fit.slope == doctest::Approx(2).epsilon(1e-14));
-        CHECK(fit.intercept == doctest::Approx(3).epsilon(1e-14));
-        CHECK(fit.slope_error == doctest::Approx(std::sqrt(0.4)).epsilon(1e-14));
+        CHECK(fit.slope == about(2).epsilon(1e-14));
+        CHECK(fit.intercept == about(3).epsilon(1e-14));
+        CHECK(fit.slope_error == about(std::sqrt(0.4)).epsilon(1e-14));
         CHECK_THROWS_AS(fit_line(x, y, 2.5, 4.5), InputError);
     }
 }

@@ -1,4 +1,5 @@
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -85,7 +86,7 @@ TEST_SUITE("physics/facets") {
         const Vec3 triangle = rebound(single({{Vec3(-0.1, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0, 0.1, 0), Vec3(0, 0.1, 0)}}));
         const Vec3 edge = rebound(single({{Vec3(-0.1, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0.1, 0, -0.1), Vec3(0.1, 0, 0)}}));
         const Vec3 vertex = rebound(single({{Vec3(0, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0, 0, -0.2), Vec3(0.1, 0, -0.1)}}));
-        CHECK(from_plane.z() == doctest::Approx(1).epsilon(1e-3));
+        CHECK(from_plane.z() == about(1).epsilon(1e-3));
         // rounding of positions of 0.1 m against an overlap of 1e-4 m in 500 steps
         for (const Vec3& v : {face, triangle, edge, vertex}) CHECK((v - from_plane).norm() < 1e-10);
     }
@@ -114,7 +115,7 @@ TEST_SUITE("physics/facets") {
         const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
         CHECK((rebound(roof(0.5)) - from_plane).norm() < 1e-10); // an edge that two facets share
         const Vec3 from_valley = rebound(roof(-0.01));           // both faces carry: twice as stiff
-        CHECK(from_valley.z() == doctest::Approx(1).epsilon(2e-3));
+        CHECK(from_valley.z() == about(1).epsilon(2e-3));
     }
 
     TEST_CASE("a blade's edge is struck once where the corner of another facet ends on it") {

@@ -1,4 +1,5 @@
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -59,7 +60,7 @@ TEST_SUITE("physics/local_damping") {
             sim.advance(1500);
             return value_of<Velocity>(sim, b).z() - value_of<Velocity>(sim, a).z();
         };
-        CHECK(rebound(0) == doctest::Approx(2 * std::sqrt(0.3 / 1.7)).epsilon(1e-3));
+        CHECK(rebound(0) == about(2 * std::sqrt(0.3 / 1.7)).epsilon(1e-3));
         CHECK(std::abs(rebound(10) - rebound(0)) > 0.1);
     }
 }

@@ -2,6 +2,7 @@
 #include "systems/servo/membrane.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -37,14 +38,14 @@ TEST_SUITE("physics/membrane") {
     TEST_CASE("the exposed width of a side is that of the polygon, and negative where its neighbours hide it") {
         for (const unsigned n : {3u, 4u, 12u, 96u}) {
             const Uneven even(1, 0, true, 1, n);
-            CHECK(even.surface().exposed_width(0, 0, 0) == doctest::Approx(2 * 0.15 * std::tan(pi / n)).epsilon(1e-12));
-            CHECK(ring_area(even.membrane, even.radius.data(), 0) == doctest::Approx(n * 0.15 * 0.15 * std::tan(pi / n)).epsilon(1e-12));
+            CHECK(even.surface().exposed_width(0, 0, 0) == about(2 * 0.15 * std::tan(pi / n)).epsilon(1e-12));
+            CHECK(ring_area(even.membrane, even.radius.data(), 0) == about(n * 0.15 * 0.15 * std::tan(pi / n)).epsilon(1e-12));
         }
         Uneven box(1, 0, true, 1, 4);
         box.radius = {2, 3, 1, 5}; // (2 + 1) x (3 + 5)
-        CHECK(box.surface().exposed_width(0, 0, 0) == doctest::Approx(8).epsilon(1e-12));
-        CHECK(box.surface().exposed_width(0, 0, 3) == doctest::Approx(3).epsilon(1e-12));
-        CHECK(ring_area(box.membrane, box.radius.data(), 0) == doctest::Approx(24).epsilon(1e-12));
+        CHECK(box.surface().exposed_width(0, 0, 0) == about(8).epsilon(1e-12));
+        CHECK(box.surface().exposed_width(0, 0, 3) == about(3).epsilon(1e-12));
+        CHECK(ring_area(box.membrane, box.radius.data(), 0) == about(24).epsilon(1e-12));
         Uneven hidden(1, 0, true, 1);
         hidden.radius[5] = 0.3;
         CHECK(hidden.surface().exposed_width(0, 0, 5) < 0);
@@ -64,7 +65,7 @@ TEST_SUITE("physics/membrane") {
             }
             double shoelace = 0;
             for (std::size_t k = 0; k < 12; ++k) shoelace += 0.5 * corner[k].cross(corner[(k + 1) % 12]).z();
-            CHECK(ring_area(uneven.membrane, uneven.radius.data(), 0) == doctest::Approx(shoelace).epsilon(1e-12));
+            CHECK(ring_area(uneven.membrane, uneven.radius.data(), 0) == about(shoelace).epsilon(1e-12));
         }
     }
 
@@ -90,7 +91,7 @@ TEST_SUITE("physics/membrane") {
         const double wall = sim.world().column<Elements, ElementRadius>()[0];
         double push = 0;
         for (const auto& p : touching_pairs<MembranePairs>(sim.world())) push += p.force.normal_force;
-        CHECK(push == doctest::Approx(pressure * 0.1 * 8 * 2 * wall * std::tan(pi / 8)).epsilon(1e-6));
+        CHECK(push == about(pressure * 0.1 * 8 * 2 * wall * std::tan(pi / 8)).epsilon(1e-6));
     }
 
     TEST_CASE("a run goes on with the same bits from a checkpoint taken while the aim is on its way to a new target") {
@@ -128,7 +129,7 @@ TEST_SUITE("physics/membrane") {
                 x += speed * 1e-3;
             }
             CHECK(most == 1e4);
-            CHECK(x * stiffness * 1e4 == doctest::Approx(1).epsilon(stiffness == 1 ? 1e-9 : 1e-3));
+            CHECK(x * stiffness * 1e4 == about(1).epsilon(stiffness == 1 ? 1e-9 : 1e-3));
         }
     }
 
@@ -143,7 +144,7 @@ TEST_SUITE("physics/membrane") {
         for (const double r : sim.world().column<Elements, ElementRadius>()) CHECK(r == 0.05);
         for (double& v : sim.world().column<Elements, ElementSpeed>()) v = 0.2;
         sim.advance(500);
-        for (const double r : sim.world().column<Elements, ElementRadius>()) CHECK(r == doctest::Approx(0.051).epsilon(1e-12));
+        for (const double r : sim.world().column<Elements, ElementRadius>()) CHECK(r == about(0.051).epsilon(1e-12));
     }
 
     TEST_CASE("the force of the surface is the slope of one potential, over ridges and hollows") {
@@ -218,7 +219,7 @@ TEST_SUITE("physics/membrane") {
             CHECK(worst < 1e-9); // the volume is quadratic in the radii: the difference is exact
         }
         const Uneven even(4, 0, true, 4); // a prism
-        CHECK(membrane_volume(even.membrane, even.radius.data(), 0.3) == doctest::Approx(0.3 * 12 * 0.15 * 0.15 * std::tan(pi / 12)).epsilon(1e-12));
+        CHECK(membrane_volume(even.membrane, even.radius.data(), 0.3) == about(0.3 * 12 * 0.15 * 0.15 * std::tan(pi / 12)).epsilon(1e-12));
     }
 
     TEST_CASE("a wide membrane has no gap: no direction leads out") {

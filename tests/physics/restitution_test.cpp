@@ -1,4 +1,5 @@
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -44,7 +45,7 @@ TEST_SUITE("physics/restitution") {
         for (const double e : {0.9, 0.5, 0.1}) {
             const double damping = -std::log(e) / std::sqrt(pi * pi + std::log(e) * std::log(e));
             const double rate = 2 * damping * std::sqrt(1e6 / (2600 * 4.0 / 3 * pi * 1e-6));
-            CHECK(closed_form(rate) == doctest::Approx(e).epsilon(1e-12));
+            CHECK(closed_form(rate) == about(e).epsilon(1e-12));
             CAPTURE(e);
             // second order wherever in the step the contact begins and ends: the leapfrog's own error is e (pi/steps)^2
             // times a number of order one; other codes reach 3.8e-3, 8.6e-4 and 2.1e-4 (accuracy.md 1b)

@@ -1,5 +1,6 @@
 #include "systems/contact/laws/composed.hpp"
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -132,7 +133,7 @@ TEST_SUITE("physics/tangential") {
         }
         const double exact = 4 * limit * (amplitude - limit / contact.ks);
         // the corners of the loop are cut within a step of displacement: 2 pi A / steps of the loop
-        CHECK(work == doctest::Approx(exact).epsilon(2 * pi / steps));
+        CHECK(work == about(exact).epsilon(2 * pi / steps));
     }
 
     TEST_CASE("a sphere on its tangential spring follows the closed form to second order in dt") {

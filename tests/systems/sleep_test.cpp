@@ -4,6 +4,7 @@
 #include "systems/output/quantities.hpp"
 #include "systems/sleep/sleep.hpp"
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -69,8 +70,8 @@ TEST_SUITE("sleep") {
             CHECK(asleep.kinetic_energy == 0);
             CHECK(std::abs(asleep.boundary_force.z() / asleep.weight.z() - 1) < 0.01);
             CHECK(asleep.contacts == full.contacts);
-            CHECK(asleep.mean_overlap == doctest::Approx(full.mean_overlap).epsilon(0.01));
-            CHECK(asleep.elastic_energy == doctest::Approx(full.elastic_energy).epsilon(0.02));
+            CHECK(asleep.mean_overlap == about(full.mean_overlap).epsilon(0.01));
+            CHECK(asleep.elastic_energy == about(full.elastic_energy).epsilon(0.02));
             double farthest = 0;
             for (EntityId id = 0; id < count; ++id)
                 farthest = std::max(farthest, (value_of<Position>(sim, id) - value_of<Position>(waking, id)).norm());

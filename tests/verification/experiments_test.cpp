@@ -6,6 +6,7 @@
 #include "systems/experiments/top.hpp"
 #include "systems/verification/cases.hpp"
 #include "systems/verification/table.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -49,8 +50,8 @@ TEST_SUITE("verification/experiments") {
             CHECK((top.spin(top.period()) - spin).norm() < 1e-12);
             for (const double t : {0.3, 1.7, 12.0}) {
                 const Vec3 w = top.spin(t), momentum = w.cwiseProduct(inertia);
-                CHECK(w.dot(momentum) == doctest::Approx(spin.dot(spin.cwiseProduct(inertia))).epsilon(1e-13));
-                CHECK(momentum.norm() == doctest::Approx(spin.cwiseProduct(inertia).norm()).epsilon(1e-13));
+                CHECK(w.dot(momentum) == about(spin.dot(spin.cwiseProduct(inertia))).epsilon(1e-13));
+                CHECK(momentum.norm() == about(spin.cwiseProduct(inertia).norm()).epsilon(1e-13));
                 // dL/dt = L x w; the central difference is off by h^2/6 of a third derivative, and by rounding / h
                 const double h = 1e-5;
                 const Vec3 rate = (top.spin(t + h) - top.spin(t - h)) / (2 * h);

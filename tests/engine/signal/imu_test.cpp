@@ -1,5 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/signal/imu.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -58,8 +59,8 @@ TEST_SUITE("engine/signal/imu") {
         }
         for (const std::size_t length : {1u, 10u, 100u}) {
             const double time = static_cast<double>(length) / model.rate;
-            CHECK(allan_deviation(force, length) == doctest::Approx(1e-3 / std::sqrt(time)).epsilon(0.05));
-            CHECK(allan_deviation(rate, length) == doctest::Approx(1e-4 / std::sqrt(time)).epsilon(0.05));
+            CHECK(allan_deviation(force, length) == about(1e-3 / std::sqrt(time)).epsilon(0.05));
+            CHECK(allan_deviation(rate, length) == about(1e-4 / std::sqrt(time)).epsilon(0.05));
         }
     }
 
@@ -75,8 +76,8 @@ TEST_SUITE("engine/signal/imu") {
             for (int k = 0; k < samples; ++k) (void)imu.sample(k / model.rate, {});
             walked += imu.rate_bias().squaredNorm() / (3 * devices);
         }
-        CHECK(std::sqrt(squares) == doctest::Approx(0.02).epsilon(0.05));
-        CHECK(std::sqrt(walked) == doctest::Approx(1e-3 * std::sqrt(samples / model.rate)).epsilon(0.05));
+        CHECK(std::sqrt(squares) == about(0.02).epsilon(0.05));
+        CHECK(std::sqrt(walked) == about(1e-3 * std::sqrt(samples / model.rate)).epsilon(0.05));
     }
 
     TEST_CASE("a sample is rounded to its bits, held in its range, and says so") {
@@ -101,9 +102,9 @@ TEST_SUITE("engine/signal/imu") {
         Imu imu(model, Vec3::Zero(), 1, 1);
         int lost = 0;
         for (int k = 0; k < 10000; ++k) lost += imu.sample(0, {}).lost ? 1 : 0;
-        CHECK(lost == doctest::Approx(3000).epsilon(0.05));
+        CHECK(lost == about(3000).epsilon(0.05));
         const ImuSample s = imu.sample(100, {});
-        CHECK(s.time == doctest::Approx(100.6).epsilon(1e-12));
+        CHECK(s.time == about(100.6).epsilon(1e-12));
         CHECK(s.sequence == 10000);
     }
 
@@ -120,8 +121,8 @@ TEST_SUITE("engine/signal/imu") {
             }
             return largest;
         };
-        CHECK(amplitude(1) == doctest::Approx(1).epsilon(0.01));
-        CHECK(amplitude(20) == doctest::Approx(std::sqrt(0.5)).epsilon(0.06));
+        CHECK(amplitude(1) == about(1).epsilon(0.01));
+        CHECK(amplitude(20) == about(std::sqrt(0.5)).epsilon(0.06));
         CHECK(amplitude(200) < 0.15);
     }
 

@@ -1,6 +1,7 @@
 #include "engine/random.hpp"
 #include "engine/signal/chi_squared.hpp"
 #include "engine/signal/inertial_filter.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -87,7 +88,7 @@ TEST_SUITE("engine/signal/inertial_filter") {
 
         const auto yaw = [](double degrees) { return exponential_map(Vec3(0, 0, degrees * pi / 180)); };
         f.state.orientation = yaw(179);
-        CHECK(f.observe_attitude(yaw(-179), one).innovation.norm() == doctest::Approx(2 * pi / 180).epsilon(1e-9));
+        CHECK(f.observe_attitude(yaw(-179), one).innovation.norm() == about(2 * pi / 180).epsilon(1e-9));
     }
 
     TEST_CASE("gravity tells tilt and never yaw; a second direction tells yaw") {
@@ -103,7 +104,7 @@ TEST_SUITE("engine/signal/inertial_filter") {
         const auto tilt = [&] { return (f.state.orientation * Vec3(truth.conjugate() * up)).cross(up).norm(); };
         for (int k = 0; k < 20; ++k) (void)f.observe_force(down, Vec3::Zero(), Vec3::Zero(), 1e-6 * one);
         CHECK(tilt() < 1e-5);
-        CHECK(yaw_deviation() == doctest::Approx(0.05).epsilon(1e-6)); // as uncertain as before
+        CHECK(yaw_deviation() == about(0.05).epsilon(1e-6)); // as uncertain as before
         const Vec3 north(1, 0, 0.4);
         for (int k = 0; k < 20; ++k) (void)f.observe_vector(truth.conjugate() * north, north, 1e-8 * one);
         CHECK(yaw_deviation() < 1e-3);
@@ -120,9 +121,9 @@ TEST_SUITE("engine/signal/inertial_filter") {
             f.advance(5e-3, {Vec3(-earth), Vec3::Zero()}, noise);
             if (k != 200 && k != 2000) continue;
             const double t = k * 5e-3;
-            CHECK(std::sqrt(f.covariance()(0, 0)) == doctest::Approx(noise.force * std::sqrt(t * t * t / 3)).epsilon(1e-4));
+            CHECK(std::sqrt(f.covariance()(0, 0)) == about(noise.force * std::sqrt(t * t * t / 3)).epsilon(1e-4));
         }
-        CHECK(std::sqrt(f.covariance()(0, 0)) == doctest::Approx(0.0179).epsilon(0.01));
+        CHECK(std::sqrt(f.covariance()(0, 0)) == about(0.0179).epsilon(0.01));
         CHECK(f.state.position.norm() < 1e-12);
     }
 
@@ -199,10 +200,10 @@ TEST_SUITE("engine/signal/inertial_filter") {
         const RigidState there{Vec3(1, 2, 3), Vec3::Zero(), about_y(0.4), Vec3::Zero()};
         f.move_to(there, noise);
         CHECK((f.state.position - there.position).norm() == 0);
-        CHECK(f.covariance()(0, 0) == doctest::Approx(5e-6));
-        CHECK(f.covariance()(6, 6) == doctest::Approx(1e-6));
+        CHECK(f.covariance()(0, 0) == about(5e-6));
+        CHECK(f.covariance()(6, 6) == about(1e-6));
         (void)f.observe_position(Vec3(1.001, 2, 3), 5e-6 * one);
-        CHECK(f.state.position.x() == doctest::Approx(1.0005).epsilon(1e-9));
+        CHECK(f.state.position.x() == about(1.0005).epsilon(1e-9));
     }
 
     TEST_CASE("a covariance stays finite, and of full rank, over very many updates") {

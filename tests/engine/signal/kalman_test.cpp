@@ -3,6 +3,7 @@
 #include "engine/signal/constant_velocity.hpp"
 #include "engine/signal/printed_filter.hpp"
 #include "engine/signal/smoother.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -133,15 +134,15 @@ TEST_SUITE("engine/signal/kalman") {
         for (const double l : {0.1, 1.0}) {
             const SteadyState s = run_until_steady(constant_acceleration(1, 1, l * l));
             const double root = std::sqrt(l * l + 8 * l);
-            CHECK(s.position_gain == doctest::Approx(-(l * l + 8 * l - (l + 4) * root) / 8).epsilon(1e-9));
-            CHECK(s.velocity_gain == doctest::Approx((l * l + 4 * l - l * root) / 4).epsilon(1e-9));
+            CHECK(s.position_gain == about(-(l * l + 8 * l - (l + 4) * root) / 8).epsilon(1e-9));
+            CHECK(s.velocity_gain == about((l * l + 4 * l - l * root) / 4).epsilon(1e-9));
         }
         // white noise of acceleration: solutions of the discrete Riccati equation by another program
         const SteadyState weak = run_until_steady(white_acceleration(1, 1, 0.01)), strong = run_until_steady(white_acceleration(1, 1, 100));
-        CHECK(weak.position_gain == doctest::Approx(0.360591664527).epsilon(1e-9));
-        CHECK(weak.velocity_gain == doctest::Approx(0.079963012417).epsilon(1e-9));
-        CHECK(strong.velocity_gain == doctest::Approx(1.191506858313).epsilon(1e-9));
-        CHECK(strong.predicted_variance == doctest::Approx(69.43798229024).epsilon(1e-9));
+        CHECK(weak.position_gain == about(0.360591664527).epsilon(1e-9));
+        CHECK(weak.velocity_gain == about(0.079963012417).epsilon(1e-9));
+        CHECK(strong.velocity_gain == about(1.191506858313).epsilon(1e-9));
+        CHECK(strong.predicted_variance == about(69.43798229024).epsilon(1e-9));
     }
 
     TEST_CASE("an update is that of Joseph's form, for a correlated and for a perfect measurement") {
@@ -163,8 +164,8 @@ TEST_SUITE("engine/signal/kalman") {
             CHECK((c.estimate.mean - before.mean - K * innovation).norm() < 1e-12 * before.mean.norm());
             CHECK((c.estimate.covariance() - (one - K * H) * P * (one - K * H).transpose() - factor * K * R * K.transpose()).norm() < 1e-12 * P.norm());
             const double distance = innovation.dot(inverse * innovation);
-            CHECK(c.squared_distance == doctest::Approx(distance).epsilon(1e-11));
-            CHECK(c.log_likelihood == doctest::Approx(-0.5 * (distance + std::log(S.determinant()) + 2 * std::log(2 * pi))).epsilon(1e-11));
+            CHECK(c.squared_distance == about(distance).epsilon(1e-11));
+            CHECK(c.log_likelihood == about(-0.5 * (distance + std::log(S.determinant()) + 2 * std::log(2 * pi))).epsilon(1e-11));
         }
     }
 
@@ -204,7 +205,7 @@ TEST_SUITE("engine/signal/kalman") {
         }
         CHECK(worst_mean < 1e-10);
         CHECK(worst_covariance < 1e-10);
-        CHECK(f.log_likelihood == doctest::Approx(batch.log_likelihood).epsilon(1e-10));
+        CHECK(f.log_likelihood == about(batch.log_likelihood).epsilon(1e-10));
         CHECK(smoothed[0].covariance()(0, 0) < 0.7 * f.steps[0].corrected.covariance()(0, 0)); // later measurements tell
     }
 
@@ -236,9 +237,9 @@ TEST_SUITE("engine/signal/kalman") {
     }
 
     TEST_CASE("bands of chi square are the tables'") {
-        CHECK(chi_squared_band(0.95, 2, 50).low == doctest::Approx(1.484439).epsilon(1e-6));
-        CHECK(chi_squared_band(0.95, 2, 50).high == doctest::Approx(2.591224).epsilon(1e-6));
-        CHECK(chi_squared_band(0.999, 15, 1).high == doctest::Approx(39.718760).epsilon(1e-6));
+        CHECK(chi_squared_band(0.95, 2, 50).low == about(1.484439).epsilon(1e-6));
+        CHECK(chi_squared_band(0.95, 2, 50).high == about(2.591224).epsilon(1e-6));
+        CHECK(chi_squared_band(0.999, 15, 1).high == about(39.718760).epsilon(1e-6));
     }
 
     TEST_CASE("a covariance stays positive over a million updates in single precision, where the short form fails within a thousand") {
@@ -260,8 +261,8 @@ TEST_SUITE("engine/signal/kalman") {
         Matrix H(2, 2);
         H << 1, 1, 1, 1.000001;
         const auto c = measure<double>(Gaussian(Vector::Zero(2), Matrix::Identity(2, 2)), Vector::Zero(2), H, 1e-12 * Matrix::Identity(2, 2));
-        CHECK(c.estimate.covariance()(0, 0) == doctest::Approx(0.400000240000144).epsilon(1e-3));
-        CHECK(c.estimate.covariance()(0, 1) == doctest::Approx(-0.400000039999824).epsilon(1e-3));
+        CHECK(c.estimate.covariance()(0, 0) == about(0.400000240000144).epsilon(1e-3));
+        CHECK(c.estimate.covariance()(0, 1) == about(-0.400000039999824).epsilon(1e-3));
     }
 
     TEST_CASE("k steps of T/k predict what one of T does, and uncertainty without measurements grows as its closed form") {
@@ -271,7 +272,7 @@ TEST_SUITE("engine/signal/kalman") {
         for (int k = 0; k < 8; ++k) often = predict(often, white_acceleration(3, 0.25, 0.3));
         CHECK((once.covariance() - often.covariance()).norm() < 1e-14 * once.covariance().norm());
         CHECK((once.mean - often.mean).norm() < 1e-14);
-        CHECK(once.covariance()(0, 0) == doctest::Approx(0.01 + 4 * 0.01 + 0.3 * 8 / 3).epsilon(1e-14));
+        CHECK(once.covariance()(0, 0) == about(0.01 + 4 * 0.01 + 0.3 * 8 / 3).epsilon(1e-14));
     }
 
     TEST_CASE("the algorithm as printed never fuses rotation, and its covariance is none") {

@@ -1,5 +1,6 @@
 #include "engine/random.hpp"
 #include "engine/signal/moderated_variance.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -36,8 +37,8 @@ TEST_SUITE("signal/moderated variance") {
             by_itself += std::pow(std::log(raw[k]) - logarithm[k], 2) / 20000;
             together += std::pow(std::log(moderated[k]) - logarithm[k], 2) / 20000;
         }
-        CHECK(by_itself == doctest::Approx(trigamma).epsilon(0.06)); // and a little bias
-        CHECK(together == doctest::Approx(1 / (1 / trigamma + 1 / (spread * spread))).epsilon(0.05));
+        CHECK(by_itself == about(trigamma).epsilon(0.06)); // and a little bias
+        CHECK(together == about(1 / (1 / trigamma + 1 / (spread * spread))).epsilon(0.05));
     }
 
     TEST_CASE("variances that differ by chance alone are taken for one, and what does not move stays at rest") {
@@ -46,7 +47,7 @@ TEST_SUITE("signal/moderated variance") {
         for (int k = 0; k < 2000; ++k) raw.push_back(1e-8 * mean_square(random, 15));
         const auto moderated = moderated_variances(raw, 15);
         CHECK(moderated[0] == 0);
-        for (std::size_t k = 1; k < raw.size(); k += 50) CHECK(moderated[k] == doctest::Approx(1e-8).epsilon(0.12));
+        for (std::size_t k = 1; k < raw.size(); k += 50) CHECK(moderated[k] == about(1e-8).epsilon(0.12));
     }
 
     TEST_CASE("three variances are too few to draw together") { CHECK(moderated_variances({2, 3, 9}, 3) == std::vector<double>{2, 3, 9}); }

@@ -4,6 +4,7 @@
 #include "systems/build/fit_spheres.hpp"
 #include "systems/build/mass_properties.hpp"
 #include "systems/build/shape_measures.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -32,9 +33,9 @@ TEST_SUITE("build/clump_library") {
             for (const Ball& ball : clump.balls) CHECK(ball.radius > 0.11);
         }
         // a cube's principal moments are equal, and its axes those of its faces
-        CHECK(clumps[0].inertia.maxCoeff() == doctest::Approx(clumps[0].inertia.minCoeff()).epsilon(1e-4));
+        CHECK(clumps[0].inertia.maxCoeff() == about(clumps[0].inertia.minCoeff()).epsilon(1e-4));
         CHECK(std::abs(clumps[0].balls[0].centre.x()) ==
-              doctest::Approx(std::abs(clumps[0].balls[0].centre.y())).epsilon(1e-3));
+              about(std::abs(clumps[0].balls[0].centre.y())).epsilon(1e-3));
     }
 
     TEST_CASE("a written clump is read back bit for bit, and a wrong stored value is found") {
@@ -72,7 +73,7 @@ TEST_SUITE("build/fit_spheres") {
         match_moments(rock, balls);
         const MassProperties wanted = mass_properties(rock), found = union_properties(balls, 400);
         CHECK(balls.size() == 30);
-        CHECK(found.volume == doctest::Approx(wanted.volume).epsilon(1e-3));
+        CHECK(found.volume == about(wanted.volume).epsilon(1e-3));
         CHECK((found.centre - wanted.centre).norm() < 2e-3);
         CHECK((found.inertia - wanted.inertia).norm() < 0.02 * wanted.inertia.norm());
         CHECK(distance_to_union(rock, balls).mean < 0.02);

@@ -1,6 +1,7 @@
 #include "systems/build/grading.hpp"
 
 #include "engine/errors.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -42,15 +43,15 @@ TEST_SUITE("build/grading") {
             const Grading grading = read_grading(entry.path());
             ++count;
             for (double share : {0.05, 0.3, 0.5, 0.9})
-                CHECK(grading.passing(grading.size_at(share)) == doctest::Approx(share).epsilon(1e-12));
+                CHECK(grading.passing(grading.size_at(share)) == about(share).epsilon(1e-12));
         }
         CHECK(count == 7);
     }
 
     TEST_CASE("the middle curve is linear in the logarithm of the size") {
         const Grading grading = grading_of("40,100,100\n20,40,60\n10,0,10\n");
-        CHECK(grading.passing(0.02) == doctest::Approx(0.5));
-        CHECK(grading.passing(std::sqrt(0.04 * 0.02)) == doctest::Approx(0.75));
+        CHECK(grading.passing(0.02) == about(0.5));
+        CHECK(grading.passing(std::sqrt(0.04 * 0.02)) == about(0.75));
         CHECK(grading.passing(0.005) == doctest::Approx(0));
     }
 
@@ -60,8 +61,8 @@ TEST_SUITE("build/grading") {
         for (std::size_t count : {50u, 1000u}) {
             const RockSample sample = sample_rocks(grading, clumps, count, 7);
             CHECK(sample.rocks.size() == count);
-            CHECK(sample.smallest_size == doctest::Approx(9.53e-3));
-            CHECK(sample.truncated_fraction == doctest::Approx(0.025).epsilon(1e-12));
+            CHECK(sample.smallest_size == about(9.53e-3));
+            CHECK(sample.truncated_fraction == about(0.025).epsilon(1e-12));
             const SieveReport report =
                 sieve_back(sample.rocks, clumps, grading, sample.truncated_fraction);
             const double greatest = std::max(clumps[0].volume, clumps[1].volume);

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -38,31 +39,31 @@ TEST_SUITE("build/mass_properties") {
         const MassProperties mass = union_properties(balls);
         const double volume = 4 * pi / 3 * 0.125;
         // the rule stops when a doubling changes less than 1e-5; the rest is no more than that
-        CHECK(mass.volume == doctest::Approx(volume).epsilon(1e-5));
+        CHECK(mass.volume == about(volume).epsilon(1e-5));
         for (int k = 0; k < 3; ++k)
-            CHECK(mass.inertia(k, k) == doctest::Approx(0.4 * volume * 0.25).epsilon(1e-5));
+            CHECK(mass.inertia(k, k) == about(0.4 * volume * 0.25).epsilon(1e-5));
         CHECK((mass.centre - balls[0].centre).norm() < 1e-9);
     }
 
     TEST_CASE("overlap counts once: two unit balls one radius apart") {
         const std::vector<Ball> balls{{Vec3(0, 0, -0.5), 1}, {Vec3(0, 0, 0.5), 1}};
         const MassProperties mass = union_properties(balls);
-        CHECK(mass.volume == doctest::Approx(9 * pi / 4).epsilon(1e-5)); // 7.0685834706
-        CHECK(mass.inertia(2, 2) == doctest::Approx(3.0041479750).epsilon(1e-5));
-        CHECK(mass.inertia(0, 0) == doctest::Approx(5.2130803096).epsilon(1e-5));
+        CHECK(mass.volume == about(9 * pi / 4).epsilon(1e-5)); // 7.0685834706
+        CHECK(mass.inertia(2, 2) == about(3.0041479750).epsilon(1e-5));
+        CHECK(mass.inertia(0, 0) == about(5.2130803096).epsilon(1e-5));
     }
 
     TEST_CASE("thirty overlapping balls agree with an independent quadrature") {
         const std::vector<Ball> balls = reference_clump();
-        REQUIRE(balls[29].radius == doctest::Approx(0.3491970854254921).epsilon(1e-12));
+        REQUIRE(balls[29].radius == about(0.3491970854254921).epsilon(1e-12));
         const MassProperties mass = union_properties(balls);
         Vec3 moments = principal_axes(mass.inertia).moments;
         std::sort(moments.begin(), moments.end());
         // 1e-6 is the reference's own error, 1e-5 our tolerance
-        CHECK(mass.volume == doctest::Approx(2.05183007628935).epsilon(1e-5));
-        CHECK(moments[0] == doctest::Approx(0.43984187194670005).epsilon(1e-5));
-        CHECK(moments[1] == doctest::Approx(0.5918501957691908).epsilon(1e-5));
-        CHECK(moments[2] == doctest::Approx(0.6331898178576105).epsilon(1e-5));
+        CHECK(mass.volume == about(2.05183007628935).epsilon(1e-5));
+        CHECK(moments[0] == about(0.43984187194670005).epsilon(1e-5));
+        CHECK(moments[1] == about(0.5918501957691908).epsilon(1e-5));
+        CHECK(moments[2] == about(0.6331898178576105).epsilon(1e-5));
         CHECK((mass.centre - Vec3(0.022828962235, 0.061470865993, 0.017259660956)).norm() < 1e-5);
     }
 
@@ -77,10 +78,10 @@ TEST_SUITE("build/mass_properties") {
         Vec3 left = a.inertia, right = b.inertia;
         std::sort(left.begin(), left.end());
         std::sort(right.begin(), right.end());
-        CHECK(a.volume == doctest::Approx(b.volume).epsilon(2e-5));
-        for (int k = 0; k < 3; ++k) CHECK(left[k] == doctest::Approx(right[k]).epsilon(2e-5));
+        CHECK(a.volume == about(b.volume).epsilon(2e-5));
+        for (int k = 0; k < 3; ++k) CHECK(left[k] == about(right[k]).epsilon(2e-5));
         // random search for the opening: 1e-4 of the size, either way
-        CHECK(a.sieve == doctest::Approx(b.sieve).epsilon(5e-4));
+        CHECK(a.sieve == about(b.sieve).epsilon(5e-4));
     }
 
     TEST_CASE("a clump comes out in its centre of mass and principal frame") {
@@ -97,17 +98,17 @@ TEST_SUITE("build/mass_properties") {
     TEST_CASE("scaling multiplies volume by the third and inertia by the fifth power") {
         const Clump one = make_clump("one", std::vector<Ball>{{Vec3(0, 0, 0), 1}, {Vec3(1, 0, 0), 1}});
         const Clump half = scaled(one, 0.5), direct = make_clump("direct", half.balls);
-        CHECK(half.volume == doctest::Approx(direct.volume).epsilon(2e-5));
-        CHECK(half.inertia.x() == doctest::Approx(direct.inertia.x()).epsilon(2e-5));
-        CHECK(half.sieve == doctest::Approx(direct.sieve).epsilon(4e-4));
-        CHECK(half.bounding_radius == doctest::Approx(0.5 * one.bounding_radius).epsilon(1e-15));
+        CHECK(half.volume == about(direct.volume).epsilon(2e-5));
+        CHECK(half.inertia.x() == about(direct.inertia.x()).epsilon(2e-5));
+        CHECK(half.sieve == about(direct.sieve).epsilon(4e-4));
+        CHECK(half.bounding_radius == about(0.5 * one.bounding_radius).epsilon(1e-15));
     }
 
     TEST_CASE("principal axes are right-handed and left alone where the solid defines none") {
         Mat3 tensor;
         tensor << 2, 0.3, -0.1, 0.3, 3, 0.2, -0.1, 0.2, 4;
         const PrincipalAxes found = principal_axes(tensor);
-        CHECK(found.axes.determinant() == doctest::Approx(1).epsilon(1e-14));
+        CHECK(found.axes.determinant() == about(1).epsilon(1e-14));
         const Mat3 back = found.axes * found.moments.asDiagonal() * found.axes.transpose();
         CHECK((back - tensor).norm() < 1e-13);
         CHECK(principal_axes(Mat3::Identity()).axes == Mat3(Mat3::Identity()));
@@ -116,7 +117,7 @@ TEST_SUITE("build/mass_properties") {
     TEST_CASE("the opening that a row of balls passes is the width of the row") {
         // along the row the view is a disc, and a disc passes its own diameter and no less
         const std::vector<Ball> row{{Vec3(0, 0, 0), 0.5}, {Vec3(0.8, 0, 0), 0.5}, {Vec3(1.6, 0, 0), 0.5}};
-        CHECK(sieve_size(row) == doctest::Approx(1).epsilon(1e-3));
+        CHECK(sieve_size(row) == about(1).epsilon(1e-3));
         CHECK(sieve_size(row) >= 1);
     }
 

@@ -1,6 +1,7 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "systems/build/nearest_point.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,7 +13,7 @@ using namespace bris;
 TEST_SUITE("systems/build/nearest_point") {
     TEST_CASE("the nearest point by the tree is the nearest of all") {
         Random random(4, 0);
-        const auto somewhere = [&] { return random.uniform(0, 0.05) * random.direction(); };
+        const auto somewhere = [&]() -> Vec3 { return random.uniform(0, 0.05) * random.direction(); };
         std::vector<Vec3> points;
         for (int k = 0; k < 500; ++k) points.push_back(somewhere());
         points.push_back(points.front()); // twice
@@ -21,7 +22,7 @@ TEST_SUITE("systems/build/nearest_point") {
             const Vec3 place = somewhere();
             double least = std::numeric_limits<double>::infinity();
             for (const Vec3& p : points) least = std::min(least, (place - p).norm());
-            CHECK(nearest.distance(place) == doctest::Approx(least).epsilon(1e-14));
+            CHECK(nearest.distance(place) == about(least).epsilon(1e-14));
         }
         CHECK(nearest.distance(points[7]) == 0);
         CHECK_THROWS_AS(NearestPoint({}), InputError);

@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "systems/build/read_mesh.hpp"
 #include "systems/build/shape_measures.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -47,12 +48,12 @@ TEST_SUITE("build/rock") {
     TEST_CASE("a cube has its closed-form measures") {
         const Polyhedron cube = make_cube(2);
         const MassProperties mass = mass_properties(cube);
-        CHECK(mass.volume == doctest::Approx(8).epsilon(1e-14));
+        CHECK(mass.volume == about(8).epsilon(1e-14));
         CHECK(mass.centre.norm() < 1e-14);
         CHECK((mass.inertia - Mat3(Mat3::Identity() * (8 * 4 / 6.0))).norm() < 1e-13); // m a² / 6
         const Dimensions dimensions = measure_dimensions(vertex_balls(cube));
-        CHECK(dimensions.flat_elongated() == doctest::Approx(1).epsilon(1e-4));
-        CHECK(sieve_size(vertex_balls(cube)) == doctest::Approx(2).epsilon(1e-12));
+        CHECK(dimensions.flat_elongated() == about(1).epsilon(1e-4));
+        CHECK(sieve_size(vertex_balls(cube)) == about(2).epsilon(1e-12));
         CHECK(cube.faces == 6);
     }
 
@@ -61,8 +62,8 @@ TEST_SUITE("build/rock") {
             const Polyhedron rock = make_rock({.flat_elongated = wanted, .faces = 14}, 5, 2);
             const std::vector<Ball> hull = vertex_balls(rock);
             // stretched to 1e-3, measured to 1e-4
-            CHECK(measure_dimensions(hull).flat_elongated() == doctest::Approx(wanted).epsilon(2e-3));
-            CHECK(sieve_size(hull) == doctest::Approx(1).epsilon(5e-4));
+            CHECK(measure_dimensions(hull).flat_elongated() == about(wanted).epsilon(2e-3));
+            CHECK(sieve_size(hull) == about(1).epsilon(5e-4));
             CHECK(rock.vertices.size() + rock.triangles.size() == rock.triangles.size() * 3 / 2 + 2);
             for (const auto& [i, j, k] : rock.triangles) {
                 const Vec3& a = rock.vertices[i];
@@ -101,28 +102,28 @@ TEST_SUITE("build/rock") {
 
     TEST_CASE("distances to a cube are those of elementary geometry") {
         const Polyhedron cube = make_cube(2);
-        CHECK(signed_distance(cube, {0.5, 0, 0}) == doctest::Approx(-0.5));
-        CHECK(signed_distance(cube, {3, 0.2, -0.1}) == doctest::Approx(2));
-        CHECK(signed_distance(cube, {2, 2, 2}) == doctest::Approx(std::sqrt(3.0)));
+        CHECK(signed_distance(cube, {0.5, 0, 0}) == about(-0.5));
+        CHECK(signed_distance(cube, {3, 0.2, -0.1}) == about(2));
+        CHECK(signed_distance(cube, {2, 2, 2}) == about(std::sqrt(3.0)));
         const std::vector<Ball> ball{{Vec3(0, 0, 0), 1.0}}; // touches the faces from inside
-        CHECK(distance_to_union(cube, ball).max == doctest::Approx(std::sqrt(3.0) - 1));
+        CHECK(distance_to_union(cube, ball).max == about(std::sqrt(3.0) - 1));
     }
 }
 
 TEST_SUITE("build/read_mesh") {
     TEST_CASE("a tetrahedron from OBJ has volume one sixth, inside out or not") {
         const auto path = written("tetrahedron.obj", tetrahedron + "f 2 3 4\n");
-        CHECK(mass_properties(read_mesh(path)).volume == doctest::Approx(1.0 / 6).epsilon(1e-14));
+        CHECK(mass_properties(read_mesh(path)).volume == about(1.0 / 6).epsilon(1e-14));
         const auto turned = written("turned.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
                                                   "f 2 3 1\nf 4 2 1\nf 3/1 4//2 -4\nf 4 3 2\n");
-        CHECK(mass_properties(read_mesh(turned)).volume == doctest::Approx(1.0 / 6).epsilon(1e-14));
+        CHECK(mass_properties(read_mesh(turned)).volume == about(1.0 / 6).epsilon(1e-14));
     }
 
     TEST_CASE("binary and text STL give the surface that was written") {
         const Polyhedron cube = make_cube(2);
         const Polyhedron back = read_mesh(written("cube.stl", binary_stl(cube)));
         CHECK(back.vertices.size() == 8);
-        CHECK(mass_properties(back).volume == doctest::Approx(8).epsilon(1e-12));
+        CHECK(mass_properties(back).volume == about(8).epsilon(1e-12));
         std::string text = "solid cube\n";
         for (const auto& triangle : cube.triangles) {
             text += "facet normal 0 0 0\nouter loop\n";
@@ -134,7 +135,7 @@ TEST_SUITE("build/read_mesh") {
             text += "endloop\nendfacet\n";
         }
         const Polyhedron read = read_mesh(written("text.stl", text + "endsolid\n"));
-        CHECK(mass_properties(read).volume == doctest::Approx(8).epsilon(1e-12));
+        CHECK(mass_properties(read).volume == about(8).epsilon(1e-12));
     }
 
     TEST_CASE("an open surface is refused naming a triangle at the hole") {

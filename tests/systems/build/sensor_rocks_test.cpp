@@ -1,5 +1,6 @@
 #include "engine/errors.hpp"
 #include "systems/build/sensor_rocks.hpp"
+#include "tests/about.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -35,7 +36,7 @@ TEST_SUITE("build/sensor_rocks") {
         REQUIRE(poses.size() == 10);
         for (std::size_t a = 0; a < poses.size(); ++a) {
             CHECK(poses[a].position.head<2>().norm() + room.bounding_radius <= room.radius);
-            CHECK(poses[a].orientation.norm() == doctest::Approx(1).epsilon(1e-14));
+            CHECK(poses[a].orientation.norm() == about(1).epsilon(1e-14));
             for (std::size_t b = 0; b < a; ++b) CHECK((poses[a].position - poses[b].position).norm() > 1.7 * room.bounding_radius);
         }
     }

@@ -1,5 +1,6 @@
 #include "systems/build/vessels.hpp"
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -92,7 +93,7 @@ TEST_SUITE("build/vessels") {
             const Surface s = enclosed(closed);
             const double cone = pi * 0.07 / 3 * (0.03 * 0.03 + 0.03 * 0.1 + 0.1 * 0.1), barrel = pi * 0.01 * 0.3;
             // rounding alone: some 200 terms of 1e-4 m3
-            CHECK(s.volume == doctest::Approx(cone + barrel).epsilon(1e-13));
+            CHECK(s.volume == about(cone + barrel).epsilon(1e-13));
             CHECK(s.vector.norm() < 1e-15);
         }
     }
@@ -103,8 +104,8 @@ TEST_SUITE("build/vessels") {
             const double expected = 1 + std::pow(pi / n, 2) / 6, rest = std::pow(pi / n, 4);
             CHECK(std::abs(area(shell({0.1, 0, 0.1, 0.3}, n)) / (2 * pi * 0.1 * 0.3) - expected) < rest);
             // a flat ring and a disc are area-equal themselves
-            CHECK(area(shell({0.03, 0, 0.1, 0}, n)) == doctest::Approx(pi * (0.01 - 0.0009)).epsilon(1e-13));
-            CHECK(area(disc(0.1, 0, n)) == doctest::Approx(pi * 0.01).epsilon(1e-13));
+            CHECK(area(shell({0.03, 0, 0.1, 0}, n)) == about(pi * (0.01 - 0.0009)).epsilon(1e-13));
+            CHECK(area(disc(0.1, 0, n)) == about(pi * 0.01).epsilon(1e-13));
         }
     }
 

@@ -2,6 +2,7 @@
 
 #include "engine/math.hpp"
 #include "engine/random.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -37,7 +38,7 @@ TEST_SUITE("contact/laws") {
     TEST_CASE("the force of Hertz is 4/3 E* sqrt(R*) overlap^1.5") {
         Contact<HertzFrictionless> contact;
         for (const double overlap : {1e-7, 1e-5, 1e-4})
-            CHECK(contact.step(overlap, Vec3::Zero()).z[0] == doctest::Approx(4.0 / 3 * 1e9 * std::sqrt(0.005) * std::pow(overlap, 1.5)).epsilon(1e-14));
+            CHECK(contact.step(overlap, Vec3::Zero()).z[0] == about(4.0 / 3 * 1e9 * std::sqrt(0.005) * std::pow(overlap, 1.5)).epsilon(1e-14));
     }
 
     TEST_CASE("a spring begins when the surfaces meet, not with the step") {
@@ -45,7 +46,7 @@ TEST_SUITE("contact/laws") {
         contact.k.friction = lanes(1e9);
         // overlap 1e-6 at a closing speed of 1 m/s: a tenth of the step
         const ForceLanes f = contact.step(1e-6, Vec3(0.2, 0, 0), 1);
-        CHECK(f.x[0] == doctest::Approx(-8e8 * 0.2 * 1e-6).epsilon(1e-14));
+        CHECK(f.x[0] == about(-8e8 * 0.2 * 1e-6).epsilon(1e-14));
     }
 
     TEST_CASE("a contact that turns fast changes no bit of those that share its tile") {
@@ -102,9 +103,9 @@ TEST_SUITE("contact/laws") {
         ForceLanes f{};
         for (int s = 0; s < 1000; ++s) f = contact.step(1e-5, Vec3::Zero(), 0, Vec3(100, 0, 100));
         const double most = 0.1 * 0.005 * 1e9 * 1e-5; // friction times R* times normal force
-        CHECK(f.torque_x[0] == doctest::Approx(-most).epsilon(1e-12));
-        CHECK(f.torque_z[0] == doctest::Approx(-most).epsilon(1e-12));
-        CHECK(f.work.rolling[0] == doctest::Approx(2 * most * 100 * 1e-5).epsilon(1e-9));
+        CHECK(f.torque_x[0] == about(-most).epsilon(1e-12));
+        CHECK(f.torque_z[0] == about(-most).epsilon(1e-12));
+        CHECK(f.work.rolling[0] == about(2 * most * 100 * 1e-5).epsilon(1e-9));
     }
 
     TEST_CASE("a force that is cut never pulls; one that may pull does") {

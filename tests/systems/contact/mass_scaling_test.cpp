@@ -2,6 +2,7 @@
 
 #include "systems/contact/stable_step.hpp"
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -38,10 +39,10 @@ TEST_SUITE("contact/mass_scaling") {
         for (const EntityId b : {0u, 7u, 29u}) CHECK(value_of<Mass>(sim, b) == weight[b]);
         double total = 0;
         for (EntityId b = 0; b < 30; ++b) total += value_of<InertialMass>(sim, b);
-        CHECK(done.total_mass == doctest::Approx(total).epsilon(1e-13));
+        CHECK(done.total_mass == about(total).epsilon(1e-13));
         double booked = 0;
         for (EntityId b = 0; b < 30; ++b) booked += value_of<ScalingWork>(sim, b);
-        CHECK(kinetic(sim) - before == doctest::Approx(booked).epsilon(1e-9));
+        CHECK(kinetic(sim) - before == about(booked).epsilon(1e-9));
         CHECK(std::abs(booked) > 1e-9);
         for (const EntityId b : {0u, 7u, 29u}) { // spin is what the new momentum says
             const Vec3 local = value_of<Orientation>(sim, b).conjugate() * value_of<AngularMomentum>(sim, b);
@@ -56,7 +57,7 @@ TEST_SUITE("contact/mass_scaling") {
         double total = 0;
         for (EntityId b = 0; b < 30; ++b) total += value_of<Mass>(sim, b);
         const MassScaling done = scale_masses(sim.world(), 0, 0.8, false);
-        CHECK(done.total_mass == doctest::Approx(total).epsilon(1e-12));
+        CHECK(done.total_mass == about(total).epsilon(1e-12));
         CHECK(done.smallest_factor < 1);
         CHECK(done.largest_factor > 1);
     }

@@ -1,5 +1,6 @@
 #include "engine/random.hpp"
 #include "systems/fusion/sensor_filter.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -196,12 +197,12 @@ TEST_SUITE("systems/fusion/late_measurements") {
         const Vec3 left = 0.5 * a.shift;
         const double known = 1 / (1 + 1e10); // of 1 and 1e-10: their harmonic sum
         filter.leave({.shift = left});
-        CHECK(filter.covariance()(0, 0) == doctest::Approx(known + left.x() * left.x()).epsilon(1e-12));
-        CHECK(filter.covariance()(1, 1) == doctest::Approx(known).epsilon(1e-9));
+        CHECK(filter.covariance()(0, 0) == about(known + left.x() * left.x()).epsilon(1e-12));
+        CHECK(filter.covariance()(1, 1) == about(known).epsilon(1e-9));
         const Analysis next = filter.analyse({0, {.position = left}}, m);
         CHECK(next.refused == 0);
         const double variance = known + left.x() * left.x();
-        CHECK(next.shift.x() == doctest::Approx(left.x() * variance / (variance + 1e-10)).epsilon(1e-9));
+        CHECK(next.shift.x() == about(left.x() * variance / (variance + 1e-10)).epsilon(1e-9));
     }
 
     TEST_CASE("a filter that remembers goes on from its own estimate: what is left of a correction is asked for again, and no less is known") {
@@ -243,7 +244,7 @@ TEST_SUITE("systems/fusion/late_measurements") {
             const SmoothedPose& pose = smoothed[static_cast<std::size_t>(k)];
             CAPTURE(k);
             CHECK((pose.position - Vec3(mean.row(k).transpose())).norm() < 1e-12);
-            CHECK(pose.position_deviation.x() == doctest::Approx(std::sqrt(covariance(k, k))).epsilon(1e-9));
+            CHECK(pose.position_deviation.x() == about(std::sqrt(covariance(k, k))).epsilon(1e-9));
             CHECK(pose.time == k);
         }
     }

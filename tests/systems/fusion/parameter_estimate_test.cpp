@@ -2,6 +2,7 @@
 #include "engine/random.hpp"
 #include "engine/signal/chi_squared.hpp"
 #include "systems/fusion/parameter_estimate.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -113,7 +114,7 @@ TEST_SUITE("fusion/parameter_estimate") {
         const Gaussian& found = estimate.parameters();
         // Student's t of eight degrees in the place of the normal: a little wider, a little less moved
         CHECK((found.mean - exact.mean).norm() < 0.05);
-        for (Eigen::Index p = 0; p < 2; ++p) CHECK(std::sqrt(found.covariance()(p, p) / exact.covariance()(p, p)) == doctest::Approx(1.1).epsilon(0.1));
+        for (Eigen::Index p = 0; p < 2; ++p) CHECK(std::sqrt(found.covariance()(p, p) / exact.covariance()(p, p)) == about(1.1).epsilon(0.1));
     }
 
     TEST_CASE("a specimen that differs by a process of its own is weighed as generalised least squares weigh it") {
@@ -166,9 +167,9 @@ TEST_SUITE("fusion/parameter_estimate") {
         ParameterEstimate estimate(Game{}.prior(), worlds, 1);
         estimate.see(0, worlds.col(0) + worlds.col(1), {3, 1e-3}); // 7 of its deviations
         const Gaussian& found = estimate.parameters();
-        CHECK(found.mean.sum() == doctest::Approx(3).epsilon(2e-3));
+        CHECK(found.mean.sum() == about(3).epsilon(2e-3));
         CHECK((found.root.transpose() * Vector::Ones(2)).norm() < 5e-3);
-        CHECK(std::sqrt(found.covariance()(0, 0)) == doctest::Approx(0.3 * 0.4 / 0.5).epsilon(0.1));
+        CHECK(std::sqrt(found.covariance()(0, 0)) == about(0.3 * 0.4 / 0.5).epsilon(0.1));
     }
 
     TEST_CASE("a real specimen that may be stronger for other reasons teaches less") {
@@ -184,7 +185,7 @@ TEST_SUITE("fusion/parameter_estimate") {
             return std::sqrt(seen.dot(estimate.parameters().covariance() * seen));
         };
         CHECK(deviation_with(0) < 0.1);
-        CHECK(deviation_with(0.3) == doctest::Approx(0.25).epsilon(0.2)); // that of 0.3 and the prior's 0.47 together
+        CHECK(deviation_with(0.3) == about(0.25).epsilon(0.2)); // that of 0.3 and the prior's 0.47 together
     }
 
     TEST_CASE("weights of worlds sum to one and give back a line exactly") {
@@ -194,8 +195,8 @@ TEST_SUITE("fusion/parameter_estimate") {
         at << 0.4, -0.3;
         for (Eigen::Index j = 0; j < 5; ++j) line[j] = 3 - 2 * worlds(j, 0) + 5 * worlds(j, 1);
         const Vector weights = WorldRegression(worlds).weights_at(at);
-        CHECK(weights.sum() == doctest::Approx(1).epsilon(1e-12));
-        CHECK(weights.dot(line) == doctest::Approx(3 - 0.8 - 1.5).epsilon(1e-12));
+        CHECK(weights.sum() == about(1).epsilon(1e-12));
+        CHECK(weights.dot(line) == about(3 - 0.8 - 1.5).epsilon(1e-12));
         CHECK((WorldRegression(worlds).leaves() * line).norm() < 1e-12);
     }
 

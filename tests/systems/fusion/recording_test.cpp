@@ -2,6 +2,7 @@
 #include "engine/io/hdf5.hpp"
 #include "engine/random.hpp"
 #include "systems/fusion/recording.hpp"
+#include "tests/about.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -64,7 +65,7 @@ TEST_SUITE("systems/fusion/recording") {
         // in the file: the sensor's own units
         CHECK(Hdf5File::open(directory / "a.h5").text_attribute("/sensors/2", "accel_unit") == "g");
         CHECK(Eigen::Vector3d::Map(Hdf5File::open(directory / "a.h5").read<double>("/sensors/2/accel").data()).norm() ==
-              doctest::Approx(written[1].force[0].norm() / standard_gravity));
+              about(written[1].force[0].norm() / standard_gravity));
     }
 
     TEST_CASE("an HDF5 file with a strange id, another shape or damage is refused, and says where") {

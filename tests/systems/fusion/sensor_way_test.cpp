@@ -2,6 +2,7 @@
 #include "engine/signal/attitude.hpp"
 #include "systems/fusion/sensor_filter.hpp"
 #include "systems/fusion/sensor_way.hpp"
+#include "tests/about.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -39,7 +40,7 @@ TEST_SUITE("fusion/sensor_way") {
         Recording r = slow_recording(turn, shift);
         const SensorWay way = way_of(r, 2e-3);
         REQUIRE(way.strain.size() == 5);
-        CHECK(way.strain.back() == doctest::Approx(0.01));
+        CHECK(way.strain.back() == about(0.01));
         CHECK((way.displacement.back() - shift).norm() < 1e-15);
         CHECK((way.rotation.back() - turn).norm() < 1e-12);
         r.displacement.clear();
@@ -106,7 +107,7 @@ TEST_SUITE("fusion/sensor_way") {
         const auto read = read_recordings(folder / "recordings.csv", {info});
         REQUIRE(read.front().size() == r.size());
         CHECK((read.front().force.back() - r.force.back()).norm() < 1e-5);
-        CHECK(read.front().strain.back() == doctest::Approx(r.strain.back()));
+        CHECK(read.front().strain.back() == about(r.strain.back()));
         CHECK(read.front().sequence == r.sequence);
         CHECK((read.front().displacement.back() - r.displacement.back()).norm() < 1e-6);
         CHECK(read.front().attitude.back().angularDistance(r.attitude.back()) < 1e-6);

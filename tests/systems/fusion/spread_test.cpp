@@ -2,6 +2,7 @@
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/spread.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -41,9 +42,9 @@ TEST_SUITE("systems/fusion/spread") {
     TEST_CASE("a correction fades along a chain as its springs share the way, and stores the energy of springs in series") {
         Chain chain(6, Vec3(1e-6, 0, 0)); // five springs
         const double energy = spread_corrections(chain.sim.world(), {.hold = 1e9, .float_free = 1e-9});
-        for (EntityId k = 0; k < 5; ++k) CHECK(chain.way(k).x() == doctest::Approx(1e-6 * (5 - k) / 5).epsilon(1e-6));
+        for (EntityId k = 0; k < 5; ++k) CHECK(chain.way(k).x() == about(1e-6 * (5 - k) / 5).epsilon(1e-6));
         CHECK(chain.way(5).norm() == 0);
-        CHECK(energy == doctest::Approx(0.5 * kn / 5 * 1e-12).epsilon(1e-6));
+        CHECK(energy == about(0.5 * kn / 5 * 1e-12).epsilon(1e-6));
     }
 
     TEST_CASE("nobody but the sensor's ball gets a net force from it") {
@@ -58,7 +59,7 @@ TEST_SUITE("systems/fusion/spread") {
     TEST_CASE("what no spring resists moves the sensor's ball alone") {
         Chain chain(6, Vec3(0, 1e-6, 0)); // across a chain without tangential springs
         (void)spread_corrections(chain.sim.world());
-        CHECK(chain.way(0).y() == doctest::Approx(1e-6).epsilon(2e-3));
+        CHECK(chain.way(0).y() == about(1e-6).epsilon(2e-3));
         for (EntityId k = 1; k < 5; ++k) CHECK(std::abs(chain.way(k).y()) < 1e-9);
     }
 

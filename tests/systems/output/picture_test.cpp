@@ -1,5 +1,6 @@
 #include "engine/io/whole_file.hpp"
 #include "systems/output/picture.hpp"
+#include "tests/about.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -47,7 +48,7 @@ TEST_SUITE("systems/picture") {
             window.width = window.height = 2;
             const Image image = render(view, camera, window, 800);
             CHECK(image.width == 800);
-            CHECK(covered(image) == doctest::Approx(pi * 0.25 / 4).epsilon(0.02));
+            CHECK(covered(image) == about(pi * 0.25 / 4).epsilon(0.02));
         }
     }
 

@@ -2,6 +2,7 @@
 
 #include "components/settings.hpp"
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -29,8 +30,8 @@ TEST_SUITE("systems/output/stress") {
         const Stresses s = measure_stresses(sim.world());
         // sum of force times branch: 3 mg on the floor, 2 mg and mg above
         const double overlap = mass * g / kn, expected = mass * g * (3 * (radius - 1.5 * overlap) + 2 * (2 * radius - 2 * overlap) + 2 * radius - overlap);
-        CHECK(s.contact.axial == doctest::Approx(expected).epsilon(1e-4));
-        CHECK(s.boundary.axial == doctest::Approx(expected).epsilon(1e-4));
+        CHECK(s.contact.axial == about(expected).epsilon(1e-4));
+        CHECK(s.boundary.axial == about(expected).epsilon(1e-4));
         CHECK(s.contact.radial == 0);
     }
 

@@ -2,6 +2,7 @@
 #include "systems/procedure/analysis.hpp"
 #include "systems/procedure/layouts.hpp"
 #include "systems/procedure/twin.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -74,8 +75,8 @@ TEST_SUITE("procedure/analysis") {
         const RockScatter scatter = scatter_of(worlds);
         const std::vector<std::size_t> hosts = sensor_rocks(truth);
         const ModelRun analysis = analyse(forecast, scatter, {hosts, ways, 1e-6, 1e-6});
-        CHECK(scatter.displacement.likeness.length == doctest::Approx(length).epsilon(0.35));
-        CHECK(scatter.displacement.likeness.near == doctest::Approx(0.95).epsilon(0.2));
+        CHECK(scatter.displacement.likeness.length == about(length).epsilon(0.35));
+        CHECK(scatter.displacement.likeness.near == about(0.95).epsilon(0.2));
         CHECK(error(analysis, truth, 0, sensors) < 0.02 * error(forecast, truth, 0, sensors));
         CHECK(error(analysis, truth, sensors, rocks) < 0.95 * error(forecast, truth, sensors, rocks));
         CHECK(analysis.rotation.back() == forecast.rotation.back()); // not measured

@@ -5,6 +5,7 @@
 #include "systems/procedure/bulk_bed.hpp"
 #include "systems/procedure/bulk_run.hpp"
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -104,14 +105,14 @@ TEST_SUITE("procedure/bulk") {
         const double open = 0.032 - 1.4 * diameter,
                      beverloo = 0.58 * 0.6 / (pi / 6 * std::pow(diameter, 3)) * std::sqrt(9.81) * std::pow(open, 2.5);
         MESSAGE("discharge rates ", rate(rough), " and ", rate(smooth), " 1/s, Beverloo ", beverloo);
-        CHECK(rate(rough) == doctest::Approx(beverloo).epsilon(0.33));
+        CHECK(rate(rough) == about(beverloo).epsilon(0.33));
         CHECK(rate(smooth) > 1.2 * rate(rough)); // a frictionless arch carries nothing
     }
 
     TEST_CASE("a Hertz impact takes the time that Johnson's formula gives") {
         // by hand for R = 1 mm, rho = 2500, E = 1 GPa, 1 m/s: m* = 5.236e-6 kg,
         // E* = 0.5208e9 Pa, R* = 0.5e-3 m: 2.87 (2.742e-11 / (5e-4 * 2.7127e17 * 1))^0.2 = 3.304e-5 s
-        CHECK(hertz_contact_time(0.001, 2500, 1e9, 1) == doctest::Approx(3.304e-5).epsilon(1e-3));
-        CHECK(hertz_contact_time(0.001, 2500, 1e9, 32) == doctest::Approx(0.5 * 3.304e-5).epsilon(1e-3));
+        CHECK(hertz_contact_time(0.001, 2500, 1e9, 1) == about(3.304e-5).epsilon(1e-3));
+        CHECK(hertz_contact_time(0.001, 2500, 1e9, 32) == about(0.5 * 3.304e-5).epsilon(1e-3));
     }
 }

@@ -1,5 +1,6 @@
 #include "engine/random.hpp"
 #include "systems/procedure/live_model.hpp"
+#include "tests/about.hpp"
 #include "tests/systems/procedure/simple_point.hpp"
 
 #include <doctest/doctest.h>
@@ -74,7 +75,7 @@ TEST_SUITE("procedure/live_model") {
         while (!model.done()) model.next_stage(recorded(c.truth, model.next_strain()));
         CHECK(c.lengths == std::vector<double>{2e-3, 0.02});
         CHECK(model.state().points.size() == 201);
-        CHECK(model.strain() == doctest::Approx(0.02));
+        CHECK(model.strain() == about(0.02));
         CHECK(std::abs(mean_of(model.belief()).friction - 0.7) < 0.05);
         CHECK(squared_distance(model.belief(), logarithms_of({0.7, 1})) < 9.2);
         for (std::size_t k = 1; k < model.known().size(); ++k) CHECK(model.known()[k].strain > model.known()[k - 1].strain);

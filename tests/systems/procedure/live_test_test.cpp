@@ -2,6 +2,7 @@
 #include "engine/io/csv.hpp"
 #include "systems/procedure/live_test.hpp"
 #include "systems/procedure/twin.hpp"
+#include "tests/about.hpp"
 #include "tests/systems/procedure/steady_run.hpp"
 #include "tests/temporary_directory.hpp"
 
@@ -82,8 +83,8 @@ TEST_SUITE("procedure/live_test") {
         const auto test = f.follow(recorded().lines);
         REQUIRE(test->follow_to(0.004));
         const RecordedTest before = test->so_far();
-        CHECK(before.measured.back().axial_strain == doctest::Approx(0.004));
-        CHECK(before.ways[1].strain.back() == doctest::Approx(0.004));
+        CHECK(before.measured.back().axial_strain == about(0.004));
+        CHECK(before.ways[1].strain.back() == about(0.004));
         CHECK(test->ages().size() == 3 * 5 + 3 * 4 + 41);
         CHECK(test->ages().empty());
         REQUIRE(test->follow_to(0.01));
@@ -126,7 +127,7 @@ TEST_SUITE("procedure/live_test") {
         std::filesystem::copy_file(f.folder / "log", f.folder / "log2");
         const auto going_on = f.follow(rest, "log2");
         REQUIRE(going_on->follow_to(0.004));
-        CHECK(going_on->so_far().measured.back().axial_strain == doctest::Approx(0.004));
+        CHECK(going_on->so_far().measured.back().axial_strain == about(0.004));
         (void)going_on->follow_to(1);
         check_same(going_on->so_far(), recorded().read());
         const auto all = std::make_unique<LiveTest>(f.write(recorded().lines), f.folder / "log", recorded().infos, f.settings);
@@ -151,7 +152,7 @@ TEST_SUITE("procedure/live_test") {
         const RecordedTest found = test->so_far(), expected = recorded().read();
         for (std::size_t s = 0; s < 3; ++s) {
             REQUIRE(found.ways[s].strain.size() + 1 == expected.ways[s].strain.size()); // its clock is fast: the last one is after the machine's last
-            for (std::size_t k = 0; k < found.ways[s].strain.size(); ++k) CHECK(found.ways[s].strain[k] == doctest::Approx(expected.ways[s].strain[k]).epsilon(1e-3));
+            for (std::size_t k = 0; k < found.ways[s].strain.size(); ++k) CHECK(found.ways[s].strain[k] == about(expected.ways[s].strain[k]).epsilon(1e-3));
         }
     }
 
@@ -229,7 +230,7 @@ TEST_SUITE("procedure/live_test") {
         const Followed f;
         const auto test = f.follow(lines);
         REQUIRE(test->follow_to(0.004));
-        CHECK(test->so_far().measured.back().axial_strain == doctest::Approx(0.004));
+        CHECK(test->so_far().measured.back().axial_strain == about(0.004));
         (void)test->follow_to(1);
         check_same(test->so_far(), recorded().read());
         CHECK(test->report().find("the machine: expected an axial strain near") != std::string::npos);

@@ -1,6 +1,7 @@
 #include "engine/errors.hpp"
 #include "systems/procedure/recorded_test.hpp"
 #include "systems/procedure/twin.hpp"
+#include "tests/about.hpp"
 #include "tests/systems/procedure/steady_run.hpp"
 #include "tests/temporary_directory.hpp"
 
@@ -46,7 +47,7 @@ TEST_SUITE("procedure/recorded_test") {
         CHECK(misfit_of(half, test).ring_strain < 1e-5);
         ModelRun other = truth;
         for (TriaxialPoint& p : other.points) p.deviatoric_stress += 5e3;
-        CHECK(misfit_of(other, test).q == doctest::Approx(5e3).epsilon(1e-3));
+        CHECK(misfit_of(other, test).q == about(5e3).epsilon(1e-3));
 
         // by inertia alone: tilt and nothing else
         const RecordedTest inertial = read_recorded_test(folder.path(), 110e3, infos, {.displacement = false, .attitude = false});

@@ -1,6 +1,7 @@
 #include "systems/procedure/relax.hpp"
 
 #include "tests/support.hpp"
+#include "tests/about.hpp"
 
 #include <doctest/doctest.h>
 
@@ -33,7 +34,7 @@ TEST_SUITE("procedure/relax") {
                 World world = squeezed(overlap, 0.06);
                 const Relaxed r = relax(world, law);
                 CHECK_MESSAGE(r.done, r.left);
-                CHECK(r.first_overlap == doctest::Approx(overlap).epsilon(1e-9));
+                CHECK(r.first_overlap == about(overlap).epsilon(1e-9));
                 CHECK(r.overlap <= 0.01);
                 CHECK(r.speed <= r.speed_limit);
                 CHECK(r.stored_energy > 0);

@@ -5,6 +5,7 @@
 #include "systems/procedure/triaxial_results.hpp"
 #include "systems/procedure/twin.hpp"
 #include "systems/steps.hpp"
+#include "tests/about.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -68,7 +69,7 @@ TEST_SUITE("procedure/triaxial") {
         MESSAGE("energy mismatch ", p.energy_mismatch, ", stress mismatch ", p.worst_stress_mismatch);
         CHECK(p.energy_mismatch <= 0.01);
         CHECK(p.peak_q > 0.1 * pressure); // at 0.2 % of strain a loose and tiny specimen is far from its peak
-        CHECK(points.back().axial_strain == doctest::Approx(0.002).epsilon(1e-9));
+        CHECK(points.back().axial_strain == about(0.002).epsilon(1e-9));
         for (std::size_t k = 1; k < points.size(); ++k) CHECK(points[k].unbalanced <= 1e-3);
     }
 
@@ -171,7 +172,7 @@ TEST_SUITE("procedure/triaxial") {
         for (std::size_t rock = 0; rock < 10; ++rock)
             for (std::size_t k = 1; k < 19; ++k) {
                 const SmoothedPose& pose = taken.smoothed[rock][k];
-                CHECK(pose.time == doctest::Approx(1e-4 * static_cast<double>(k)));
+                CHECK(pose.time == about(1e-4 * static_cast<double>(k)));
                 worst = std::max(worst, (pose.position - taken.start[rock].position - truth.displacement[k][rock]).norm());
             }
         CHECK(worst < 2e-6); // 0.1 micron for each axis, and a thousandth of what the model is off
