@@ -18,7 +18,7 @@ struct Learning {
     double final_strain = 0.01;     ///< to which learning goes on
     double first_window = 1e-4, window = 1e-3; ///< of axial strain, over which q is averaged: half of it, within these
     double friction_deviation = 0.3, stiffness_deviation = 0.4; ///< of their logarithms, before anything is measured
-    double specimen_scatter = 0;    ///< by which the real specimen may be stronger or weaker than the model's, of ln q; and widen and dilate more or less
+    double specimen_scatter = 0;    ///< by which the real specimen may be stronger or weaker than the model's, of ln q; and by the same share dilate and widen
     double force_noise = 0.01;      ///< of ln q as measured
     bool by_sensors = true;         ///< and not by q alone
     bool by_volume = false;         ///< likewise
