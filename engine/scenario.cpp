@@ -53,7 +53,7 @@ struct CommonFlags {
         option("memory", memory, "GiB", "stop when more is needed; 0: no limit",
                within(0, 1 << 20));
         option("config", config, "", "file of lines `name = value`; flags overrule it");
-        option("resume", common.resume, "", "checkpoint file to go on from");
+        option("resume", common.resume, "", "checkpoint file, or folder of results, to go on from");
         option("explain", common.explain, "", "print the schedule and end");
         option("serial", common.serial, "", "run the systems one after the other: same results");
         option("quiet", common.quiet, "", "no progress");

@@ -1,5 +1,6 @@
 // A library of clumps: random rocks, or one rock from an STL or OBJ file, filled with spheres, with a
 // report of how well each clump stands for its solid.
+#include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "systems/build/make_library.hpp"
 
@@ -41,6 +42,7 @@ int main(int argc, char** argv) {
     return run_scenario<Clumps>(
         argc, argv, "clumps", "make a library of clumps and report how true they are",
         [](const Clumps& settings, const Common& common) {
+            require(common.resume.empty(), "--resume: expected none, a library is made anew");
             LibrarySettings library = settings.library;
             library.seed = common.seed;
             library.out = common.out;
