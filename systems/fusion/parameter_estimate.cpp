@@ -134,7 +134,8 @@ double ParameterEstimate::log_likelihood(const Vector& at) const {
     for (Eigen::Index k = 0; k < off.size(); ++k) {
         const Difference& m = seen_.differences[static_cast<std::size_t>(k)];
         off[k] = m.difference - m.coefficients.dot(terms);
-        covariance(k, k) += m.chaos / trust_ * m.freedom / std::max(1.0, m.freedom - 2) * (1 + leverage) + m.noise; // the variance of Student's t
+        // chaos that lasts (trust) moves a world as a whole, and makes slopes no less sure: or far parameters would seem unlikely for that alone
+        covariance(k, k) += m.chaos * m.freedom / std::max(1.0, m.freedom - 2) * (1 / trust_ + leverage) + m.noise; // the variance of Student's t
     }
     const Eigen::LLT<Matrix> root(covariance);
     return -0.5 * root.matrixL().solve(off).squaredNorm() - Vector(root.matrixLLT().diagonal()).array().log().sum();
