@@ -16,8 +16,8 @@ namespace {
 constexpr double no_stress = 1e3; // Pa, below which a logarithm of q says nothing
 constexpr double compaction = 1e-3; // volumetric strain that grains take up before they dilate
 constexpr double volume_noise = 0.02; // of volumetric strain as measured, relative
-// What makes a specimen strong makes it dilate and widen too: among eight of friction 0.7 ln q and dilation go together with a
-// correlation of 0.6, and each goes on as it began with about this memory (tests/performance/packing_campaign).
+// What makes a specimen strong makes it dilate and widen too: among eleven of friction 0.7 ln q and dilation go together with a
+// correlation of 0.6 to 0.9, and each goes on as it began with about this memory (tests/performance/packing_campaign).
 constexpr SpecimenLikeness specimen_likeness{.memory = 4, .channels = 0.6}; // the former of ln strain
 
 using Measured = std::vector<double> MeasuredTest::*;
