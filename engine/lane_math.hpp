@@ -131,54 +131,6 @@ inline QuatLanes load(const Quat* column, LaneRows rows) {
         return QuatLanes{q[0], q[1], q[2], q[3]};
     });
 }
-/// Vectors of lane_count bodies with their numbers where they stand, x y z x y z ...: for work number by number, which
-/// needs no x beside x.
-struct PackedLanes { Lane a, b, c; };
-struct PackedMask { LaneMask a, b, c; };
-inline PackedLanes operator+(const PackedLanes& p, const PackedLanes& q) { return {p.a + q.a, p.b + q.b, p.c + q.c}; }
-inline PackedLanes operator*(const PackedLanes& p, const PackedLanes& q) { return {p.a * q.a, p.b * q.b, p.c * q.c}; }
-inline PackedLanes operator/(const PackedLanes& p, const PackedLanes& q) { return {p.a / q.a, p.b / q.b, p.c / q.c}; }
-inline PackedLanes operator*(double s, const PackedLanes& p) { return {s * p.a, s * p.b, s * p.c}; }
-inline PackedLanes select(const PackedMask& where, const PackedLanes& p, const PackedLanes& q) {
-    return {where.a ? p.a : q.a, where.b ? p.b : q.b, where.c ? p.c : q.c};
-}
-/// A number (or mask) of each body for all three of its vector.
-inline PackedLanes packed(Lane value) {
-    const auto v = three_of_each(value);
-    return {v[0], v[1], v[2]};
-}
-inline PackedMask packed(LaneMask mask) {
-    const auto m = three_of_each(mask);
-    return {m[0], m[1], m[2]};
-}
-/// The same vector for all bodies.
-inline PackedLanes packed(const Vec3& v) {
-    std::array<double, 3 * lane_count> numbers;
-    for (std::size_t k = 0; k < numbers.size(); ++k) numbers[k] = v[static_cast<Eigen::Index>(k % 3)];
-    return {load_lane(numbers.data()), load_lane(&numbers[lane_count]), load_lane(&numbers[2 * lane_count])};
-}
-inline PackedLanes load_packed(const Vec3* column, LaneRows rows) {
-    return read_rows<3>(column->data(), rows, [](const double* at) {
-        return PackedLanes{load_lane(at), load_lane(at + lane_count), load_lane(at + 2 * lane_count)};
-    });
-}
-
-/// Vectors of lane_count rows of a table of `size` one by one, each with a fourth number of any value.
-class QuadRows {
-public:
-    QuadRows(const Vec3* column, LaneRows rows, std::size_t size) : first_(column->data() + 3 * std::size_t{rows.first}) {
-        if (rows.first + std::size_t{lane_count} < size) return; // the fourth is the next row's first
-        std::memcpy(padded_.data(), first_, 3 * sizeof(double) * static_cast<std::size_t>(rows.count));
-        first_ = padded_.data();
-    }
-    QuadRows(const QuadRows&) = delete;
-    Quad operator()(int q) const { return load(first_ + 3 * q); }
-
-private:
-    const double* first_;
-    std::array<double, 3 * lane_count + 1> padded_{};
-};
-
 /// Lanes whose row holds `value`.
 inline LaneMask equal(const std::uint32_t* column, LaneRows rows, std::uint32_t value) {
     return read_rows<1>(column, rows, [&](const std::uint32_t* at) { return equal_lanes(at, value); });
@@ -189,13 +141,6 @@ inline void store(double* column, LaneRows rows, const Lane& value) {
 }
 inline void store(Vec3* column, LaneRows rows, const Vec3Lanes& v) {
     write_rows<3>(column->data(), rows, [&](double* at) { store_triples(at, {v.x, v.y, v.z}); });
-}
-inline void store(Vec3* column, LaneRows rows, const PackedLanes& v) {
-    write_rows<3>(column->data(), rows, [&](double* at) {
-        store_lane(at, v.a);
-        store_lane(at + lane_count, v.b);
-        store_lane(at + 2 * lane_count, v.c);
-    });
 }
 inline void store(Quat* column, LaneRows rows, const QuatLanes& q) {
     write_rows<4>(column->coeffs().data(), rows, [&](double* at) {

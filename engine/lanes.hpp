@@ -111,9 +111,6 @@ inline Quad cross(Quad a, Quad b) {
     return __builtin_shufflevector(c, c, 1, 2, 0, 3);
 }
 
-/// a with the fourth number of b.
-inline Quad with_fourth(Quad a, Quad b) { return __builtin_shufflevector(a, b, 0, 1, 2, 7); }
-
 /// Rows of four numbers, one a lane, as four Lanes; and back (the same shuffles).
 using FourLanes = std::array<Lane, 4>;
 
@@ -185,16 +182,6 @@ template <class RowOf> void store_rows(const FourLanes& rows, int count, RowOf&&
 
 /// Vectors of three numbers that stand one behind the other, one a lane, as x, y and z; and back.
 using ThreeLanes = std::array<Lane, 3>;
-
-/// Each number (or mask) three times, in the order in which the numbers of such vectors stand.
-template <class Numbers> std::array<Numbers, 3> three_of_each(Numbers v) {
-#ifdef __AVX512F__
-    return {__builtin_shufflevector(v, v, 0, 0, 0, 1, 1, 1, 2, 2), __builtin_shufflevector(v, v, 2, 3, 3, 3, 4, 4, 4, 5),
-            __builtin_shufflevector(v, v, 5, 5, 6, 6, 6, 7, 7, 7)};
-#else
-    return {__builtin_shufflevector(v, v, 0, 0, 0, 1), __builtin_shufflevector(v, v, 1, 1, 2, 2), __builtin_shufflevector(v, v, 2, 3, 3, 3)};
-#endif
-}
 
 inline ThreeLanes load_triples(const double* rows) {
     const Lane a = load_lane(rows), b = load_lane(rows + lane_count), c = load_lane(rows + 2 * lane_count);

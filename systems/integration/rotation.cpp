@@ -48,12 +48,12 @@ void turn_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia
     Vec3* spin = bodies.column<Spin>();
     Vec3* step_spin = bodies.column<StepSpin>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        const PackedMask free = packed(equal(motion, rows, free_motion));
-        const PackedLanes inverse_inertia = packed(1.0 / load(inertia, rows));
-        const PackedLanes before = load_packed(momentum, rows), t = load_packed(torque, rows), after = before + clock.dt * t;
+        const LaneMask free = equal(motion, rows, free_motion);
+        const Lane inverse_inertia = 1.0 / load(inertia, rows);
+        const Vec3Lanes before = load(momentum, rows), t = load(torque, rows), after = before + clock.dt * t;
         store(momentum, rows, select(free, after, before));
-        store(spin, rows, select(free, inverse_inertia * (after + 0.5 * clock.dt * t), load_packed(spin, rows)));
-        store(step_spin, rows, select(free, inverse_inertia * after, load_packed(step_spin, rows)));
+        store(spin, rows, select(free, inverse_inertia * (after + 0.5 * clock.dt * t), load(spin, rows)));
+        store(step_spin, rows, select(free, inverse_inertia * after, load(step_spin, rows)));
     });
 }
 
@@ -137,10 +137,10 @@ void place(PlacedBodies bodies, PlacedBalls listed) {
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const LaneMask free = equal(motion, rows, free_motion);
         const Lane inverse_mass = free ? 1.0 / load(mass, rows) : Lane{};
-        const Vec3Lanes x = load(position, rows);
+        const Vec3Lanes x = load(position, rows), w = load(spin, rows), v = load(velocity, rows);
         const ByRow at(rows);
         store_rows(transpose({x.x, x.y, x.z, Lane{}}), rows.count, [&](int q) { return &centre[at(q)].x; });
-        store_motion(row, rows, {velocity, rows, bodies.size()}, inverse_mass, {spin, rows, bodies.size()});
+        store_motion(row, rows, v, inverse_mass, w);
         PlacedFrames frames;
         const AxesLanes axes = axes_of(load(orientation, rows));
         put(frames, &PlacedFrame::centre, x);

@@ -2,8 +2,6 @@
 #include "systems/integration/motion.hpp"
 #include "systems/integration/store_motion.hpp"
 
-#include <algorithm>
-
 namespace bris {
 
 namespace {
@@ -19,24 +17,24 @@ Vec3Lanes damped(const Vec3Lanes& force, const Vec3Lanes& velocity, double fract
     return {damped(force.x, velocity.x, fraction), damped(force.y, velocity.y, fraction),
             damped(force.z, velocity.z, fraction)};
 }
-PackedLanes damped(const PackedLanes& force, const PackedLanes& velocity, double fraction) {
-    return {damped(force.a, velocity.a, fraction), damped(force.b, velocity.b, fraction), damped(force.c, velocity.c, fraction)};
-}
 
 } // namespace
 
 void clear_forces(Rows<Bodies, Force, Torque> bodies) {
-    const Row first = bodies.first(), last = bodies.last();
-    std::fill(bodies.column<Force>() + first, bodies.column<Force>() + last, Vec3(0, 0, 0));
-    std::fill(bodies.column<Torque>() + first, bodies.column<Torque>() + last, Vec3(0, 0, 0));
+    Vec3* force = bodies.column<Force>();
+    Vec3* torque = bodies.column<Torque>();
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        store(force, rows, Vec3Lanes{});
+        store(torque, rows, Vec3Lanes{});
+    });
 }
 
 void weigh(Rows<Bodies, const Mass, Force> bodies, const Gravity& gravity) {
     const double* mass = bodies.column<Mass>();
     Vec3* force = bodies.column<Force>();
-    const PackedLanes g = packed(gravity.value);
+    const Vec3Lanes g{lanes(gravity.value.x()), lanes(gravity.value.y()), lanes(gravity.value.z())};
     for_lane_rows(bodies.first(), bodies.last(),
-                  [&](LaneRows rows) { store(force, rows, load_packed(force, rows) + packed(load(mass, rows)) * g); });
+                  [&](LaneRows rows) { store(force, rows, load(force, rows) + load(mass, rows) * g); });
 }
 
 void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin, Force, Torque> bodies,
@@ -48,11 +46,11 @@ void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const
     Vec3* force = bodies.column<Force>();
     Vec3* torque = bodies.column<Torque>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        const PackedMask free = packed(equal(motion, rows, free_motion));
-        const PackedLanes now = load_packed(velocity, rows) + (0.5 * clock.dt) * load_packed(acceleration, rows);
-        const PackedLanes f = load_packed(force, rows), t = load_packed(torque, rows);
+        const LaneMask free = equal(motion, rows, free_motion);
+        const Vec3Lanes now = load(velocity, rows) + (0.5 * clock.dt) * load(acceleration, rows);
+        const Vec3Lanes f = load(force, rows), t = load(torque, rows);
         store(force, rows, select(free, damped(f, now, damping.fraction), f));
-        store(torque, rows, select(free, damped(t, load_packed(spin, rows), damping.fraction), t));
+        store(torque, rows, select(free, damped(t, load(spin, rows), damping.fraction), t));
     });
 }
 
@@ -117,15 +115,17 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
     Vec3* velocity = bodies.column<Velocity>();
     Vec3* acceleration = bodies.column<Acceleration>();
     Vec3* position = bodies.column<Position>();
+    const Vec3Lanes at_rest{};
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        const LaneMask is_free = equal(motion, rows, free_motion);
-        const PackedMask free = packed(is_free);
-        const PackedLanes a = select(free, load_packed(force, rows) / packed(load(mass, rows)), PackedLanes{});
-        PackedLanes v = load_packed(velocity, rows) + clock.dt * a;
-        if (bits(is_free) != all_lanes) v = select(free, v, load_packed(drive, rows));
+        const LaneMask free = equal(motion, rows, free_motion);
+        const Lane m = load(mass, rows);
+        const Vec3Lanes f = load(force, rows);
+        const Vec3Lanes a = select(free, {f.x / m, f.y / m, f.z / m}, at_rest);
+        Vec3Lanes v = load(velocity, rows) + clock.dt * a;
+        if (bits(free) != all_lanes) v = select(free, v, load(drive, rows));
         store(acceleration, rows, a);
         store(velocity, rows, v);
-        store(position, rows, load_packed(position, rows) + clock.dt * v);
+        store(position, rows, load(position, rows) + clock.dt * v);
     });
 }
 
@@ -140,10 +140,11 @@ void place_spheres(PlacedSpheres bodies, PlacedBalls listed) {
     PlaceRow* place = listed.column<Place>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const LaneMask free = equal(motion, rows, free_motion);
-        store_motion(row, rows, {velocity, rows, bodies.size()}, free ? 1.0 / load(mass, rows) : Lane{}, {spin, rows, bodies.size()});
+        const Vec3Lanes x = load(position, rows);
         const ByRow at(rows);
-        const QuadRows x(position, rows, bodies.size());
-        for (int q = 0; q < rows.count; ++q) store(&place[at(q)].x, with_fourth(x(q), load(ball[at(q)].centre.data()))); // its radius
+        store_motion(row, rows, load(velocity, rows), free ? 1.0 / load(mass, rows) : Lane{}, load(spin, rows));
+        const Lane radius = transpose(load_rows([&](int q) { return ball[at.valid(q)].centre.data(); }))[3];
+        store_rows(transpose({x.x, x.y, x.z, radius}), rows.count, [&](int q) { return &place[at(q)].x; });
     });
 }
 
@@ -153,12 +154,10 @@ void place_kicks(Rows<Bodies, const Acceleration, const Spin, const StepSpin, Ki
     const Vec3* step_spin = bodies.column<StepSpin>();
     KickRow* kick = bodies.column<Kick>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        const Vec3Lanes v = (0.5 * clock.dt) * load(acceleration, rows), w = load(spin, rows) - load(step_spin, rows);
         const ByRow at(rows);
-        const QuadRows a(acceleration, rows, bodies.size()), now(spin, rows, bodies.size()), last(step_spin, rows, bodies.size());
-        for (int q = 0; q < rows.count; ++q) {
-            store(&kick[at(q)].vx, with_fourth((0.5 * clock.dt) * a(q), Quad{}));
-            store(&kick[at(q)].spin_x, with_fourth(now(q) - last(q), Quad{}));
-        }
+        store_rows(transpose({v.x, v.y, v.z, Lane{}}), rows.count, [&](int q) { return &kick[at(q)].vx; });
+        store_rows(transpose({w.x, w.y, w.z, Lane{}}), rows.count, [&](int q) { return &kick[at(q)].spin_x; });
     });
 }
 

@@ -48,29 +48,6 @@ TEST_SUITE("engine/lane_math") {
         }
     }
 
-    TEST_CASE("numbers of bodies meet their own vectors where those stand, and no row beyond the last is read or written") {
-        const auto from = vectors(5, 1);
-        const Vec3 shift(0.5, -1, 2);
-        std::vector<double> scale(many);
-        for (std::size_t k = 0; k < many; ++k) scale[k] = 1 + 0.25 * static_cast<double>(k);
-        std::vector<Vec3> to(many, Vec3(7, 8, 9));
-        for_lane_rows(0, many - 1, [&](LaneRows rows) {
-            const PackedLanes v = load_packed(from.data(), rows);
-            const PackedMask large = packed(load(scale.data(), rows) > 2.0);
-            store(to.data(), rows, select(large, packed(load(scale.data(), rows)) * v, v / packed(load(scale.data(), rows)) + packed(shift)));
-        });
-        for (std::size_t k = 0; k + 1 < many; ++k) CHECK(to[k] == (scale[k] > 2 ? Vec3(scale[k] * from[k]) : Vec3(from[k] / scale[k] + shift)));
-        CHECK(to[many - 1] == Vec3(7, 8, 9));
-        for_lane_rows(0, many, [&](LaneRows rows) {
-            const QuadRows row(from.data(), rows, many);
-            for (int q = 0; q < rows.count; ++q) {
-                const Quad v = with_fourth(row(q), Quad{0, 0, 0, 4});
-                CHECK(Vec3(v[0], v[1], v[2]) == from[rows.first + static_cast<Row>(q)]);
-                CHECK(v[3] == 4);
-            }
-        });
-    }
-
     TEST_CASE("equal finds the rows that hold a value") {
         std::vector<std::uint32_t> kinds(many);
         for (std::uint32_t k = 0; k < many; ++k) kinds[k] = k % 3;
