@@ -20,6 +20,9 @@ constexpr double volume_noise = 0.02; // of volumetric strain as measured, relat
 // correlation of 0.6 to 0.9, and each goes on as it began with about this memory (tests/performance/packing_campaign).
 constexpr SpecimenLikeness specimen_likeness{.memory = 4, .channels = 0.6}; // the former of ln strain
 
+/// What is measured of a test and foretold by worlds: channels of the estimate.
+enum Channel : std::size_t { strength, widening, dilation, channels };
+
 using Measured = std::vector<double> MeasuredTest::*;
 
 /// One stage of a run made of those of several: sums with weights.
@@ -135,7 +138,7 @@ std::vector<Heard> heard_in(const Panel& worlds, const MeasuredTest& measured, d
 bool see_strength(ParameterEstimate& estimate, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double from, double to) {
     const auto q = means_of(worlds, measured, &MeasuredTest::q, &TriaxialPoint::deviatoric_stress, from, to);
     if (!q || !(q->measured > no_stress) || !(q->foretold.minCoeff() > no_stress)) return false;
-    estimate.see(0, q->foretold.array().log(), {std::log(q->measured), settings.force_noise, settings.specimen_scatter, std::log(to)});
+    estimate.see(strength, q->foretold.array().log(), {std::log(q->measured), settings.force_noise, settings.specimen_scatter, std::log(to)});
     return true;
 }
 
@@ -148,7 +151,7 @@ bool see_sensors(ParameterEstimate& estimate, const Panel& worlds, const Measure
         foretold[static_cast<Eigen::Index>(j)] = outwards(*worlds.runs[j], heard, [&](const Heard& h) { return worlds.runs[j]->displacement[h.stage][h.sensor]; });
     const double found = outwards(*worlds.runs.front(), heard, [&](const Heard& h) { return measured.ways[h.sensor].displacement[h.sample]; });
     const double noise = measured.displacement_noise / std::sqrt(static_cast<double>(heard.size()));
-    estimate.see(1, foretold, {found, noise, settings.specimen_scatter * foretold.cwiseAbs().mean(), std::log(to)});
+    estimate.see(widening, foretold, {found, noise, settings.specimen_scatter * foretold.cwiseAbs().mean(), std::log(to)});
     return true;
 }
 
@@ -158,7 +161,7 @@ bool see_volume(ParameterEstimate& estimate, const Panel& worlds, const Measured
     if (!volume) return false;
     const double size = std::abs(volume->foretold.mean()), unit = -(size + compaction); // compression is positive
     if (!(size > compaction)) return false; // all specimens begin alike: that would seem to say that this one goes on like the worlds
-    estimate.see(2, volume->foretold / unit, {volume->measured / unit, volume_noise, settings.specimen_scatter, std::log(to)});
+    estimate.see(dilation, volume->foretold / unit, {volume->measured / unit, volume_noise, settings.specimen_scatter, std::log(to)});
     return true;
 }
 
@@ -167,12 +170,12 @@ enum class Asked { every_window, the_end };
 /// `left_out`: worlds that the panel lacks.
 std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain, double trust,
                                     Asked asked, Eigen::Index left_out = 0) {
-    ParameterEstimate estimate(prior, logarithms_of(worlds.beliefs), 3, trust, left_out, specimen_likeness);
+    ParameterEstimate estimate(prior, logarithms_of(worlds.beliefs), channels, trust, left_out, specimen_likeness);
     std::vector<KnownAt> known;
     double from = 0;
     for (const double to : window_ends(settings, final_strain)) {
         bool says_something = see_strength(estimate, worlds, measured, settings, from, to);
-        const double distance = says_something ? estimate.surprise(0) : -1;
+        const double distance = says_something ? estimate.surprise(strength) : -1;
         if (settings.by_sensors && see_sensors(estimate, worlds, measured, settings, from, to)) says_something = true;
         if (settings.by_volume && see_volume(estimate, worlds, measured, settings, from, to)) says_something = true;
         if (says_something && asked == Asked::every_window) known.push_back({to, estimate.parameters(), distance});
