@@ -43,6 +43,7 @@ struct ListSettings {
     double outer_skin = 0;            ///< m, > inner_skin; 0: chosen from the radii at the first refresh
     double inner_skin = 0;            ///< m, > 0; 0: likewise
     double largest_skin = 0;          ///< m, of tuned skins; chosen likewise
+    double widest_ratio = 3;          ///< of radii in a grid of the search for pairs; rocks of one grading stay in one
     unsigned sort_every = 8;          ///< refreshes between re-orderings of rows; 0: never
     bool tune = true;                 ///< skins follow the counts of work
 };

@@ -2,6 +2,8 @@
 
 #include "engine/errors.hpp"
 
+#include <fmt/format.h>
+
 namespace bris {
 
 namespace {
@@ -49,5 +51,7 @@ std::uint64_t fingerprint(const Archive& archive, const std::string& prefix) {
     }
     return h;
 }
+
+std::string hexadecimal(std::uint64_t fingerprint) { return fmt::format("{:016x}", fingerprint); }
 
 } // namespace bris

@@ -66,5 +66,7 @@ void get_fields(const Archive& archive, const std::string& path, const std::tupl
 
 /// 64-bit hash of all arrays whose path starts with `prefix`, in their order.
 std::uint64_t fingerprint(const Archive& archive, const std::string& prefix = "");
+/// Sixteen hexadecimal digits of it.
+std::string hexadecimal(std::uint64_t fingerprint);
 
 } // namespace bris

@@ -23,8 +23,11 @@ std::uint64_t machine_memory() {
     return bytes;
 }
 
-void limit_memory(std::uint64_t bytes) {
+void limit_memory(std::uint64_t bytes, unsigned threads) {
     if (bytes == 0) return;
+    const double least = bytes_of_process + bytes_of_thread * threads, found = static_cast<double>(bytes);
+    require(found >= least, fmt::format("--memory: expected 0 (no limit) or at least {:.3g} GiB, which a process of {} threads takes, found {:.3g}",
+                                        gigabytes(least) + 0.0005, threads, gigabytes(found)));
     rlimit limit{};
     getrlimit(RLIMIT_DATA, &limit);
     limit.rlim_cur = std::min<rlim_t>(bytes, limit.rlim_max);

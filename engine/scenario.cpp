@@ -75,7 +75,7 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv, const 
     }
     if (common.threads == 0) common.threads = std::max(1u, std::thread::hardware_concurrency());
     common.memory_limit = static_cast<std::uint64_t>(std::floor(flags.memory * 0x1p30));
-    limit_memory(common.memory_limit);
+    limit_memory(common.memory_limit, common.threads);
     common.settings = options.values();
     std::error_code error;
     std::filesystem::create_directories(common.out, error);

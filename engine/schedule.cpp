@@ -132,7 +132,7 @@ Schedule::Plan& Schedule::plan_for(std::uint64_t due) {
         if (!plan.live[i]) continue;
         const System& s = steps_[i];
         bool joined = false;
-        if (s.row_local && !plan.nodes.empty()) {
+        if (settings_.fused && s.row_local && !plan.nodes.empty()) {
             auto& last = plan.nodes.back();
             joined = std::all_of(last.systems.begin(), last.systems.end(), [&](std::size_t j) {
                 return steps_[j].row_local == s.row_local && may_share_pass(steps_[j], s);

@@ -12,6 +12,7 @@ namespace bris {
 /// How the graph is to be run; every choice gives the same bits.
 struct ScheduleSettings {
     bool serial = false;     ///< the list in order, one system after the other
+    bool fused = true;       ///< neighbours that work row by row in one pass over the rows
     bool last_order = false; ///< another valid order: of the systems that could be next, the last
     bool timed = false;      ///< wall time per node
     std::size_t grain = 0;   ///< rows a chunk of row-local systems; 0: by the rows and threads that there are

@@ -6,12 +6,14 @@
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
+#include "systems/output/frames.hpp"
 #include "systems/output/picture.hpp"
 #include "systems/output/plot.hpp"
-#include "systems/output/record.hpp"
+#include "systems/procedure/generations.hpp"
 #include "systems/procedure/kept_run.hpp"
 #include "systems/procedure/learning_results.hpp"
 #include "systems/procedure/recorded_test.hpp"
+#include "systems/procedure/run_models.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 
 #include <fmt/format.h>

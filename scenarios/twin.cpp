@@ -10,10 +10,12 @@
 #include "engine/summary.hpp"
 #include "systems/experiments/names.hpp"
 #include "systems/output/plot.hpp"
+#include "systems/procedure/generations.hpp"
 #include "systems/procedure/layouts.hpp"
 #include "systems/procedure/kept_run.hpp"
 #include "systems/procedure/learning_results.hpp"
 #include "systems/procedure/recorded_test.hpp"
+#include "systems/procedure/run_models.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 #include "systems/procedure/twin.hpp"
 

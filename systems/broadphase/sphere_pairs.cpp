@@ -75,7 +75,7 @@ private:
 /// cells, or the pairs to look at would grow as the cube of the ratio.
 class SizeGrids {
 public:
-    SizeGrids(std::span<const Vec3> positions, std::span<const double> radii, std::vector<Row> rows, double skin) : skin_(skin) {
+    SizeGrids(std::span<const Vec3> positions, std::span<const double> radii, std::vector<Row> rows, double skin, double widest_ratio) : skin_(skin) {
         while (!rows.empty()) {
             double largest = 0;
             for (const Row r : rows) largest = std::max(largest, radii[r]);
@@ -90,8 +90,6 @@ public:
     }
 
 private:
-    static constexpr double widest_ratio = 3; // of radii in a grid; rocks of one grading stay in one
-
     struct Sized { double largest; CellGrid grid; };
     std::vector<Sized> grids_;
     double skin_;
@@ -166,7 +164,7 @@ void find_sphere_pairs(World& world, double skin) {
     std::vector<Row> rows;
     for (Row b = 0; b < bodies.size(); ++b)
         if (s.run[b].count > 0) rows.push_back(b);
-    const SizeGrids grids(s.position, s.radius, std::move(rows), skin);
+    const SizeGrids grids(s.position, s.radius, std::move(rows), skin, world.resource<ListSettings>().widest_ratio);
     const auto free_body = [&](Row b) { return s.motion[b] == static_cast<std::uint32_t>(Motion::free); };
 
     ChunkLists<Candidate> found;

@@ -2,7 +2,9 @@
 
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
-#include "systems/build/shape_measures.hpp"
+#include "systems/build/angularity.hpp"
+#include "systems/build/dimensions.hpp"
+#include "systems/build/surface_distance.hpp"
 
 #include <openvdb/openvdb.h>
 #include <openvdb/tools/MeshToVolume.h>

@@ -1,7 +1,8 @@
 #include "systems/build/fit_spheres.hpp"
 
 #include "engine/random.hpp"
-#include "systems/build/shape_measures.hpp"
+#include "systems/build/dimensions.hpp"
+#include "systems/build/surface_distance.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,10 +3,12 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/random.hpp"
+#include "systems/build/angularity.hpp"
 #include "systems/build/clump_library.hpp"
+#include "systems/build/dimensions.hpp"
 #include "systems/build/read_mesh.hpp"
 #include "systems/build/rock.hpp"
-#include "systems/build/shape_measures.hpp"
+#include "systems/build/surface_distance.hpp"
 
 #include <fmt/format.h>
 

@@ -1,12 +1,11 @@
 #pragma once
 
+#include "engine/memory.hpp"
+
 namespace bris {
 
 // Bytes that scenes take at their most, which is when pair lists are made: what tests/performance/peers/scale measures at
 // 16 000 spheres and more, rounded up.
-
-/// A process with nothing in its scene.
-inline constexpr double bytes_of_process = 6e7;
 
 inline double bytes_of_spheres(double spheres) { return bytes_of_process + 4000 * spheres; }
 

@@ -2,7 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
-#include "systems/build/shape_measures.hpp"
+#include "systems/build/dimensions.hpp"
 
 #include <algorithm>
 #include <cmath>

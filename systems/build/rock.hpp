@@ -25,7 +25,7 @@ struct RockSettings {
 };
 
 /// A random convex rock of sieve size 1 m: the intersection of half-spaces with scattered directions
-/// and distances, stretched along three axes until its measured dimensions (shape_measures.hpp) have
+/// and distances, stretched along three axes until its measured dimensions (dimensions.hpp) have
 /// the wanted ratio to 0.1 %. A pure function of (settings, seed, index). A plane may be cut away
 /// entirely, so `Polyhedron::faces` can be a little less than asked. Throws InputError outside the
 /// ranges above.

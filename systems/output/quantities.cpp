@@ -82,4 +82,15 @@ Quantities measure(const World& world) {
     return q;
 }
 
+void add_quantities(Summary& summary, const Quantities& q) {
+    summary.add("contacts", q.contacts);
+    summary.add("coordination", q.coordination);
+    summary.add("kinetic_energy_J", q.kinetic_energy);
+    summary.add("elastic_energy_J", q.elastic_energy);
+    summary.add("mean_overlap_m", q.mean_overlap);
+    summary.add("largest_overlap_m", q.largest_overlap);
+    summary.add("mean_normal_force_N", q.mean_normal_force);
+    summary.add("unbalanced_ratio", q.unbalanced_ratio);
+}
+
 } // namespace bris

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/math.hpp"
+#include "engine/summary.hpp"
 #include "engine/world.hpp"
 
 namespace bris {
@@ -23,5 +24,9 @@ struct Quantities {
 
 /// Measures the world as the last step left it. Reads only.
 Quantities measure(const World& world);
+
+/// The usual keys of a mechanical scene: energies, contacts, coordination, overlaps, unbalanced
+/// ratio.
+void add_quantities(Summary& summary, const Quantities& quantities);
 
 } // namespace bris

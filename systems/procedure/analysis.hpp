@@ -1,6 +1,6 @@
 #pragma once
 
-#include "systems/procedure/learning.hpp"
+#include "systems/procedure/worlds.hpp"
 
 namespace bris {
 

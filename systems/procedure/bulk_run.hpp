@@ -5,9 +5,12 @@
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
 #include "engine/summary.hpp"
+#include "systems/output/checkpoint_keeper.hpp"
+#include "systems/output/frames.hpp"
 #include "systems/output/picture.hpp"
 #include "systems/output/plot.hpp"
-#include "systems/output/record.hpp"
+#include "systems/output/quantities.hpp"
+#include "systems/output/series.hpp"
 #include "systems/procedure/bulk_bed.hpp"
 
 #include <chrono>

@@ -2,12 +2,13 @@
 
 #include "engine/errors.hpp"
 #include "systems/fusion/parameter_estimate.hpp"
-#include "systems/procedure/triaxial_results.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <optional>
 
 namespace bris {
 
@@ -24,30 +25,6 @@ constexpr SpecimenLikeness specimen_likeness{.memory = 4, .channels = 0.6}; // t
 enum Channel : std::size_t { strength, widening, dilation, channels };
 
 using Measured = std::vector<double> MeasuredTest::*;
-
-/// One stage of a run made of those of several: sums with weights.
-void add_blend(ModelRun& sum, const Worlds& worlds, const Vector& weights, std::size_t stage) {
-    TriaxialPoint point;
-    const ModelRun& like = worlds.runs.front();
-    point.ring_radius.assign(like.points[stage].ring_radius.size(), 0);
-    std::vector<Vec3> displacement(like.rocks.size(), Vec3::Zero()), rotation = displacement;
-    for (std::size_t j = 0; j < worlds.runs.size(); ++j) {
-        const double w = weights[static_cast<Eigen::Index>(j)];
-        const ModelRun& run = worlds.runs[j];
-        const TriaxialPoint& p = run.points[stage];
-        point.axial_strain += w * p.axial_strain;
-        point.volumetric_strain += w * p.volumetric_strain;
-        point.deviatoric_stress += w * p.deviatoric_stress;
-        for (std::size_t r = 0; r < point.ring_radius.size(); ++r) point.ring_radius[r] += w * p.ring_radius[r];
-        for (std::size_t rock = 0; rock < displacement.size(); ++rock) {
-            displacement[rock] += w * run.displacement[stage][rock];
-            rotation[rock] += w * run.rotation[stage][rock];
-        }
-    }
-    sum.points.push_back(point);
-    sum.displacement.push_back(std::move(displacement));
-    sum.rotation.push_back(std::move(rotation));
-}
 
 /// A sample of a sensor, and the stage of the worlds at its strain.
 struct Heard { std::size_t sensor, sample, stage; };
@@ -221,61 +198,11 @@ double trust_in(const Gaussian& prior, const Panel& worlds, const MeasuredTest& 
 
 } // namespace
 
-std::optional<std::size_t> stage_of_sample(const ModelRun& run, double strain) {
-    if (run.points.size() < 2) return {};
-    return stage_at(run.points, strain, 0.501 * (run.points[1].axial_strain - run.points[0].axial_strain));
-}
-
-MeasuredTest measured_test(const std::vector<TriaxialPoint>& points) {
-    MeasuredTest s;
-    for (const TriaxialPoint& p : points) {
-        s.strain.push_back(p.axial_strain);
-        s.q.push_back(p.deviatoric_stress);
-        s.volumetric_strain.push_back(p.volumetric_strain);
-    }
-    return s;
-}
-
-MeasuredTest measured_test(const RecordedTest& test) {
-    MeasuredTest s = measured_test(test.measured);
-    s.ways = test.ways;
-    double squares = 0;
-    for (const Recording& r : test.recordings) squares += r.info.displacement_noise * r.info.displacement_noise;
-    s.displacement_noise = std::sqrt(squares / static_cast<double>(test.recordings.size()));
-    return s;
-}
-
-Vector logarithms_of(const RockBelief& rocks) {
-    Vector v(2);
-    v << std::log(rocks.friction), std::log(rocks.stiffness);
-    return v;
-}
-
-Matrix logarithms_of(const std::vector<RockBelief>& beliefs) {
-    Matrix logarithms(static_cast<Eigen::Index>(beliefs.size()), 2);
-    for (std::size_t j = 0; j < beliefs.size(); ++j) logarithms.row(static_cast<Eigen::Index>(j)) = logarithms_of(beliefs[j]).transpose();
-    return logarithms;
-}
-
-RockBelief mean_of(const Gaussian& belief) { return {std::exp(belief.mean[0]), std::exp(belief.mean[1])}; }
-
 Gaussian prior_of(const RockBelief& middle, const Learning& settings) {
     Gaussian prior(2);
     prior.mean = logarithms_of(middle);
     prior.root.diagonal() << settings.friction_deviation, settings.stiffness_deviation;
     return prior;
-}
-
-std::vector<RockBelief> beliefs_of_worlds(const Gaussian& belief, unsigned worlds) {
-    // multiples of two numbers whose fractions fill the square evenly (Roberts 2018), then as Box and Muller's pairs
-    constexpr double g = 1.32471795724474602596;
-    std::vector<RockBelief> beliefs;
-    for (unsigned k = 1; k <= worlds; ++k) {
-        const double u = std::fmod(0.5 + k / g, 1.0), v = std::fmod(0.5 + k / (g * g), 1.0), radius = std::sqrt(-2 * std::log(1 - u));
-        const double x = radius * std::cos(2 * pi * v), y = radius * std::sin(2 * pi * v);
-        beliefs.push_back({std::exp(belief.mean[0] + belief.root(0, 0) * x), std::exp(belief.mean[1] + belief.root(1, 0) * x + belief.root(1, 1) * y)});
-    }
-    return beliefs;
 }
 
 std::vector<double> window_ends(const Learning& settings, double final_strain) {
@@ -291,85 +218,6 @@ std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const Me
     Panel panel{worlds.beliefs, {}};
     for (const ModelRun& run : worlds.runs) panel.runs.push_back(&run);
     return learn_trusting(prior, panel, measured, settings, final_strain, trust_in(prior, panel, measured, settings, final_strain), Asked::every_window);
-}
-
-Worlds run_worlds(const Gaussian& belief, const Learning& settings, const std::string& name, double strain, const RunModels& run) {
-    Worlds worlds{beliefs_of_worlds(belief, settings.worlds), {}};
-    std::vector<ModelArm> arms;
-    for (const RockBelief& b : worlds.beliefs) arms.push_back({.name = fmt::format("{} world {} of {}", name, arms.size() + 1, settings.worlds), .rocks = b});
-    worlds.runs = run(arms, strain);
-    for (std::size_t j = worlds.runs.size(); j-- > 0;) {
-        if (worlds.runs[j].stopped.empty()) continue;
-        fmt::print("left out: {}\n", worlds.runs[j].stopped);
-        if (worlds.runs.size() <= ParameterEstimate::fewest_worlds) throw SimulationError(worlds.runs[j].stopped);
-        worlds.runs.erase(worlds.runs.begin() + static_cast<std::ptrdiff_t>(j));
-        worlds.beliefs.erase(worlds.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
-    }
-    return worlds;
-}
-
-Gaussian spread_around(const Gaussian& prior, const std::vector<KnownAt>& known) {
-    Gaussian around = known.empty() ? prior : known.back().belief;
-    const Vector deviation = around.root.rowwise().norm(), before = prior.root.rowwise().norm();
-    around.root = Matrix((2 * deviation).cwiseMax(0.3 * before).cwiseMin(before).asDiagonal());
-    return around;
-}
-
-Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured, const Learning& settings, double strain, const RunModels& run) {
-    Learned learned;
-    learned.first = run_worlds(prior, settings, "first", settings.first_strain, run);
-    learned.known = learn(prior, learned.first, measured, settings, settings.first_strain);
-    learned.second = run_worlds(spread_around(prior, learned.known), settings, "second", strain, run);
-    const auto later = learn(prior, learned.second, measured, settings, std::min(settings.final_strain, strain)); // what the first generation saw is seen anew
-    std::erase_if(learned.known, [&](const KnownAt& k) { return k.strain >= settings.first_strain - 1e-9; });
-    for (const KnownAt& k : later)
-        if (k.strain >= settings.first_strain - 1e-9) learned.known.push_back(k);
-    return learned;
-}
-
-std::vector<LearnedBelief> schedule_of(const std::vector<KnownAt>& known, const RockBelief& first, double change) {
-    std::vector<LearnedBelief> schedule;
-    RockBelief last = first;
-    for (const KnownAt& k : known) {
-        const RockBelief now = mean_of(k.belief);
-        const Matrix covariance = k.belief.covariance();
-        const auto changed = [&](double before, double after, Eigen::Index p) { return std::abs(std::log(after / before)) > std::max(change, std::sqrt(covariance(p, p))); };
-        if (!changed(last.friction, now.friction, 0) && !changed(last.stiffness, now.stiffness, 1)) continue;
-        schedule.push_back({k.strain, now});
-        last = now;
-    }
-    return schedule;
-}
-
-ModelRun begun_like(const ModelRun& run) {
-    ModelRun begun;
-    begun.rocks = run.rocks;
-    begun.sensors = run.sensors;
-    begun.start = run.start;
-    begun.shell = run.shell;
-    return begun;
-}
-
-void foretell(ModelRun& sum, const Worlds& worlds, const Vector& at) {
-    add_blend(sum, worlds, WorldRegression(logarithms_of(worlds.beliefs)).weights_at(at), sum.points.size());
-}
-
-ModelRun foretold_by(const Learned& learned, const Gaussian& prior) {
-    const ModelRun& like = learned.second.runs.front();
-    ModelRun sum = begun_like(like);
-    for (const ModelRun& run : learned.second.runs) {
-        sum.steps += run.steps;
-        sum.wall_time += run.wall_time;
-    }
-    for (std::size_t stage = 0; stage < like.points.size(); ++stage) {
-        const double strain = like.points[stage].axial_strain;
-        Vector at = prior.mean;
-        for (const KnownAt& k : learned.known)
-            if (k.strain <= strain + 1e-9) at = k.belief.mean;
-        const bool early = stage < learned.first.runs.front().points.size() - 1;
-        foretell(sum, early ? learned.first : learned.second, at);
-    }
-    return sum;
 }
 
 } // namespace bris

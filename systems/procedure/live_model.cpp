@@ -1,5 +1,6 @@
 #include "systems/procedure/live_model.hpp"
 
+#include "systems/procedure/generations.hpp"
 #include "systems/procedure/twin.hpp"
 
 #include <algorithm>
@@ -8,7 +9,7 @@ namespace bris {
 
 LiveModel::LiveModel(const RockBelief& before, const Learning& settings, double stage_strain, double final_strain, RunModels run)
     : settings_(settings), stage_strain_(stage_strain), final_strain_(final_strain), run_(std::move(run)), prior_(prior_of(before, settings)),
-      first_(run_worlds(prior_, settings, "first", std::min(settings.first_strain, final_strain), run_)), scatter_(scatter_of(first_)),
+      first_(run_worlds(prior_, settings.worlds, "first", std::min(settings.first_strain, final_strain), run_)), scatter_(scatter_of(first_)),
       forecast_(begun_like(first_.runs.front())), state_(forecast_) {}
 
 bool LiveModel::second_is_due() const { return second_.runs.empty() && state_.points.size() + 1 >= first_.runs.front().points.size() && settings_.first_strain < final_strain_; }
@@ -30,7 +31,7 @@ void LiveModel::next_stage(const RecordedTest& so_far) {
     const std::size_t stage = state_.points.size();
     if (stage > 0) learn_at(strain, so_far);
     if (second_is_due()) {
-        second_ = run_worlds(spread_around(prior_, known_), settings_, "second", final_strain_, run_);
+        second_ = run_worlds(spread_around(prior_, known_), settings_.worlds, "second", final_strain_, run_);
         scatter_ = scatter_of(second_);
         if (stage > 0) learn_at(strain, so_far);
     }

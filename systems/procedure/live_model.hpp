@@ -1,7 +1,7 @@
 #pragma once
 
 #include "systems/procedure/analysis.hpp"
-#include "systems/procedure/recorded_test.hpp"
+#include "systems/procedure/learning.hpp"
 
 #include <vector>
 

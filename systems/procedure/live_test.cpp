@@ -2,7 +2,6 @@
 
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
-#include "engine/io/csv.hpp"
 #include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
@@ -17,7 +16,6 @@ namespace bris {
 
 namespace {
 
-constexpr auto end_mark = "{\"end\": 1}";
 constexpr auto silence_mark = "{\"end\": 1, \"by_silence\": 1}\n"; // in a log: who goes on from it goes on listening
 constexpr double largest_jump = 2e-3; // of axial strain, from one record of the machine to the next
 constexpr std::size_t agreeing = 3; // records over it, near each other, by which the machine is believed: what was between is lost
@@ -30,21 +28,7 @@ namespace in_sample { constexpr std::size_t strain = 0, sequence = 1, force = 2,
 constexpr std::uint32_t bits_of(std::size_t first, std::size_t count) { return ((1u << count) - 1) << first; }
 bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
-/// Samples of sensors first: where the machine has passed a strain, they are there.
-struct Sent {
-    double strain, t;
-    bool by_machine;
-    std::string line;
-};
-
 std::string logged(const LineSource::Line& line) { return fmt::format("{}{}\n", line.whole ? "" : cut_off, line.text); }
-
-std::string object_of(const CsvTable& table, std::size_t row) {
-    std::string text;
-    for (std::size_t k = 0; k < table.names.size(); ++k)
-        if (!std::isnan(table.rows[row][k])) text += fmt::format("{}\"{}\": {}", text.empty() ? "" : ", ", table.names[k], table.rows[row][k]);
-    return text;
-}
 
 } // namespace
 
@@ -284,24 +268,6 @@ std::string LiveTest::report() const {
     }
     const RecordedTest test = so_far();
     return text + intake_report(test.findings, test.recordings);
-}
-
-std::vector<std::string> stream_of(const std::filesystem::path& folder, double stage_time, double rest) {
-    const CsvTable machine = read_csv(folder / "test.csv"), sensors = read_csv(folder / "recordings.csv");
-    std::vector<Sent> sent;
-    const auto t = sensors.column("t"), strain = sensors.column("strain"), reached = machine.column("axial_strain");
-    const auto known = [](const std::vector<double>& numbers) { return std::ranges::all_of(numbers, [](double n) { return std::isfinite(n); }); };
-    require(known(t) && known(strain) && known(reached), fmt::format("{}: expected numbers in t, strain and axial_strain of all rows", folder.string()));
-    for (std::size_t k = 0; k < sensors.rows.size(); ++k) sent.push_back({strain[k], t[k], false, fmt::format("{{{}}}", object_of(sensors, k))});
-    for (std::size_t k = 0; k < machine.rows.size(); ++k) {
-        const double at = rest + reached[k] / 1e-4 * stage_time;
-        sent.push_back({reached[k], at, true, fmt::format("{{\"t\": {:.6g}, {}}}", at, object_of(machine, k))});
-    }
-    std::ranges::stable_sort(sent, [](const Sent& a, const Sent& b) { return std::tie(a.strain, a.by_machine, a.t) < std::tie(b.strain, b.by_machine, b.t); });
-    std::vector<std::string> lines;
-    for (Sent& s : sent) lines.push_back(std::move(s.line));
-    lines.emplace_back(end_mark);
-    return lines;
 }
 
 } // namespace bris

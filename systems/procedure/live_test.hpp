@@ -99,8 +99,4 @@ private:
     bool over_ = false, begun_ = false;
 };
 
-/// A recorded test (recordings.csv and test.csv of a folder) as the lines of a stream, in the order of strain, `stage_time`
-/// (s) for 0.01 % of it. Throws InputError, OutputError.
-std::vector<std::string> stream_of(const std::filesystem::path& folder, double stage_time, double rest);
-
 } // namespace bris

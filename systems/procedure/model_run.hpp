@@ -1,13 +1,12 @@
 #pragma once
 
-#include "engine/progress.hpp"
-#include "engine/scenario.hpp"
+#include "engine/archive.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/sensor_way.hpp"
 #include "systems/procedure/triaxial_scene.hpp"
 
 #include <functional>
-#include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -55,6 +54,9 @@ struct RockPose {
     Quat orientation; ///< body to world
 };
 
+/// Rocks this many contacts from the nearest sensor rock, and farther, count as one.
+inline constexpr unsigned farthest_shell = 4;
+
 /// Motion of all rocks since the start of shearing, stage by stage, in the order of `rocks`.
 struct ModelRun {
     std::vector<TriaxialPoint> points;           ///< one at the start, one for each stage
@@ -63,7 +65,7 @@ struct ModelRun {
     std::vector<EntityId> rocks;                 ///< sensor rocks first
     std::vector<RockPose> start;                 ///< where they stood
     std::size_t sensors = 0;
-    std::vector<unsigned> shell;                 ///< contacts from the nearest sensor rock at the start; 0: itself
+    std::vector<unsigned> shell;                 ///< contacts from the nearest sensor rock at the start; 0: itself; at most farthest_shell
     double fusion_work = 0, platen_work = 0;     ///< J, of the corrections, and of the boundaries while shearing
     std::uint64_t accepted = 0, refused = 0, steps = 0; ///< vectors measured
     std::uint64_t too_late = 0, reduced = 0, withheld = 0; ///< samples; corrections
@@ -78,10 +80,8 @@ struct ModelWatch {
     std::function<void(const World&, const TriaxialPoint&)> stage = [](const World&, const TriaxialPoint&) {};
 };
 
-/// Makes the specimen of a scene, up to where the pressure begins to matter, on all threads asked for; or takes it from
-/// --resume, a checkpoint or a folder with one. Keeps it as specimen.ckpt.h5: what follows is soon run again, to the same
-/// bits. Throws Interrupted when the user stops it.
-Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings, const Common& common, const std::function<void(double, const std::string&)>& watch);
+/// The stage of a run nearest to a sample's strain; nothing: it goes not that far. Half a stage is less than sensors tell apart.
+std::optional<std::size_t> stage_of_sample(const ModelRun& run, double strain);
 
 class KeptRun;
 
@@ -89,18 +89,5 @@ class KeptRun;
 /// kept meanwhile, and taken up from; the bits are the same. Null: nowhere.
 ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
                    const ModelWatch& watch = {}, KeptRun* kept = nullptr);
-
-/// Runs several to an axial strain (no farther than the test goes), `threads` at a time, each kept in the folder of the results.
-/// One that a guard stops says so and leaves the others alone.
-std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
-                                 double strain, const Common& common, Progress& progress);
-/// The same; throws SimulationError if one was stopped.
-std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
-                                 double strain, const Common& common, Progress& progress);
-
-/// Who watches one of several models on a progress line.
-ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common);
-/// The line for them.
-Progress progress_of_models(const Common& common);
 
 } // namespace bris

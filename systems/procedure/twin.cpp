@@ -3,7 +3,6 @@
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
 #include "engine/signal/imu.hpp"
-#include "systems/procedure/learning.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -12,7 +11,7 @@ namespace bris {
 
 namespace {
 
-constexpr std::size_t shells = 5; // sensors, 1, 2, 3, 4 and beyond
+constexpr std::size_t shells = farthest_shell + 1;
 
 double root_mean(double squares, double count) { return count > 0 ? std::sqrt(squares / count) : 0; }
 

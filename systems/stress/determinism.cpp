@@ -54,7 +54,7 @@ std::vector<Variant> variants(double diameter, unsigned threads) {
     list.push_back({"systems in another valid order", plain});
     list.back().setup.schedule.last_order = true;
     list.push_back({"systems one after the other", plain});
-    list.back().setup.schedule.serial = true;
+    list.back().setup.schedule = {.serial = true, .fused = false, .grain = 16};
     return list;
 }
 

@@ -1,9 +1,13 @@
 #include "engine/errors.hpp"
 #include "engine/memory.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
+#include <cstdlib>
 #include <string>
+
+#include <sys/wait.h>
 
 using namespace bris;
 
@@ -18,6 +22,13 @@ std::string refusal(double bytes, std::uint64_t limit) {
     }
 }
 
+/// Exit code of a scenario of its own process; -1: a signal ended it.
+int exit_code_of_settle(const std::string& options) {
+    const TemporaryDirectory out;
+    const int status = std::system((BRIS_BINARIES "/settle --quiet --duration 0.001 " + options + " --out " + (out / "x").string() + " > /dev/null 2>&1").c_str());
+    return WIFEXITED(status) && WEXITSTATUS(status) < 128 ? WEXITSTATUS(status) : -1;
+}
+
 } // namespace
 
 TEST_SUITE("engine/memory") {
@@ -27,6 +38,17 @@ TEST_SUITE("engine/memory") {
         CHECK(refusal(1.1 * all, 0).find("all that this machine has") != std::string::npos);
         CHECK(refusal(0x1.8p30, std::uint64_t{1} << 30) == "--spheres: expected what fits in 1 GiB (--memory), found 5e+07, which take about 1.5 GiB");
         CHECK(refusal(0x0.8p30, std::uint64_t{1} << 30) == "");
+    }
+
+    TEST_CASE("under a limit too small for any process a scenario is refused; under what its scene is said to take it runs") {
+        for (const char* limit : {"0.001", "0.03", "0.06", "0.1"}) {
+            CAPTURE(limit);
+            CHECK(exit_code_of_settle(std::string("--spheres 10 --threads 1 --memory ") + limit) == 2);
+        }
+        CHECK(exit_code_of_settle("--spheres 500 --threads 1 --memory 0.13") == 0);
+        CHECK(exit_code_of_settle("--spheres 500 --threads 4 --memory 0.14") == 0);
+        CHECK(exit_code_of_settle("--spheres 16000 --threads 1 --memory 0.18") == 2); // 0.181 GiB
+        CHECK(exit_code_of_settle("--spheres 16000 --threads 1 --memory 0.182") == 0);
     }
 
     TEST_CASE("a limit beyond the machine is the machine's") {

@@ -87,6 +87,11 @@ TEST_SUITE("invariance") {
             {"graph, 3 threads", with([](RunSettings& s) { s.schedule.serial = false; s.threads = 3; })},
             {"graph, 7 threads", with([](RunSettings& s) { s.schedule.serial = false; s.threads = 7; })},
             {"serial, 2 threads", with([](RunSettings& s) { s.threads = 2; })},
+            {"each system a pass of its own", with([](RunSettings& s) { s.schedule.fused = false; })},
+            {"without any means of speed", with([](RunSettings& s) {
+                 s.schedule.fused = false;
+                 s.lists = {.outer_skin = 0.0010001, .inner_skin = 0.001, .widest_ratio = 1e9, .sort_every = 0, .tune = false};
+             })},
             {"coarse chunks", with([](RunSettings& s) { s.schedule.grain = 1000; })},
             {"another valid order", with([](RunSettings& s) { s.schedule = {.last_order = true, .grain = 16}; })},
             {"never sorted", with([](RunSettings& s) { s.lists.sort_every = 0; })},

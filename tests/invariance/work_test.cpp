@@ -1,6 +1,7 @@
 #include "systems/broadphase/lists.hpp"
 #include "systems/build/sphere_bed.hpp"
 #include "systems/output/quantities.hpp"
+#include "systems/procedure/relax.hpp"
 #include "tests/support.hpp"
 
 #include <doctest/doctest.h>
@@ -33,5 +34,22 @@ TEST_SUITE("invariance/work") {
         CHECK(sim.world().table<SpherePairs>().size() == 3251);
         CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() == 1124);
         CHECK(measure(sim.world()).contacts == 1064);
+    }
+
+    TEST_CASE("clumps that overlap deeply in a box of facets are pushed apart in as many steps as before, and then fall with as much work") {
+        World world = testing::bed({.grains = Grains::clumps, .walls = testing::Walls::facets, .bodies = 48, .seed = 3});
+        for (Vec3& x : world.column<Bodies, Position>()) x *= 0.8; // into each other
+        const Relaxed relaxed = relax(world, LawName::linear_viscous);
+        CHECK(relaxed.done);
+        CHECK(relaxed.steps == 80);
+        Simulation sim = testing::start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+        sim.advance(4000);
+        const ListState& lists = sim.world().resource<ListState>();
+        CHECK(lists.refreshes == 154);
+        CHECK(lists.prunes == 322);
+        CHECK(lists.sorts == 20);
+        CHECK(sim.world().table<SpherePairs>().size() == 626);
+        CHECK(sim.world().table<FacetPairs>().size() == 211);
+        CHECK(measure(sim.world()).contacts == 64);
     }
 }

@@ -9,8 +9,9 @@
 #include "systems/build/sphere_bed.hpp"
 #include "systems/contact/ledger.hpp"
 #include "systems/fusion/fuse.hpp"
+#include "systems/output/frames.hpp"
 #include "systems/output/porosity.hpp"
-#include "systems/output/record.hpp"
+#include "systems/output/quantities.hpp"
 #include "systems/steps.hpp"
 #include "tests/support.hpp"
 

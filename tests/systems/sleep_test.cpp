@@ -31,17 +31,19 @@ Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {}
     return sim;
 }
 
-/// The highest grain is lifted by hand: it falls on those that sleep.
-EntityId lift_one(Simulation& sim, double up = 0.02) {
+enum class Which { highest, lowest };
+
+/// A grain is lifted by hand: the highest falls on those that sleep, and the lowest is missed by those that lay on it.
+EntityId lift_one(Simulation& sim, double up = 0.02, Which which = Which::highest) {
     World& world = sim.world();
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
-    Row highest = no_row;
+    Row one = no_row;
     for (Row b = 0; b < position.size(); ++b)
-        if (motion[b] == static_cast<std::uint32_t>(Motion::free) && (highest == no_row || position[b].z() > position[highest].z())) highest = b;
-    const EntityId id = world.column<Bodies, BodyId>()[highest];
-    position[highest].z() += up;
-    if (world.table<Bodies>().has<Resting>()) world.column<Bodies, Resting>()[highest] = 0;
+        if (motion[b] == static_cast<std::uint32_t>(Motion::free) && (one == no_row || (position[b].z() > position[one].z()) == (which == Which::highest))) one = b;
+    const EntityId id = world.column<Bodies, BodyId>()[one];
+    position[one].z() += up;
+    if (world.table<Bodies>().has<Resting>()) world.column<Bodies, Resting>()[one] = 0;
     invalidate_lists(world);
     return id;
 }
@@ -105,6 +107,49 @@ TEST_SUITE("sleep") {
         sim.advance(1);
         CHECK(sleepers(sim.world()) == 0);
         CHECK_FALSE(idle(sim.world()));
+    }
+
+    TEST_CASE("no sleeper lacks more than twice the acceleration that he may sleep with") {
+        for (const Grains grains : {Grains::spheres, Grains::clumps}) {
+            Simulation sim = tumbling(grains, true);
+            for (unsigned k = 0; k < 400 && !idle(sim.world()); ++k) sim.advance(250);
+            REQUIRE(sleepers(sim.world()) == count);
+            wake_all(sim.world());
+            sim.advance(1); // all contacts and forces, of bodies that stand where they slept
+            const World& world = sim.world();
+            const auto force = world.column<Bodies, Force>();
+            const auto mass = world.column<Bodies, Mass>();
+            const auto motion = world.column<Bodies, MotionOf>();
+            double most = 0;
+            for (Row b = 0; b < mass.size(); ++b)
+                if (motion[b] == static_cast<std::uint32_t>(Motion::free)) most = std::max(most, force[b].norm() / mass[b]);
+            CHECK(most <= 2 * Sleep{}.acceleration);
+            CHECK(most > 0.01 * Sleep{}.acceleration); // something was left out, or this would say nothing
+        }
+    }
+
+    TEST_CASE("those whose support is taken away wake and fall") {
+        Simulation sim = tumbling(Grains::spheres, true);
+        for (unsigned k = 0; k < 400 && !idle(sim.world()); ++k) sim.advance(250);
+        REQUIRE(sleepers(sim.world()) == count);
+        const auto height = [&] {
+            double sum = 0;
+            for (EntityId id = 0; id < count; ++id) sum += value_of<Position>(sim, id).z();
+            return sum / count;
+        };
+        const EntityId gone = lift_one(sim, 0.2, Which::lowest);
+        const double before = height() - value_of<Position>(sim, gone).z() / count;
+        std::size_t least = count;
+        for (unsigned k = 0; k < 20; ++k) {
+            sim.advance(50); // it takes 0.2 s to come down again
+            least = std::min(least, sleepers(sim.world()));
+        }
+        CHECK(least < count - 2);
+        CHECK(height() - value_of<Position>(sim, gone).z() / count < before);
+        for (unsigned k = 0; k < 1000 && !idle(sim.world()); ++k) sim.advance(100);
+        CHECK(sleepers(sim.world()) == count);
+        const Quantities q = measure(sim.world());
+        CHECK(std::abs(q.boundary_force.z() / q.weight.z() - 1) < 0.01);
     }
 
     TEST_CASE("sleeping gives the same bits on any number of threads, in any order, with any lists and after a restart") {

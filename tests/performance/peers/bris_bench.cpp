@@ -1,6 +1,7 @@
 // One run of a scene that other codes run too, on the bed that they all read: first the steps after which the codes
 // are compared, then the timed ones; one line of key=value. With --make it makes the bed.
 #include "components/kinds.hpp"
+#include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
@@ -9,7 +10,6 @@
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/contacts.hpp"
 #include "systems/output/quantities.hpp"
-#include "systems/output/record.hpp"
 #include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
 #include "tests/performance/peers/make_bed.hpp"
@@ -21,6 +21,7 @@
 #include <map>
 #include <tuple>
 
+#include <sys/prctl.h>
 #include <sys/resource.h>
 
 namespace {
@@ -30,10 +31,10 @@ using namespace bris;
 struct Bench {
     std::string scene = "settle", law = "linear";
     std::filesystem::path bed, places;
-    bool make = false, profile = false, sleep = false, serial = false;
-    double skin = 0, outer = 3;
+    bool make = false, profile = false, sleep = false, one_pass = true, huge_pages = true;
+    double skin = 0, outer = 3, widest_ratio = ListSettings{}.widest_ratio;
     unsigned sort_every = ListSettings{}.sort_every;
-    unsigned spheres = 2000, threads = 1;
+    unsigned spheres = 2000, threads = 1, worlds = 1;
     double step = 0, low = -1e9, high = 1e9, speed = 0, strain = 0;
     std::uint64_t check_steps = 200, steps = 1000;
 
@@ -52,7 +53,10 @@ struct Bench {
         option("skin", skin, "", "of the pair lists, of the mean radius; 0: BRIS finds it", at_least(0));
         option("outer", outer, "", "skin of the outer lists, of that; 1: there are none but the inner ones", at_least(1));
         option("sort_every", sort_every, "", "refreshes of the lists between re-orderings of rows; 0: never");
-        option("serial", serial, "", "run the systems one after the other, not as one pass over the rows");
+        option("widest_ratio", widest_ratio, "", "of radii in a grid of the search for pairs", above(1));
+        option("one_pass", one_pass, "", "run systems that work row by row in one pass over the rows");
+        option("huge_pages", huge_pages, "", "let large columns have them");
+        option("worlds", worlds, "", "copies of the scene, one a thread at a time, each on one thread if there are several; the first is described", within(1, 10000));
         option("threads", threads, "", "to run on", within(1, 4096));
         option("step", step, "s", "time step; 0: that of the scene", at_least(0));
         option("check_steps", check_steps, "", "before the physics is measured", within(1, 1e9));
@@ -76,7 +80,7 @@ double translational_energy(const World& world) {
 }
 
 ListSettings lists_of(const Bench& s, const peers::Bed& bed) {
-    ListSettings lists{.sort_every = s.sort_every};
+    ListSettings lists{.widest_ratio = s.widest_ratio, .sort_every = s.sort_every};
     if (s.skin == 0) return lists;
     double radius = 0;
     for (const Ball& b : bed.balls) radius += b.radius / static_cast<double>(bed.balls.size());
@@ -94,6 +98,66 @@ double peak_memory() {
     return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
 }
 
+/// What the run of one world came to.
+struct Outcome {
+    std::vector<Vec3> pressures; ///< Pa, on the planes of a pressed bed
+    double check_wall = 0, wall = 0; ///< s
+    double energy = 0, stable_step = 0, coordination = 0, peak_memory = 0; ///< J, s, spheres touching a sphere, MB
+    Quantities quantities;
+    std::uint64_t fingerprint = 0, refreshes = 0, prunes = 0;
+    std::size_t sleepers = 0;
+    std::map<std::string, double> seconds; ///< of each system in the timed steps
+};
+
+Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& bed, unsigned threads) {
+    const LawName law = peers::law_named(s.law);
+    World scene_world = make_scene(bed, scene, law);
+    add_lists(scene_world, law, lists_of(s, bed));
+    if (s.sleep) add_sleep(scene_world, {});
+    Simulation simulation(std::move(scene_world), steps(law), threads, {.fused = s.one_pass, .timed = s.profile});
+    const World& world = simulation.world();
+
+    Outcome o;
+    const auto start = this_instant();
+    if (s.strain > 0) o.pressures = peers::compress(simulation, s.strain, s.check_steps);
+    else simulation.advance(s.check_steps);
+    o.check_wall = seconds_since(start);
+    if (!s.places.empty()) peers::write_bed(s.places, {bed.box, peers::balls_now(world), bed.stones});
+    o.energy = translational_energy(world);
+    simulation.advance(1); // contacts and forces are those at its beginning
+    o.quantities = measure(world);
+    o.stable_step = stable_step(world);
+    o.coordination = 2 * static_cast<double>(touching_pairs<SpherePairs>(world).size()) / static_cast<double>(bed.balls.size());
+    const ListState before = world.resource<ListState>();
+    const std::map<std::string, double> seconds_before = simulation.schedule().seconds();
+
+    const auto began = this_instant();
+    simulation.advance(s.steps);
+    o.wall = seconds_since(began);
+
+    o.peak_memory = peak_memory();
+    o.refreshes = world.resource<ListState>().refreshes - before.refreshes;
+    o.prunes = world.resource<ListState>().prunes - before.prunes;
+    o.fingerprint = fingerprint(simulation.snapshot());
+    o.sleepers = sleepers(world);
+    o.seconds = simulation.schedule().seconds();
+    for (const auto& [name, seconds] : seconds_before) o.seconds[name] -= seconds;
+    return o;
+}
+
+void report(const Bench& s, const peers::Bed& bed, const Outcome& o) {
+    const auto spheres = static_cast<double>(bed.balls.size() * s.worlds);
+    for (const Vec3& p : o.pressures) fmt::print("pressure {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
+    fmt::print("code=bris scene={} law={} spheres={} threads={} worlds={} check_steps={} steps={} wall_s={:.6g} particle_steps_per_s={:.5g} check_wall_s={:.6g} ", s.scene,
+               s.law, bed.balls.size(), s.threads, s.worlds, s.check_steps, s.steps, o.wall, spheres * static_cast<double>(s.steps) / o.wall, o.check_wall);
+    const Quantities& q = o.quantities;
+    fmt::print("kinetic_energy_J={:.8g} coordination={:.6g} wall_force_over_weight={:.8g} ", o.energy, o.coordination, q.boundary_force.z() / q.weight.z());
+    fmt::print("fingerprint={} peak_memory_MB={:.1f} mean_overlap_m={:.6g} ", hexadecimal(o.fingerprint), o.peak_memory, q.mean_overlap);
+    fmt::print("sleepers={} stable_step_s={:.4g} contacts={} refreshes={} prunes={}\n", o.sleepers, o.stable_step, q.contacts, o.refreshes, o.prunes);
+    if (!s.profile) return;
+    for (const auto& [name, seconds] : o.seconds) fmt::print("  {:10.6f} s  {}\n", seconds, name);
+}
+
 void run(const Bench& s) {
     peers::Scene scene = peers::scene_named(s.scene);
     require(!s.bed.empty(), "--bed: expected a file, found none");
@@ -102,51 +166,16 @@ void run(const Bench& s) {
             fmt::format("--strain: expected triaxial or triaxial_spheres and check_steps in {} parts, found {} and {}", peers::path_parts, s.scene, s.check_steps));
     if (s.step > 0) scene.step = s.step;
     std::tie(scene.low, scene.high, scene.speed) = std::tuple(s.low, s.high, s.speed);
-    const LawName law = peers::law_named(s.law);
+    if (!s.huge_pages) prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);
     const peers::Bed bed = peers::read_bed(s.bed);
-    World scene_world = make_scene(bed, scene, law);
-    add_lists(scene_world, law, lists_of(s, bed));
-    if (s.sleep) add_sleep(scene_world, {});
-    Simulation simulation(std::move(scene_world), steps(law), s.threads, {.serial = s.serial, .timed = s.profile});
-    const World& world = simulation.world();
-
-    const auto start = this_instant();
-    std::vector<Vec3> pressures;
-    if (s.strain > 0)
-        pressures = peers::compress(simulation, s.strain, s.check_steps);
-    else
-        simulation.advance(s.check_steps);
-    const double check_wall = seconds_since(start);
-    for (const Vec3& p : pressures) fmt::print("pressure {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
-    if (!s.places.empty()) peers::write_bed(s.places, {bed.box, peers::balls_now(world), bed.stones});
-    const double energy = translational_energy(world);
-    simulation.advance(1); // contacts and forces are those at its beginning
-    const Quantities q = measure(world);
-    const double stable = stable_step(world);
-    const auto spheres = static_cast<double>(bed.balls.size());
-    const auto sphere_contacts = touching_pairs<SpherePairs>(world).size();
-    const ListState before = world.resource<ListState>();
-    const std::map<std::string, double> seconds_before = simulation.schedule().seconds();
-
-    const auto began = this_instant();
-    simulation.advance(s.steps);
-    const double wall = seconds_since(began);
-
-    const double memory = peak_memory();
-    const ListState& lists = world.resource<ListState>();
-    fmt::print("code=bris scene={} law={} spheres={} threads={} check_steps={} steps={} wall_s={:.6g} particle_steps_per_s={:.5g} ",
-               s.scene, s.law, bed.balls.size(), s.threads, s.check_steps, s.steps, wall, spheres * static_cast<double>(s.steps) / wall);
-    fmt::print("check_wall_s={:.6g} ", check_wall);
-    fmt::print("kinetic_energy_J={:.8g} coordination={:.6g} wall_force_over_weight={:.8g} ", energy,
-               2 * static_cast<double>(sphere_contacts) / spheres, q.boundary_force.z() / q.weight.z());
-    fmt::print("fingerprint={} peak_memory_MB={:.1f} ", hexadecimal(fingerprint(simulation.snapshot())), memory);
-    fmt::print("mean_overlap_m={:.6g} sleepers={} stable_step_s={:.4g} contacts={} refreshes={} prunes={}\n", q.mean_overlap, sleepers(world), stable, q.contacts,
-               lists.refreshes - before.refreshes, lists.prunes - before.prunes);
-    if (!s.profile) return;
-    for (const auto& [name, seconds] : simulation.schedule().seconds()) {
-        const auto old = seconds_before.find(name);
-        fmt::print("  {:10.6f} s  {}\n", seconds - (old == seconds_before.end() ? 0 : old->second), name);
-    }
+    if (s.worlds == 1) return report(s, bed, run_world(s, scene, bed, s.threads));
+    std::vector<Outcome> outcomes(s.worlds);
+    run_ensemble(s.worlds, s.threads, [&](std::size_t k) { outcomes[k] = run_world(s, scene, bed, 1); });
+    // a thread has run its share of them one after the other
+    double wall = 0;
+    for (const Outcome& o : outcomes) wall += o.wall / s.threads;
+    outcomes[0].wall = wall;
+    report(s, bed, outcomes[0]);
 }
 
 } // namespace

@@ -1,5 +1,6 @@
 """What the comparisons share: the codes, the scenes, and how each code is run on them."""
 import csv
+import functools
 import math
 import os
 import random
@@ -145,7 +146,7 @@ def busy_seconds():
 
 
 def execute(words, log):
-    """Runs a command; its output, and the cores that other processes used meanwhile."""
+    """Runs a command; its output, the cores that other processes used meanwhile, and MB of memory (of ranks: of the largest)."""
     began, busy = time.time(), busy_seconds()
     with open(log, 'w') as out:
         process = subprocess.Popen(['timeout', str(LONGEST), *map(str, words)], stdin=subprocess.DEVNULL, stdout=out,
@@ -157,18 +158,44 @@ def execute(words, log):
     text = log.read_text(errors='replace')
     if process.returncode != 0:
         raise RuntimeError(f'{" ".join(map(str, words))}: exit code {process.returncode}\n{text[-800:]}')
-    return text, load
+    return text, load, usage.ru_maxrss * 1024 / 1e6
+
+
+@functools.cache
+def here():
+    """Machine and version that is measured (+: with changes): times are only comparable on one machine."""
+    model = re.search(r'^model name\s*: (.*)$', open('/proc/cpuinfo').read(), re.M)
+    git = lambda *words: subprocess.run(['git', '-C', ROOT, *words], capture_output=True, text=True).stdout.strip() if shutil.which('git') else ''
+    changed = '+' if git('status', '--porcelain', '--untracked-files=no') else ''
+    return {'machine': f'{model[1] if model else "unknown"}, {os.cpu_count()} cores', 'commit': git('rev-parse', '--short', 'HEAD') + changed}
+
+
+def read_rows(path):
+    return list(csv.DictReader(open(path))) if path.exists() else []
+
+
+def of_here(rows):
+    return [row for row in rows if here().items() <= row.items()]
+
+
+def of_last(rows):
+    """Those measured on the machine and of the version of the last one."""
+    version = lambda row: (row.get('machine'), row.get('commit'))
+    return [row for row in rows if version(row) == version(rows[-1])]
 
 
 def append(path, columns, row):
-    """Adds a line to a CSV file, under a head of its columns where it is new."""
+    """Adds a line to a CSV file, with machine and version; a file of fewer columns gets the new ones, empty."""
     path.parent.mkdir(parents=True, exist_ok=True)
-    fresh = not path.exists()
-    with open(path, 'a', newline='') as out:
-        writer = csv.DictWriter(out, columns, lineterminator='\n')
-        if fresh:
+    columns = [*columns, *here()]
+    rows = read_rows(path)
+    as_before = rows and list(rows[0]) == columns
+    with open(path, 'a' if as_before else 'w', newline='') as out:
+        writer = csv.DictWriter(out, columns, lineterminator='\n', extrasaction='ignore')
+        if not as_before:
             writer.writeheader()
-        writer.writerow(row)
+            writer.writerows(rows)
+        writer.writerow({**row, **here()})
 
 
 def measured(text, check, steps):

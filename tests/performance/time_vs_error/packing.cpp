@@ -1,5 +1,6 @@
 // S4: spheres fall into a box and come to rest. What a packing is like depends on how it came about; so all variants
 // start from the same spheres of a seed, and a variant's error is the mean difference from its reference over seeds.
+#include "systems/output/frames.hpp"
 #include "tests/performance/time_vs_error/scene.hpp"
 
 #include "components/settings.hpp"
@@ -12,7 +13,6 @@
 #include "systems/experiments/names.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/quantities.hpp"
-#include "systems/output/record.hpp"
 #include "systems/steps.hpp"
 
 #include <fmt/format.h>

@@ -1,7 +1,6 @@
 #include "tests/performance/time_vs_error/scene.hpp"
 
 #include "engine/archive.hpp"
-#include "systems/output/record.hpp"
 
 #include <algorithm>
 #include <chrono>

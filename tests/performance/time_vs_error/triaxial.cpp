@@ -14,7 +14,6 @@
 #include "systems/contact/ledger.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/output/quantities.hpp"
-#include "systems/output/record.hpp"
 #include "systems/procedure/triaxial.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 #include "systems/procedure/true_masses.hpp"

@@ -22,25 +22,42 @@ Partners touching_now(const World& world) {
 TEST_SUITE("broadphase/sphere_pairs") {
     TEST_CASE(
         "of spheres of very different sizes all touching pairs are found, each once, whichever has the lower id") {
-        World world = make_world(Grains::spheres);
-        const auto material = add_material(world, linear_material(1, 0, 0)); // soft: they overlap as they like
-        world.resource<Limits>().overlap = 1e9;
         std::vector<Vec3> place;
         std::vector<double> size;
         for (unsigned k = 0; k < 600; ++k) {
             Random random(11, k);
-            // most are small; sizes from 1 to 40 mm fall into four grids
-            size.push_back(0.001 * std::pow(40, std::pow(random.uniform(), 4)));
+            // most are small; sizes from 1 to 50 mm fall into four grids
+            size.push_back(0.001 * std::pow(50, std::pow(random.uniform(), 4)));
             place.push_back(0.1 * Vec3(random.uniform(), random.uniform(), random.uniform()));
-            add_sphere(world, place.back(), size.back(), material);
         }
         Partners expected;
         for (EntityId a = 0; a < place.size(); ++a)
             for (EntityId b = a + 1; b < place.size(); ++b)
                 if ((place[a] - place[b]).norm() < size[a] + size[b]) expected.push_back({a, b});
         REQUIRE(expected.size() > 1000);
-        Simulation sim = start(std::move(world), {.dt = 1e-9, .law = LawName::linear_frictionless});
-        sim.advance();
-        CHECK(touching_now(sim.world()) == expected);
+        for (const double ratio : {3.0, 1e9}) { // of sizes in a grid: four grids, and one for all
+            World world = make_world(Grains::spheres);
+            const auto material = add_material(world, linear_material(1, 0, 0)); // soft: they overlap as they like
+            world.resource<Limits>().overlap = 1e9;
+            for (std::size_t k = 0; k < place.size(); ++k) add_sphere(world, place[k], size[k], material);
+            Simulation sim = start(std::move(world), {.dt = 1e-9, .law = LawName::linear_frictionless, .lists = {.widest_ratio = ratio}});
+            sim.advance();
+            CHECK(touching_now(sim.world()) == expected);
+        }
+    }
+
+    TEST_CASE("two bodies that both stand still are no pair, however deep they overlap") {
+        for (const Motion second : {Motion::fixed, Motion::free}) {
+            World world = make_world(Grains::spheres);
+            const auto material = add_material(world, linear_material(1, 0, 0));
+            world.resource<Limits>().overlap = 1e9;
+            for (const double x : {0.0, 0.01}) add_sphere(world, {x, 0, 0}, 0.01, material);
+            const auto motion = world.column<Bodies, MotionOf>();
+            motion[0] = static_cast<std::uint32_t>(Motion::fixed);
+            motion[1] = static_cast<std::uint32_t>(second);
+            Simulation sim = start(std::move(world), {.dt = 1e-9, .law = LawName::linear_frictionless});
+            sim.advance();
+            CHECK(sim.world().table<SpherePairs>().size() == (second == Motion::free ? 1 : 0));
+        }
     }
 }

@@ -1,9 +1,10 @@
 #include "systems/build/clump_library.hpp"
 
 #include "engine/errors.hpp"
+#include "systems/build/dimensions.hpp"
 #include "systems/build/fit_spheres.hpp"
 #include "systems/build/mass_properties.hpp"
-#include "systems/build/shape_measures.hpp"
+#include "systems/build/surface_distance.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>

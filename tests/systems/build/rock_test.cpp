@@ -1,8 +1,10 @@
 #include "systems/build/rock.hpp"
 
 #include "engine/errors.hpp"
+#include "systems/build/angularity.hpp"
+#include "systems/build/dimensions.hpp"
 #include "systems/build/read_mesh.hpp"
-#include "systems/build/shape_measures.hpp"
+#include "systems/build/surface_distance.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>

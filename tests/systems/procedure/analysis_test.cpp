@@ -1,6 +1,7 @@
 #include "engine/random.hpp"
 #include "systems/procedure/analysis.hpp"
 #include "systems/procedure/layouts.hpp"
+#include "systems/procedure/learning.hpp"
 #include "systems/procedure/twin.hpp"
 #include "tests/about.hpp"
 

@@ -1,5 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
+#include "systems/procedure/generations.hpp"
 #include "systems/procedure/learning.hpp"
 #include "tests/about.hpp"
 #include "tests/systems/procedure/simple_point.hpp"
@@ -83,7 +84,7 @@ TEST_SUITE("procedure/learning") {
         const Learning learning;
         const Gaussian prior = prior_of({0.5, 1}, learning);
         const auto worlds_without = [&](std::size_t stopped) {
-            return run_worlds(prior, learning, "first", 2e-3, [&](const std::vector<ModelArm>& arms, double strain) {
+            return run_worlds(prior, learning.worlds, "first", 2e-3, [&](const std::vector<ModelArm>& arms, double strain) {
                 std::vector<ModelRun> runs;
                 for (const ModelArm& arm : arms) runs.push_back(simple_run(arm.rocks, strain, runs.size()));
                 for (std::size_t k = 0; k < stopped; ++k) runs[2 * k + 1].stopped = "overlap";

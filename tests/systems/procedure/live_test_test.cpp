@@ -1,6 +1,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "systems/procedure/live_test.hpp"
+#include "systems/procedure/recorded_stream.hpp"
 #include "systems/procedure/twin.hpp"
 #include "tests/about.hpp"
 #include "tests/systems/procedure/steady_run.hpp"

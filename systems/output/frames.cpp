@@ -1,4 +1,4 @@
-#include "systems/output/record.hpp"
+#include "systems/output/frames.hpp"
 
 #include "components/body.hpp"
 #include "components/boundary.hpp"
@@ -6,18 +6,11 @@
 #include "components/membrane_surface.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
-#include "engine/errors.hpp"
-#include "engine/interrupt.hpp"
-#include "engine/io/csv.hpp"
-#include "engine/options.hpp"
 #include "engine/ordering.hpp"
 #include "systems/output/contacts.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <optional>
-#include <stdexcept>
 
 namespace bris {
 
@@ -158,137 +151,5 @@ void FrameWriter::add(const BodyFrame& frame) {
     if (!frame.orientations.empty()) fields.push_back({"orientation", 4, frame.orientations});
     file_.add_frame({frame.time, frame.positions, frame.corners, fields});
 }
-
-Series::Series(std::string name, std::vector<RunFile::Column> columns)
-    : name_(std::move(name)), columns_(std::move(columns)), values_(columns_.size()) {}
-
-void Series::add(std::initializer_list<double> row) {
-    if (row.size() != columns_.size())
-        throw std::logic_error(fmt::format("series {}: {} numbers for {} columns", name_,
-                                           row.size(), columns_.size()));
-    std::size_t k = 0;
-    for (const double value : row) values_[k++].push_back(value);
-}
-
-const std::vector<double>& Series::column(const std::string& name) const {
-    for (std::size_t k = 0; k < columns_.size(); ++k)
-        if (columns_[k].name == name) return values_[k];
-    throw std::logic_error(fmt::format("series {} has no column {}", name_, name));
-}
-
-void Series::save(Archive& archive) const {
-    for (std::size_t k = 0; k < columns_.size(); ++k)
-        archive.put("series/" + name_ + "/" + columns_[k].name,
-                    std::span<const double>(values_[k]));
-}
-
-void Series::load(const Archive& archive) {
-    for (std::size_t k = 0; k < columns_.size(); ++k) {
-        values_[k] = archive.get<double>("series/" + name_ + "/" + columns_[k].name);
-        require(
-            values_[k].size() == values_[0].size(),
-            fmt::format("checkpoint: series {}: expected columns of one length, found {} and {}",
-                        name_, values_[0].size(), values_[k].size()));
-    }
-}
-
-void Series::write_csv(const std::filesystem::path& path) const {
-    std::vector<std::string> names;
-    for (const auto& column : columns_) names.push_back(key_with_unit(column.name, column.unit));
-    std::vector<std::vector<double>> table(rows());
-    for (std::size_t r = 0; r < table.size(); ++r)
-        for (const auto& values : values_) table[r].push_back(values[r]);
-    bris::write_csv(path, names, table);
-}
-
-void Series::write_track(RunFile& file) const {
-    file.add_track(name_, columns_);
-    std::vector<double> row(columns_.size());
-    for (std::size_t r = 0; r < rows(); ++r) {
-        for (std::size_t k = 0; k < row.size(); ++k) row[k] = values_[k][r];
-        file.add_row(name_, row);
-    }
-    file.flush();
-}
-
-CheckpointKeeper::CheckpointKeeper(Settings settings)
-    : settings_(std::move(settings)), last_(std::chrono::steady_clock::now()) {}
-
-Checkpoint CheckpointKeeper::checkpoint_of(const Simulation& simulation) const {
-    Checkpoint checkpoint{settings_.scenario, simulation.world().resource<Clock>().step,
-                          settings_.settings, simulation.snapshot()};
-    if (settings_.also) settings_.also(checkpoint.state);
-    return checkpoint;
-}
-
-void CheckpointKeeper::attend(const Simulation& simulation) {
-    if (interrupted()) {
-        save(simulation);
-        throw Interrupted(fmt::format("interrupted at step {}; go on with --resume {}",
-                                      simulation.world().resource<Clock>().step,
-                                      settings_.path.string()));
-    }
-    const std::chrono::duration<double> since = std::chrono::steady_clock::now() - last_;
-    if (since.count() >= settings_.interval) save(simulation);
-}
-
-void CheckpointKeeper::save(const Simulation& simulation) {
-    write_checkpoint(settings_.path, checkpoint_of(simulation));
-    last_ = std::chrono::steady_clock::now(); // after the writing: a slow disk gets its rest
-}
-
-std::filesystem::path CheckpointKeeper::save_stopped(const Simulation& simulation) const {
-    std::string name = settings_.path.filename().string();
-    const std::string end = ".ckpt.h5";
-    if (name.ends_with(end)) name.resize(name.size() - end.size());
-    const auto path = settings_.path.parent_path() / (name + ".stopped" + end);
-    write_checkpoint(path, checkpoint_of(simulation));
-    return path;
-}
-
-namespace {
-
-/// Of a folder of results, the checkpoint that was written last.
-std::filesystem::path last_checkpoint(const std::filesystem::path& folder) {
-    std::filesystem::path last;
-    for (const auto& entry : std::filesystem::directory_iterator(folder)) {
-        const std::string name = entry.path().filename().string();
-        if (!name.ends_with(".ckpt.h5") || name.find(".stopped.") != std::string::npos) continue;
-        if (last.empty() || entry.last_write_time() > std::filesystem::last_write_time(last)) last = entry.path();
-    }
-    require(!last.empty(), fmt::format("--resume: expected a checkpoint NAME.ckpt.h5 in '{}', found none", folder.string()));
-    return last;
-}
-
-} // namespace
-
-Checkpoint resume(Simulation& simulation, const std::filesystem::path& given,
-                  const std::string& scenario, const std::vector<NamedValue>& settings,
-                  std::initializer_list<std::string_view> may_differ) {
-    const std::filesystem::path path = std::filesystem::is_directory(given) ? last_checkpoint(given) : given;
-    require(path.filename().string().find(".stopped.") == std::string::npos,
-            fmt::format("--resume: expected a checkpoint to go on from, found '{}', the state in which a run was stopped; "
-                        "it is there to be looked at", path.string()));
-    Checkpoint checkpoint = read_checkpoint(path);
-    const auto always = settings_that_may_differ();
-    std::vector<std::string_view> keys(always.begin(), always.end());
-    keys.insert(keys.end(), may_differ.begin(), may_differ.end());
-    require_same_run(path, checkpoint, scenario, settings, keys);
-    simulation.restore(checkpoint.state);
-    return checkpoint;
-}
-
-void add_quantities(Summary& summary, const Quantities& q) {
-    summary.add("contacts", q.contacts);
-    summary.add("coordination", q.coordination);
-    summary.add("kinetic_energy_J", q.kinetic_energy);
-    summary.add("elastic_energy_J", q.elastic_energy);
-    summary.add("mean_overlap_m", q.mean_overlap);
-    summary.add("largest_overlap_m", q.largest_overlap);
-    summary.add("mean_normal_force_N", q.mean_normal_force);
-    summary.add("unbalanced_ratio", q.unbalanced_ratio);
-}
-
-std::string hexadecimal(std::uint64_t fingerprint) { return fmt::format("{:016x}", fingerprint); }
 
 } // namespace bris

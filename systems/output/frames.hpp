@@ -1,0 +1,58 @@
+#pragma once
+
+#include "engine/io/run_file.hpp"
+#include "engine/named_value.hpp"
+#include "engine/world.hpp"
+#include "systems/output/picture.hpp"
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <vector>
+
+namespace bris {
+
+/// Bodies that carry spheres, and all facets, as a run file shows them: in the order of their ids,
+/// whatever their rows. n bodies.
+struct BodyFrame {
+    double time = 0;               ///< s
+    std::vector<std::int64_t> ids; ///< n
+    std::vector<std::int64_t>
+        shapes;                      ///< n, number in the clump library; empty in scenes of spheres
+    std::vector<Vec3> positions;     ///< n, m
+    std::vector<float> radii;        ///< n, m, bounding radius
+    std::vector<float> velocities;   ///< n x 3, m/s, at the time of the positions
+    std::vector<float> spins;        ///< n x 3, rad/s
+    std::vector<float> orientations; ///< n x 4: w, x, y, z; empty in scenes of spheres
+    std::vector<float> coordination; ///< n, bodies that touch it (boundaries count)
+    std::vector<Vec3> corners;       ///< 4 per facet, m
+    std::size_t quads() const { return corners.size() / 4; }
+};
+
+/// Gathers a frame from the world as the last step left it. Reads only.
+BodyFrame frame_of_bodies(const World& world);
+
+/// The bodies of a frame as a view to be drawn, sphere by sphere, as they stand in the world; `colour`
+/// takes the place of a body in the frame. Facets become outlines.
+View view_of_bodies(const World& world, const BodyFrame& frame,
+                    const std::function<Colour(std::size_t place)>& colour);
+
+/// Writes frames of a world to NAME.vtkhdf: id, shape, radius, velocity, spin, orientation and
+/// coordination of every body, facets as quads. Throws OutputError.
+class FrameWriter {
+public:
+    FrameWriter(const std::filesystem::path& path, const std::vector<NamedValue>& meta);
+    void add(const World& world) { add(frame_of_bodies(world)); }
+    void add(const BodyFrame& frame);
+    std::size_t frames() const { return file_.frames(); }
+    /// For tracks and whatever else belongs to the run.
+    RunFile& file() { return file_; }
+
+private:
+    RunFile file_;
+    std::vector<std::int64_t> ids_; // of the cells announced last
+    std::vector<float> radii_;
+    std::size_t quads_ = 0;
+};
+
+} // namespace bris

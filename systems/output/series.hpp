@@ -1,0 +1,36 @@
+#pragma once
+
+#include "engine/archive.hpp"
+#include "engine/io/run_file.hpp"
+
+#include <filesystem>
+#include <initializer_list>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// Numbers sampled during a run: a track of the run file, a CSV file, the curves of a plot. It can
+/// be kept in a checkpoint beside the State of the world, under "series/NAME/".
+class Series {
+public:
+    Series(std::string name, std::vector<RunFile::Column> columns);
+
+    void add(std::initializer_list<double> row); ///< one number per column
+    std::size_t rows() const { return values_.front().size(); }
+    const std::vector<double>& column(const std::string& name) const;
+
+    void save(Archive& archive) const;
+    void load(const Archive& archive); ///< throws InputError if it is not there
+
+    void write_csv(const std::filesystem::path& path) const;
+    /// As /tracks/NAME, all rows. Once a file.
+    void write_track(RunFile& file) const;
+
+private:
+    std::string name_;
+    std::vector<RunFile::Column> columns_;
+    std::vector<std::vector<double>> values_; // per column
+};
+
+} // namespace bris

@@ -1,0 +1,80 @@
+#include "systems/procedure/run_models.hpp"
+
+#include "engine/ensemble.hpp"
+#include "engine/errors.hpp"
+#include "systems/output/checkpoint_keeper.hpp"
+#include "systems/procedure/kept_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace bris {
+
+namespace {
+
+/// Settings that a specimen depends on.
+std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all) {
+    constexpr std::array names{"seed", "bodies", "grading", "porosity", "porosity_tolerance", "initial_porosity", "compaction_friction", "compaction_pressure_Pa", "vibration",
+                               "longest_compaction", "sensor_shape", "sensor_poses", "recordings", "servo_per_element", "density_kg_per_m3", "clump_stiffness_N_per_m",
+                               "wall_stiffness_N_per_m", "damping", "safety"};
+    std::vector<NamedValue> some;
+    std::ranges::copy_if(all, std::back_inserter(some), [&](const NamedValue& v) { return std::ranges::count(names, v.key) > 0; });
+    return some;
+}
+
+} // namespace
+
+Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings, const Common& common, const std::function<void(double, const std::string&)>& watch) {
+    constexpr auto file = "specimen.ckpt.h5";
+    const auto of_specimen = settings_of_specimen(common.settings);
+    Simulation simulation = make_simulation(scene, common.threads, common.serial);
+    TriaxialTest test(simulation, settings);
+    if (!common.resume.empty())
+        (void)resume(simulation, std::filesystem::is_directory(common.resume) ? common.resume / file : common.resume, "specimen", of_specimen);
+    CheckpointKeeper keeper({common.out / file, "specimen", of_specimen});
+    while (test.state().phase < TriaxialPhase::consolidate) {
+        test.advance();
+        watch(test.fraction(), "specimen: " + test.description());
+        keeper.attend(simulation);
+    }
+    keeper.save(simulation);
+    return simulation.snapshot();
+}
+
+Progress progress_of_models(const Common& common) {
+    return Progress(std::max(2u, common.threads), common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+}
+
+ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common) {
+    const auto slot = static_cast<unsigned>(model % std::max(2u, common.threads));
+    return {.progress = [&progress, slot](double fraction, const std::string& text) { progress.report(slot, fraction, text); }};
+}
+
+std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
+                                 double strain, const Common& common, Progress& progress) {
+    TriaxialSettings test = settings;
+    test.final_axial_strain = std::min(strain, test.final_axial_strain);
+    std::vector<ModelRun> runs(arms.size());
+    run_ensemble(arms.size(), common.threads, [&](std::size_t k) {
+        KeptRun kept(common, test, specimen, arms[k]);
+        try {
+            runs[k] = run_model(scene, test, specimen, arms[k], common.seed, watch_on(progress, k, common), &kept);
+        } catch (const SimulationError& error) {
+            runs[k].stopped = fmt::format("{} (friction {:.3g}, stiffness {:.3g}): {}", arms[k].name, arms[k].rocks.friction, arms[k].rocks.stiffness, error.what());
+        }
+    });
+    progress.pause();
+    return runs;
+}
+
+std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
+                                 double strain, const Common& common, Progress& progress) {
+    auto runs = try_models(scene, settings, specimen, arms, strain, common, progress);
+    for (const ModelRun& run : runs)
+        if (!run.stopped.empty()) throw SimulationError(run.stopped);
+    return runs;
+}
+
+} // namespace bris

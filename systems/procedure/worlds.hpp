@@ -1,0 +1,37 @@
+#pragma once
+
+#include "engine/signal/kalman.hpp"
+#include "systems/procedure/model_run.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// Logarithms of friction and stiffness, of one or (N x 2) of each of several.
+Vector logarithms_of(const RockBelief& rocks);
+Matrix logarithms_of(const std::vector<RockBelief>& beliefs);
+RockBelief mean_of(const Gaussian& belief);
+/// Beliefs of `worlds` worlds, spread evenly over a distribution.
+std::vector<RockBelief> beliefs_of_worlds(const Gaussian& belief, unsigned worlds);
+
+/// Worlds that differ in what they believe, and what they foretold.
+struct Worlds {
+    std::vector<RockBelief> beliefs;
+    std::vector<ModelRun> runs;
+};
+
+/// The runs of some arms to an axial strain.
+using RunModels = std::function<std::vector<ModelRun>(const std::vector<ModelArm>&, double strain)>;
+
+/// A generation of worlds, drawn from what is known. Those that a guard stopped are left out, and said so; throws
+/// SimulationError if too few to learn from are left.
+Worlds run_worlds(const Gaussian& belief, unsigned worlds, const std::string& name, double strain, const RunModels& run);
+/// A run without stages, of the rocks of another.
+ModelRun begun_like(const ModelRun& run);
+/// Adds the next stage, as worlds foretell it together for the logarithms `at` of the parameters: their regression on
+/// their beliefs.
+void foretell(ModelRun& sum, const Worlds& worlds, const Vector& at);
+
+} // namespace bris
