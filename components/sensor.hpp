@@ -13,7 +13,7 @@ struct SensorId   : State<EntityId> { static constexpr auto name = "id", unit = 
 struct SensorHost : State<EntityId> { static constexpr auto name = "host", unit = ""; };
 struct NextSample : State<std::uint64_t> { static constexpr auto name = "next_sample", unit = ""; };      // of its recording
 struct Accepted   : State<std::uint64_t> { static constexpr auto name = "accepted", unit = ""; };         // vectors measured
-struct Refused    : State<std::uint64_t> { static constexpr auto name = "refused", unit = ""; };          // too far from the forecast
+struct Refused    : State<std::uint64_t> { static constexpr auto name = "refused", unit = ""; };          // likewise: too far from the forecast, or told before
 struct TooLate    : State<std::uint64_t> { static constexpr auto name = "too_late", unit = ""; };         // samples, later than the filter looks back
 struct Reduced    : State<std::uint64_t> { static constexpr auto name = "reduced", unit = ""; };          // corrections followed in part only: too far for a step
 struct Withheld   : State<std::uint64_t> { static constexpr auto name = "withheld", unit = ""; };         // not at all: much too far

@@ -15,6 +15,7 @@ struct ScheduleSettings {
     bool fused = true;       ///< neighbours that work row by row in one pass over the rows
     bool last_order = false; ///< another valid order: of the systems that could be next, the last
     bool timed = false;      ///< wall time per node
+    std::size_t least_rows = 4000; ///< of all tables, from which on several threads pay: to hand work over takes some microseconds a system
     std::size_t grain = 0;   ///< rows a chunk of row-local systems; 0: by the rows and threads that there are
 };
 

@@ -9,16 +9,26 @@
 
 namespace bris {
 
+namespace {
+
+std::size_t rows_of(const World& world) {
+    std::size_t rows = 0;
+    for (const auto& table : world.tables()) rows += table.table->size();
+    return rows;
+}
+
+} // namespace
+
 Simulation::Simulation(World world, StepList steps, unsigned threads, ScheduleSettings settings)
-    : world_(std::make_unique<World>(std::move(world))), threads_(std::make_unique<Threads>(threads)),
-      schedule_(std::move(steps), settings) {
+    : world_(std::make_unique<World>(std::move(world))), threads_(std::make_unique<Threads>(threads)), alone_(std::make_unique<Threads>(1)),
+      least_rows_(settings.least_rows), schedule_(std::move(steps), settings) {
     prepare();
 }
 
 void Simulation::advance(std::uint64_t steps) {
     Clock& clock = world_->resource<Clock>();
     const Health& health = world_->resource<Health>();
-    threads_->run([&] {
+    (rows_of(*world_) < least_rows_ ? alone_ : threads_)->run([&] {
         for (std::uint64_t k = 0; k < steps && !health.bad; ++k) {
             schedule_.run(*world_);
             ++clock.step;

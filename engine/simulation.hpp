@@ -17,7 +17,8 @@ public:
     const World& world() const { return *world_; }
     Schedule& schedule() { return schedule_; }
 
-    /// Runs steps. Stops with SimulationError (step, time, what) when the guard has seen something.
+    /// Runs steps, on one thread where there is too little to do for several. Stops with SimulationError (step, time, what)
+    /// when the guard has seen something.
     void advance(std::uint64_t steps = 1);
     /// Binds the schedule anew, after tables, columns or resources have been added.
     void prepare() { schedule_.prepare(*world_); }
@@ -31,7 +32,8 @@ public:
 
 private:
     std::unique_ptr<World> world_; // at a fixed address: bound systems point into it
-    std::unique_ptr<Threads> threads_;
+    std::unique_ptr<Threads> threads_, alone_;
+    std::size_t least_rows_;
     Schedule schedule_;
     void (*on_restore_)(World&) = nullptr;
 };

@@ -90,6 +90,7 @@ void run(const Game& game, const Common& common) {
     t.add("error_of_first_at_touch_m_per_s", r.error_at_touch);
     t.add("error_of_second_m_per_s", r.carried_error);
     t.add("error_of_second_by_momentum_m_per_s", r.expected_error);
+    t.add("error_of_second_beside_momentum_m_per_s", (r.carried - r.expected).norm());
     t.add("measurements_accepted", r.accepted);
     t.add("measurements_refused", r.refused);
     t.add("fusion_work_J", r.fusion_work);

@@ -141,7 +141,7 @@ void Computation::learn() {
 
 std::unique_ptr<FrameWriter> Computation::make_frames(const RecordedTest& test) const {
     auto settings = common_.settings;
-    settings.emplace_back("intake", intake_report(test.findings, test.recordings));
+    settings.emplace_back("intake", intake_report(test));
     return std::make_unique<FrameWriter>(common_.out / folder_of(test.pressure) / "smart_triaxial.vtkhdf", settings);
 }
 
@@ -304,7 +304,7 @@ void run(const Smart& given, const Common& common) {
     for (const double pressure : s.triaxial.confining_pressure) {
         tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.intake));
         std::erase_if(tests.back().measured, [&](const TriaxialPoint& p) { return p.axial_strain > s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain; });
-        report += fmt::format("{}\n{}", folder_of(pressure), intake_report(tests.back().findings, tests.back().recordings));
+        report += fmt::format("{}\n{}", folder_of(pressure), intake_report(tests.back()));
         std::filesystem::create_directories(common.out / folder_of(pressure));
     }
     report += fmt::format("\n{}", observability(s, tests.front()));

@@ -23,6 +23,7 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <optional>
 #include <sstream>
 
@@ -30,16 +31,15 @@ namespace bris {
 
 namespace {
 
-constexpr std::array<std::string_view, 10> arm_names{"free", "chaos", "jumped", "spread", "pulled", "learned", "both", "ensemble", "analysed", "null"};
+constexpr std::array<std::string_view, 12> arm_names{"free", "chaos", "jumped", "spread", "pulled", "learned", "both", "load_cell", "sensors_only", "ensemble", "analysed", "null"};
 
 struct Twin {
     Triaxial triaxial;
     RockBelief model{0.5, 1};
     std::string arms = "free,chaos,learned,ensemble,analysed";
     std::filesystem::path record;
-    double disturbance = 1e-7, interval = 1e-3, change = 0.03;
-    double position_noise = 1e-4, attitude_noise = 2e-3, lateness = 0;
-    RecordingFaults faults;
+    double disturbance = 1e-7, change = 0.03, lateness = 0;
+    SensorSettings sensors;
     bool catch_up = true, layouts = false;
     Learning learning;
     Corrections corrections;
@@ -54,7 +54,9 @@ struct Twin {
     void describe(auto& option) {
         option.group("twin");
         option("arms", arms, "", "none; or of free: told nothing; chaos: the truth from a start disturbed; jumped: sensor rocks put, as in the report; spread: with all "
-               "others along; pulled: by bounded forces; learned: friction and stiffness; both: learned and pulled; ensemble: what the worlds that learned foretell together; analysed: that, and the recordings of the sensors carried to all rocks; null: the same with recordings of another specimen, which should help nobody");
+               "others along; pulled: by bounded forces; learned: friction and stiffness; both: learned and pulled; ensemble: what the worlds that learned foretell together; "
+               "load_cell, sensors_only: that, learned without the sensors, or by them alone; "
+               "analysed: as ensemble, and the recordings of the sensors carried to all rocks; null: the same with q of this specimen and sensors of another, which should help nobody");
         option("model_friction", model.friction, "", "of rocks in the model; the truth's is --friction", above(0));
         option("model_stiffness", model.stiffness, "", "of contacts in the model, of the truth's", above(0));
         option("disturbance", disturbance, "m", "of all places, in the run that shows chaos alone", at_least(0));
@@ -64,15 +66,17 @@ struct Twin {
         option("layouts", layouts, "", "try other sensor rocks: how many, which, and how often they tell, and what that leaves of the error of rocks without (layouts.csv)");
         option("record", record, "", "a folder for what the sensors of the truth record, as smart_triaxial reads it; empty: none");
         option("filter", filter, "", "what turns recordings into corrections", filter_names);
-        option("interval", interval, "", "axial strain between samples", above(0));
+        option("sensor_mode", sensors.mode, "", "what they tell: displacement and attitude without error, or tracked with noise; or an inertial sensor through the intake: tilt alone", sensor_modes);
+        option("imu", sensors.imu, "", "of honest-imu, and of --record", {"lab-grade", "smartrock-like", "cheap"});
+        option("interval", sensors.interval, "", "axial strain between samples", above(0));
         option("injection_steps", corrections.injection_steps, "", "in which a correction enters; 1: it jumps, as in the report", at_least(1));
         option("largest_shift", corrections.largest_shift, "m", "of a sensor rock that is put, in a step; 0: whatever is measured", at_least(0));
         option("pull_stiffness", corrections.pull.stiffness, "N/m", "of forces that pull sensor rocks", above(0));
         option("largest_pull", corrections.pull.largest_force, "N", "of them", at_least(0));
-        option("position_noise", position_noise, "m", "of the recordings", above(0));
-        option("attitude_noise", attitude_noise, "rad", "of the recordings", above(0));
-        option("dropout", faults.dropout, "", "share of samples that never come", within(0, 0.99));
-        option("outliers", faults.outliers, "", "share of samples that are 20 mm and half a radian off", within(0, 0.99));
+        option("position_noise", sensors.position_noise, "m", "of tracked displacements", above(0));
+        option("attitude_noise", sensors.attitude_noise, "rad", "of tracked attitudes", above(0));
+        option("dropout", sensors.faults.dropout, "", "share of samples that never come", within(0, 0.99));
+        option("outliers", sensors.faults.outliers, "", "share of samples that are 20 mm and half a radian off", within(0, 0.99));
         option("lateness", lateness, "", "axial strain by which samples come late", at_least(0));
         option("lag", corrections.filter.lag, "", "samples back to which a sensor rock that is put or pulled takes late ones; 0: they are refused");
         option("drift", corrections.filter.drift, "m2", "that the model may go astray in a unit of strain", at_least(0));
@@ -95,9 +99,11 @@ void visit_errors(const TwinErrors& e, auto&& visit) {
 std::vector<std::string> names_of_arms(const std::string& list) {
     std::vector<std::string> names;
     if (list == "none") return names; // the truth alone, to be recorded
+    std::string all;
+    for (const std::string_view name : arm_names) all += fmt::format("{}{}", all.empty() ? "" : ", ", name);
     std::istringstream text(list);
     for (std::string name; std::getline(text, name, ',');) {
-        require(std::ranges::count(arm_names, name) == 1, fmt::format("--arms: expected free, chaos, jumped, spread, pulled, learned, both, ensemble, analysed and null, found '{}'", name));
+        require(std::ranges::count(arm_names, name) == 1, fmt::format("--arms: expected {}, found '{}'", all, name));
         require(std::ranges::count(names, name) == 0, fmt::format("--arms: expected each once, found '{}' twice", name));
         names.push_back(name);
     }
@@ -105,9 +111,24 @@ std::vector<std::string> names_of_arms(const std::string& list) {
 }
 
 /// From the worlds that learn, not by a run of its own.
-bool is_computed(const std::string& arm) { return arm == "ensemble" || arm == "analysed" || arm == "null"; }
+bool is_computed(const std::string& arm) { return arm == "ensemble" || arm == "load_cell" || arm == "sensors_only" || arm == "analysed" || arm == "null"; }
+
+/// By what was recorded of the sensors.
+bool is_corrected(const std::string& arm) {
+    constexpr std::array<std::string_view, 6> corrected{"jumped", "spread", "pulled", "both", "analysed", "null"};
+    return std::ranges::count(corrected, arm) > 0;
+}
 
 bool learns(const std::string& arm) { return arm == "learned" || arm == "both" || is_computed(arm); }
+
+/// What worlds learned, and foretell together.
+struct Taught {
+    Learned learned;
+    ModelRun forecast = {};       // where it is asked for
+    RockScatter scatter = {};     // likewise
+    std::size_t gross = 0;        // displacements that were left out
+    double wall = 0;
+};
 
 /// The pieces of one experiment.
 class Experiment {
@@ -122,14 +143,15 @@ public:
 private:
     void add_arm(Summary& summary, std::size_t k, const TwinErrors* of_free) const;
     void add_properties(Summary& summary, const std::string& name, const ModelRun& run) const;
-    void add_learned(Summary& summary) const;
+    void add_learned(Summary& summary, const std::string& name, const Taught& taught) const;
     void write_smoothed() const;
     void draw() const;
     ModelArm arm_of(const std::string& name) const;
-    void learn_parameters();
+    std::string teaching_of(const std::string& arm) const;
+    Taught teach(const std::string& teaching, const Told& told);
+    ModelRun compute(const ModelArm& arm);
     std::vector<TriaxialPoint> measured() const;
     std::vector<ModelRun> run_all(const std::vector<ModelArm>& arms, double strain);
-    std::vector<SensorWay> ways_of(const ModelRun& run) const;
     ModelRun run_another();
 
     const Twin& t_;
@@ -140,42 +162,46 @@ private:
     Progress progress_;
     Archive specimen_;
     ModelRun truth_;
-    Learned learned_;
+    std::optional<Told> told_, told_of_another_;
+    std::optional<Worlds> first_; // generation, from which all that is learned goes on
+    std::map<std::string, Taught> taught_; // by teaching; "worlds": by all that was measured
     std::vector<ModelArm> arms_;
     std::vector<ModelRun> runs_;
-    ModelRun forecast_; // by the worlds together
-    RockScatter scatter_;
-    double learning_wall_ = 0;
 };
+
+// Names of what worlds learn from: arms for whom it is the same share them.
+std::string Experiment::teaching_of(const std::string& arm) const {
+    const bool sensors_say_nothing = t_.sensors.mode == "honest-imu" || !t_.learning.by_sensors;
+    const bool own = arm == "sensors_only" || (!sensors_say_nothing && (arm == "load_cell" || arm == "null"));
+    return own ? arm : "worlds";
+}
 
 ModelArm Experiment::arm_of(const std::string& name) const {
     ModelArm arm{.name = name, .rocks = t_.model, .corrections = t_.corrections};
     arm.corrections.filter.kind = named<FilterKind>(filter_names, t_.filter);
-    arm.corrections.position_noise = t_.position_noise;
-    arm.corrections.attitude_noise = t_.attitude_noise;
     if (name == "chaos") {
         arm.rocks = {test_.friction, 1};
         arm.disturbance = t_.disturbance;
     }
     if (learns(name)) {
-        arm.learned = schedule_of(learned_.known, t_.model, t_.change);
+        arm.learned = schedule_of(taught_.at(teaching_of(name)).learned.known, t_.model, t_.change);
         arm.catch_up = t_.catch_up;
     }
-    if (name == "jumped" || name == "spread" || name == "pulled" || name == "both" || name == "analysed")
-        arm.ways = ways_of(truth_);
+    if (is_corrected(name)) {
+        const Told& told = *(name == "null" ? told_of_another_ : told_);
+        arm.ways = told.ways;
+        arm.corrections.position_noise = told.position_noise;
+        arm.corrections.attitude_noise = told.attitude_noise;
+    }
     if (name == "jumped" || name == "spread") arm.corrections.pull.stiffness = 0;
     arm.corrections.lateness = t_.lateness;
-    arm.corrections.note_every = t_.interval;
+    arm.corrections.note_every = t_.sensors.interval;
     arm.corrections.spread = name == "spread";
     return arm;
 }
 
 std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, double strain) {
     return run_models(scene_, test_, specimen_, arms, strain, common_, progress_);
-}
-
-std::vector<SensorWay> Experiment::ways_of(const ModelRun& run) const {
-    return recorded_ways(run, sensor_rocks(run), t_.interval, t_.position_noise, t_.attitude_noise, common_.seed, t_.faults);
 }
 
 /// The truth of another specimen, packed around sensor rocks in the same places.
@@ -196,16 +222,31 @@ ModelRun Experiment::run_another() {
     return run;
 }
 
-void Experiment::learn_parameters() {
+Taught Experiment::teach(const std::string& teaching, const Told& told) {
     const auto began = this_instant();
     MeasuredTest measured = measured_test(this->measured());
-    measured.ways = ways_of(truth_);
-    measured.displacement_noise = t_.position_noise;
+    measured.ways = told.ways;
+    measured.displacement_noise = told.position_noise;
     measured.lateness = t_.lateness;
-    const bool all_the_way = std::ranges::any_of(names_, is_computed);
-    learned_ = learn_in_two_generations(prior_of(t_.model, t_.learning), measured, t_.learning, all_the_way ? test_.final_axial_strain : t_.learning.final_strain,
-                                        [&](const std::vector<ModelArm>& arms, double strain) { return try_models(scene_, test_, specimen_, arms, strain, common_, progress_); });
-    learning_wall_ = seconds_since(began);
+    Learning learning = t_.learning;
+    if (teaching == "load_cell") learning.by_sensors = false;
+    if (teaching == "sensors_only") {
+        learning.by_sensors = true;
+        learning.by_force = learning.by_volume = false;
+    }
+    const Gaussian prior = prior_of(t_.model, learning);
+    const auto try_them = [&](const std::vector<ModelArm>& arms, double strain) { return try_models(scene_, test_, specimen_, arms, strain, common_, progress_); };
+    if (!first_) first_ = run_worlds(prior, learning.worlds, "first", learning.first_strain, try_them);
+    const auto foretells = [&](const std::string& arm) { return is_computed(arm) && teaching_of(arm) == teaching; };
+    const bool all_the_way = std::ranges::any_of(names_, foretells);
+    Taught taught{.learned = learn_on(prior, *first_, measured, learning, all_the_way ? test_.final_axial_strain : learning.final_strain, try_them)};
+    if (learning.by_sensors) taught.gross = gross_displacements(taught.learned.second, measured);
+    if (all_the_way) {
+        taught.forecast = foretold_by(taught.learned, prior);
+        taught.scatter = scatter_of(taught.learned.second);
+    }
+    taught.wall = seconds_since(began);
+    return taught;
 }
 
 /// What the test machine tells of the truth.
@@ -216,16 +257,25 @@ std::vector<TriaxialPoint> Experiment::measured() const {
     return points;
 }
 
+/// What the worlds of an arm foretell, and where it is told of sensors, their recordings carried to all rocks.
+ModelRun Experiment::compute(const ModelArm& arm) {
+    const Taught& taught = taught_.at(teaching_of(arm.name));
+    if (arm.ways.empty()) return taught.forecast;
+    return analyse(taught.forecast, taught.scatter, {sensor_rocks(truth_), arm.ways, arm.corrections.position_noise, arm.corrections.attitude_noise, t_.lateness});
+}
+
 void Experiment::run() {
     specimen_ = make_specimen(scene_, test_, common_, [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
     progress_.pause();
     truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain).front();
     if (!t_.record.empty()) {
-        const RecordingSettings settings{.interval = t_.interval, .displacement_noise = t_.position_noise, .attitude_noise = t_.attitude_noise};
+        const RecordingSettings settings{.interval = t_.sensors.interval, .imu = t_.sensors.imu, .displacement_noise = t_.sensors.position_noise, .attitude_noise = t_.sensors.attitude_noise};
         write_recorded_test(t_.record, test_.confining_pressure, record_sensors(truth_, settings, common_.seed), scene_, measured());
     }
-    if (std::ranges::any_of(names_, learns)) learn_parameters();
-    if (!learned_.second.runs.empty()) forecast_ = foretold_by(learned_, prior_of(t_.model, t_.learning));
+    told_ = told_by_sensors(truth_, t_.sensors, common_.seed);
+    if (std::ranges::count(names_, "null") > 0) told_of_another_ = told_by_sensors(run_another(), t_.sensors, common_.seed);
+    for (const std::string& name : names_)
+        if (learns(name) && !taught_.contains(teaching_of(name))) taught_[teaching_of(name)] = teach(teaching_of(name), *(name == "null" ? told_of_another_ : told_));
     std::vector<ModelArm> to_run;
     for (const std::string& name : names_) {
         arms_.push_back(arm_of(name));
@@ -233,17 +283,7 @@ void Experiment::run() {
     }
     auto runs = run_all(to_run, test_.final_axial_strain);
     auto next = runs.begin();
-    for (ModelArm& arm : arms_) {
-        if (!is_computed(arm.name)) {
-            runs_.push_back(std::move(*next++));
-            continue;
-        }
-        runs_.push_back(forecast_);
-        if (arm.name == "null") arm.ways = ways_of(run_another());
-        if (arm.ways.empty()) continue;
-        if (scatter_.displacement.deviation.empty()) scatter_ = scatter_of(learned_.second);
-        runs_.back() = analyse(forecast_, scatter_, {sensor_rocks(truth_), arm.ways, t_.position_noise, t_.attitude_noise, t_.lateness});
-    }
+    for (const ModelArm& arm : arms_) runs_.push_back(is_computed(arm.name) ? compute(arm) : std::move(*next++));
 }
 
 void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_free) const {
@@ -259,10 +299,11 @@ void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_f
     add("steps", runs_[k].steps);
     add("wall_time_s", runs_[k].wall_time);
     add_properties(summary, name, runs_[k]);
-    if (arms_[k].ways.empty() || is_computed(name)) return;
-    add("fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].platen_work);
+    if (arms_[k].ways.empty()) return;
     add("measurements_accepted", runs_[k].accepted);
     add("measurements_refused", runs_[k].refused);
+    if (is_computed(name)) return add("sensors_strange_from", runs_[k].strange_from);
+    add("fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].platen_work);
     add("samples_too_late", runs_[k].too_late);
     add("corrections_reduced", runs_[k].reduced);
     add("corrections_withheld", runs_[k].withheld);
@@ -280,17 +321,23 @@ void Experiment::add_properties(Summary& summary, const std::string& name, const
     summary.add(name + "_peak_friction_angle_deg", properties.peak_friction_angle);
 }
 
-void Experiment::add_learned(Summary& summary) const {
-    if (learned_.known.empty()) return;
-    const Gaussian& last = learned_.known.back().belief;
-    summary.add(describe(last));
-    summary.add("learned_squared_distance_of_truth", squared_distance(last, logarithms_of({test_.friction, 1})));
-    summary.add("learning_wall_time_s", learning_wall_);
-    if (scatter_.displacement.likeness.length <= 0) return;
-    summary.add("likeness_of_displacements", scatter_.displacement.likeness.near);
-    summary.add("likeness_of_displacements_length_m", scatter_.displacement.likeness.length);
-    summary.add("likeness_of_rotations", scatter_.rotation.likeness.near);
-    summary.add("likeness_of_rotations_length_m", scatter_.rotation.likeness.length);
+/// `taught` by another name than "worlds" says so.
+void Experiment::add_learned(Summary& summary, const std::string& name, const Taught& taught) const {
+    const std::string whose = name == "worlds" ? "" : name + "_";
+    const auto& known = taught.learned.known;
+    const Gaussian last = known.empty() ? prior_of(t_.model, t_.learning) : known.back().belief;
+    for (const NamedValue& v : describe(last)) summary.add(NamedValue(whose + v.key, std::get<double>(v.value)));
+    summary.add(whose + "learned_squared_distance_of_truth", squared_distance(last, logarithms_of({test_.friction, 1})));
+    summary.add(whose + "learning_wall_time_s", taught.wall);
+    summary.add(whose + "learning_gross_displacements", taught.gross);
+    for (const auto& [what, scatter] : {std::pair{"displacements", &taught.scatter.displacement}, std::pair{"rotations", &taught.scatter.rotation}}) {
+        if (scatter->likeness.length <= 0) continue;
+        summary.add(fmt::format("{}likeness_of_{}", whose, what), scatter->likeness.near);
+        summary.add(fmt::format("{}likeness_of_{}_length_m", whose, what), scatter->likeness.length);
+    }
+    const std::string file = name == "worlds" ? "" : "_" + name;
+    write_known(common_.out / fmt::format("learned{}.csv", file), known);
+    write_worlds(common_.out / fmt::format("worlds{}.csv", file), taught.learned.second);
 }
 
 /// The ways of sensor rocks as filters that look back know them.
@@ -324,24 +371,24 @@ void Experiment::report() const {
     if (free != names_.end()) of_free = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
     for (std::size_t k = 0; k < arms_.size(); ++k) add_arm(summary, k, of_free ? &*of_free : nullptr);
     add_properties(summary, "truth", truth_);
-    add_learned(summary);
-    if (!learned_.known.empty()) {
-        write_known(common_.out / "learned.csv", learned_.known);
-        write_worlds(common_.out / "worlds.csv", learned_.second);
-    }
+    summary.add("sensors_refused", told_->refused);
+    for (const auto& [name, taught] : taught_) add_learned(summary, name, taught);
     write_smoothed();
+    for (std::size_t k = 0; k < arms_.size(); ++k)
+        if (!runs_[k].analyses.empty()) write_records(common_.out / fmt::format("analyses_{}.csv", arms_[k].name), runs_[k].analyses, "axial_strain");
     draw();
-    if (t_.layouts && !learned_.known.empty()) {
-        const RockScatter scatter = scatter_.displacement.deviation.empty() ? scatter_of(learned_.second) : scatter_;
-        write_layouts(common_.out / "layouts.csv", try_layouts(truth_, forecast_, scatter, {.position_noise = t_.position_noise, .attitude_noise = t_.attitude_noise, .seed = common_.seed}));
+    if (t_.layouts && taught_.contains("worlds") && !taught_.at("worlds").forecast.points.empty()) {
+        const Taught& worlds = taught_.at("worlds");
+        write_layouts(common_.out / "layouts.csv", try_layouts(truth_, worlds.forecast, worlds.scatter, {.position_noise = t_.sensors.position_noise, .attitude_noise = t_.sensors.attitude_noise, .seed = common_.seed}));
     }
     report_results(common_, summary);
 }
 
 void run(const Twin& t, const Common& common) {
     require(t.triaxial.confining_pressure.size() == 1, "--confining-pressure: expected one, found several");
-    require(t.record.empty() || (t.faults.dropout == 0 && t.faults.outliers == 0 && t.lateness == 0),
-            "--record: expected no --dropout, --outliers or --lateness, which it does not record");
+    const bool faulty = t.sensors.faults.dropout > 0 || t.sensors.faults.outliers > 0;
+    require(t.record.empty() || (!faulty && t.lateness == 0), "--record: expected no --dropout, --outliers or --lateness, which it does not record");
+    require(t.sensors.mode != "honest-imu" || !faulty, "--sensor-mode honest-imu: expected no --dropout or --outliers, which are of tracked sensors");
     check_test(t.triaxial);
     require_memory_for(t.triaxial, common.threads, common.memory_limit);
     if (common.explain) {

@@ -39,7 +39,9 @@ struct RunSettings {
 inline Simulation start(World world, const RunSettings& s) {
     world.resource<Clock>().dt = s.dt;
     add_lists(world, s.law, s.lists);
-    Simulation simulation(std::move(world), steps(s.law), s.threads, s.schedule);
+    ScheduleSettings schedule = s.schedule;
+    schedule.least_rows = 0; // small as the scene is, the threads are what is tested
+    Simulation simulation(std::move(world), steps(s.law), s.threads, schedule);
     simulation.on_restore(invalidate_lists);
     return simulation;
 }

@@ -21,6 +21,16 @@ void add_platens(World& world, const SpecimenSettings& s, Specimen& specimen) {
     world.add_resource(platen);
 }
 
+/// The material of the sensor rocks: one of its own only if it is another one than that of the rocks.
+std::uint32_t add_shell(Materials& materials, const SpecimenSettings& s, std::uint32_t rock) {
+    if (s.sensor_density <= 0 && s.sensor_friction < 0) return rock;
+    Material shell = materials.list[rock];
+    shell.name = "shell";
+    if (s.sensor_density > 0) shell.density = s.sensor_density;
+    if (s.sensor_friction >= 0) shell.friction = s.sensor_friction;
+    return materials.add(shell);
+}
+
 } // namespace
 
 double radius_for(double solid_volume, double porosity, unsigned sectors) {
@@ -29,7 +39,7 @@ double radius_for(double solid_volume, double porosity, unsigned sectors) {
     return std::cbrt(solid_volume / (1 - porosity) / shape);
 }
 
-World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clumps, const Clump& smart_rock,
+World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clumps, std::span<const Clump> smart_rocks,
                           std::span<const RockChoice> rocks, std::span<const SmartRockPose> poses) {
     World world = make_world(Grains::clumps);
     auto& materials = world.resource<Materials>();
@@ -37,17 +47,20 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
     specimen.rock_material = materials.add({"rock", s.density, s.clump_stiffness, s.clump_stiffness, s.friction});
     specimen.platen_material = materials.add({"platen", 0, s.wall_stiffness, s.wall_stiffness, s.friction});
     specimen.membrane_material = materials.add({"membrane", 0, s.wall_stiffness, s.wall_stiffness, 0});
+    specimen.sensor_material = add_shell(materials, s, specimen.rock_material);
+    specimen.sensor_friction = s.sensor_friction;
     specimen.smart_rock_poses.assign(poses.begin(), poses.end());
     specimen.seed = s.seed;
     specimen.clumps.assign(clumps.begin(), clumps.end());
-    specimen.clumps.push_back(smart_rock);
-    const auto smart_shape = static_cast<std::uint32_t>(clumps.size());
+    specimen.clumps.insert(specimen.clumps.end(), smart_rocks.begin(), smart_rocks.end());
     specimen.height = s.height;
     specimen.looseness = s.looseness;
-    for (const SmartRockPose& pose : poses)
-        specimen.smart_rocks.push_back(add_clump(world, smart_rock, smart_shape,
-                                                 pose.position.cwiseProduct(Vec3(1, 1, s.looseness)),
-                                                 pose.orientation, specimen.rock_material, Motion::prescribed));
+    for (std::size_t i = 0; i < poses.size(); ++i) {
+        const std::size_t shape = i % smart_rocks.size();
+        specimen.smart_rocks.push_back(add_clump(world, smart_rocks[shape], static_cast<std::uint32_t>(clumps.size() + shape),
+                                                 poses[i].position.cwiseProduct(Vec3(1, 1, s.looseness)),
+                                                 poses[i].orientation, specimen.sensor_material, Motion::prescribed));
+    }
     specimen.scale.assign(poses.size(), 1.0);
     Random random(s.seed, orientation_stream);
     for (const RockChoice& choice : rocks) {

@@ -21,6 +21,8 @@ struct SpecimenSettings {
     double wall_stiffness = 1e8;       ///< N/m
     double looseness = 1.2;            ///< height of the lifts as they are made, of the wanted one
     double smartrock_size = 0.038;     ///< m, sieve size
+    double sensor_density = 0;         ///< kg/m3, of the sensor rocks; 0: as the rocks
+    double sensor_friction = -1;       ///< of their shells; below 0: as the rocks
     std::uint64_t seed = 1;
 };
 
@@ -30,6 +32,8 @@ struct Specimen {
     std::vector<EntityId> smart_rocks, rocks; ///< rocks in the order in which they are poured
     EntityId top = nobody, bottom = nobody;
     std::uint32_t rock_material = 0, platen_material = 0, membrane_material = 0;
+    std::uint32_t sensor_material = 0; ///< of the sensor rocks: that of the rocks, or of shells of their own
+    double sensor_friction = -1;       ///< below 0: they follow the rocks
     std::vector<SmartRockPose> smart_rock_poses;
     std::uint64_t seed = 1;
     double height = 0, looseness = 1;
@@ -43,8 +47,8 @@ double radius_for(double solid_volume, double porosity, unsigned sectors);
 
 /// Makes the world of a triaxial test: materials, sensor rocks held at `looseness` times their
 /// heights (they sink with the top platen to their given places while the specimen is compacted),
-/// rocks parked below the lower platen, membrane and platens.
-World make_triaxial_world(const SpecimenSettings& settings, std::span<const Clump> clumps, const Clump& smart_rock,
+/// rocks parked below the lower platen, membrane and platens. Sensor rocks take the shapes `smart_rocks` in turn.
+World make_triaxial_world(const SpecimenSettings& settings, std::span<const Clump> clumps, std::span<const Clump> smart_rocks,
                           std::span<const RockChoice> rocks, std::span<const SmartRockPose> poses);
 
 } // namespace bris

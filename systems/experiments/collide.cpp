@@ -75,6 +75,23 @@ double error_of_others(const std::vector<Vec3>& found, const std::vector<Vec3>& 
     return std::sqrt(sum / static_cast<double>(truth.size() - 1));
 }
 
+/// The first ball when it touches the second.
+struct FirstTouch {
+    bool seen = false;
+    Vec3 velocity = Vec3::Zero(), line = Vec3::UnitX(); ///< m/s, just before; of centres
+
+    /// Velocity (m/s) that a frictionless touch gives to a second ball of the same mass.
+    Vec3 given(double restitution) const { return 0.5 * (1 + restitution) * velocity.dot(line) * line; }
+};
+
+/// One step; notes the first touch.
+void advance(Simulation& run, FirstTouch& touch) {
+    const Vec3 before = value_of<Velocity>(run, first);
+    run.advance();
+    if (touch.seen || touch_of(run.world()).pairs == 0) return;
+    touch = {true, before, (value_of<Position>(run, first + 1) - value_of<Position>(run, first)).normalized()};
+}
+
 } // namespace
 
 CollideResult measure(const Collide& s) {
@@ -90,8 +107,9 @@ CollideResult measure(const Collide& s) {
     Random random(s.seed, 0);
     const auto noise = [&](double deviation) -> Vec3 { return deviation * Vec3(random.normal(), random.normal(), random.normal()); };
     const double least_deviation = 1e-12; // of a sensor without noise
+    FirstTouch true_touch;
     for (std::uint64_t k = 0; k < steps; ++k) {
-        truth.advance();
+        advance(truth, true_touch);
         const double time = truth.world().resource<Clock>().time();
         if (time * s.sampling_rate < static_cast<double>(recording.size() + 1)) continue;
         TimedMeasurement m{time, {}};
@@ -112,21 +130,16 @@ CollideResult measure(const Collide& s) {
 
     Simulation fused = make_run(s, model, &recording, dt);
     const double energy_before = kinetic_energy(s, fused.world());
-    bool touched = false;
-    Vec3 line = Vec3::UnitX();
-    for (std::uint64_t k = 0; k < steps; ++k) {
-        const Vec3 before = value_of<Velocity>(fused, first);
-        fused.advance();
-        if (touched || touch_of(fused.world()).pairs == 0) continue;
-        touched = true;
-        line = (value_of<Position>(fused, first + 1) - value_of<Position>(fused, first)).normalized();
-        r.error_at_touch = (before - Vec3(s.speed, 0, 0)).dot(line);
-    }
+    FirstTouch touch;
+    for (std::uint64_t k = 0; k < steps; ++k) advance(fused, touch);
+    if (touch.seen) r.error_at_touch = (touch.velocity - Vec3(s.speed, 0, 0)).dot(touch.line);
     r.fused = velocities(s, fused.world());
     r.free_error = error_of_others(r.free, r.truth);
     r.fused_error = error_of_others(r.fused, r.truth);
-    r.carried_error = (r.fused[1] - r.truth[1]).dot(line);
-    r.expected_error = 0.5 * (1 + model.restitution) * r.error_at_touch;
+    r.carried = r.fused[1] - r.truth[1];
+    r.expected = touch.given(model.restitution) - true_touch.given(s.material.restitution);
+    r.carried_error = r.carried.dot(touch.line);
+    r.expected_error = r.expected.dot(touch.line);
     r.accepted = fused.world().column<Sensors, Accepted>()[0];
     r.refused = fused.world().column<Sensors, Refused>()[0];
     r.fusion_work = fusion_work(fused.world());

@@ -38,7 +38,10 @@ struct CollideResult {
     double free_error = 0, fused_error = 0;   ///< m/s, root mean square over the balls without a sensor
     double error_at_touch = 0;            ///< m/s, of the first ball when it touches in the fused run, along the line of centres
     double carried_error = 0;             ///< m/s, of the second ball along that line, in the fused run
-    double expected_error = 0;            ///< m/s, (1 + e) m1 / (m1 + m2) of the error at touch: momentum is conserved
+    double expected_error = 0;            ///< m/s, the same by momentum: centre to centre (1 + e) m1 / (m1 + m2) of the error at touch
+    /// m/s, error of the second ball's velocity, and that by momentum: of two balls without friction, which push each other along
+    /// their line of centres at the touch, and it may be another one than the true one.
+    Vec3 carried = Vec3::Zero(), expected = Vec3::Zero();
     std::uint64_t accepted = 0, refused = 0; ///< vectors measured
     double fusion_work = 0;               ///< J, booked
     double energy_open = 0;               ///< J, that energies at start and end, work of fusion and dashpots leave open

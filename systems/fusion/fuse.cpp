@@ -2,12 +2,15 @@
 
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
+#include "engine/system.hpp"
 #include "engine/world.hpp"
 #include "systems/fusion/correct.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 #include <set>
 
 namespace bris {
@@ -62,25 +65,77 @@ RigidState state_at(double earlier, const RigidState& now, const Analysis& to_co
     return s;
 }
 
-/// Takes the samples of a sensor that have come: adds what they say to the correction to come. False: none said anything.
+bool is_same(const auto& a, const auto& b) { return a == b || (!a.allFinite() && !b.allFinite()); }
+bool is_same(const Measured& a, const Measured& b) {
+    return is_same(a.position, b.position) && is_same(a.velocity, b.velocity) && is_same(a.spin, b.spin) && is_same(a.up, b.up) && is_same(a.attitude.coeffs(), b.attitude.coeffs());
+}
+
+/// Marks samples that have come before: a second time they tell nothing new.
+void mark_repeated(std::vector<TimedMeasurement>& samples) {
+    std::map<double, std::vector<std::size_t>> at_time;
+    for (std::size_t k = 0; k < samples.size(); ++k) {
+        auto& before = at_time[samples[k].time];
+        samples[k].again = std::ranges::any_of(before, [&](std::size_t j) { return is_same(samples[j].what, samples[k].what); });
+        before.push_back(k);
+    }
+}
+
+/// What a sensor tells of its body. At the end of a stage all is at rest: so says the test, and only beside a sensor that is let in.
+template <class Analyse> Measured told_by_sensor(const Measured& what, const Fusion& fusion, Analyse&& analyse) {
+    if (!fusion.by_strain) return what;
+    Measured own = what;
+    own.velocity = own.spin = Measured().velocity;
+    const Analysis heard = analyse(own);
+    return own.is_empty() || (heard.accepted == 0 && heard.refused > 0) ? own : what;
+}
+
+/// Takes the samples of a sensor that have come: adds what they say to the correction to come. False: there were none, or they came too late.
 bool take_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& samples, std::uint64_t& next, std::uint64_t& too_late, const RigidState& now,
                   Analysis& to_come, const Fusion& fusion, const Clock& clock) {
-    bool heard = false;
+    bool taken = false;
     for (; next < samples.size() && has_come(samples[next].arrives, fusion, clock); ++next) {
         const TimedMeasurement& m = samples[next];
+        if (m.again) {
+            ++to_come.refused;
+            continue;
+        }
         if (!is_late(m, filter, fusion, clock)) {
             const double earlier = fusion.by_strain ? 0 : end_of_step(clock) - m.time;
-            to_come = sum_of(to_come, filter.analyse({m.time, state_at(earlier, now, to_come)}, m.what));
-            heard = true;
+            const BodyForecast forecast{m.time, state_at(earlier, now, to_come)};
+            const Measured what = told_by_sensor(m.what, fusion, [&](const Measured& own) { return SensorFilter(filter).analyse(forecast, own); });
+            to_come = sum_of(to_come, filter.analyse(forecast, what));
+            taken = true;
             continue;
         }
         filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
-        const auto late = filter.analyse_late(m.time, m.what);
+        const Measured what = told_by_sensor(m.what, fusion, [&](const Measured& own) { return SensorFilter(filter).analyse_late(m.time, own).value_or(Analysis{}); });
+        const auto late = filter.analyse_late(m.time, what);
         if (late) to_come = sum_of(to_come, *late);
         else ++too_late;
-        heard = heard || late;
+        taken = taken || late;
     }
-    return heard;
+    return taken;
+}
+
+RigidState state_of(const Vec3& position, const Vec3& velocity, const Vec3& acceleration, const Quat& orientation, const Vec3& spin, const Clock& clock) {
+    return {position, velocity + 0.5 * clock.dt * acceleration, orientation, spin};
+}
+Analysis under_way_of(const CorrectionRow& c) { return {.shift = c.steps * c.shift, .turn = c.steps * c.turn}; }
+
+/// Whether a sample that has come is let in, by what its body does now.
+bool is_heard(const World& world, Row s) {
+    const Fusion& fusion = world.resource<Fusion>();
+    const Clock& clock = world.resource<Clock>();
+    const Table& bodies = world.table<Bodies>();
+    const Row b = rows_by_id(bodies.column<BodyId>())[world.column<Sensors, SensorHost>()[s]];
+    Quat orientation = Quat::Identity();
+    if (bodies.has<Orientation>()) orientation = bodies.column<Orientation>()[b];
+    const RigidState now = state_of(bodies.column<Position>()[b], bodies.column<Velocity>()[b], bodies.column<Acceleration>()[b], orientation, bodies.column<Spin>()[b], clock);
+    Analysis to_come = under_way_of(bodies.column<Correction>()[b]);
+    SensorFilter filter = fusion.filters[s];
+    std::uint64_t next = world.column<Sensors, NextSample>()[s], too_late = 0;
+    (void)take_samples(filter, world.resource<Replay>().samples[s], next, too_late, now, to_come, fusion, clock);
+    return to_come.accepted > 0;
 }
 
 /// Share of a correction that keeps within the limit of a step; 0: it is too small to be given.
@@ -90,6 +145,14 @@ double share_in_step(const Analysis& wanted, double radius, const Fusion& fusion
     if (fusion.largest_shift <= 0 || way <= fusion.largest_shift) return 1;
     const double share = fusion.largest_shift / way;
     return share < least_share ? 0 : share;
+}
+
+AnalysisRecord record_of(const SensorFilter& filter, double time, Row sensor, double share, double work) {
+    const Weighed &place = filter.place(), &attitude = filter.attitude();
+    const double axis = 1 / std::sqrt(3.0);
+    return {.time = time, .sensor = static_cast<double>(sensor), .shift_off = place.innovation.norm(), .turn_off = attitude.innovation.norm(),
+            .shift_distance = place.squared_distance, .turn_distance = attitude.squared_distance, .shift_gain = place.gain.mean(), .turn_gain = attitude.gain.mean(),
+            .shift_deviation = axis * place.deviation.norm(), .turn_deviation = axis * attitude.deviation.norm(), .share = share, .work = work};
 }
 
 template <class BodyRows, class OrientationOf, class MomentumOf>
@@ -103,19 +166,25 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
         const Row b = row_of(bodies, sensors.column<SensorHost>()[s]);
         Vec3 &velocity = bodies.template column<Velocity>()[b], &spin = bodies.template column<Spin>()[b];
         CorrectionRow& correction = bodies.template column<Correction>()[b];
-        const RigidState now{bodies.template column<Position>()[b], velocity + 0.5 * clock.dt * bodies.template column<Acceleration>()[b], orientation_of(b), spin};
-        const Analysis under_way{.shift = correction.steps * correction.shift, .turn = correction.steps * correction.turn};
+        const RigidState now = state_of(bodies.template column<Position>()[b], velocity, bodies.template column<Acceleration>()[b], orientation_of(b), spin, clock);
+        const Analysis under_way = under_way_of(correction);
         Analysis to_come = under_way;
         SensorFilter& filter = fusion.filters[s];
-        const bool heard = take_samples(filter, samples, next, sensors.column<TooLate>()[s], now, to_come, fusion, clock);
-        if (notes) filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
-        if (!heard) continue;
+        const bool taken = take_samples(filter, samples, next, sensors.column<TooLate>()[s], now, to_come, fusion, clock), heard = to_come.accepted > 0;
         sensors.column<Accepted>()[s] += to_come.accepted;
         sensors.column<Refused>()[s] += to_come.refused;
         double& largest = sensors.column<LargestInnovation>()[s];
         largest = std::max(largest, to_come.largest_distance);
+        if (taken && !heard) { // what is refused moves nothing, nor does it stretch what is under way
+            if (filter.remembers()) filter.leave(sum_of(to_come, scaled(-1, under_way)));
+            to_come = under_way;
+            fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0, bodies.template column<FusionWork>()[b]));
+        }
+        if (notes) filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
+        if (!heard) continue;
         const bool pulls = fusion.pull.stiffness > 0;
         const double share = pulls ? 1 : share_in_step(to_come, bodies.template column<BoundingRadius>()[b], fusion, clock);
+        fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, share, bodies.template column<FusionWork>()[b]));
         if (share < 1) {
             const Analysis given = share > 0 ? scaled(share, to_come) : under_way;
             filter.leave(sum_of(to_come, scaled(-1, given)));
@@ -147,11 +216,13 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
 
 void Fusion::save(Archive& archive) const {
     put_fields(archive, "fusion/strain", std::tie(strain, notes));
+    save_records(archive, "fusion/records", records);
     for (std::size_t k = 0; k < filters.size(); ++k) filters[k].save(archive, fmt::format("fusion/{}", k));
 }
 
 void Fusion::load(const Archive& archive) {
     get_fields(archive, "fusion/strain", std::tie(strain, notes));
+    records = load_records(archive, "fusion/records");
     for (std::size_t k = 0; k < filters.size(); ++k) filters[k].load(archive, fmt::format("fusion/{}", k));
 }
 
@@ -175,6 +246,7 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<s
         require(std::ranges::is_sorted(samples[s], {}, &TimedMeasurement::arrives), fmt::format("sensor {}: expected samples in the order of arrival", s));
         const bool causal = std::ranges::all_of(samples[s], [](const TimedMeasurement& m) { return m.arrives >= m.time; });
         require(causal, fmt::format("sensor {}: expected samples to arrive after their time", s));
+        mark_repeated(samples[s]);
         table.column<SensorId>()[s] = s;
         table.column<SensorHost>()[s] = hosts[s];
     }
@@ -196,6 +268,14 @@ bool fusion_is_due(const World& world) {
     for (std::size_t s = 0; s < samples.size(); ++s)
         if (next[s] < samples[s].size() && has_come(samples[s][next[s]].arrives, fusion, clock)) return true;
     return note_is_due(fusion, clock);
+}
+
+bool dismiss_samples(World& world) {
+    for (Row s = 0; s < world.table<Sensors>().size(); ++s)
+        if (is_heard(world, s)) return false;
+    const System fuse = world.table<Bodies>().has<Orientation>() ? system("fuse_clumps", fuse_clumps) : system("fuse_spheres", fuse_spheres);
+    fuse.bind(world)({});
+    return true;
 }
 
 void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock) {

@@ -6,6 +6,7 @@
 #include "components/settings.hpp"
 #include "engine/clock.hpp"
 #include "engine/rows.hpp"
+#include "systems/fusion/analysis_record.hpp"
 #include "systems/fusion/sensor_filter.hpp"
 
 namespace bris {
@@ -15,6 +16,7 @@ struct TimedMeasurement {
     double time;
     Measured what;
     double arrives = time; ///< not before: late
+    bool again = false;    ///< has come before, as add_sensors finds: tells nothing new
 };
 
 /// The recordings of a scene's sensors, by their rows, each in the order of arrival.
@@ -42,9 +44,10 @@ struct Fusion {
     double largest_shift = 0;
     double note_every = 0;        ///< s or strain between notes of the motion, beside those of analyses: for samples that come late; 0: none
     bool spread = false;          ///< corrections are spread over the contact network (spread_corrections)
-    bool by_strain = false;       ///< in a test by stages time means nothing: samples are taken by axial strain
+    bool by_strain = false;       ///< in a test by stages time means nothing: samples are taken by axial strain, and all rests then
     double strain = 0;            ///< to which they have been
     std::uint64_t notes = 0;      ///< intervals of note_every that have been begun
+    std::vector<AnalysisRecord> records; ///< of all analyses
 
     void save(Archive& archive) const;
     void load(const Archive& archive);
@@ -63,6 +66,10 @@ using FusedBodies = Rows<Bodies, const BodyId, const Position, const BoundingRad
 
 /// Whether a sample has come by the end of this step, or the motion is to be noted.
 bool fusion_is_due(const World& world);
+
+/// In a test by stages, between steps: where none of the samples that have come is let in, counts them and notes the motion, which
+/// takes no step and moves nothing. False: one is; the next step takes them all.
+bool dismiss_samples(World& world);
 
 /// Corrects the bodies of sensors by the samples that have come by now, each in the place of its time: velocity and spin at once, position and
 /// attitude in the steps to come. What velocities gain in energy is booked; contacts see it in the next step, whether there are new lists

@@ -1,6 +1,8 @@
 #include "systems/fusion/intake.hpp"
 
 #include "engine/linear_fit.hpp"
+#include "engine/signal/median.hpp"
+#include "systems/fusion/inspection.hpp"
 
 #include <fmt/format.h>
 
@@ -15,14 +17,16 @@ constexpr double degree = pi / 180;
 class Intake {
 public:
     Intake(const Recording& recording, const Vec3& gravity, const IntakeLimits& limits, std::vector<Finding>& findings)
-        : r_(recording), gravity_(gravity), limits_(limits), findings_(findings) {}
+        : at_{recording, limits, findings}, r_(recording), gravity_(gravity), limits_(limits) {}
 
     void look() {
         if (r_.size() < 2) return refuse("length", fmt::format("expected two samples or more, found {}", r_.size()));
         if (!look_at_numbers() || !look_at_times()) return; // what follows would be of no use
-        rest_ = static_cast<std::size_t>(std::ranges::count_if(r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
+        at_.rest = static_cast<std::size_t>(std::ranges::count_if(r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
+        while (at_.still < at_.rest && (r_.strain.empty() || r_.strain[at_.still] <= 0)) ++at_.still;
         look_at_clock();
-        if (!r_.displacement.empty() && !is_stuck("displacement", r_.displacement, r_.info.displacement_noise)) look_at_jumps();
+        look_at_displacement(at_);
+        look_at_attitude(at_, gravity_);
         if (!r_.force.empty()) {
             look_at_range("force", r_.force, r_.info.force_range, "m/s2");
             look_at_noise("force", r_.force, r_.info.force_noise, "m/s2/sqrt(Hz)");
@@ -31,15 +35,16 @@ public:
         if (r_.rate.empty()) return;
         look_at_range("rate", r_.rate, r_.info.rate_range, "rad/s");
         look_at_noise("rate", r_.rate, r_.info.rate_noise, "rad/s/sqrt(Hz)");
+        if (at_.still > 0) look_at_rates();
     }
 
 private:
-    void note(std::string check, std::string text) { findings_.push_back({Finding::Kind::note, r_.info.id, std::move(check), std::move(text)}); }
-    void refuse(std::string check, std::string text) { findings_.push_back({Finding::Kind::refusal, r_.info.id, std::move(check), std::move(text)}); }
+    void note(std::string check, std::string text) { at_.note(std::move(check), std::move(text)); }
+    void refuse(std::string check, std::string text) { at_.refuse(std::move(check), std::move(text)); }
     Vec3 mean_at_rest(const std::vector<Vec3>& values) const {
         Vec3 sum = Vec3::Zero();
-        for (std::size_t k = 0; k < rest_; ++k) sum += values[k];
-        return sum / static_cast<double>(rest_);
+        for (std::size_t k = 0; k < at_.rest; ++k) sum += values[k];
+        return sum / static_cast<double>(at_.rest);
     }
 
     bool look_at_numbers() {
@@ -98,35 +103,13 @@ private:
         else if (full > 0) note("saturation", text);
     }
 
-    bool is_stuck(const char* what, const std::vector<Vec3>& values, double noise) {
-        if (noise <= 0) return false; // declared to have none
-        std::size_t run = 0, longest = 0;
-        for (std::size_t k = 1; k < values.size(); ++k) longest = std::max(longest, run = values[k] == values[k - 1] ? run + 1 : std::size_t{0});
-        const double stuck = static_cast<double>(longest) / r_.info.sampling_rate;
-        if (stuck <= std::max(limits_.stuck, 3 / r_.info.sampling_rate)) return false;
-        refuse("stuck", fmt::format("{} stays the same for {:.3g} s, expected noise", what, stuck));
-        return true;
-    }
-
-    /// A single sample that is far off is left to those who use it; one after which all are is not the rock's way.
-    void look_at_jumps() {
-        const auto& u = r_.displacement;
-        for (std::size_t k = 2; k + 1 < u.size(); ++k) {
-            const double jump = (u[k] - u[k - 1]).norm();
-            const bool was_there = (u[k - 1] - u[k - 2]).norm() < 0.5 * jump, stays = (u[k + 1] - u[k]).norm() < 0.5 * jump;
-            const bool at_once = r_.time[k] - r_.time[k - 1] < 3 / r_.info.sampling_rate; // across a gap it may have gone far
-            if (jump > limits_.jump && was_there && stays && at_once)
-                return refuse("jump", fmt::format("its displacement jumps by {:.1f} mm at t = {:.6g} s and stays there, expected {:.1f} mm at most", 1e3 * jump, r_.time[k], 1e3 * limits_.jump));
-        }
-    }
-
     void look_at_noise(const char* what, const std::vector<Vec3>& values, double density, const char* unit) {
-        if (density <= 0 || is_stuck(what, values, density)) return;
-        if (rest_ < 20) return note("noise", fmt::format("{}: too few samples at rest to tell, {}", what, rest_));
+        if (density <= 0 || is_stuck(at_, what, values, density)) return;
+        if (at_.rest < 20) return note("noise", fmt::format("{}: too few samples at rest to tell, {}", what, at_.rest));
         const Vec3 mean = mean_at_rest(values);
         double squares = 0;
-        for (std::size_t k = 0; k < rest_; ++k) squares += (values[k] - mean).squaredNorm();
-        const double found = std::sqrt(squares / (3 * static_cast<double>(rest_ - 1)) / r_.info.sampling_rate), ratio = found / density;
+        for (std::size_t k = 0; k < at_.rest; ++k) squares += (values[k] - mean).squaredNorm();
+        const double found = std::sqrt(squares / (3 * static_cast<double>(at_.rest - 1)) / r_.info.sampling_rate), ratio = found / density;
         if (ratio > limits_.noise_ratio || ratio < 1 / limits_.noise_ratio)
             note("noise", fmt::format("{} at rest: declared {:.3g} {}, found {:.3g}", what, density, unit, found));
     }
@@ -134,9 +117,10 @@ private:
     void look_at_gravity() {
         const Vec3 pull = mean_at_rest(r_.force);
         const double g = gravity_.norm(), size = pull.norm();
-        if (std::abs(size / g - 1) > limits_.gravity) {
+        const double limit = limits_.gravity + 3 * r_.info.force_bias / g;
+        if (std::abs(size / g - 1) > limit) {
             const bool in_g = std::abs(size - 1) < 2 * limits_.gravity, twice = std::abs(size / (g * g) - 1) < 2 * limits_.gravity;
-            return refuse("gravity", fmt::format("at rest expected {:.3f} m/s2 within {:.0f} %, found {:.3f}{}", g, 100 * limits_.gravity, size,
+            return refuse("gravity", fmt::format("at rest expected {:.3f} m/s2 within {:.0f} %, found {:.3f}{}", g, 100 * limit, size,
                                                  in_g ? ": the recording seems to be in g" : twice ? ": the recording seems to be in m/s2, not in g" : ""));
         }
         const double off = std::acos(std::clamp((r_.info.attitude() * pull).normalized().dot(-gravity_ / g), -1.0, 1.0)) / degree;
@@ -145,11 +129,19 @@ private:
                                         off > 165 ? ": the sign seems to be reversed" : ""));
     }
 
+    /// A rock that lies still turns with the earth; what its rates show beyond that are bias and noise.
+    void look_at_rates() {
+        constexpr double earth = 7.3e-5; // rad/s
+        const double found = median(std::vector<Vec3>(r_.rate.begin(), r_.rate.begin() + static_cast<std::ptrdiff_t>(at_.still))).norm();
+        const double expected = 2 * earth + 8 * std::hypot(r_.info.rate_bias, r_.info.rate_noise * std::sqrt(r_.info.sampling_rate / static_cast<double>(at_.still)));
+        if (found > expected)
+            refuse("rate", fmt::format("at rest expected {:.2g} rad/s at most, found {:.2g}{}", expected, found, found * degree < expected ? ": they may be in deg/s" : ""));
+    }
+
+    Inspection at_;
     const Recording& r_;
     Vec3 gravity_;
     const IntakeLimits& limits_;
-    std::vector<Finding>& findings_;
-    std::size_t rest_ = 0; // samples in which the rock lies still
 };
 
 /// Correlation of two series of vectors over the samples that both have.
@@ -181,6 +173,7 @@ std::vector<Finding> look_at(const std::vector<Recording>& recordings, const Vec
             for (const auto& [one, other] : {std::pair{first, second}, std::pair{second, first}})
                 findings.push_back({Finding::Kind::refusal, one, "same", fmt::format("records what sensor {} records", other)});
         }
+    compare_displacements(recordings, findings);
     return findings;
 }
 

@@ -12,8 +12,14 @@ struct IntakeLimits {
     double frame = 10;              ///< degrees, by which its direction may differ from upwards, beyond three deviations of the levelling
     double saturated = 0.01;        ///< largest share of samples at the end of the range
     double noise_ratio = 3;         ///< of the noise at rest over that declared, or its inverse
+    double noise_refused = 10;      ///< that ratio, from which displacement and attitude, weighed by what was declared, are refused
     double stuck = 0.5;             ///< s without a change of any digit, of a sensor that has noise; three samples at least
     double jump = 0.01;             ///< m, by which a displacement may change from one sample to the next, and stay so
+    double norm = 1e-3;             ///< by which a quaternion's may differ from 1
+    double tilt = 5;                ///< degrees, by which the force, turned by the attitude, may leave where it pointed at rest, beyond three deviations of both
+    double astray = 0.1;            ///< largest share of samples that may be farther off than that, or than a rock can go; three may always be
+    double height = 0.3;            ///< m, of the specimen; where a rock stands above the middle of that, twice as high as the rock
+    double turning = 10;            ///< rad by which rocks may turn unsteadily in a unit of axial strain
     double clock_drift = 1e-3;      ///< by which a clock may run fast or slow against its own count of samples
     double same = 0.999;            ///< correlation from which two recordings are one and the same
 };
@@ -29,8 +35,13 @@ struct Finding {
 
 /// Looks at recordings before any of them is fused, and says what is wrong; repairs nothing. Found are: numbers that are
 /// not finite, times that go backwards, samples twice, gaps, jitter, clocks that drift, saturation, values that stick, displacements that jump,
-/// gravity of another size (units) or direction (signs, frame, ids changed for one another), noise other than declared,
-/// recordings that are the same. `gravity`: m/s2, world frame.
+/// that scatter, or that are longer than the test or others than their neighbours allow, attitudes that are none, not those
+/// of the metadata, or against gravity and the rates, gravity of another size (units) or direction (signs, frame, ids changed
+/// for one another), noise other than declared, recordings that are the same. `gravity`: m/s2, world frame.
+///
+/// One rock's displacement cannot be told from another that a rock may make: of wrong signs or axes only those are seen
+/// that leave what all others do, near the top after 0.5 to 1 % of axial strain, at the bottom, where rocks hardly move,
+/// never. An attitude is seen to be wrong by as much as the rock's own tilt shows; one that is wrong in yaw alone is not.
 std::vector<Finding> look_at(const std::vector<Recording>& recordings, const Vec3& gravity, const IntakeLimits& limits = {});
 
 /// Whether there is no refusal of that sensor.

@@ -109,7 +109,10 @@ std::optional<Analysis> SensorFilter::analyse_late(double time, const Measured& 
         window_.insert(after, late);
         a = analyse_again(k++);
     }
+    const Weighed place = place_, attitude = attitude_; // of the late one
     for (; k < window_.size(); ++k) (void)analyse_again(k);
+    place_ = place;
+    attitude_ = attitude;
     Snapshot& now = window_.back();
     Analysis correction = difference(now.estimate, now.given);
     correction.accepted = a.accepted;

@@ -27,6 +27,7 @@ struct SensorInfo {
     double force_noise = 1e-3, rate_noise = 1e-4;    ///< m/s2/sqrt(Hz) and rad/s/sqrt(Hz)
     double force_bias = 1e-2, rate_bias = 2e-3;      ///< m/s2 and rad/s, deviation after calibration
     double displacement_noise = 1e-4, attitude_noise = 2e-3; ///< m and rad, of these channels
+    double clock_offset = 0, clock_offset_deviation = 1;     ///< s, by which its clock is ahead of the test machine's
 
     void describe(auto& option);
     void set_pose(const Vec3& position, const Quat& attitude);
@@ -102,6 +103,8 @@ void SensorInfo::describe(auto& option) {
     option("rate_bias", rate_bias, "rad/s", "deviation after calibration", at_least(0));
     option("displacement_noise", displacement_noise, "m", "of ux uy uz", above(0));
     option("attitude_noise", attitude_noise, "rad", "of qw qx qy qz", above(0));
+    option("clock_offset", clock_offset, "s", "by which its clock is ahead of the test machine's");
+    option("clock_offset_deviation", clock_offset_deviation, "s", "of that", at_least(0));
 }
 
 } // namespace bris

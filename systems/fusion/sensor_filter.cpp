@@ -13,9 +13,14 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 Mat3 square(double deviation) { return deviation * deviation * Mat3::Identity(); }
 
+/// One that is not, such as all zeros, tells no direction.
+bool is_unit(const auto& v) { return std::abs(v.norm() - 1) < 1e-3; }
+
 } // namespace
 
 Measured::Measured() : position(Vec3::Constant(unknown)), velocity(position), spin(position), up(position), attitude(unknown, unknown, unknown, unknown) {}
+
+Weighed::Weighed() : innovation(Vec3::Constant(unknown)), gain(innovation), deviation(innovation), squared_distance(unknown) {}
 
 bool Measured::is_empty() const {
     return !position.allFinite() && !velocity.allFinite() && !spin.allFinite() && !up.allFinite() && !attitude.coeffs().allFinite();
@@ -58,19 +63,47 @@ void SensorFilter::move_on(double dt, const RigidState& forecast) {
     filter_.move_to(forecast, walk);
 }
 
+Mat3 SensorFilter::covariance_of(InertialFilter::Part part) const {
+    const auto root = filter_.error().root.middleRows<3>(part);
+    return root * root.transpose();
+}
+
+// `before`: covariance of what was observed. One that was refused weighs nothing.
+Weighed SensorFilter::weighed(const Verdict& verdict, InertialFilter::Part part, const Mat3& before, double noise) const {
+    Weighed w;
+    w.innovation = verdict.innovation;
+    w.squared_distance = verdict.squared_distance;
+    w.gain = verdict.accepted ? Vec3((before * (before + square(noise)).inverse()).diagonal()) : Vec3(Vec3::Zero());
+    w.deviation = covariance_of(part).diagonal().cwiseSqrt();
+    return w;
+}
+
 // Only counts.
 Analysis SensorFilter::observe(const Measured& measured) {
     Analysis a;
+    place_ = attitude_ = {};
     const auto take = [&](const Verdict& v) {
         ++(v.accepted ? a.accepted : a.refused);
         a.largest_distance = std::max(a.largest_distance, v.squared_distance);
     };
-    if (measured.position.allFinite()) take(filter_.observe_position(measured.position, square(measured.position_deviation)));
+    if (measured.position.allFinite()) {
+        const Mat3 before = covariance_of(InertialFilter::position);
+        const Verdict v = filter_.observe_position(measured.position, square(measured.position_deviation));
+        take(v);
+        place_ = weighed(v, InertialFilter::position, before, measured.position_deviation);
+    }
     if (measured.velocity.allFinite()) take(filter_.observe_velocity(measured.velocity, square(measured.velocity_deviation)));
-    if (measured.attitude.coeffs().allFinite()) take(filter_.observe_attitude(measured.attitude, square(measured.attitude_deviation)));
+    const auto take_attitude = [&](const Quat& q, bool is_one) {
+        if (!is_one) return take(Verdict{});
+        const Mat3 before = covariance_of(InertialFilter::rotation);
+        const Verdict v = filter_.observe_attitude(q, square(measured.attitude_deviation));
+        take(v);
+        attitude_ = weighed(v, InertialFilter::rotation, before, measured.attitude_deviation);
+    };
+    if (measured.attitude.coeffs().allFinite()) take_attitude(measured.attitude, is_unit(measured.attitude));
     if (measured.up.allFinite()) { // turned no further than upwards is off: yaw stays the model's
         const Quat now = filter_.state.orientation;
-        take(filter_.observe_attitude(Quat::FromTwoVectors(now * measured.up, Vec3::UnitZ()) * now, square(measured.attitude_deviation)));
+        take_attitude(Quat::FromTwoVectors(now * measured.up, Vec3::UnitZ()) * now, is_unit(measured.up));
     }
     if (measured.spin.allFinite()) take(filter_.observe_spin(measured.spin, square(measured.spin_deviation)));
     return a;
@@ -96,6 +129,7 @@ void SensorFilter::leave(const Analysis& part) {
 // Steps 3 to 6 of the report. It needs all six numbers at once, and knows no gate.
 Analysis SensorFilter::analyse_as_printed(const BodyForecast& forecast, const Measured& measured, double dt) {
     Analysis a;
+    place_ = attitude_ = {};
     if (!measured.position.allFinite() || !measured.velocity.allFinite()) return a;
     const Transition t = white_acceleration(3, dt, settings_.acceleration_density);
     printed_.A = t.F;
@@ -110,11 +144,14 @@ Analysis SensorFilter::analyse_as_printed(const BodyForecast& forecast, const Me
     a.shift = fused.head<3>() - forecast.state.position;
     a.velocity = fused.tail<3>() - forecast.state.velocity;
     a.accepted = 2;
+    place_.innovation = measured.position - forecast.state.position;
+    place_.gain = printed_.gain.diagonal().head<3>();
     if (!measured.spin.allFinite()) return a;
     printed_.q = settings_.angular_acceleration_density * dt * Matrix::Identity(3, 3);
     printed_.r = measured.spin_deviation * measured.spin_deviation * Matrix::Identity(3, 3);
     a.spin = printed_.fuse_spin(forecast.state.spin, measured.spin) - Vector(forecast.state.spin);
     ++a.accepted;
+    attitude_.gain = printed_.spin_gain.diagonal(); // it corrects spin, by which attitude is to follow
     return a;
 }
 

@@ -54,6 +54,13 @@ struct Analysis {
     double largest_distance = 0;        ///< squared, of an innovation: chi square of three degrees
 };
 
+/// What an analysis made of a vector measured, axis by axis. NaN: not measured.
+struct Weighed {
+    Vec3 innovation, gain, deviation; ///< m or rad; 1; m or rad, after it
+    double squared_distance;          ///< of the innovation: chi square of three degrees
+    Weighed();
+};
+
 /// Where a body was, by all that was measured of it before and since.
 struct SmoothedPose {
     double time = 0; ///< s, or strain
@@ -85,6 +92,9 @@ public:
     std::optional<Analysis> analyse_late(double time, const Measured& measured);
     /// The poses at the analyses that it remembers, by what came after them too (fixed-lag smoothing).
     std::vector<SmoothedPose> smoothed() const;
+    /// What the last analysis made of place and attitude.
+    const Weighed& place() const { return place_; }
+    const Weighed& attitude() const { return attitude_; }
     /// Of the error of position, velocity, rotation and spin (12 x 12), after the last analysis.
     Matrix covariance() const { return filter_.covariance().topLeftCorner<12, 12>(); }
 
@@ -104,6 +114,8 @@ private:
     Analysis analyse_as_printed(const BodyForecast& forecast, const Measured& measured, double dt);
     void move_on(double dt, const RigidState& forecast);
     Analysis observe(const Measured& measured);
+    Mat3 covariance_of(InertialFilter::Part part) const;
+    Weighed weighed(const Verdict& verdict, InertialFilter::Part part, const Mat3& before, double noise) const;
     static Analysis difference(const RigidState& a, const RigidState& b);
     static RigidState carried(const RigidState& estimate, const RigidState& given, const RigidState& later, double dt);
     Transition transition(double dt, const Vec3& spin) const;
@@ -116,6 +128,7 @@ private:
     FilterSettings settings_;
     InertialFilter filter_; // `corrected` uses its first four parts only
     PrintedFilter printed_;
+    Weighed place_, attitude_;
     double last_time_ = 0;
     bool begun_ = false;
     std::vector<Snapshot> window_; // in order of time: one more than `lag`

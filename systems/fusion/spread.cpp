@@ -6,139 +6,136 @@
 #include "components/pair.hpp"
 #include "components/sensor.hpp"
 #include "components/sphere.hpp"
-#include "engine/errors.hpp"
 #include "engine/ordering.hpp"
-#include "engine/signal/attitude.hpp"
 #include "systems/fusion/correct.hpp"
-
-#include <Eigen/SparseCholesky>
+#include "systems/fusion/spring_network.hpp"
 
 #include <algorithm>
-#include <array>
+#include <span>
+#include <tuple>
+#include <vector>
 
 namespace bris {
 
 namespace {
 
-using Index = Eigen::Index;
-using Vector6 = Eigen::Matrix<double, 6, 1>;
-using Rows3x6 = Eigen::Matrix<double, 3, 6>;
-
-/// A touching contact: its springs between two bodies.
-struct Joint {
-    PairNames names;
+/// A touching contact of a body.
+struct Contact {
+    Row partner;
     Vec3 point, normal;
-    double kn, ks;
+    double kn, ks; ///< ks is 0 where it slips
 };
 
-template <class Pairs> void add_joints(const World& world, std::vector<Joint>& joints) {
-    if (!world.has<Pairs>() || !world.has<typename Pairs::Near>()) return;
-    const auto& index = world.resource<NearIndex<Pairs>>();
-    const auto near = world.column<typename Pairs::Near, NearPair>();
-    const auto force = world.column<typename Pairs::Near, PairForce>();
-    const auto names = world.column<Pairs, PairKey>();
-    const auto place = world.column<Listed, Place>();
-    const auto& laws = world.resource<Materials>().linear_pairs;
-    for (Row k = 0; k < index.size(); ++k) {
-        if (!index.touches(k)) continue;
-        const ForceRow& f = force[k];
-        const PlaceRow& sphere = place[near[k].owner];
-        const LawRow& law = laws[near[k].law];
-        Joint j{names[near[k].pair], Vec3(f.px, f.py, f.pz), Vec3::Zero(), law.kn, law.ks};
-        j.normal = (Vec3(sphere.x, sphere.y, sphere.z) - j.point).normalized();
-        const double slip = (Vec3(f.fx, f.fy, f.fz) - f.normal_force * j.normal).norm();
-        if (slip >= 0.99 * law.friction * f.normal_force) j.ks = 0;
-        joints.push_back(j);
+/// All of one kind.
+template <class Pairs> class ContactsOf {
+public:
+    explicit ContactsOf(const World& world) : laws_(world.resource<Materials>().linear_pairs) {
+        if (!world.has<Pairs>() || world.resource<NearIndex<Pairs>>().size() == 0) return;
+        index_ = &world.resource<NearIndex<Pairs>>();
+        near_ = world.column<typename Pairs::Near, NearPair>();
+        force_ = world.column<typename Pairs::Near, PairForce>();
+        rows_ = world.column<Pairs, PairRows>();
+        place_ = world.column<Listed, Place>();
+        body_ = world.column<Listed, ListedBody>();
     }
-}
+    /// In the order of the force sums: whatever the rows, the same.
+    template <class Visit> void visit(Row body, Visit&& visit) const {
+        if (index_ == nullptr) return;
+        index_->for_contacts_of(body, [&](Row k, bool as_partner) {
+            const ForceRow& f = force_[k];
+            const PlaceRow& sphere = place_[near_[k].owner];
+            const LawRow& law = laws_[near_[k].law];
+            Contact c{as_partner ? body_[near_[k].owner] : rows_[near_[k].pair].partner_body, Vec3(f.px, f.py, f.pz), Vec3::Zero(), law.kn, law.ks};
+            c.normal = (Vec3(sphere.x, sphere.y, sphere.z) - c.point).normalized();
+            const double slip = (Vec3(f.fx, f.fy, f.fz) - f.normal_force * c.normal).norm();
+            if (slip >= 0.99 * law.friction * f.normal_force) c.ks = 0;
+            visit(c);
+        });
+    }
 
-/// Shifts and turns of a body move its point by [1, -r x].
-Rows3x6 motion_at(const Vec3& r) {
-    Rows3x6 m;
-    m << Mat3::Identity(), -cross_matrix(r);
-    return m;
-}
-
-struct Network {
-    std::vector<Row> row;          ///< of each body id
-    std::vector<Index> first;      ///< number of a body's first unknown, by id; -1: it is held
-    Index unknowns = 0;
-    double mean_stiffness = 0;     ///< N/m
-    Eigen::SparseMatrix<double> K;
-    std::vector<double> arm2;      ///< m2, of each body id: makes a turn a length
+private:
+    std::span<const LawRow> laws_;
+    const NearIndex<Pairs>* index_ = nullptr;
+    std::span<const NearEntry> near_;
+    std::span<const ForceRow> force_;
+    std::span<const PairPlaces> rows_;
+    std::span<const PlaceRow> place_;
+    std::span<const Row> body_;
 };
 
-Network network_of(const World& world) {
-    Network n;
-    n.row = rows_by_id(world.column<Bodies, BodyId>());
+/// Free bodies that corrections have been given to, by id.
+std::vector<Row> corrected_bodies(const World& world) {
+    const auto row = rows_by_id(world.column<Bodies, BodyId>());
+    const auto motion = world.column<Bodies, MotionOf>();
+    const auto correction = world.column<Bodies, Correction>();
+    const auto host = world.column<Sensors, SensorHost>();
+    std::vector<EntityId> ids(host.begin(), host.end());
+    std::ranges::sort(ids);
+    std::vector<Row> bodies;
+    for (const EntityId id : ids)
+        if (motion[row[id]] == static_cast<std::uint32_t>(Motion::free) && correction[row[id]].steps > 0) bodies.push_back(row[id]);
+    return bodies;
+}
+
+/// Adds to `bodies` all free ones that can be reached from them, contact by contact; the first are the nearest. Returns the contacts.
+std::vector<Joint> joints_within_reach(const World& world, std::vector<Row>& bodies) {
+    const std::tuple kinds{ContactsOf<SpherePairs>(world), ContactsOf<FacetPairs>(world), ContactsOf<PlanePairs>(world), ContactsOf<MembranePairs>(world)};
     const auto motion = world.column<Bodies, MotionOf>();
     const auto position = world.column<Bodies, Position>();
-    const auto radius = world.column<Bodies, BoundingRadius>();
-    for (const Row r : n.row) {
-        const bool free = motion[r] == static_cast<std::uint32_t>(Motion::free);
-        n.first.push_back(free ? n.unknowns : -1);
-        n.unknowns += free ? 6 : 0;
-        n.arm2.push_back(radius[r] * radius[r]);
-    }
+    constexpr std::uint32_t not_yet = that_stays - 1;
+    std::vector<std::uint32_t> number(position.size(), not_yet);
+    for (std::uint32_t i = 0; i < bodies.size(); ++i) number[bodies[i]] = i;
     std::vector<Joint> joints;
-    for_each_kind_of_pair([&]<class Pairs>() { add_joints<Pairs>(world, joints); });
-    std::sort(joints.begin(), joints.end(), [](const Joint& a, const Joint& b) { return a.names < b.names; }); // the order of sums, whatever that of rows
-    std::vector<Eigen::Triplet<double>> parts;
-    for (const Joint& j : joints) {
-        n.mean_stiffness += j.kn / static_cast<double>(joints.size());
-        const Mat3 stiffness = j.ks * Mat3::Identity() + (j.kn - j.ks) * j.normal * j.normal.transpose();
-        const std::array<EntityId, 2> body{j.names.owner, j.names.partner};
-        for (const std::size_t a : {0u, 1u})
-            for (const std::size_t b : {0u, 1u}) {
-                const Index i = n.first[body[a]], k = n.first[body[b]];
-                if (i < 0 || k < 0) continue;
-                const Eigen::Matrix<double, 6, 6> block = (a == b ? 1 : -1) * motion_at(j.point - position[n.row[body[a]]]).transpose() * stiffness *
-                                                          motion_at(j.point - position[n.row[body[b]]]);
-                for (Index p = 0; p < 6; ++p)
-                    for (Index q = 0; q < 6; ++q) parts.emplace_back(i + p, k + q, block(p, q));
+    for (std::uint32_t i = 0; i < bodies.size(); ++i) {
+        const Row body = bodies[i];
+        const auto reach = [&](const Contact& c) {
+            std::uint32_t& other = number[c.partner];
+            if (motion[c.partner] != static_cast<std::uint32_t>(Motion::free)) {
+                other = that_stays;
+            } else if (other == not_yet) {
+                other = static_cast<std::uint32_t>(bodies.size());
+                bodies.push_back(c.partner);
             }
+            if (other < i || other == that_stays) joints.push_back({i, other, c.point - position[body], c.point - position[c.partner], c.normal, c.kn, c.ks});
+        };
+        std::apply([&](const auto&... kind) { (kind.visit(body, reach), ...); }, kinds);
     }
-    n.K.resize(n.unknowns, n.unknowns);
-    n.K.setFromTriplets(parts.begin(), parts.end());
-    return n;
+    return joints;
 }
 
 } // namespace
 
 double spread_corrections(World& world, const SpreadSettings& settings) {
-    const Network n = network_of(world);
+    std::vector<Row> bodies = corrected_bodies(world);
+    if (bodies.empty()) return 0;
+    const std::size_t corrected = bodies.size();
+    SpringNetwork network{{}, joints_within_reach(world, bodies)};
+    double mean_stiffness = 0;
+    for (const Joint& j : network.joints) mean_stiffness += j.kn / static_cast<double>(network.joints.size());
+    if (network.joints.empty()) mean_stiffness = 1; // any will do
+
     const auto correction = world.column<Bodies, Correction>();
     const auto guided = world.column<Bodies, Guided>();
-    const auto host = world.column<Sensors, SensorHost>();
-    Eigen::SparseMatrix<double> A = n.K;
-    Eigen::VectorXd pull = Eigen::VectorXd::Zero(n.unknowns);
-    const auto hold = [&](EntityId id, double stiffness, const Vector6& at) {
-        for (Index p = 0; p < 6; ++p) {
-            const double k = stiffness * n.mean_stiffness * (p < 3 ? 1 : n.arm2[id]);
-            A.coeffRef(n.first[id] + p, n.first[id] + p) += k;
-            pull[n.first[id] + p] += k * at[p];
-        }
-    };
-    for (EntityId id = 0; id < n.row.size(); ++id)
-        if (n.first[id] >= 0) hold(id, settings.float_free, Vector6::Zero());
+    const auto radius = world.column<Bodies, BoundingRadius>();
     double steps = 0;
-    for (const EntityId id : host) {
-        const CorrectionRow& c = correction[n.row[id]];
-        Vector6 whole;
-        whole << c.steps * c.shift, c.steps * c.turn;
-        steps = std::max(steps, c.steps);
-        if (c.steps > 0 && n.first[id] >= 0) hold(id, settings.hold, whole);
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const double arm2 = radius[bodies[i]] * radius[bodies[i]]; // makes a turn a length
+        const CorrectionRow& c = correction[bodies[i]];
+        Hold& hold = network.holds.emplace_back();
+        hold.stiffness << Vec3::Constant(mean_stiffness), Vec3::Constant(mean_stiffness * arm2);
+        if (i < corrected) {
+            // both hold it: to where it is, and to where it should be
+            const double both = settings.float_free + settings.hold;
+            hold.wanted << c.steps * c.shift, c.steps * c.turn;
+            hold.wanted *= settings.hold / both;
+            hold.stiffness *= both;
+            steps = std::max(steps, c.steps);
+        } else hold.stiffness *= settings.float_free;
     }
-    if (steps == 0) return 0;
-    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(A);
-    if (solver.info() != Eigen::Success) throw SimulationError("fusion: the stiffness of the contact network cannot be factorised");
-    const Eigen::VectorXd u = solver.solve(pull);
-    for (EntityId id = 0; id < n.row.size(); ++id)
-        if (n.first[id] >= 0) {
-            const Row b = n.row[id];
-            give_correction(correction[b], guided[b], u.segment<3>(n.first[id]), u.segment<3>(n.first[id] + 3), static_cast<unsigned>(steps));
-        }
-    return 0.5 * u.dot(n.K * u);
+    const auto u = motion_of_least_energy(network, settings.tolerance);
+    for (std::size_t i = 0; i < bodies.size(); ++i)
+        give_correction(correction[bodies[i]], guided[bodies[i]], u[i].head<3>(), u[i].tail<3>(), static_cast<unsigned>(steps));
+    return energy_of_joints(network, u);
 }
 
 } // namespace bris

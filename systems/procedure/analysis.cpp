@@ -1,6 +1,8 @@
 #include "systems/procedure/analysis.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/signal/attitude.hpp"
+#include "engine/signal/chi_squared.hpp"
 #include "engine/signal/moderated_variance.hpp"
 #include "systems/fusion/parameter_estimate.hpp"
 #include "systems/procedure/triaxial_results.hpp"
@@ -10,6 +12,8 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
+#include <utility>
 
 namespace bris {
 
@@ -93,20 +97,36 @@ bool is_gross(const Vec3& off, const std::optional<Vec3>& off_before, double dev
     return !off_before || (off - *off_before).squaredNorm() > 0.25 * off.squaredNorm();
 }
 
+/// By how far a rock of the forecast would have to turn, about a level axis, for upwards to be where gravity says: yaw stays its own.
+Vec3 tilted_off(const Vec3& tilt, const Quat& start, const Vec3& turned) {
+    const Vec3 up = (start.conjugate() * Vec3::UnitZ() - tilt).normalized(); // in the body's axes
+    return attitude_error(Quat::FromTwoVectors(exponential_map(turned) * (start * up), Vec3::UnitZ()), Quat::Identity());
+}
+
+/// What a sample is off the forecast by; nothing: not measured.
+std::optional<Vec3> off_by(const SensorWay& way, std::ptrdiff_t place, const ModelRun& forecast, Motions motion, std::size_t host) {
+    if (place < 0) return {};
+    const auto k = static_cast<std::size_t>(place);
+    const auto stage = stage_of_sample(forecast, way.strain[k]);
+    if (!stage) return {};
+    const Vec3& foretold = (forecast.*motion)[*stage][host];
+    const bool turns = motion == &ModelRun::rotation;
+    const Vec3& told = turns ? way.rotation[k] : way.displacement[k];
+    if (told.allFinite()) return Vec3(told - foretold);
+    const bool tilts = turns && k < way.tilt.size() && way.tilt[k].allFinite();
+    return tilts ? std::optional(tilted_off(way.tilt[k], forecast.start[host].orientation, foretold)) : std::nullopt;
+}
+
+/// The last sample up to a strain; -1: none yet.
+std::ptrdiff_t last_sample(const SensorWay& way, double strain) {
+    return std::upper_bound(way.strain.begin(), way.strain.end(), strain + 1e-9) - way.strain.begin() - 1;
+}
+
 /// What the last sample of a sensor up to a strain was off by; nothing: none yet, or refused.
-std::optional<Vec3> innovation_at(const SensorWay& way, std::vector<Vec3> SensorWay::* channel, const ModelRun& forecast, Motions motion,
-                                  std::size_t host, double strain, double deviation) {
-    const auto off_by = [&](std::ptrdiff_t k) -> std::optional<Vec3> {
-        if (k < 0) return {};
-        const auto sample = static_cast<std::size_t>(k);
-        const auto stage = stage_of_sample(forecast, way.strain[sample]);
-        if (!stage || !(way.*channel)[sample].allFinite()) return {};
-        return Vec3((way.*channel)[sample] - (forecast.*motion)[*stage][host]);
-    };
-    const auto after = std::upper_bound(way.strain.begin(), way.strain.end(), strain + 1e-9);
-    for (auto k = after - way.strain.begin() - 1; k >= 0; --k) { // one that was refused leaves the one before
-        const auto off = off_by(k);
-        if (off && !is_gross(*off, off_by(k - 1), deviation)) return off;
+std::optional<Vec3> innovation_at(const SensorWay& way, const ModelRun& forecast, Motions motion, std::size_t host, double strain, double deviation) {
+    for (auto k = last_sample(way, strain); k >= 0; --k) { // one that was refused leaves the one before
+        const auto off = off_by(way, k, forecast, motion, host);
+        if (off && !is_gross(*off, off_by(way, k - 1, forecast, motion, host), deviation)) return off;
     }
     return {};
 }
@@ -137,6 +157,66 @@ void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<I
         for (Eigen::Index i = 0; i < m; ++i) (run.*motion)[stage][rock] += covariance(rock, at(i).host) * weights.row(i).transpose();
 }
 
+// Recordings of another specimen are far from the forecast in most of their rocks and stay so; one rock that went its own way is no reason.
+constexpr unsigned times_running = 3; // samples
+constexpr std::size_t fewest_sensors = 3; // that tell of all
+
+/// Squared distance, chi square of three degrees, that a sensor of the right specimen keeps below in 99 of 100.
+double strangeness() { return chi_squared_quantile(0.99, 3); }
+
+/// What one sample says of its rock, beside the forecast.
+struct Judged {
+    double off, distance, gain, deviation; // as in AnalysisRecord
+    bool gross;
+};
+
+/// Nothing: not measured. The gain is that of the rock's own sample alone.
+std::optional<Judged> judge(const SensorWay& way, std::ptrdiff_t sample, const ModelRun& forecast, Motions motion, std::size_t host, double deviation, double noise) {
+    const auto off = off_by(way, sample, forecast, motion, host);
+    if (!off) return {};
+    const double variance = deviation * deviation + noise * noise;
+    const bool gross = is_gross(*off, off_by(way, sample - 1, forecast, motion, host), std::sqrt(variance));
+    const double gain = gross ? 0 : deviation * deviation / variance;
+    return Judged{off->norm(), off->squaredNorm() / variance, gain, deviation * std::sqrt(1 - gain), gross};
+}
+
+/// Upper one; nothing: too few to tell.
+std::optional<double> median_of(std::vector<double> distances) {
+    if (distances.size() < fewest_sensors) return {};
+    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
+    std::ranges::nth_element(distances, middle);
+    return *middle;
+}
+
+/// Counts and keeps what came since the stage before. Whether most of it is far from the forecast, in displacements or in
+/// rotations; nothing: too little came to tell.
+std::optional<bool> take_records(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors, std::size_t stage) {
+    const double come = run.points[stage].axial_strain - sensors.lateness, before = run.points[stage - 1].axial_strain - sensors.lateness;
+    std::vector<double> shifts, turns; // squared distances
+    for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
+        const std::size_t host = sensors.hosts[s];
+        const SensorWay& way = sensors.ways[s];
+        const auto sample = last_sample(way, come);
+        if (sample < 0 || sample == last_sample(way, before)) continue;
+        AnalysisRecord& record = run.analyses.emplace_back(AnalysisRecord{.time = way.strain[static_cast<std::size_t>(sample)], .sensor = static_cast<double>(s)});
+        const auto shift = judge(way, sample, forecast, &ModelRun::displacement, host, scatter.displacement.deviation[stage][host], sensors.position_noise);
+        const auto turn = judge(way, sample, forecast, &ModelRun::rotation, host, scatter.rotation.deviation[stage][host], sensors.attitude_noise);
+        if (shift) {
+            std::tie(record.shift_off, record.shift_distance, record.shift_gain, record.shift_deviation) = std::tie(shift->off, shift->distance, shift->gain, shift->deviation);
+            shifts.push_back(shift->distance);
+        }
+        if (turn) {
+            std::tie(record.turn_off, record.turn_distance, record.turn_gain, record.turn_deviation) = std::tie(turn->off, turn->distance, turn->gain, turn->deviation);
+            turns.push_back(turn->distance);
+        }
+        for (const auto& judged : {shift, turn})
+            if (judged) ++(judged->gross ? run.refused : run.accepted);
+    }
+    const auto shifted = median_of(std::move(shifts)), turned = median_of(std::move(turns));
+    if (!shifted && !turned) return {};
+    return std::max(shifted.value_or(0), turned.value_or(0)) > strangeness();
+}
+
 } // namespace
 
 RockScatter scatter_of(const Worlds& worlds) {
@@ -156,22 +236,31 @@ RockScatter scatter_of(const Worlds& worlds) {
 void analyse_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors, std::size_t stage) {
     require(sensors.hosts.size() == sensors.ways.size(), "analysis: expected a way for each host");
     const double come = run.points[stage].axial_strain - sensors.lateness;
-    const auto correct = [&](Motions motion, std::vector<Vec3> SensorWay::* channel, const MotionScatter& of, double noise) {
+    const auto correct = [&](Motions motion, const MotionScatter& of, double noise) {
         std::vector<Innovation> innovations; // held from one sample to the next
         for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
             const std::size_t host = sensors.hosts[s];
-            const auto off = innovation_at(sensors.ways[s], channel, forecast, motion, host, come, std::hypot(of.deviation[stage][host], noise));
+            const auto off = innovation_at(sensors.ways[s], forecast, motion, host, come, std::hypot(of.deviation[stage][host], noise));
             if (off) innovations.push_back({host, *off});
         }
         carry(run, motion, stage, innovations, of, noise);
     };
-    correct(&ModelRun::displacement, &SensorWay::displacement, scatter.displacement, sensors.position_noise);
-    correct(&ModelRun::rotation, &SensorWay::rotation, scatter.rotation, sensors.attitude_noise);
+    correct(&ModelRun::displacement, scatter.displacement, sensors.position_noise);
+    correct(&ModelRun::rotation, scatter.rotation, sensors.attitude_noise);
 }
 
 ModelRun analyse(const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors) {
     ModelRun run = forecast;
-    for (std::size_t stage = 1; stage < std::min(forecast.points.size(), scatter.displacement.deviation.size()); ++stage) analyse_stage(run, forecast, scatter, sensors, stage);
+    unsigned strange = 0; // times running
+    for (std::size_t stage = 1; stage < std::min(forecast.points.size(), scatter.displacement.deviation.size()); ++stage) {
+        const auto far = take_records(run, forecast, scatter, sensors, stage);
+        if (far) strange = *far ? strange + 1 : 0;
+        if (strange == times_running) {
+            run.strange_from = run.points[stage].axial_strain;
+            break;
+        }
+        analyse_stage(run, forecast, scatter, sensors, stage);
+    }
     return run;
 }
 

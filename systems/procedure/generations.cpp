@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace bris {
 
@@ -13,8 +14,12 @@ Gaussian spread_around(const Gaussian& prior, const std::vector<KnownAt>& known)
 }
 
 Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured, const Learning& settings, double strain, const RunModels& run) {
+    return learn_on(prior, run_worlds(prior, settings.worlds, "first", settings.first_strain, run), measured, settings, strain, run);
+}
+
+Learned learn_on(const Gaussian& prior, Worlds first, const MeasuredTest& measured, const Learning& settings, double strain, const RunModels& run) {
     Learned learned;
-    learned.first = run_worlds(prior, settings.worlds, "first", settings.first_strain, run);
+    learned.first = std::move(first);
     learned.known = learn(prior, learned.first, measured, settings, settings.first_strain);
     learned.second = run_worlds(spread_around(prior, learned.known), settings.worlds, "second", strain, run);
     const auto later = learn(prior, learned.second, measured, settings, std::min(settings.final_strain, strain)); // what the first generation saw is seen anew

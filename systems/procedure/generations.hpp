@@ -14,7 +14,9 @@ struct Learned {
     Worlds first, second;
     std::vector<KnownAt> known;
 };
-/// The second generation runs to `strain`.
+/// Goes on from a first generation, which is the same whatever is learned; the second one runs to `strain`.
+Learned learn_on(const Gaussian& prior, Worlds first, const MeasuredTest& measured, const Learning& settings, double strain, const RunModels& run);
+/// From the beginning.
 Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured, const Learning& settings, double strain, const RunModels& run);
 
 /// What a model is told of it: its beliefs after windows in which one of them changed by more than `change`, relative, and

@@ -85,6 +85,7 @@ void save_run(Archive& archive, const ModelRun& run) {
     archive.put("run/shell", std::span<const unsigned>(run.shell));
     save_poses(archive, "run/start", run.start);
     put_fields(archive, "run/numbers", numbers_of(run));
+    save_records(archive, "run/analyses", run.analyses);
     for (std::size_t s = 0; s < run.smoothed.size(); ++s) {
         std::vector<double> numbers;
         for (SmoothedPose p : run.smoothed[s]) visit_numbers(p, [&](double number) { numbers.push_back(number); });
@@ -101,6 +102,7 @@ ModelRun load_run(const Archive& archive) {
     run.shell = archive.get<unsigned>("run/shell");
     run.start = load_poses(archive, "run/start");
     get_fields(archive, "run/numbers", numbers_of(run));
+    run.analyses = load_records(archive, "run/analyses");
     for (std::size_t s = 0; archive.find(fmt::format("run/smoothed/{}", s)) != nullptr; ++s) {
         const auto numbers = archive.get<double>(fmt::format("run/smoothed/{}", s));
         auto& way = run.smoothed.emplace_back();

@@ -17,6 +17,8 @@ namespace {
 constexpr double no_stress = 1e3; // Pa, below which a logarithm of q says nothing
 constexpr double compaction = 1e-3; // volumetric strain that grains take up before they dilate
 constexpr double volume_noise = 0.02; // of volumetric strain as measured, relative
+constexpr double slip = 0.35; // of ln q: worlds slip, too, but not when the specimen does
+constexpr double gross = 6;   // deviations of q; no world of the twin campaign is 3 from the others
 // What makes a specimen strong makes it dilate and widen too: among eleven of friction 0.7 ln q and dilation go together with a
 // correlation of 0.6 to 0.9, and each goes on as it began with about this memory (tests/performance/packing_campaign).
 constexpr SpecimenLikeness specimen_likeness{.memory = 4, .channels = 0.6}; // the former of ln strain
@@ -58,6 +60,11 @@ struct Means {
     Vector foretold;
 };
 
+/// What every world foretold of a stage.
+Vector foretold_at(const Panel& worlds, std::size_t stage, double TriaxialPoint::* what) {
+    return Vector::NullaryExpr(static_cast<Eigen::Index>(worlds.runs.size()), [&](Eigen::Index j) { return worlds.runs[static_cast<std::size_t>(j)]->points[stage].*what; });
+}
+
 /// Nothing: not measured there.
 std::optional<Means> means_of(const Panel& worlds, const MeasuredTest& measured, Measured what, double TriaxialPoint::* foretold, double from, double to) {
     Means m{0, Vector::Zero(static_cast<Eigen::Index>(worlds.runs.size()))};
@@ -67,12 +74,33 @@ std::optional<Means> means_of(const Panel& worlds, const MeasuredTest& measured,
         const auto stage = stage_of_sample(*worlds.runs.front(), measured.strain[k]);
         if (!stage) continue;
         m.measured += (measured.*what)[k];
-        for (std::size_t j = 0; j < worlds.runs.size(); ++j) m.foretold[static_cast<Eigen::Index>(j)] += worlds.runs[j]->points[*stage].*foretold;
+        m.foretold += foretold_at(worlds, *stage, foretold);
         ++count;
     }
     if (count == 0) return {};
     m.measured /= count;
     m.foretold /= count;
+    return m;
+}
+
+/// Whether no world comes near ln q, whatever specimens differ by.
+bool is_gross(double found, const Vector& foretold, double specimen_scatter) {
+    const double mean = foretold.mean(), scatter = std::max(specimen_scatter, slip);
+    const double variance = (foretold.array() - mean).square().sum() / static_cast<double>(foretold.size() - 1) + scatter * scatter;
+    return std::pow(found - mean, 2) > gross * gross * variance;
+}
+
+/// The test without what is gross of q.
+MeasuredTest cleaned(const Panel& worlds, const MeasuredTest& measured, const Learning& settings) {
+    MeasuredTest m = measured;
+    for (std::size_t k = 0; k < m.strain.size(); ++k) {
+        const auto stage = stage_of_sample(*worlds.runs.front(), m.strain[k]);
+        if (!stage || !(m.strain[k] > 1e-9) || !(m.q[k] > no_stress)) continue;
+        const Vector foretold = foretold_at(worlds, *stage, &TriaxialPoint::deviatoric_stress);
+        if (!(foretold.minCoeff() > no_stress) || !is_gross(std::log(m.q[k]), foretold.array().log(), settings.specimen_scatter)) continue;
+        m.q[k] = std::nan("");
+        m.left_out.push_back(m.strain[k]);
+    }
     return m;
 }
 
@@ -151,11 +179,12 @@ std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds, 
     std::vector<KnownAt> known;
     double from = 0;
     for (const double to : window_ends(settings, final_strain)) {
-        bool says_something = see_strength(estimate, worlds, measured, settings, from, to);
+        bool says_something = settings.by_force && see_strength(estimate, worlds, measured, settings, from, to);
         const double distance = says_something ? estimate.surprise(strength) : -1;
         if (settings.by_sensors && see_sensors(estimate, worlds, measured, settings, from, to)) says_something = true;
         if (settings.by_volume && see_volume(estimate, worlds, measured, settings, from, to)) says_something = true;
-        if (says_something && asked == Asked::every_window) known.push_back({to, estimate.parameters(), distance});
+        const auto left_out_here = static_cast<unsigned>(std::ranges::count_if(measured.left_out, [&](double strain) { return strain > from + 1e-9 && strain <= to + 1e-9; }));
+        if ((says_something || left_out_here > 0) && asked == Asked::every_window) known.push_back({to, estimate.parameters(), distance, left_out_here});
         from = to;
     }
     if (asked == Asked::the_end) known.push_back({final_strain, estimate.parameters(), -1});
@@ -167,13 +196,13 @@ MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
     MeasuredTest m = like;
     for (std::size_t k = 0; k < m.strain.size(); ++k) {
         const auto stage = stage_of_sample(run, m.strain[k]);
-        m.q[k] = stage ? run.points[*stage].deviatoric_stress : std::nan("");
+        if (std::isfinite(m.q[k])) m.q[k] = stage ? run.points[*stage].deviatoric_stress : std::nan("");
         if (std::isfinite(m.volumetric_strain[k])) m.volumetric_strain[k] = stage ? run.points[*stage].volumetric_strain : std::nan("");
     }
     for (std::size_t s = 0; s < m.ways.size() && s < run.sensors; ++s)
         for (std::size_t k = 0; k < m.ways[s].strain.size(); ++k) {
             const auto stage = stage_of_sample(run, m.ways[s].strain[k]);
-            if (stage) m.ways[s].displacement[k] = run.displacement[*stage][s];
+            if (stage && m.ways[s].displacement[k].allFinite()) m.ways[s].displacement[k] = run.displacement[*stage][s];
         }
     return m;
 }
@@ -196,6 +225,13 @@ double trust_in(const Gaussian& prior, const Panel& worlds, const MeasuredTest& 
     return std::min(1.0, 2 * static_cast<double>(worlds.runs.size()) / sum);
 }
 
+Panel panel_of(const Worlds& worlds) {
+    require(worlds.runs.size() == worlds.beliefs.size(), fmt::format("worlds: expected {} runs, found {}", worlds.beliefs.size(), worlds.runs.size()));
+    Panel panel{worlds.beliefs, {}};
+    for (const ModelRun& run : worlds.runs) panel.runs.push_back(&run);
+    return panel;
+}
+
 } // namespace
 
 Gaussian prior_of(const RockBelief& middle, const Learning& settings) {
@@ -214,10 +250,21 @@ std::vector<double> window_ends(const Learning& settings, double final_strain) {
 }
 
 std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain) {
-    require(worlds.runs.size() == worlds.beliefs.size(), fmt::format("worlds: expected {} runs, found {}", worlds.beliefs.size(), worlds.runs.size()));
-    Panel panel{worlds.beliefs, {}};
-    for (const ModelRun& run : worlds.runs) panel.runs.push_back(&run);
-    return learn_trusting(prior, panel, measured, settings, final_strain, trust_in(prior, panel, measured, settings, final_strain), Asked::every_window);
+    const Panel panel = panel_of(worlds);
+    const MeasuredTest test = cleaned(panel, measured, settings);
+    return learn_trusting(prior, panel, test, settings, final_strain, trust_in(prior, panel, test, settings, final_strain), Asked::every_window);
+}
+
+std::size_t gross_displacements(const Worlds& worlds, const MeasuredTest& measured) {
+    const Panel panel = panel_of(worlds);
+    std::size_t gross = 0;
+    for (std::size_t s = 0; s < std::min(measured.ways.size(), worlds.runs.front().sensors); ++s)
+        for (std::size_t k = 0; k < measured.ways[s].strain.size(); ++k) {
+            const Vec3& found = measured.ways[s].displacement[k];
+            const auto stage = stage_of_sample(worlds.runs.front(), measured.ways[s].strain[k]);
+            if (stage && found.allFinite() && is_gross(panel, {s, k, *stage}, found, measured.displacement_noise)) ++gross;
+        }
+    return gross;
 }
 
 } // namespace bris

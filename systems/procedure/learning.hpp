@@ -17,8 +17,9 @@ struct Learning {
     double friction_deviation = 0.3, stiffness_deviation = 0.4; ///< of their logarithms, before anything is measured
     double specimen_scatter = 0;    ///< by which the real specimen may be stronger or weaker than the model's, of ln q; and by the same share dilate and widen
     double force_noise = 0.01;      ///< of ln q as measured
-    bool by_sensors = true;         ///< and not by q alone
-    bool by_volume = false;         ///< likewise
+    bool by_force = true;           ///< q
+    bool by_sensors = true;         ///< how far sensor rocks move outwards
+    bool by_volume = false;         ///< volumetric strain
 
     void describe(auto& option);
 };
@@ -31,11 +32,16 @@ struct KnownAt {
     double strain;
     Gaussian belief;
     double squared_distance; ///< of the last measurement of q from what was expected: chi square of one degree; -1: none in this window
+    unsigned left_out = 0;   ///< numbers of q in this window that no world comes near: not learned from
 };
 
 /// Learns window by window up to `final_strain`, from no measurement before its time: from the logarithm of q, from how far
 /// the sensor rocks have moved outwards in the mean, and from the volumetric strain, each as far as it is measured and asked for.
+/// A q that no world comes near is left out.
 std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds, const MeasuredTest& measured, const Learning& settings, double final_strain);
+
+/// Displacements of sensor rocks that no world comes near: learning leaves them out.
+std::size_t gross_displacements(const Worlds& worlds, const MeasuredTest& measured);
 
 /// Where windows end, up to `final_strain`.
 std::vector<double> window_ends(const Learning& settings, double final_strain);
@@ -49,8 +55,9 @@ void Learning::describe(auto& option) {
     option("stiffness_deviation", stiffness_deviation, "", "likewise", above(0));
     option("specimen_scatter", specimen_scatter, "", "by which the real specimen may be stronger than the model's for other reasons, of ln q", at_least(0));
     option("force_noise", force_noise, "", "of q as measured, relative", at_least(0));
-    option("learn_by_sensors", by_sensors, "", "too, by how far they move outwards, where that was recorded, not by q alone");
-    option("learn_by_volume", by_volume, "", "likewise, by the volumetric strain");
+    option("learn_by_force", by_force, "", "that is, by q");
+    option("learn_by_sensors", by_sensors, "", "by how far they move outwards, where that was recorded");
+    option("learn_by_volume", by_volume, "", "by the volumetric strain");
 }
 
 } // namespace bris

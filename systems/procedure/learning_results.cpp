@@ -22,9 +22,9 @@ void write_known(const std::filesystem::path& csv, const std::vector<KnownAt>& k
     for (const KnownAt& k : known) {
         const RockBelief mean = mean_of(k.belief);
         const Matrix c = k.belief.covariance();
-        rows.push_back({k.strain, mean.friction, std::sqrt(c(0, 0)), mean.stiffness, std::sqrt(c(1, 1)), k.squared_distance});
+        rows.push_back({k.strain, mean.friction, std::sqrt(c(0, 0)), mean.stiffness, std::sqrt(c(1, 1)), k.squared_distance, static_cast<double>(k.left_out)});
     }
-    write_csv(csv, {"axial_strain", "friction", "friction_log_deviation", "stiffness_ratio", "stiffness_log_deviation", "squared_distance"}, rows, {}, 6);
+    write_csv(csv, {"axial_strain", "friction", "friction_log_deviation", "stiffness_ratio", "stiffness_log_deviation", "squared_distance", "q_left_out"}, rows, {}, 6);
 }
 
 void write_worlds(const std::filesystem::path& csv, const Worlds& worlds) {

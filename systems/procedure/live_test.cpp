@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/signal/median.hpp"
 
 #include <fmt/format.h>
 
@@ -21,6 +22,7 @@ constexpr double largest_jump = 2e-3; // of axial strain, from one record of the
 constexpr std::size_t agreeing = 3; // records over it, near each other, by which the machine is believed: what was between is lost
 constexpr std::string_view cut_off = "# cut off: "; // before a line that lacks its end: it stays one
 constexpr double same_strain = 1e-9; // of what was asked for and what has come
+constexpr std::size_t fewest_times = 3; // by which a clock is judged
 
 // of a sample
 constexpr std::array sample_names{"strain", "seq", "ax", "ay", "az", "gx", "gy", "gz", "ux", "uy", "uz", "qw", "qx", "qy", "qz"};
@@ -35,7 +37,7 @@ std::string logged(const LineSource::Line& line) { return fmt::format("{}{}\n", 
 LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path log, std::vector<SensorInfo> infos, const LiveSettings& settings)
     : lines_(stream), infos_(std::move(infos)), settings_(settings) {
     require(!infos_.empty(), "stream: expected SmartRocks that send, found none");
-    for (const SensorInfo& info : infos_) sensors_[info.id];
+    for (const SensorInfo& info : infos_) sensors_[info.id].clock_offset = info.clock_offset;
     std::string kept = std::filesystem::exists(log) ? read_whole(log) : "";
     kept.resize(kept.find_last_of('\n') == std::string::npos ? 0 : kept.find_last_of('\n') + 1); // a line that was being written is sent again, or lost as others are
     if (kept.ends_with(silence_mark)) kept.resize(kept.size() - std::string_view(silence_mark).size());
@@ -150,6 +152,7 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
     const auto [place, is_new] = sensor.by_time.emplace(t, sample);
     if (is_new) {
         sensor.sent |= sample.sent;
+        if (!strain_at_.empty()) sensor.ahead.push_back(t - sensor.clock_offset - strain_at_.rbegin()->first);
         sensor.late += static_cast<std::uint64_t>(record.number("strain") < followed_ - same_strain);
         return;
     }
@@ -218,7 +221,7 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
     const auto any = [&](std::size_t first, std::size_t count) { return (sensor.sent & bits_of(first, count)) != 0; };
     const bool force = any(in_sample::force, 3), rate = any(in_sample::rate, 3), displacement = any(in_sample::displacement, 3), attitude = any(in_sample::attitude, 4);
     for (const auto& [t, one] : sensor.by_time) {
-        const double strain = strain_of(t, one);
+        const double strain = strain_of(t - sensor.clock_offset, one);
         if (std::isnan(strain)) continue;
         const double* n = one.numbers.data();
         r.time.push_back(t);
@@ -230,6 +233,51 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
         if (attitude) r.attitude.emplace_back(n[in_sample::attitude], n[in_sample::attitude + 1], n[in_sample::attitude + 2], n[in_sample::attitude + 3]);
     }
     return r;
+}
+
+/// By the strains of records that have both, where there are enough; beyond the machine's steps nothing is known better.
+std::optional<double> LiveTest::clock_ahead(const SensorRecords& sensor) const {
+    std::vector<double> ahead;
+    for (const auto& [t, one] : sensor.by_time) {
+        const double strain = (one.sent & bits_of(in_sample::strain, 1)) != 0 ? one.numbers[in_sample::strain] : std::nan("");
+        if (!(strain > 0)) continue; // at rest any time will do
+        const auto passed = machine_.lower_bound(strain - same_strain);
+        if (passed != machine_.end() && std::isfinite(passed->second.number("t"))) ahead.push_back(t - sensor.clock_offset - passed->second.number("t"));
+    }
+    if (ahead.size() < fewest_times) return {};
+    return median(std::move(ahead));
+}
+
+/// A clock that is off puts records without strain where the test was not. One that is behind cannot be told from records
+/// that come late, nor can clocks of all from a machine whose records do: these are told, not refused.
+void LiveTest::look_at_clocks(RecordedTest& test) const {
+    std::vector<double> steps, of_all;
+    for (auto at = strain_at_.begin(); at != strain_at_.end() && std::next(at) != strain_at_.end(); ++at) steps.push_back(std::next(at)->first - at->first);
+    for (const auto& [id, sensor] : sensors_)
+        if (sensor.ahead.size() >= fewest_times) of_all.push_back(median(sensor.ahead));
+    for (std::size_t k = 0; k < test.recordings.size(); ++k) {
+        const SensorInfo& info = test.recordings[k].info;
+        const SensorRecords& sensor = sensors_.at(info.id);
+        const bool needed = std::ranges::any_of(sensor.by_time, [](const auto& one) { return (one.second.sent & bits_of(in_sample::strain, 1)) == 0; });
+        const auto refuse = [&](const std::string& why) {
+            std::erase_if(test.findings, [&](const Finding& f) { return f.sensor == info.id && f.check == "length"; }); // the same, less clearly
+            test.findings.push_back({Finding::Kind::refusal, info.id, "clock", why});
+            test.ways[k] = {};
+        };
+        const bool none = needed && test.recordings[k].size() == 0;
+        if (none && strain_at_.empty()) refuse("expected strain in its records, or t in the machine's, found neither");
+        if (steps.empty()) continue;
+        const auto by_strain = clock_ahead(sensor);
+        if (!by_strain && sensor.ahead.size() < fewest_times && !none) continue;
+        const double ahead = by_strain ? *by_strain : sensor.ahead.empty() ? sensor.by_time.begin()->first - sensor.clock_offset - strain_at_.begin()->first : median(sensor.ahead);
+        const double uncertain = 3 * info.clock_offset_deviation + median(steps);
+        if (std::abs(ahead) <= uncertain) continue;
+        const auto text = fmt::format("its t are {:.3g} s {} the machine's {}, expected {:.2g} s at most", std::abs(ahead), ahead > 0 ? "ahead of" : "behind",
+                                      by_strain ? "at the same strain" : "when they come", uncertain);
+        const bool alone = !of_all.empty() && ahead > 0 && ahead - median(of_all) > uncertain;
+        if (none || (needed && (by_strain || alone))) refuse(text + ": give clock_offset");
+        else test.findings.push_back({Finding::Kind::note, info.id, "clock", text + (by_strain ? "; its strains are used" : ": clock, or records that come late")});
+    }
 }
 
 TriaxialPoint LiveTest::point_of(const StreamRecord& record) const {
@@ -247,6 +295,7 @@ RecordedTest LiveTest::so_far() const {
     for (const SensorInfo& info : infos_) test.recordings.push_back(recording_of(info));
     for (const auto& [strain, record] : machine_) test.measured.push_back(point_of(record));
     examine(test, settings_.intake);
+    look_at_clocks(test);
     return test;
 }
 
@@ -262,12 +311,11 @@ std::string LiveTest::report() const {
                                    machine_.empty() ? 0 : 100 * machine_.rbegin()->first);
     for (const auto& [kind, what] : notes_) text += fmt::format("{} time{}: {}\n", what.first, what.first == 1 ? "" : "s", what.second);
     for (const auto& [id, sensor] : sensors_) {
-        const double last = sensor.by_time.empty() ? std::nan("") : strain_of(sensor.by_time.rbegin()->first, sensor.by_time.rbegin()->second);
+        const double last = sensor.by_time.empty() ? std::nan("") : strain_of(sensor.by_time.rbegin()->first - sensor.clock_offset, sensor.by_time.rbegin()->second);
         text += fmt::format("sensor {}: {} records, {} late, {} sent again", id, sensor.by_time.size(), sensor.late, sensor.twice);
         text += sensor.by_time.empty() ? "\n" : fmt::format(", the last at {:.3f} % of axial strain\n", 100 * last);
     }
-    const RecordedTest test = so_far();
-    return text + intake_report(test.findings, test.recordings);
+    return text + intake_report(so_far());
 }
 
 } // namespace bris

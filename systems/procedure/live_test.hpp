@@ -28,8 +28,9 @@ struct LiveSettings {
 /// A triaxial test that is going on, as far as its records tell of it. A record with an `id` is a SmartRock's: t, and of
 /// strain, seq, ax ..., gx ..., ux ..., qw ... what there is; without one it is the test machine's: axial_strain,
 /// deviatoric_stress_Pa, and of t, volumetric_strain, ring_1_radius_m ... what there is. A SmartRock's record without
-/// strain gets that of the machine at its t. Records may come late, out of order and twice. What cannot be used is let
-/// be, counted and reported; a sensor is left out as long as its records so far do not pass the intake. {"end": 1} ends it.
+/// strain gets that of the machine at its t, less the clock_offset of its metadata. Records may come late, out of order and
+/// twice. What cannot be used is let be, counted and reported; a sensor, or a channel of the machine, is left out as long as
+/// its records so far do not pass the intake. {"end": 1} ends it.
 ///
 /// All lines that came are kept in a log, in the order in which they are taken: the same lines give the same test, bit for
 /// bit, and a run that was stopped takes those of its log first, one by one as before. Only a sender ends a test for good;
@@ -64,6 +65,8 @@ private:
         std::map<double, Sample> by_time;
         std::uint32_t sent = 0; ///< in any of them
         std::uint64_t late = 0, twice = 0;
+        double clock_offset = 0;      ///< s, as given
+        std::vector<double> ahead;    ///< s, of its t when each came, of the machine's last
     };
     void take_line(LineSource::Line line, bool from_log);
     std::optional<LineSource::Line> next_of_log();
@@ -79,6 +82,8 @@ private:
     static Sample sample_of(const StreamRecord& record);
     double strain_of(double t, const Sample& sample) const;
     Recording recording_of(const SensorInfo& info) const;
+    void look_at_clocks(RecordedTest& test) const;
+    std::optional<double> clock_ahead(const SensorRecords& sensor) const;
     TriaxialPoint point_of(const StreamRecord& record) const;
 
     LineSource lines_;

@@ -18,6 +18,7 @@ namespace {
 
 void count_fusion(const World& world, ModelRun& run) {
     run.fusion_work += fusion_work(world);
+    run.analyses = world.resource<Fusion>().records;
     for (std::size_t s = 0; s < world.table<Sensors>().size(); ++s) {
         run.accepted += world.column<Sensors, Accepted>()[s];
         run.refused += world.column<Sensors, Refused>()[s];

@@ -70,6 +70,8 @@ struct ModelRun {
     std::uint64_t accepted = 0, refused = 0, steps = 0; ///< vectors measured
     std::uint64_t too_late = 0, reduced = 0, withheld = 0; ///< samples; corrections
     std::vector<std::vector<SmoothedPose>> smoothed = {}; ///< of each sensor rock, where filters look back: by what came up to their lag later too
+    double strange_from = 0;                     ///< strain, from which on sensors seem to be of another specimen and are left out (analyse); 0: never
+    std::vector<AnalysisRecord> analyses = {};   ///< of the sensor rocks, in order of strain
     double wall_time = 0;                        ///< s
     std::string stopped = {};                    ///< by a guard, with what it said; all else is empty
 };

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
+#include "systems/procedure/machine_intake.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 
 #include <fmt/format.h>
@@ -41,22 +42,26 @@ double difference_of(const std::vector<TriaxialPoint>& run, const std::vector<Tr
     double squares = 0, count = 0;
     for (const TriaxialPoint& m : measured) {
         const auto stage = stage_at(run, m.axial_strain, same_strain);
-        if (m.axial_strain <= 0 || m.axial_strain > last_strain || !stage) continue;
+        if (m.axial_strain <= 0 || m.axial_strain > last_strain || !stage || !std::isfinite(m.*value)) continue;
         squares += std::pow(run[*stage].*value - m.*value, 2);
         ++count;
     }
     return std::sqrt(squares / count);
 }
 
-/// Radial strain of the rings at the end of the run, against what was measured there.
+/// Radial strain of the rings at the end of the run, against what was measured there and at the start.
 double ring_difference(const std::vector<TriaxialPoint>& run, const std::vector<TriaxialPoint>& measured) {
     const auto at_end = stage_at(measured, run.back().axial_strain, same_strain);
     const std::size_t rings = run.back().ring_radius.size();
     if (!at_end || measured[*at_end].ring_radius.size() != rings || measured.front().ring_radius.size() != rings) return std::nan("");
-    double squares = 0;
-    for (std::size_t r = 0; r < rings; ++r)
-        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - measured[*at_end].ring_radius[r] / measured.front().ring_radius[r], 2);
-    return std::sqrt(squares / static_cast<double>(rings));
+    double squares = 0, count = 0;
+    for (std::size_t r = 0; r < rings; ++r) {
+        const double found = measured[*at_end].ring_radius[r] / measured.front().ring_radius[r];
+        if (!std::isfinite(found)) continue;
+        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - found, 2);
+        ++count;
+    }
+    return std::sqrt(squares / count);
 }
 
 /// Root mean square of what sensor rocks of the model are off by, as far as they were measured.
@@ -102,8 +107,18 @@ void examine(RecordedTest& test, const IntakeSettings& settings) {
     limits.rest = settings.rest;
     test.ways.clear();
     test.findings = look_at(test.recordings, Vec3(0, 0, -9.81), limits);
+    const auto of_machine = look_at_machine(test.measured, test.pressure);
+    test.findings.insert(test.findings.end(), of_machine.begin(), of_machine.end());
     for (const Recording& r : test.recordings)
         test.ways.push_back(accepted(test.findings, r.info.id) ? way_of(r, settings.interval) : SensorWay{});
+}
+
+std::string intake_report(const RecordedTest& test) {
+    std::string text;
+    for (const Finding& f : test.findings)
+        if (f.sensor == test_machine) text += fmt::format("test machine: {}{}: {}\n", f.kind == Finding::Kind::refusal ? "refused: " : "", f.check, f.text);
+    if (text.empty()) text = fmt::format("test machine: {} records, nothing found\n", test.measured.size());
+    return text + intake_report(test.findings, test.recordings);
 }
 
 RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<SensorInfo>& infos, const IntakeSettings& settings) {

@@ -16,9 +16,9 @@ namespace bris {
 struct RecordedTest {
     double pressure = 0; ///< Pa
     std::vector<Recording> recordings;
-    std::vector<Finding> findings;       ///< of the intake
+    std::vector<Finding> findings;       ///< of the intake: of sensors, and of the test machine
     std::vector<SensorWay> ways;         ///< of all sensors; one that was refused tells nothing
-    std::vector<TriaxialPoint> measured; ///< strain, q, volumetric strain (NaN: not measured) and ring radii
+    std::vector<TriaxialPoint> measured; ///< strain, q, volumetric strain and ring radii (NaN: not measured, or left out)
     std::size_t refused() const;
 };
 
@@ -30,8 +30,11 @@ struct IntakeSettings {
 };
 
 /// Looks at the recordings of a test, and takes from those that pass how their rocks moved; clears the channels that are
-/// not to be used.
+/// not to be used. Looks at what the machine measured, too, and leaves out what is wrong.
 void examine(RecordedTest& test, const IntakeSettings& settings);
+
+/// What was found, or that nothing was: of the test machine, and of each sensor.
+std::string intake_report(const RecordedTest& test);
 
 /// The metadata of all sensor rocks. Throws InputError, OutputError.
 std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder);

@@ -29,14 +29,15 @@ double inertial_number(const World& world, const std::vector<Row>& rows, double 
     const auto mass = bodies.column<Mass>();
     const auto inertial = bodies.column<InertialMass>();
     const auto& materials = world.resource<Materials>();
-    const double density = materials.list[world.resource<Specimen>().rock_material].density;
+    const auto material = bodies.column<MaterialOf>();
     double all = 0, moving = 0, size = 0;
     for (const Row r : rows) {
         if (!(mass[r] > 0)) continue;
         all += mass[r];
         moving += inertial[r];
-        size += mass[r] * std::cbrt(6 * mass[r] / (pi * density));
+        size += mass[r] * std::cbrt(6 * mass[r] / (pi * materials.list[material[r]].density));
     }
+    const double density = materials.list[world.resource<Specimen>().rock_material].density;
     return rate * size / all * std::sqrt(density * moving / all / stress);
 }
 
@@ -111,14 +112,14 @@ void TriaxialTest::move_platen() {
     platen.speed = 0;
 }
 
-// Sensors that have recorded this strain correct their rocks; the stage then comes to rest again. False: there are none,
-// or it has been done.
+// Sensors that have recorded this strain correct their rocks; the stage then comes to rest again. False: there are none, none
+// is let in, or it has been done.
 bool TriaxialTest::analyse() {
     World& world = simulation_.world();
     if (!world.has_resource<Fusion>()) return false;
     auto& fusion = world.resource<Fusion>();
     fusion.strain = static_cast<double>(state().stage + 1) * settings_.stage_strain;
-    if (!fusion_is_due(world)) return false;
+    if (!fusion_is_due(world) || dismiss_samples(world)) return false;
     run(1);
     if (fusion.spread) (void)spread_corrections(world);
     run(fusion.injection_steps);

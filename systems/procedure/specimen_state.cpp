@@ -28,14 +28,18 @@ CylinderRegion core(const World& world) {
 void set_friction(World& world, double friction) {
     auto& materials = world.resource<Materials>();
     const auto& specimen = world.resource<Specimen>();
+    materials.list[specimen.sensor_material].friction = specimen.sensor_friction < 0 ? friction : specimen.sensor_friction;
     materials.list[specimen.rock_material].friction = friction;
     materials.list[specimen.platen_material].friction = friction;
     materials.mix();
 }
 
 void set_rocks(World& world, double friction, double stiffness) {
-    Material& rock = world.resource<Materials>().list[world.resource<Specimen>().rock_material];
-    rock.normal_stiffness = rock.shear_stiffness = stiffness;
+    const auto& specimen = world.resource<Specimen>();
+    for (const std::uint32_t material : {specimen.rock_material, specimen.sensor_material}) {
+        Material& rock = world.resource<Materials>().list[material];
+        rock.normal_stiffness = rock.shear_stiffness = stiffness;
+    }
     set_friction(world, friction);
     world.resource<Membrane>().contact_stiffness = world.resource<Platen>().contact_stiffness = wall_contact_stiffness(world);
 }

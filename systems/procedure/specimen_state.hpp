@@ -19,9 +19,10 @@ double specimen_volume(const World& world);
 /// Where porosity is measured: 0.6 of the radius, the middle half of the height.
 CylinderRegion core(const World& world);
 
-/// Friction of rock on rock and rock on platen.
+/// Friction of rock on rock and rock on platen. Sensor rocks with shells of their own friction keep it; on a rock, as on any
+/// partner, the lower of both acts (Materials::mix).
 void set_friction(World& world, double friction);
-/// And the stiffness of rocks in contacts, normal and shear, of one partner (N/m); servos go by it.
+/// And the stiffness of rocks and sensor rocks in contacts, normal and shear, of one partner (N/m); servos go by it.
 void set_rocks(World& world, double friction, double stiffness);
 
 /// Normal stiffness (N/m) of a contact of a rock with the membrane, by which the servos go.

@@ -23,6 +23,23 @@ namespace {
 /// rocks' size over the specimen's. 0.06 was measured: core and whole at 400 and 4 000 rocks.
 double wall_porosity(std::size_t rocks) { return 0.06 * std::max(0.0, std::cbrt(400.0 / static_cast<double>(rocks)) - 1); }
 
+std::vector<Clump> sensor_shapes(const Triaxial& t, const std::vector<Clump>& library) {
+    std::vector<Clump> shapes;
+    for (const auto name : cells_of(t.sensor_shape)) {
+        const auto found = std::ranges::find(library, name, &Clump::name);
+        require(found != library.end(), fmt::format("--sensor-shape: expected a clump of assets/clumps, or several, found \"{}\"", name));
+        shapes.push_back(scaled(*found, t.specimen.smartrock_size / found->sieve));
+    }
+    return shapes;
+}
+
+/// How many of the sensor rocks take the k-th shape in turn.
+std::size_t share_of(std::size_t k, std::size_t sensors, std::size_t shapes) { return sensors / shapes + (k < sensors % shapes ? 1 : 0); }
+
+double largest_radius(const std::vector<Clump>& shapes) {
+    return std::ranges::max_element(shapes, {}, &Clump::bounding_radius)->bounding_radius;
+}
+
 } // namespace
 
 std::string folder_of(double pressure) { return fmt::format("{:.4g}kPa", pressure / 1e3); }
@@ -43,9 +60,7 @@ TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
     const std::filesystem::path assets = BRIS_ASSETS;
     TriaxialScene s;
     s.clumps = read_clumps(assets / "clumps");
-    const auto sensor = std::find_if(s.clumps.begin(), s.clumps.end(), [&](const Clump& c) { return c.name == t.sensor_shape; });
-    require(sensor != s.clumps.end(), "--sensor-shape: expected a clump of assets/clumps, found \"" + t.sensor_shape + "\"");
-    s.smart_rock = scaled(*sensor, t.specimen.smartrock_size / sensor->sieve);
+    s.smart_rocks = sensor_shapes(t, s.clumps);
     std::erase_if(s.clumps, [](const Clump& c) { return c.name == "cube"; });
     s.grading = read_grading(assets / "gradings" / (t.grading + ".csv"));
     s.specimen = t.specimen;
@@ -54,10 +69,11 @@ TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
     const auto room_for = [&](std::size_t sensors) {
         require(sensors < t.bodies, fmt::format("--bodies: expected more than the {} sensor rocks, found {}", sensors, t.bodies));
         s.sample = sample_rocks(s.grading, s.clumps, t.bodies - sensors, seed);
-        const double solids = s.sample.solid_volume + static_cast<double>(sensors) * s.smart_rock.volume;
+        double solids = s.sample.solid_volume;
+        for (std::size_t k = 0; k < s.smart_rocks.size(); ++k) solids += static_cast<double>(share_of(k, sensors, s.smart_rocks.size())) * s.smart_rocks[k].volume;
         s.specimen.radius = radius_for(solids, t.initial_porosity + wall_porosity(t.bodies), s.specimen.sectors);
         s.specimen.height = 4 * s.specimen.radius;
-        return SensorRoom{s.specimen.radius, s.specimen.height, s.smart_rock.bounding_radius};
+        return SensorRoom{s.specimen.radius, s.specimen.height, largest_radius(s.smart_rocks)};
     };
     if (!t.sensor_poses.empty()) {
         s.poses = read_smart_rock_poses(t.sensor_poses, room_for(read_csv(t.sensor_poses).rows.size()));
@@ -74,7 +90,7 @@ void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit)
 }
 
 Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {
-    World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rock, s.sample.rocks, s.poses);
+    World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rocks, s.sample.rocks, s.poses);
     check_scene(world, LawName::linear);
     add_lists(world, LawName::linear);
     add_ledger(world);

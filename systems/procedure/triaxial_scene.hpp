@@ -43,12 +43,14 @@ struct Triaxial {
         option("compaction_pressure", test.compaction_pressure, "Pa", "of the platen while the specimen is made", above(0));
         option("vibration", test.vibration, "", "speed of a rock while the specimen is made: of its bounding radius in a step", within(1e-6, 1e-3));
         option("longest_compaction", test.longest_compaction, "", "steps, beyond which the porosity is not reached", at_least(1));
-        option("sensor_shape", sensor_shape, "", "a clump of assets/clumps, as cube");
+        option("sensor_shape", sensor_shape, "", "a clump of assets/clumps, or several that the sensor rocks take in turn, as rock_01,rock_02,rock_03,cube");
         option("sensor_poses", sensor_poses, "", "CSV file of the sensor rocks' poses; without it ten between the lifts, or 7 or 3 in a small specimen");
         option("servo_per_element", specimen.per_element, "", "each membrane element on its own, else each ring");
         option.group("material");
         option("density", specimen.density, "kg/m3", "of the rocks", above(0));
+        option("sensor_density", specimen.sensor_density, "kg/m3", "of the sensor rocks; 0: as the rocks", at_least(0));
         option("friction", test.friction, "", "rock on rock and rock on platen", at_least(0));
+        option("sensor_friction", specimen.sensor_friction, "", "of the sensor rocks' shells; of a shell and a rock the lower one acts; below 0: as the rocks", at_least(-1));
         option("clump_stiffness", specimen.clump_stiffness, "N/m", "normal and shear, of one partner", above(0));
         option("wall_stiffness", specimen.wall_stiffness, "N/m", "of platens and membrane", above(0));
         option("damping", test.damping, "", "local damping", within(0, 0.95));
@@ -63,7 +65,7 @@ struct Triaxial {
 /// The specimen's parts; the same for every pressure.
 struct TriaxialScene {
     std::vector<Clump> clumps;
-    Clump smart_rock;
+    std::vector<Clump> smart_rocks; ///< shapes of the sensor rocks, taken in turn
     Grading grading;
     RockSample sample;
     SpecimenSettings specimen;

@@ -3,6 +3,7 @@
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
 #include "engine/signal/imu.hpp"
+#include "systems/procedure/recorded_test.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -70,8 +71,8 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
         r.info.position_deviation = settings.placement_noise;
         r.info.attitude_deviation = settings.levelling_noise * 180 / pi;
         r.info.sampling_rate = model.rate;
-        r.info.force_range = model.force_range;
-        r.info.rate_range = model.rate_range;
+        if (model.force_range > 0) r.info.force_range = model.force_range; // of one without limit, the usual
+        if (model.rate_range > 0) r.info.rate_range = model.rate_range;
         r.info.force_noise = model.noise.force;
         r.info.rate_noise = model.noise.rate;
         r.info.force_bias = model.force_bias;
@@ -102,6 +103,25 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
         }
     }
     return recordings;
+}
+
+Told told_by_sensors(const ModelRun& truth, const SensorSettings& settings, std::uint64_t seed) {
+    const bool ideal = settings.mode == "ideal";
+    Told told{.ways = {}, .position_noise = ideal ? 1e-7 : settings.position_noise, .attitude_noise = ideal ? 1e-6 : settings.attitude_noise};
+    if (settings.mode != "honest-imu") {
+        told.ways = recorded_ways(truth, sensor_rocks(truth), settings.interval, told.position_noise, told.attitude_noise, seed, settings.faults);
+        return told;
+    }
+    const RecordingSettings recording{.interval = settings.interval, .imu = settings.imu};
+    RecordedTest test;
+    test.recordings = record_sensors(truth, recording, seed);
+    examine(test, {.rest = recording.rest, .interval = settings.interval, .displacement = false, .attitude = false});
+    told.ways = test.ways;
+    told.refused = test.refused();
+    const double duration = truth.points.back().axial_strain / 1e-4 * recording.stage_time;
+    for (const Seen& seen : what_is_seen(test.recordings.front(), duration, 1, 1)) // as declared, alike for all
+        if (seen.direction == "tilt") told.attitude_noise = seen.deviation;
+    return told;
 }
 
 TwinErrors errors_of(const ModelRun& run, const ModelRun& truth) {

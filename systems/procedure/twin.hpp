@@ -2,6 +2,9 @@
 
 #include "systems/procedure/model_run.hpp"
 
+#include <string>
+#include <vector>
+
 namespace bris {
 
 /// The first rocks of a run, which carry its sensors.
@@ -17,7 +20,7 @@ struct RecordingFaults {
 std::vector<SensorWay> recorded_ways(const ModelRun& truth, const std::vector<std::size_t>& hosts, double interval, double position_noise, double attitude_noise, std::uint64_t seed,
                                      const RecordingFaults& faults = {});
 
-/// The same as files tell it: what inertial sensors record of that run, at rest before the test and then as means over
+/// The same as files tell it, of a test that comes to rest at the end of each stage: what inertial sensors record of that run, at rest before the test and then as means over
 /// `interval` of axial strain, and displacement and attitude as some other means would measure them.
 struct RecordingSettings {
     double interval = 1e-3;
@@ -27,7 +30,28 @@ struct RecordingSettings {
     double displacement_noise = 1e-4, attitude_noise = 2e-3; ///< m and rad
     double placement_noise = 3e-3, levelling_noise = 0.03;   ///< m and rad, of what is known of the poses at the start
 };
+/// Such means see neither digits (noise of force is 0.8 of one and more in all presets) nor the bandwidth nor single samples that are lost, and
+/// from one rest to the next accelerations come to nothing, with what a lever arm adds to them: the device is taken without these.
 std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSettings& settings, std::uint64_t seed);
+
+/// Which sensors a truth has. "ideal": displacement and attitude all but exactly; "tracked": with noise, as another means than
+/// inertia would tell them; "honest-imu": what an inertial sensor records of itself, through the intake: tilt by gravity, and nothing else.
+inline const std::vector<std::string> sensor_modes{"ideal", "tracked", "honest-imu"};
+struct SensorSettings {
+    std::string mode = "tracked";
+    std::string imu = "smartrock-like"; ///< a preset
+    double interval = 1e-3;             ///< axial strain
+    double position_noise = 1e-4, attitude_noise = 2e-3; ///< m and rad, of those that are tracked
+    RecordingFaults faults = {};        ///< likewise
+};
+
+/// What such sensors tell of a run, and how well.
+struct Told {
+    std::vector<SensorWay> ways;
+    double position_noise, attitude_noise; ///< m and rad
+    std::size_t refused = 0;               ///< sensors, at the intake
+};
+Told told_by_sensors(const ModelRun& truth, const SensorSettings& settings, std::uint64_t seed);
 
 /// Root mean square errors against the truth, over stages (and rocks).
 struct TwinErrors {

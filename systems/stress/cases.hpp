@@ -14,6 +14,7 @@ StressRows stress_servo(const StressSettings& s);             // S7
 StressRows stress_size_ratio(const StressSettings& s);        // S8
 StressRows stress_deep_overlap(const StressSettings& s);      // S9
 StressRows stress_fast_impact(const StressSettings& s);       // S10
+StressRows stress_sensors(const StressSettings& s);           // S11
 StressRows stress_long_drift(const StressSettings& s);        // S12
 StressRows stress_restitution(const StressSettings& s);       // S13
 StressRows stress_unit_scaling(const StressSettings& s);      // S14

@@ -20,7 +20,9 @@ Simulation begin(World world, const Setup& s) {
     world.resource<Clock>().dt = s.dt;
     add_lists(world, s.law, s.lists);
     if (s.ledger) add_ledger(world);
-    Simulation simulation(std::move(world), steps(s.law, s.ledger), s.threads, s.schedule);
+    ScheduleSettings schedule = s.schedule;
+    schedule.least_rows = 0; // small as the scene is, the threads are what is tried
+    Simulation simulation(std::move(world), steps(s.law, s.ledger), s.threads, schedule);
     simulation.on_restore(forget_lists);
     return simulation;
 }

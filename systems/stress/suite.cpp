@@ -21,6 +21,7 @@ constexpr std::array cases{
     StressCase{"S8", "ratios of size and mass", stress_size_ratio},
     StressCase{"S9", "deep overlaps", stress_deep_overlap},
     StressCase{"S10", "fast impacts", stress_fast_impact},
+    StressCase{"S11", "sensors that say what cannot be", stress_sensors},
     StressCase{"S12", "long drift", stress_long_drift},
     StressCase{"S13", "restitution and friction", stress_restitution},
     StressCase{"S14", "units", stress_unit_scaling},

@@ -1,23 +1,44 @@
 """What campaigns over seeds share: a table of numbers of each seed and pressure, which is added to and never run twice."""
 import argparse
 import csv
+import math
+import statistics
 import subprocess
 import sys
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
 PRESSURES = ('55', '110', '165')  # kPa
+STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262)  # 97.5 %, by degrees of freedom
+
+
+def half_width(numbers):
+    """Of the interval of 95 % of their mean (Student's t); 0 for one."""
+    if len(numbers) < 2:
+        return 0
+    return (STUDENT[len(numbers) - 2] if len(numbers) < 11 else 1.96) * statistics.stdev(numbers) / math.sqrt(len(numbers))
+
+
+def interval(numbers):
+    """Their geometric mean, with that interval."""
+    logarithms = [math.log(x) for x in numbers]
+    mean, half = statistics.mean(logarithms), half_width(logarithms)
+    return f'{math.exp(mean):.2f} ({math.exp(mean - half):.2f}-{math.exp(mean + half):.2f})' if half else f'{math.exp(mean):.2f}'
+
+
+def parser(doc, seeds, table):
+    """`table`: name of the CSV file among the results. Runs go to a folder of the campaign's name."""
+    arguments = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument('--seeds', type=lambda text: [int(word) for word in text.split(',')], default=list(seeds))
+    arguments.add_argument('--threads', type=int, default=2)
+    arguments.add_argument('--bin', type=Path, default=ROOT / 'build' / 'bin')
+    arguments.add_argument('--work', type=Path, default=ROOT / 'results' / Path(sys.argv[0]).name)
+    arguments.add_argument('--csv', type=Path, default=ROOT / 'tests' / 'performance' / 'results' / table)
+    return arguments
 
 
 def options(doc, seeds, table):
-    """`table`: name of the CSV file among the results. Runs go to a folder of the campaign's name."""
-    parser = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument('--seeds', type=lambda text: [int(word) for word in text.split(',')], default=list(seeds))
-    parser.add_argument('--threads', type=int, default=2)
-    parser.add_argument('--bin', type=Path, default=ROOT / 'build' / 'bin')
-    parser.add_argument('--work', type=Path, default=ROOT / 'results' / Path(sys.argv[0]).name)
-    parser.add_argument('--csv', type=Path, default=ROOT / 'tests' / 'performance' / 'results' / table)
-    return parser.parse_args()
+    return parser(doc, seeds, table).parse_args()
 
 
 def scenario(args, name, words, out):

@@ -51,6 +51,7 @@ TEST_SUITE("stability") {
     TEST_CASE("S8: small bodies between large ones roll as they should, light ones bear heavy ones") { check("S8", false); }
     TEST_CASE("S9: deep overlaps are refused, or relaxed without a bang") { check("S9", false); }
     TEST_CASE("S10: fast impacts are right or refused, and nothing passes through") { check("S10", false); }
+    TEST_CASE("S11: what sensors say wrong is refused, and the bodies go on without it") { check("S11", false); }
     TEST_CASE("S12: nothing drifts over many steps") { check("S12", false); }
     TEST_CASE("S13: restitution and friction are those asked for") { check("S13", false); }
     TEST_CASE("S14: a scene in other units is the same scene") { check("S14", false); }
@@ -62,7 +63,7 @@ TEST_SUITE("stability") {
     TEST_CASE("S27: clumps move as the rigid bodies that they stand for") { check("S27", false); }
 
     TEST_CASE("every case has its id once, and an unknown one is refused with the ids there are") {
-        CHECK(stress_cases().size() == 17);
+        CHECK(stress_cases().size() == 18);
         for (const StressCase& c : stress_cases()) CHECK(&stress_case(c.id) == &c);
         CHECK_THROWS_WITH_AS(stress_case("S99"), doctest::Contains("expected one of S1, S4"), std::exception);
     }
@@ -78,6 +79,7 @@ TEST_SUITE("slow") {
     TEST_CASE("S8 at full size") { check("S8", true); }
     TEST_CASE("S9 at full size") { check("S9", true); }
     TEST_CASE("S10 at full size") { check("S10", true); }
+    TEST_CASE("S11 at full size") { check("S11", true); }
     TEST_CASE("S12 at full size") { check("S12", true); }
     TEST_CASE("S13 at full size") { check("S13", true); }
     TEST_CASE("S14 at full size") { check("S14", true); }

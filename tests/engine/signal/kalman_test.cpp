@@ -145,6 +145,22 @@ TEST_SUITE("engine/signal/kalman") {
         CHECK(strong.predicted_variance == about(69.43798229024).epsilon(1e-9));
     }
 
+    TEST_CASE("a scalar random walk is known, between and after measurements, as its Riccati equation says") {
+        // P = P R / (P + R) + Q
+        for (const auto& [q, r] : {std::pair{1.0, 1.0}, {0.01, 4.0}, {100.0, 0.5}}) {
+            const Transition walk{scalar(1), scalar(q)};
+            Gaussian x(Vector::Zero(1), scalar(50)), predicted;
+            for (int k = 0; k < 500; ++k) {
+                predicted = predict(x, walk);
+                x = measure<double>(predicted, Vector::Zero(1), scalar(1), scalar(r)).estimate;
+            }
+            const double before = 0.5 * (q + std::sqrt(q * q + 4 * q * r));
+            CAPTURE(q);
+            CHECK(predicted.covariance()(0, 0) == about(before).epsilon(1e-12));
+            CHECK(x.covariance()(0, 0) == about(before - q).epsilon(1e-12));
+        }
+    }
+
     TEST_CASE("an update is that of Joseph's form, for a correlated and for a perfect measurement") {
         Random random(3, 0);
         Matrix A(4, 4), H(2, 4);

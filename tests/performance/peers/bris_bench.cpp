@@ -34,6 +34,7 @@ struct Bench {
     bool make = false, profile = false, sleep = false, one_pass = true, huge_pages = true;
     double skin = 0, outer = 3, widest_ratio = ListSettings{}.widest_ratio;
     unsigned sort_every = ListSettings{}.sort_every;
+    std::uint64_t least_rows = ScheduleSettings{}.least_rows;
     unsigned spheres = 2000, threads = 1, worlds = 1;
     double step = 0, low = -1e9, high = 1e9, speed = 0, strain = 0;
     std::uint64_t check_steps = 200, steps = 1000;
@@ -55,6 +56,7 @@ struct Bench {
         option("sort_every", sort_every, "", "refreshes of the lists between re-orderings of rows; 0: never");
         option("widest_ratio", widest_ratio, "", "of radii in a grid of the search for pairs", above(1));
         option("one_pass", one_pass, "", "run systems that work row by row in one pass over the rows");
+        option("least_rows", least_rows, "", "of all tables, from which on several threads are used");
         option("huge_pages", huge_pages, "", "let large columns have them");
         option("worlds", worlds, "", "copies of the scene, one a thread at a time, each on one thread if there are several; the first is described", within(1, 10000));
         option("threads", threads, "", "to run on", within(1, 4096));
@@ -114,7 +116,7 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     World scene_world = make_scene(bed, scene, law);
     add_lists(scene_world, law, lists_of(s, bed));
     if (s.sleep) add_sleep(scene_world, {});
-    Simulation simulation(std::move(scene_world), steps(law), threads, {.fused = s.one_pass, .timed = s.profile});
+    Simulation simulation(std::move(scene_world), steps(law), threads, {.fused = s.one_pass, .timed = s.profile, .least_rows = s.least_rows});
     const World& world = simulation.world();
 
     Outcome o;

@@ -66,7 +66,7 @@ World make_world_of(const std::vector<Clump>& clumps, double initial_porosity, s
     specimen.seed = seed;
     specimen.radius = radius_for(sample.solid_volume, initial_porosity, specimen.sectors);
     specimen.height = 4 * specimen.radius;
-    return make_triaxial_world(specimen, clumps, clumps.front(), sample.rocks, {});
+    return make_triaxial_world(specimen, clumps, std::span(clumps).first(1), sample.rocks, {});
 }
 
 class Bench {

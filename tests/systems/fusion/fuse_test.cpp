@@ -29,6 +29,16 @@ Collide game() {
     return c;
 }
 
+/// Few samples of the velocity alone: an error is left, and nothing jumps.
+Collide game_with_error_left() {
+    Collide c = game();
+    c.sampling_rate = 30;
+    c.velocity_noise = 0.02;
+    c.position_noise = -1;
+    c.steps_per_contact = 400; // where in a step contact begins shows in the rebound: by a tenth of that error at 50
+    return c;
+}
+
 TimedMeasurement at(double time, const Vec3& position) {
     TimedMeasurement m{time, {}};
     m.what.position = position;
@@ -74,12 +84,8 @@ std::uint64_t counted(Simulation& sim, auto component) { return sim.world().colu
 TEST_SUITE("systems/fusion/fuse") {
     TEST_CASE("what the sensor of one ball tells, contact carries to the other, as momentum conservation says") {
         for (const double offset : {0.0, 0.7}) {
-            Collide c = game();
+            Collide c = game_with_error_left();
             c.offset = offset;
-            c.sampling_rate = 30;      // few samples: an error is left
-            c.velocity_noise = 0.02;
-            c.position_noise = -1;     // not measured: nothing jumps
-            c.steps_per_contact = 400; // where in a step contact begins shows in the rebound: by a tenth of that error at 50
             const CollideResult r = measure(c);
             CAPTURE(offset);
             CHECK(r.fused_error < 0.5 * r.free_error);
@@ -87,6 +93,54 @@ TEST_SUITE("systems/fusion/fuse") {
             if (offset == 0) CHECK(r.carried_error == about(r.expected_error).epsilon(0.02));
             CHECK(std::abs(r.energy_open) < 1e-3 * std::abs(r.fusion_work));
         }
+    }
+
+    TEST_CASE("off centre, all components of the other ball's error are as momentum conservation says, where balls touch for no time") {
+        const auto collide = [](double offset, double young_modulus) {
+            Collide c = game_with_error_left();
+            c.offset = offset;
+            c.material.young_modulus = young_modulus;
+            return measure(c);
+        };
+        for (const double offset : {0.7, 1.2}) {
+            // the line of centres turns while they touch, a time that goes as the modulus to the -2/5
+            const CollideResult soft = collide(offset, 1e8), stiff = collide(offset, 1e9);
+            const double shorter = std::pow(10, 0.4);
+            const Vec3 instantaneous = (shorter * stiff.carried - soft.carried) / (shorter - 1);
+            CAPTURE(offset);
+            CHECK((soft.carried - soft.expected).norm() < 0.03 * soft.expected.norm());
+            for (int axis = 0; axis < 3; ++axis) {
+                CAPTURE(axis);
+                CHECK(std::abs(stiff.expected[axis]) > 1e-3);
+                CHECK(instantaneous[axis] == about(stiff.expected[axis]).epsilon(5e-3));
+            }
+        }
+    }
+
+    TEST_CASE("of many balls hit at once, each one's error is in proportion to its own velocity, as the first ball's is") {
+        // Centre to centre: contacts of Hertz with dashpots of a given restitution are the same at any speed, with overlaps that go as its
+        // power 4/5. So balls that touch all start off in proportion to it. How momentum is shared among them no closed form says.
+        Collide c = game();
+        c.balls = 7;
+        c.material.young_modulus = 1e7; // the gaps between them, which do not go along, are 1 % of the overlaps
+        c.sampling_rate = 33;
+        c.position_noise = -1;
+        c.velocity_noise = c.filter.velocity = 1e-9; // a model as sure of its speed as the sensor of its own goes there a part of the way
+        c.filter.acceleration_density = 0;
+        c.filter.gate = 1;
+        c.steps_per_contact = 400;
+        const CollideResult r = measure(c);
+        const double share = r.error_at_touch / c.speed;
+        CHECK(share == about(0.1 / 7).epsilon(1e-3)); // six samples
+        double off = 0, all = 0;
+        for (std::size_t k = 1; k < c.balls; ++k) {
+            const Vec3 error = r.fused[k] - r.truth[k], expected = share * r.truth[k];
+            off += (error - expected).squaredNorm();
+            all += expected.squaredNorm();
+        }
+        CHECK(all > 0);
+        CHECK(std::sqrt(off / all) < 0.04);
+        for (const std::size_t outer : {4u, 6u}) CHECK((r.fused[outer] - (1 + share) * r.truth[outer]).norm() < 0.01 * share * r.truth[outer].norm());
     }
 
     TEST_CASE("with a good sensor hardly any error is left, of one ball or of many") {
@@ -208,6 +262,46 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(sim.world().column<Sensors, Accepted>()[0] == 0);
         CHECK(sim.world().column<Sensors, LargestInnovation>()[0] > 1e6);
         CHECK(fusion_work(sim.world()) == 0);
+    }
+
+    TEST_CASE("each analysis is kept with its innovation, gain, deviation, share and work, through a checkpoint too") {
+        const double noise = 1e-3, expected = 2e-3;
+        std::vector<TimedMeasurement> samples{at(1e-4, Vec3(-1e-3, 0, 0)), at(2e-4, Vec3(-1e-3, 0, 0))};
+        for (TimedMeasurement& m : samples) m.what.position_deviation = noise;
+        FilterSettings settings = certain_motion();
+        settings.position = expected;
+        Simulation sim = pair(samples, 1, settings, 0.03);
+        sim.advance(15);
+        Simulation resumed = pair(samples, 1, settings, 0.03);
+        resumed.restore(sim.snapshot());
+        resumed.advance(25);
+        const auto& records = fusion_of(resumed).records;
+        REQUIRE(records.size() == 2);
+        const double both = expected * expected + noise * noise, gain = expected * expected / both, after = noise * std::sqrt(gain);
+        CHECK(records[0].time == about(1e-4));
+        CHECK(records[0].shift_off == about(1e-3));
+        CHECK(records[0].shift_distance == about(1e-6 / both));
+        CHECK(records[0].shift_gain == about(gain));
+        CHECK(records[0].shift_deviation == about(after));
+        CHECK(std::isnan(records[0].turn_gain)); // not measured
+        CHECK(records[0].share == 1);
+        CHECK(records[1].shift_off == about((1 - gain) * 1e-3).epsilon(1e-3)); // what the first has left
+        CHECK(records[1].shift_gain == about(after * after / (after * after + noise * noise)).epsilon(1e-3));
+        // one that is refused weighs nothing
+        settings.gate = 0.99;
+        samples[1].what.position.x() = 1;
+        Simulation refusing = pair(samples, 1, settings, 0.03);
+        refusing.advance(40);
+        REQUIRE(fusion_of(refusing).records.size() == 2);
+        CHECK(fusion_of(refusing).records[1].shift_gain == 0);
+        CHECK(fusion_of(refusing).records[1].shift_deviation == about(after).epsilon(1e-3));
+        // and of the report's filter, to the letter, the gain of rotation is nothing for ever
+        settings.kind = FilterKind::printed;
+        for (TimedMeasurement& m : samples) m.what.velocity = m.what.spin = Vec3::Zero();
+        Simulation printed = pair(samples, 1, settings, 0.03);
+        printed.advance(40);
+        REQUIRE(fusion_of(printed).records.size() == 2);
+        for (const AnalysisRecord& r : fusion_of(printed).records) CHECK(r.turn_gain == 0);
     }
 
     TEST_CASE("a correction over the limit of a step goes no farther than that, and the filter knows what is left") {

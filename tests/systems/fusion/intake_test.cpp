@@ -116,6 +116,10 @@ TEST_SUITE("systems/fusion/intake") {
         r.rate[700].y() = std::numeric_limits<double>::infinity();
         CHECK(refuses(r, "numbers", "found 1"));
         r = good;
+        r.attitude.assign(r.size(), r.info.attitude());
+        r.attitude[7].coeffs().setZero();
+        CHECK(refuses(r, "attitude", "found 1"));
+        r = good;
         for (std::size_t k = 900; k < 1100; ++k) r.force[k] = r.force[900];
         CHECK(refuses(r, "stuck"));
         r = good;

@@ -1,4 +1,5 @@
 #include "engine/random.hpp"
+#include "engine/signal/attitude.hpp"
 #include "systems/procedure/analysis.hpp"
 #include "systems/procedure/layouts.hpp"
 #include "systems/procedure/learning.hpp"
@@ -56,6 +57,19 @@ double error(const ModelRun& run, const ModelRun& truth, std::size_t first, std:
     return std::sqrt(sum / static_cast<double>(last - first));
 }
 
+/// Ten worlds of such fields, and their mean.
+struct ForecastOfField {
+    RockScatter scatter;
+    ModelRun forecast = random_run(1);
+    ForecastOfField() {
+        Worlds worlds{beliefs_of_worlds(prior_of({}, {}), 10), {}};
+        for (std::uint64_t j = 0; j < 10; ++j) worlds.runs.push_back(random_run(j + 1));
+        scatter = scatter_of(worlds);
+        for (auto* stages : {&forecast.displacement, &forecast.rotation})
+            for (auto& stage : *stages) std::ranges::fill(stage, Vec3::Zero());
+    }
+};
+
 } // namespace
 
 TEST_SUITE("procedure/analysis") {
@@ -98,6 +112,56 @@ TEST_SUITE("procedure/analysis") {
         // and a sample is not used before its strain
         for (SensorWay& way : ways) way.strain.assign(1, 1e-2), way.displacement.resize(1), way.rotation.resize(1);
         CHECK(analyse(forecast, scatter, {hosts, ways, 1e-6, 1e-6}).displacement[9] == forecast.displacement[9]);
+    }
+
+    TEST_CASE("sensors that know tilt alone correct turns about level axes, and leave yaw as it was foretold") {
+        const ModelRun truth = random_run(99);
+        const ForecastOfField field;
+        std::vector<SensorWay> ways(sensors);
+        for (std::size_t s = 0; s < sensors; ++s)
+            for (std::size_t k = 1; k <= 10; ++k) {
+                const Quat now = exponential_map(truth.rotation[k][s]) * truth.start[s].orientation;
+                ways[s].strain.push_back(truth.points[k].axial_strain);
+                ways[s].displacement.push_back(Vec3::Constant(std::nan("")));
+                ways[s].rotation.push_back(Vec3::Constant(std::nan("")));
+                ways[s].tilt.push_back(truth.start[s].orientation.conjugate() * Vec3::UnitZ() - now.conjugate() * Vec3::UnitZ());
+            }
+        const ModelRun analysis = analyse(field.forecast, field.scatter, {sensor_rocks(truth), ways, 1e-4, 1e-6});
+        for (std::size_t s = 0; s < sensors; ++s) {
+            const Vec3 turn = truth.rotation[1][s], found = analysis.rotation[1][s]; // 0.01 rad: second order is the square of that
+            CHECK((found - turn).head<2>().norm() < 2 * turn.squaredNorm());
+            CHECK(std::abs(found.z()) < 1e-12);
+        }
+        CHECK(analysis.displacement == field.forecast.displacement);
+        CHECK(analysis.accepted == 10 * sensors);
+    }
+
+    TEST_CASE("sensors of a specimen that goes other ways are noticed and left out, and none of forty right ones") {
+        const ForecastOfField field;
+        unsigned strange = 0;
+        double distance = 0;
+        constexpr unsigned specimens = 40;
+        for (std::uint64_t seed = 100; seed < 100 + specimens; ++seed) {
+            const ModelRun truth = random_run(seed);
+            const auto ways = recorded_ways(truth, sensor_rocks(truth), 1e-3, 1e-6, 1e-5, seed);
+            const ModelRun analysis = analyse(field.forecast, field.scatter, {sensor_rocks(truth), ways, 1e-6, 1e-5});
+            strange += analysis.strange_from > 0 ? 1 : 0;
+            for (const AnalysisRecord& r : analysis.analyses) distance += r.shift_distance / static_cast<double>(specimens * analysis.analyses.size());
+            CHECK(analysis.accepted + analysis.refused == 2 * sensors * 10);
+        }
+        CHECK(strange == 0);
+        CHECK(distance > 2.5); // 3 expected, and up to a tenth more of deviations by ten worlds
+        CHECK(distance < 4);
+        ModelRun other = random_run(77); // whose rocks go four times as far from what worlds foretell as theirs do
+        for (auto& stage : other.displacement)
+            for (Vec3& u : stage) u *= 4;
+        const auto ways = recorded_ways(other, sensor_rocks(other), 1e-3, 1e-6, 1e-5, 77);
+        const ModelRun analysis = analyse(field.forecast, field.scatter, {sensor_rocks(other), ways, 1e-6, 1e-5});
+        CHECK(analysis.strange_from == about(3e-3));
+        CHECK(analysis.displacement[2] != field.forecast.displacement[2]); // two samples are no proof
+        CHECK(analysis.displacement[3] == field.forecast.displacement[3]);
+        CHECK(analysis.displacement.back() == field.forecast.displacement.back());
+        CHECK(analysis.analyses.size() == 3 * sensors);
     }
 
     TEST_CASE("a sensor that knows less than the worlds do of its rock does not make it worse") {

@@ -2,12 +2,14 @@
 #include "engine/random.hpp"
 #include "systems/procedure/generations.hpp"
 #include "systems/procedure/learning.hpp"
+#include "systems/procedure/twin.hpp"
 #include "tests/about.hpp"
 #include "tests/systems/procedure/simple_point.hpp"
 
 #include <doctest/doctest.h>
 
 #include <array>
+#include <cmath>
 
 using namespace bris;
 
@@ -33,6 +35,14 @@ ModelRun simple_run(const RockBelief& rocks, double strain, std::uint64_t seed) 
 ModelRun dilating_run(const RockBelief& rocks, std::uint64_t seed) {
     ModelRun run = simple_run(rocks, 0.01, seed);
     for (TriaxialPoint& p : run.points) p.volumetric_strain = -1.5 * rocks.friction * p.axial_strain;
+    return run;
+}
+
+/// One with a sensor rock that friction drives outwards.
+ModelRun widening_run(const RockBelief& rocks, std::uint64_t seed) {
+    ModelRun run = simple_run(rocks, 0.01, seed);
+    run.sensors = 1;
+    for (std::size_t k = 0; k < run.points.size(); ++k) run.displacement[k][0].x() = 0.1 * (2 + std::log(rocks.friction)) * run.points[k].axial_strain;
     return run;
 }
 
@@ -78,6 +88,64 @@ TEST_SUITE("procedure/learning") {
         const auto a = learn(prior, worlds, one, learning, 0.01), b = learn(prior, worlds, other, learning, 0.01);
         REQUIRE(a.size() == b.size());
         for (std::size_t k = 0; k < a.size(); ++k) CHECK((a[k].belief.mean == b[k].belief.mean) == (a[k].strain <= 5e-3));
+    }
+
+    TEST_CASE("a q that no world comes near is left out and counted, and the rest teaches what it would alone") {
+        const Learning learning{.specimen_scatter = 0.35};
+        const Gaussian prior = prior_of({0.5, 1}, learning);
+        Worlds worlds{beliefs_of_worlds(prior, 8), {}};
+        for (const RockBelief& b : worlds.beliefs) worlds.runs.push_back(simple_run(b, 0.01, worlds.runs.size()));
+        const MeasuredTest good = measured_test(simple_run({0.7, 0.6}, 0.01, 50).points);
+        const auto learned = [&](auto&& change) {
+            MeasuredTest measured = good;
+            for (std::size_t k = 0; k < measured.q.size(); ++k) measured.q[k] = change(measured.q[k], k);
+            return learn(prior, worlds, measured, learning, 0.01);
+        };
+        for (const KnownAt& k : learned([](double q, std::size_t) { return q; })) CHECK(k.left_out == 0); // far from the prior, but not that far
+        for (const KnownAt& k : learned([](double q, std::size_t k) { return k > 40 ? 0.3 * q : q; })) CHECK(k.left_out == 0); // a slip
+        const auto wild = learned([](double q, std::size_t k) { return k == 15 ? 1e12 : q; }), without = learned([](double q, std::size_t k) { return k == 15 ? std::nan("") : q; });
+        REQUIRE(wild.size() == without.size());
+        unsigned left_out = 0;
+        for (std::size_t k = 0; k < wild.size(); ++k) {
+            CHECK(wild[k].belief.mean == without[k].belief.mean);
+            left_out += wild[k].left_out;
+            CHECK((wild[k].left_out == 1) == (wild[k].strain > 1.5e-3 - 1e-9 && (k == 0 || wild[k - 1].strain < 1.5e-3 - 1e-9)));
+        }
+        CHECK(left_out == 1);
+        // all of another gain: as if it were not measured, which is told window by window
+        const auto gain = learned([](double q, std::size_t) { return 30 * q; }), none = learned([](double, std::size_t) { return std::nan(""); });
+        CHECK(none.empty());
+        REQUIRE(gain.size() == window_ends(learning, 0.01).size());
+        CHECK(gain.back().belief.mean == prior.mean);
+        left_out = 0;
+        for (const KnownAt& k : gain) {
+            CHECK(k.squared_distance == -1);
+            left_out += k.left_out;
+        }
+        CHECK(left_out == 100);
+    }
+
+    TEST_CASE("without q the volume alone teaches, and what is foretold stays finite") {
+        const Learning learning{.specimen_scatter = 0.25, .by_sensors = false, .by_volume = true};
+        const Gaussian prior = prior_of({0.5, 1}, learning);
+        MeasuredTest measured = measured_test(dilating_run({0.7, 1}, 50).points);
+        for (double& q : measured.q) q = std::nan("");
+        unsigned runs = 0;
+        const auto run = [&](const std::vector<ModelArm>& arms, double) {
+            std::vector<ModelRun> all;
+            for (const ModelArm& arm : arms) all.push_back(dilating_run(arm.rocks, 100 + runs++));
+            return all;
+        };
+        const Learned learned = learn_in_two_generations(prior, measured, learning, 0.01, run);
+        REQUIRE_FALSE(learned.known.empty());
+        const Gaussian& known = learned.known.back().belief;
+        CHECK(known.mean[0] > prior.mean[0]);
+        CHECK(known.root.row(0).norm() < prior.root.row(0).norm());
+        CHECK(known.root.row(1).norm() == about(prior.root.row(1).norm()).epsilon(0.05)); // stiffness is not seen
+        for (double& v : measured.volumetric_strain) v = std::nan("");
+        const Learned nothing = learn_in_two_generations(prior, measured, learning, 0.01, run);
+        CHECK(nothing.known.empty());
+        for (const TriaxialPoint& p : foretold_by(nothing, prior).points) CHECK(std::isfinite(p.deviatoric_stress));
     }
 
     TEST_CASE("a world that a guard stops is left out, unless too few are left") {
@@ -167,6 +235,59 @@ TEST_SUITE("procedure/learning") {
         CHECK(by_both.root.row(0).norm() > 1.1 * if_alone);
         CHECK(by_both.mean[0] > by_q.mean[0]);
         CHECK(unmeasured.mean == by_q.mean);
+    }
+
+    TEST_CASE("sensor rocks that move outwards teach friction without a load cell, and tilt alone teaches nothing") {
+        Learning learning;
+        const Gaussian prior = prior_of({0.5, 1}, learning);
+        Worlds worlds{beliefs_of_worlds(prior, 8), {}};
+        for (const RockBelief& b : worlds.beliefs) worlds.runs.push_back(widening_run(b, worlds.runs.size()));
+        const ModelRun truth = widening_run({0.7, 1}, 50);
+        MeasuredTest measured = measured_test(truth.points);
+        measured.ways = recorded_ways(truth, sensor_rocks(truth), 1e-3, 1e-6, 1e-3, 1);
+        measured.displacement_noise = 1e-6;
+        const auto learned = [&] { return learn(prior, worlds, measured, learning, 0.01); };
+        const auto by_both = learned();
+        CHECK(gross_displacements(worlds, measured) == 0);
+        learning.by_force = false;
+        const auto by_sensors = learned();
+        CHECK(by_sensors.back().squared_distance == -1);
+        CHECK(std::abs(mean_of(by_sensors.back().belief).friction - 0.7) < 0.03);
+        CHECK(by_sensors.back().belief.root.row(0).norm() < 0.1 * prior.root.row(0).norm());
+        CHECK(by_sensors.back().belief.root.row(1).norm() == about(prior.root.row(1).norm()).epsilon(0.15)); // stiffness does not widen
+        learning.by_sensors = false;
+        CHECK(learned().empty());
+        learning.by_force = true;
+        const auto by_force = learned();
+        CHECK(by_force.back().belief.root.row(0).norm() > 1.5 * by_both.back().belief.root.row(0).norm());
+        // what nobody measured is not believed of worlds either
+        learning.by_sensors = true;
+        SensorWay& way = measured.ways.front();
+        way.displacement.back() += Vec3(0.1, 0, 0);
+        CHECK(gross_displacements(worlds, measured) == 1);
+        std::ranges::fill(way.displacement, Vec3::Constant(std::nan("")));
+        const auto by_tilt = learned();
+        REQUIRE(by_tilt.size() == by_force.size());
+        for (std::size_t k = 0; k < by_tilt.size(); ++k) CHECK(by_tilt[k].belief.mean == by_force[k].belief.mean);
+        CHECK(gross_displacements(worlds, measured) == 0);
+    }
+
+    TEST_CASE("whoever learns from other measurements goes on from the same first generation") {
+        const Learning learning;
+        const Gaussian prior = prior_of({0.5, 1}, learning);
+        const MeasuredTest measured = measured_test(simple_run({0.7, 1}, 0.02, 77).points);
+        unsigned runs = 0;
+        const RunModels run = [&](const std::vector<ModelArm>& arms, double strain) {
+            std::vector<ModelRun> all;
+            for (const ModelArm& arm : arms) all.push_back(simple_run(arm.rocks, strain, 100 + runs++));
+            return all;
+        };
+        const Learned whole = learn_in_two_generations(prior, measured, learning, 0.02, run);
+        runs = learning.worlds;
+        const Learned gone_on = learn_on(prior, whole.first, measured, learning, 0.02, run);
+        CHECK(runs == 2 * learning.worlds);
+        REQUIRE(gone_on.known.size() == whole.known.size());
+        for (std::size_t k = 0; k < whole.known.size(); ++k) CHECK(gone_on.known[k].belief.mean == whole.known[k].belief.mean);
     }
 
     TEST_CASE("beliefs of worlds are spread as what is known is") {

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cmath>
 #include <fstream>
 #include <thread>
 
@@ -72,6 +73,24 @@ void check_same(const RecordedTest& a, const RecordedTest& b) {
 std::string with(const std::string& line, const std::string& what, const std::string& instead) {
     const auto at = line.find(what);
     return at == std::string::npos ? line : line.substr(0, at) + instead + line.substr(at + what.size());
+}
+
+/// A record of the machine at a stage with one of its numbers changed, any other line as it is.
+std::string changed(const std::string& line, const std::string& name, auto&& change) {
+    const auto at = line.find("\"" + name + "\": "), strain = line.find("\"axial_strain\": ");
+    if (at == std::string::npos || strain == std::string::npos) return line;
+    const auto begin = at + name.size() + 4, end = line.find_first_of(",}", begin);
+    const long stage = std::lround(1e4 * std::stod(line.substr(strain + 16)));
+    return line.substr(0, begin) + fmt::format("{}", change(std::stod(line.substr(begin)), stage)) + line.substr(end);
+}
+
+std::string without_strain(std::string line) {
+    if (const auto at = line.find("\"strain\": "); at != std::string::npos) line.erase(at, line.find(", ", at) + 2 - at);
+    return line;
+}
+std::string ahead_by(double seconds, const std::string& line) {
+    const auto at = line.find("\"t\": ") + 5, end = line.find_first_of(",}", at);
+    return line.substr(0, at) + fmt::format("{:.6f}", std::stod(line.substr(at, end - at)) + seconds) + line.substr(end);
 }
 
 bool of_sensor(const std::string& line, int id) { return line.find("\"id\": " + std::to_string(id)) != std::string::npos; }
@@ -143,10 +162,7 @@ TEST_SUITE("procedure/live_test") {
 
     TEST_CASE("a sensor that knows no strain gets it from the test machine's clock") {
         std::vector<std::string> lines;
-        for (std::string line : recorded().lines) {
-            if (const auto at = line.find("\"strain\": "); at != std::string::npos) line.erase(at, line.find(", ", at) + 2 - at);
-            lines.push_back(line);
-        }
+        for (const std::string& line : recorded().lines) lines.push_back(without_strain(line));
         const Followed f;
         const auto test = f.follow(lines);
         (void)test->follow_to(1);
@@ -155,6 +171,72 @@ TEST_SUITE("procedure/live_test") {
             REQUIRE(found.ways[s].strain.size() + 1 == expected.ways[s].strain.size()); // its clock is fast: the last one is after the machine's last
             for (std::size_t k = 0; k < found.ways[s].strain.size(); ++k) CHECK(found.ways[s].strain[k] == about(expected.ways[s].strain[k]).epsilon(1e-3));
         }
+    }
+
+    TEST_CASE("the shipped test, followed, is accepted at every strain, with and without the sensors' strains") {
+        const std::filesystem::path folder = std::filesystem::path(BRIS_ASSETS) / "smartrock";
+        for (const bool strain : {true, false}) {
+            std::vector<std::string> lines = stream_of(folder / "55kPa", 1.2, 60);
+            if (!strain)
+                for (std::string& line : lines) line = without_strain(line);
+            const Followed f;
+            LiveTest test(f.write(lines), f.folder / "log", read_sensor_infos(folder), f.settings);
+            for (int k = 0; k <= 80; k += 4) {
+                REQUIRE(test.follow_to(1e-3 * k));
+                const RecordedTest now = test.so_far();
+                INFO(k << "\n" << intake_report(now.findings, now.recordings));
+                CHECK(now.refused() == 0);
+                for (const Finding& finding : now.findings) CHECK((finding.text.find("its clock gains") != std::string::npos || finding.text.find("too few samples at rest") != std::string::npos));
+            }
+        }
+    }
+
+    TEST_CASE("a sensor that knows no strain and whose clock is ahead of the machine's is refused, and its clock named") {
+        for (const double ahead : {10.0, 100.0}) {
+            std::vector<std::string> lines;
+            for (const std::string& line : recorded().lines) lines.push_back(of_sensor(line, 2) ? ahead_by(ahead, without_strain(line)) : without_strain(line));
+            const Followed f;
+            const auto test = f.follow(lines);
+            REQUIRE(test->follow_to(0.01));
+            CHECK(test->so_far().refused() == 1);
+            CHECK(test->so_far().ways[1].strain.empty());
+            CHECK(test->report().find(fmt::format("sensor 2: refused: clock: its t are {:.3g} s ahead of the machine's when they come", ahead + 1.2)) != std::string::npos); // a sample comes before the machine's of that stage
+            // told beforehand, it is put right
+            auto infos = recorded().infos;
+            infos[1].clock_offset = ahead;
+            LiveTest told(f.write(lines, "again"), f.folder / "log2", infos, f.settings);
+            REQUIRE(told.follow_to(0.01));
+            CHECK(told.so_far().refused() == 0);
+            REQUIRE(told.so_far().ways[1].strain.size() == 9);
+            CHECK(told.so_far().ways[1].strain[4] == about(0.005).epsilon(1e-3));
+        }
+    }
+
+    TEST_CASE("a sensor whose times are never the machine's is refused for its clock, not for a recording that is empty") {
+        std::vector<std::string> lines;
+        for (const std::string& line : recorded().lines) lines.push_back(of_sensor(line, 3) ? ahead_by(1e6, without_strain(line)) : line);
+        const Followed f;
+        const auto test = f.follow(lines);
+        REQUIRE(test->follow_to(0.01));
+        CHECK(test->report().find("sensor 3: refused: clock: its t are 1e+06 s ahead") != std::string::npos);
+        CHECK(test->report().find("length") == std::string::npos);
+        std::vector<std::string> timeless; // nor has the machine any
+        for (const std::string& line : lines) timeless.push_back(line.find("axial_strain") == std::string::npos ? line : with(line, "\"t\"", "\"clock\""));
+        const auto other = f.follow(timeless, "log2");
+        REQUIRE(other->follow_to(0.01));
+        CHECK(other->report().find("sensor 3: refused: clock: expected strain in its records, or t in the machine's, found neither") != std::string::npos);
+    }
+
+    TEST_CASE("a clock that is off where strain is sent, or may only be late, is told and does no harm") {
+        std::vector<std::string> lines;
+        for (const std::string& line : recorded().lines) lines.push_back(of_sensor(line, 2) ? ahead_by(100, line) : of_sensor(line, 3) ? ahead_by(-100, without_strain(line)) : line);
+        const Followed f;
+        const auto test = f.follow(lines);
+        REQUIRE(test->follow_to(0.01));
+        CHECK(test->so_far().refused() == 0);
+        CHECK(test->so_far().ways[1].strain.size() == 10);
+        CHECK(test->report().find("sensor 2: clock: its t are 100 s ahead of the machine's at the same strain") != std::string::npos);
+        CHECK(test->report().find("s behind the machine's when they come, expected 4.2 s at most: clock, or records that come late") != std::string::npos);
     }
 
     TEST_CASE("what cannot be used is let be and reported, and the test goes on without it") {
@@ -178,6 +260,72 @@ TEST_SUITE("procedure/live_test") {
                                  "sensor 1: t: expected a number", "expected an id, or axial_strain", "expected numbers, found 0.5 and nan", "sensor 1: refused: frame", "sensor 3: refused: numbers"}) {
             CAPTURE(what);
             CHECK(report.find(what) != std::string::npos);
+        }
+    }
+
+    TEST_CASE("what the machine sends wrongly is left out with its reason as soon as it shows, and the test goes on without it") {
+        struct Fault {
+            const char* channel;
+            double (*change)(double number, long stage);
+            double shows;         ///< axial strain
+            const char* says;
+            std::size_t left_out; ///< in the end
+        };
+        const Fault faults[] = {
+            {"deviatoric_stress_Pa", [](double q, long k) { return k == 15 ? 1e12 : q; }, 0.0015, "deviatoric_stress_Pa: 1 of 16 records left out: expected -5.5e+04 to 1.65e+06, found 1e+12 at 0.15 %", 1},
+            {"deviatoric_stress_Pa", [](double q, long k) { return k == 15 ? 10 * q : q; }, 0.0016, "deviatoric_stress_Pa: 1 of 17 records left out: expected one near 5.507e+04 as beside it, found 5.276e+05", 1},
+            {"deviatoric_stress_Pa", [](double q, long) { return 1e-3 * q; }, 0.0022, "refused: deviatoric_stress_Pa: expected 1100 Pa and more beyond 0.2 % of axial strain", 101},
+            {"deviatoric_stress_Pa", [](double q, long) { return -q; }, 0.0005, "refused: deviatoric_stress_Pa: expected it positive in compression", 101},
+            {"deviatoric_stress_Pa", [](double q, long k) { return k > 50 ? 8e4 : q; }, 0.0062, "deviatoric_stress_Pa: 11 of 63 records left out: expected a change, found 8e+04 from 0.51 to 0.62 %", 49},
+            {"volumetric_strain", [](double, long k) { return -0.5 * 0.01 * static_cast<double>(k); }, 0.0004, "refused: volumetric_strain: ", 101},
+            {"volumetric_strain", [](double v, long k) { return k == 40 ? 7.0 : v; }, 0.004, "volumetric_strain: 1 of 41 records left out: expected -0.021 to 0.005, found 7 at 0.4 %", 1},
+            {"ring_2_radius_m", [](double r, long k) { return k == 100 ? -r : r; }, 0.01, "ring_2_radius_m: 1 of 101 records left out: expected", 1},
+        };
+        for (const Fault& fault : faults) {
+            CAPTURE(fault.says);
+            std::vector<std::string> lines;
+            for (const std::string& line : recorded().lines) lines.push_back(changed(line, fault.channel, fault.change));
+            const Followed f;
+            const auto test = f.follow(lines);
+            REQUIRE(test->follow_to(fault.shows));
+            const std::string report = test->report();
+            CAPTURE(report);
+            CHECK(report.find(fault.says) != std::string::npos);
+            REQUIRE(test->follow_to(0.01)); // not the end of it
+            const RecordedTest found = test->so_far(), good = recorded().read();
+            REQUIRE(found.measured.size() == good.measured.size());
+            CHECK(found.refused() == 0);
+            CHECK(found.ways[1].displacement == good.ways[1].displacement);
+            std::size_t left_out = 0;
+            bool rest_is_same = true;
+            const auto compare = [&](double a, double b) {
+                if (std::isnan(a)) ++left_out;
+                else rest_is_same = rest_is_same && a == b;
+            };
+            for (std::size_t k = 0; k < found.measured.size(); ++k) {
+                const TriaxialPoint &a = found.measured[k], &b = good.measured[k];
+                compare(a.deviatoric_stress, k == 51 && a.deviatoric_stress == 8e4 ? 8e4 : b.deviatoric_stress); // the first that sticks is no fault
+                compare(a.volumetric_strain, b.volumetric_strain);
+                for (std::size_t r = 0; r < 8; ++r) compare(a.ring_radius[r], b.ring_radius[r]);
+            }
+            CHECK(rest_is_same);
+            CHECK(left_out == fault.left_out);
+        }
+    }
+
+    TEST_CASE("nothing is found wrong with the machine of the example at any time of the test") {
+        const std::filesystem::path example = std::filesystem::path(BRIS_ASSETS) / "smartrock";
+        for (const char* pressure : {"55", "110", "165"}) {
+            const auto all = stream_of(example / (std::string(pressure) + "kPa"), 1.2, 60);
+            const Followed f;
+            LiveSettings settings = f.settings;
+            settings.pressure = 1e3 * std::stod(pressure);
+            LiveTest test(f.write(all), f.folder / "log", read_sensor_infos(example), settings);
+            for (const double strain : {0.0, 1e-4, 3e-4, 1e-3, 2e-3, 5e-3, 0.0098, 0.01, 0.0428, 0.0516, 0.0721, 0.08}) { // also where it slips
+                CAPTURE(strain);
+                REQUIRE(test.follow_to(strain));
+                CHECK(test.report().find(fmt::format("test machine: {} records, nothing found", std::lround(1e4 * strain) + 1)) != std::string::npos);
+            }
         }
     }
 

@@ -1,4 +1,5 @@
 #include "engine/errors.hpp"
+#include "engine/signal/imu.hpp"
 #include "systems/procedure/recorded_test.hpp"
 #include "systems/procedure/twin.hpp"
 #include "tests/about.hpp"
@@ -7,6 +8,7 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
 #include <fstream>
 
 using namespace bris;
@@ -68,6 +70,66 @@ TEST_SUITE("procedure/recorded_test") {
         CHECK(test.refused() == 1);
         CHECK(test.ways[1].strain.empty());
         CHECK_FALSE(test.ways[0].strain.empty());
+    }
+
+    TEST_CASE("what the machine measured wrongly is left out with its reason, and all else is used") {
+        const ModelRun truth = steady_run();
+        const auto recordings = record_sensors(truth, {}, 1);
+        const auto read = [&](auto&& change) {
+            auto points = truth.points;
+            for (std::size_t k = 0; k < points.size(); ++k) change(points[k], k);
+            const TemporaryDirectory folder;
+            write_recorded_test(folder.path(), 55e3, recordings, scene_of(truth), points);
+            RecordedTest test = read_recorded_test(folder.path(), 55e3, read_sensor_infos(folder.path()), {});
+            CHECK(test.refused() == 0);
+            CHECK(test.ways[2].strain.size() == 10);
+            return test;
+        };
+        const auto says = [](const RecordedTest& test, const std::string& text) { return intake_report(test).find(text) != std::string::npos; };
+        const RecordedTest good = read([](TriaxialPoint&, std::size_t) {});
+        CHECK(says(good, "test machine: 101 records, nothing found\nsensor 1: "));
+
+        const RecordedTest wild = read([](TriaxialPoint& p, std::size_t k) { if (k == 15) p.deviatoric_stress = 1e12; });
+        CHECK(says(wild, "test machine: deviatoric_stress_Pa: 1 of 101 records left out: expected -5.5e+04 to 1.65e+06, found 1e+12 at 0.15 % of axial strain\n"));
+        CHECK(std::isnan(wild.measured[15].deviatoric_stress));
+        CHECK(misfit_of(truth, wild).q < 1); // by the others
+        const RecordedTest kilo = read([](TriaxialPoint& p, std::size_t) { p.deviatoric_stress *= 1e-3; });
+        CHECK(says(kilo, "test machine: refused: deviatoric_stress_Pa: expected 1100 Pa and more"));
+        CHECK(std::isnan(misfit_of(truth, kilo).q)); // not measured
+        CHECK(misfit_of(truth, kilo).volumetric_strain < 1e-8);
+        CHECK(says(read([](TriaxialPoint& p, std::size_t) { p.deviatoric_stress *= -1; }), "refused: deviatoric_stress_Pa: expected it positive in compression"));
+        CHECK(says(read([](TriaxialPoint& p, std::size_t k) { if (k > 40) p.deviatoric_stress = 7e4; }), "deviatoric_stress_Pa: 59 of 101 records left out: expected a change, found 7e+04"));
+        const RecordedTest percent = read([](TriaxialPoint& p, std::size_t k) { p.volumetric_strain = -0.5 * static_cast<double>(k) * 1e-2; });
+        CHECK(says(percent, "refused: volumetric_strain: ")); // -50 times the axial strain
+        CHECK(says(percent, "is it in per cent?"));
+        CHECK(std::isnan(misfit_of(truth, percent).volumetric_strain));
+        CHECK(misfit_of(truth, percent).q < 1);
+        const RecordedTest spike = read([](TriaxialPoint& p, std::size_t k) { if (k == 70) p.volumetric_strain = 0.3; });
+        CHECK(says(spike, "volumetric_strain: 1 of 101 records left out: expected -0.036 to 0.008, found 0.3 at 0.7 %"));
+        CHECK(misfit_of(truth, spike).volumetric_strain < 1e-8);
+        const RecordedTest ring = read([](TriaxialPoint& p, std::size_t k) { if (k == 100) p.ring_radius[3] = 75; });
+        CHECK(says(ring, "ring_4_radius_m: 1 of 101 records left out"));
+        CHECK(misfit_of(truth, ring).ring_strain < 1e-5);
+    }
+
+    TEST_CASE("honest sensors of every class are accepted, as far as a test has come") {
+        const ModelRun truth = steady_run();
+        for (const auto preset : imu_presets)
+            for (std::uint64_t seed = 1; seed <= 20; ++seed)
+                for (const std::size_t samples : {2u, 4u, 5u, 6u, 8u, 15u}) {
+                    RecordedTest test;
+                    test.recordings = record_sensors(truth, {.imu = std::string(preset)}, seed);
+                    for (Recording& r : test.recordings) {
+                        for (auto* numbers : {&r.time, &r.strain}) numbers->resize(samples);
+                        for (auto* vectors : {&r.force, &r.rate, &r.displacement}) vectors->resize(samples);
+                        r.sequence.resize(samples);
+                        r.attitude.resize(samples);
+                    }
+                    examine(test, {});
+                    INFO(preset << ", seed " << seed << "\n" << intake_report(test.findings, test.recordings));
+                    CHECK(test.refused() == 0);
+                    for (const Finding& f : test.findings) CHECK((f.check == "clock" || f.text.find("too few samples at rest") != std::string::npos));
+                }
     }
 
     TEST_CASE("files that are not there, cut off or not in order are refused with their line") {

@@ -1,0 +1,32 @@
+#pragma once
+
+#include "engine/math.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace bris {
+
+/// The value in the middle, of an even number the upper of two; half of the values may be wrong without moving it far.
+/// At least one value.
+inline double median(std::vector<double> values) {
+    const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+    std::nth_element(values.begin(), middle, values.end());
+    return *middle;
+}
+
+/// The same of each component.
+inline Vec3 median(const std::vector<Vec3>& values) {
+    Vec3 middle;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        std::vector<double> one;
+        for (const Vec3& v : values) one.push_back(v[axis]);
+        middle[axis] = median(std::move(one));
+    }
+    return middle;
+}
+
+/// Standard deviation of normal numbers whose absolute values have that median.
+inline double deviation_of_median(double median_of_absolutes) { return 1.4826 * median_of_absolutes; }
+
+} // namespace bris
