@@ -25,7 +25,7 @@ std::size_t next_shift() {
 } // namespace
 
 Column::Block::Block(std::size_t bytes) {
-    // huge pages pay from some ten thousand spheres on: a third of the step at 100 000
+    // huge pages pay from some ten thousand spheres on: up to a third of the step at 100 000, by processor (tests/performance/peers/switches)
     const bool large = bytes >= huge_page / 4;
     const std::size_t shift = bytes >= 16 * page ? next_shift() : 0, alignment = large ? huge_page : line;
     const std::size_t rounded = (bytes + shift + alignment - 1) / alignment * alignment;

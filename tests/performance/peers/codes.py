@@ -164,10 +164,11 @@ def execute(words, log):
 @functools.cache
 def here():
     """Machine and version that is measured (+: with changes): times are only comparable on one machine."""
-    model = re.search(r'^model name\s*: (.*)$', open('/proc/cpuinfo').read(), re.M)
+    about = open('/proc/cpuinfo').read()
+    field = lambda name: (re.findall(rf'^{name}\s*: (.*)$', about, re.M) or ['unknown'])[0]
     git = lambda *words: subprocess.run(['git', '-C', ROOT, *words], capture_output=True, text=True).stdout.strip() if shutil.which('git') else ''
     changed = '+' if git('status', '--porcelain', '--untracked-files=no') else ''
-    return {'machine': f'{model[1] if model else "unknown"}, {os.cpu_count()} cores', 'commit': git('rev-parse', '--short', 'HEAD') + changed}
+    return {'machine': f'{field("model name")}, family {field("cpu family")}, model {field("model")}, {os.cpu_count()} cores', 'commit': git('rev-parse', '--short', 'HEAD') + changed}
 
 
 def read_rows(path):
