@@ -236,7 +236,8 @@ void LiveRun::draw(const RecordedTest& measured) const {
 
 void LiveRun::report() {
     const RecordedTest measured = test_->so_far();
-    const std::string found = test_->report();
+    constexpr double drift = 1e-3, turn = 0.1; // m and rad, that rocks of the model may be off by
+    const std::string found = fmt::format("{}\n{}", test_->report(), observability(measured.recordings, test_settings_.final_axial_strain / 1e-4 * s_.stage_time, drift, turn));
     write_whole(common_.out / "intake.txt", found);
     write_run_file(found);
     write_known(common_.out / "learned.csv", model_->known());

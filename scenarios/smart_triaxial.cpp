@@ -60,17 +60,6 @@ struct Smart {
     }
 };
 
-/// What the sensors see of their directions, and what not.
-std::string observability(const Smart& s, const RecordedTest& test) {
-    std::string text = "sensor  direction  by                      deviation   gain  verdict\n";
-    const double duration = s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time;
-    for (const Recording& r : test.recordings)
-        for (const Seen& seen : what_is_seen(r, duration, s.drift, s.turn))
-            text += fmt::format("{:6}  {:<9}  {:<22}  {:9.2g}  {:5.2f}  {}\n", r.info.id, seen.direction, seen.source, seen.deviation, seen.gain,
-                                seen.observable() ? "observable" : "not observable");
-    return text;
-}
-
 /// One test, computed: the model alone and the one that learns.
 struct Computed {
     RockBelief before; ///< believed when the test began
@@ -307,7 +296,7 @@ void run(const Smart& given, const Common& common) {
         report += fmt::format("{}\n{}", folder_of(pressure), intake_report(tests.back()));
         std::filesystem::create_directories(common.out / folder_of(pressure));
     }
-    report += fmt::format("\n{}", observability(s, tests.front()));
+    report += fmt::format("\n{}", observability(tests.front().recordings, s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time, s.drift, s.turn));
     write_whole(common.out / "intake.txt", report);
     for (const RecordedTest& t : tests) fmt::print("{}: {} recordings, {} refused ({})\n", folder_of(t.pressure), t.recordings.size(), t.refused(), (common.out / "intake.txt").string());
     Computation computation(s, common, std::move(tests));

@@ -13,16 +13,6 @@ namespace bris {
 
 namespace {
 
-double width(std::span<const Ball> balls, const Vec3& direction) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const Ball& ball : balls) {
-        const double along = ball.centre.dot(direction);
-        low = std::min(low, along - ball.radius);
-        high = std::max(high, along + ball.radius);
-    }
-    return high - low;
-}
-
 Vec3 least_width_direction(std::span<const Ball> balls) {
     constexpr std::size_t lattice = 4000, kept = 12;
     std::vector<std::pair<double, std::size_t>> ranked;
@@ -66,6 +56,16 @@ Vec3 least_width_across(std::span<const Ball> balls, const Vec3& axis) {
 }
 
 } // namespace
+
+double width(std::span<const Ball> balls, const Vec3& direction) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const Ball& ball : balls) {
+        const double along = ball.centre.dot(direction);
+        low = std::min(low, along - ball.radius);
+        high = std::max(high, along + ball.radius);
+    }
+    return high - low;
+}
 
 Dimensions measure_dimensions(std::span<const Ball> balls) {
     const Vec3 shortest = least_width_direction(balls);

@@ -6,6 +6,9 @@
 
 namespace bris {
 
+/// Of the hull of the balls along a direction, m.
+double width(std::span<const Ball> balls, const Vec3& direction);
+
 /// Caliper dimensions, m: shortest = least width over all directions, intermediate = least width at
 /// right angles to it, longest = width at right angles to both. A box gives its edges.
 struct Dimensions {

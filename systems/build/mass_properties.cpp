@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
+#include "systems/build/dimensions.hpp"
 
 #include <algorithm>
 #include <array>
@@ -78,23 +79,13 @@ MassProperties from_moments(const Moments& moments, const Vec3& origin) {
     return result;
 }
 
-double extent(std::span<const Ball> balls, const Vec3& direction) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const Ball& ball : balls) {
-        const double along = ball.centre.dot(direction);
-        low = std::min(low, along - ball.radius);
-        high = std::max(high, along + ball.radius);
-    }
-    return high - low;
-}
-
 struct Pose {
     double side;
     Quat rotation;
 };
 
 double square_side(std::span<const Ball> balls, const Quat& rotation) {
-    return std::max(extent(balls, rotation * Vec3::UnitX()), extent(balls, rotation * Vec3::UnitY()));
+    return std::max(width(balls, rotation * Vec3::UnitX()), width(balls, rotation * Vec3::UnitY()));
 }
 
 /// Random search with a shrinking step: the side has kinks, on which descent along axes stalls.
@@ -198,7 +189,7 @@ double sieve_size(std::span<const Ball> balls) {
     // the given axes too: a box in its own frame must be exact
     for (int axis = 0; axis < 3; ++axis) {
         const Vec3 u = Vec3::Unit((axis + 1) % 3), v = Vec3::Unit((axis + 2) % 3);
-        best = std::min(best, std::max(extent(balls, u), extent(balls, v)));
+        best = std::min(best, std::max(width(balls, u), width(balls, v)));
     }
     return best;
 }

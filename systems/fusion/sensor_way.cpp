@@ -68,4 +68,13 @@ std::vector<Seen> what_is_seen(const Recording& recording, double duration, doub
     return all;
 }
 
+std::string observability(const std::vector<Recording>& recordings, double duration, double drift, double turn) {
+    std::string text = "sensor  direction  by                      deviation   gain  verdict\n";
+    for (const Recording& r : recordings)
+        for (const Seen& seen : what_is_seen(r, duration, drift, turn))
+            text += fmt::format("{:6}  {:<9}  {:<22}  {:9.2g}  {:5.2f}  {}\n", r.info.id, seen.direction, seen.source, seen.deviation, seen.gain,
+                                seen.observable() ? "observable" : "not observable");
+    return text;
+}
+
 } // namespace bris
