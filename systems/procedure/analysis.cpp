@@ -159,7 +159,7 @@ void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<I
 
 // Recordings of another specimen are far from the forecast in most of their rocks and stay so; one rock that went its own way is no reason.
 constexpr unsigned times_running = 3; // samples
-constexpr std::size_t fewest_sensors = 3; // that tell of all
+constexpr std::size_t fewest_sensors = 6; // that tell of all: three rocks that go their own way are soon chosen for just that
 
 /// Squared distance, chi square of three degrees, that a sensor of the right specimen keeps below in 99 of 100.
 double strangeness() { return chi_squared_quantile(0.99, 3); }

@@ -34,7 +34,7 @@ struct SensorsHeard {
 /// how alike at which distance; the innovations of the sensors are carried to all others by it. The worlds themselves are
 /// not touched, so nothing is put off its equilibrium. No sample is used before its strain, nor before it has come; one
 /// far off, and unlike the one before it, is refused. Of a way without rotations gravity's tilt is used.
-/// The worlds are packed as the specimen is, or so it is believed: where most sensors are far off the forecast for several samples running,
+/// The worlds are packed as the specimen is, or so it is believed: where most sensors, of six or more, are far off the forecast for several samples running,
 /// they are of another specimen, and left out from then on (strange_from). Samples are counted and kept (analyses).
 ModelRun analyse(const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors);
 /// The same for one stage of `run`, which holds the forecast there, whatever specimen the sensors are of.

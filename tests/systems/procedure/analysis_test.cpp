@@ -162,6 +162,9 @@ TEST_SUITE("procedure/analysis") {
         CHECK(analysis.displacement[3] == field.forecast.displacement[3]);
         CHECK(analysis.displacement.back() == field.forecast.displacement.back());
         CHECK(analysis.analyses.size() == 3 * sensors);
+        const std::vector<std::size_t> hosts{0, 1, 2}; // may have been chosen for going their own way
+        const std::vector<SensorWay> of_three(ways.begin(), ways.begin() + 3);
+        CHECK(analyse(field.forecast, field.scatter, {hosts, of_three, 1e-6, 1e-5}).strange_from == 0);
     }
 
     TEST_CASE("a sensor that knows less than the worlds do of its rock does not make it worse") {
