@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/signal/attitude.hpp"
 #include "engine/signal/chi_squared.hpp"
+#include "engine/signal/median.hpp"
 #include "engine/signal/moderated_variance.hpp"
 #include "systems/fusion/parameter_estimate.hpp"
 #include "systems/procedure/triaxial_results.hpp"
@@ -161,9 +162,6 @@ void carry(ModelRun& run, Motions motion, std::size_t stage, const std::vector<I
 constexpr unsigned times_running = 3; // samples
 constexpr std::size_t fewest_sensors = 6; // that tell of all: three rocks that go their own way are soon chosen for just that
 
-/// Squared distance, chi square of three degrees, that a sensor of the right specimen keeps below in 99 of 100.
-double strangeness() { return chi_squared_quantile(0.99, 3); }
-
 /// What one sample says of its rock, beside the forecast.
 struct Judged {
     double off, distance, gain, deviation; // as in AnalysisRecord
@@ -180,12 +178,10 @@ std::optional<Judged> judge(const SensorWay& way, std::ptrdiff_t sample, const M
     return Judged{off->norm(), off->squaredNorm() / variance, gain, deviation * std::sqrt(1 - gain), gross};
 }
 
-/// Upper one; nothing: too few to tell.
-std::optional<double> median_of(std::vector<double> distances) {
-    if (distances.size() < fewest_sensors) return {};
-    const auto middle = distances.begin() + static_cast<std::ptrdiff_t>(distances.size() / 2);
-    std::ranges::nth_element(distances, middle);
-    return *middle;
+/// Whether most sensors are farther off than those of the right specimen; nothing: too few to tell.
+std::optional<bool> are_strange(std::vector<double> squared_distances) {
+    if (squared_distances.size() < fewest_sensors) return {};
+    return median(std::move(squared_distances)) > chi_squared_quantile(0.99, 3);
 }
 
 /// Counts and keeps what came since the stage before. Whether most of it is far from the forecast, in displacements or in
@@ -212,9 +208,9 @@ std::optional<bool> take_records(ModelRun& run, const ModelRun& forecast, const 
         for (const auto& judged : {shift, turn})
             if (judged) ++(judged->gross ? run.refused : run.accepted);
     }
-    const auto shifted = median_of(std::move(shifts)), turned = median_of(std::move(turns));
+    const auto shifted = are_strange(std::move(shifts)), turned = are_strange(std::move(turns));
     if (!shifted && !turned) return {};
-    return std::max(shifted.value_or(0), turned.value_or(0)) > strangeness();
+    return shifted.value_or(false) || turned.value_or(false);
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include "systems/fusion/intake.hpp"
 #include "systems/stress/cases.hpp"
 #include "systems/stress/scenes.hpp"
+#include "systems/stress/seen.hpp"
 
 #include <fmt/format.h>
 
@@ -23,26 +24,12 @@ constexpr std::uint64_t steps_each = 50;            // of an interval
 constexpr unsigned good_ones = 20, all_of_them = 40; // samples of each sensor
 constexpr std::array<EntityId, 2> hosts{3, 17};
 constexpr EntityId another = 39;
-constexpr double position_deviation = 1e-5, velocity_deviation = 1e-2, attitude_deviation = 1e-2; // m, m/s and rad/s, rad
-constexpr double infinite = std::numeric_limits<double>::infinity(), diameter = 0.018;            // m
+constexpr double infinite = std::numeric_limits<double>::infinity(), diameter = 0.018; // m
 
 using Samples = std::vector<TimedMeasurement>;
 
 Tumble bed(std::uint64_t seed) { return {.grains = Grains::clumps, .bodies = 40, .seed = seed}; }
 Simulation start(World world) { return begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous}); }
-
-Measured seen(Simulation& sim, EntityId body, Random& random) {
-    const auto noise = [&](double deviation) -> Vec3 { return deviation * Vec3(random.normal(), random.normal(), random.normal()); };
-    Measured m;
-    m.position_deviation = position_deviation;
-    m.velocity_deviation = m.spin_deviation = velocity_deviation;
-    m.attitude_deviation = attitude_deviation;
-    m.position = value_of<Position>(sim, body) + noise(position_deviation);
-    m.velocity = value_of<Velocity>(sim, body) + 0.5 * dt * value_of<Acceleration>(sim, body) + noise(velocity_deviation);
-    m.spin = value_of<Spin>(sim, body) + noise(velocity_deviation);
-    m.attitude = exponential_map(noise(attitude_deviation)) * value_of<Orientation>(sim, body);
-    return m;
-}
 
 /// What sensors on the hosts, and one on another rock, record of a bed that tumbles.
 std::vector<Samples> record(std::uint64_t seed) {

@@ -3,6 +3,7 @@
 #include "engine/random.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/stress/scenes.hpp"
+#include "systems/stress/seen.hpp"
 
 #include <doctest/doctest.h>
 
@@ -26,19 +27,6 @@ stress::Tumble bed() { return {.grains = Grains::clumps, .bodies = 40}; }
 
 Simulation start(World world) { return stress::begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous}); }
 
-/// What a body does at the end of the last step, seen with deviations that the samples name.
-Measured seen(Simulation& sim, EntityId body, Random& random) {
-    const auto noise = [&](double deviation) -> Vec3 { return deviation * Vec3(random.normal(), random.normal(), random.normal()); };
-    Measured m;
-    m.position_deviation = 1e-5;
-    m.velocity_deviation = m.spin_deviation = m.attitude_deviation = 1e-2;
-    m.position = value_of<Position>(sim, body) + noise(m.position_deviation);
-    m.velocity = value_of<Velocity>(sim, body) + 0.5 * dt * value_of<Acceleration>(sim, body) + noise(m.velocity_deviation);
-    m.spin = value_of<Spin>(sim, body) + noise(m.spin_deviation);
-    m.attitude = exponential_map(noise(m.attitude_deviation)) * value_of<Orientation>(sim, body);
-    return m;
-}
-
 /// What sensors record of a bed that tumbles; and what one of another rock says.
 struct Recorded {
     Samples of_hosts{hosts.size()};
@@ -51,8 +39,8 @@ Recorded record() {
     Recorded r;
     for (unsigned k = 1; k <= all_of_them; ++k) {
         truth.advance(steps_each);
-        for (std::size_t s = 0; s < hosts.size(); ++s) r.of_hosts[s].push_back({interval * k, seen(truth, hosts[s], random)});
-        r.of_another.push_back({interval * k, seen(truth, another, random)});
+        for (std::size_t s = 0; s < hosts.size(); ++s) r.of_hosts[s].push_back({interval * k, stress::seen(truth, hosts[s], random)});
+        r.of_another.push_back({interval * k, stress::seen(truth, another, random)});
     }
     return r;
 }
