@@ -23,7 +23,7 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
         unsigned now = geometry.touching(to.near + group);
         if constexpr (lane_count == 4) now |= geometry.touching(to.near + group + 4) << 4;
         if (last - group < 8) now &= (1u << (last - group)) - 1;
-        if (group + 24 <= last) geometry.call_for_places(to.near + group + 16);
+        if (group + 56 <= last) geometry.call_for_places(to.near + group + 48);
         std::uint8_t& flags = index.touching[group / 8];
         now = sleepers.touching(group, now, flags);
         forget(to, static_cast<Row>(group), flags & ~now);

@@ -32,7 +32,13 @@ struct PlaneGeometry {
         return bits(dot({a[0] - p[0], a[1] - p[1], a[2] - p[2]}, {n[1], n[2], n[3]}) < a[3]);
     }
     void call_for_places(const NearEntry*) const {} // few, and close to those of their neighbours
-    void call_for(const TileTarget&, const Row*) const {}
+    void call_for(const TileTarget& to, const Row* rows) const {
+        for (int q = 0; q < lane_count; ++q) {
+            const NearEntry& e = to.near[rows[q]];
+            movers.call_for(e.owner);
+            to.call_for(rows[q], e.pair);
+        }
+    }
 
     template <class Law>
     unsigned collide(const TileTarget& to, const Row* rows, int count) const {

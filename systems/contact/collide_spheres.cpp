@@ -20,14 +20,14 @@ struct SphereGeometry {
                           [&](int q) -> const PlaceRow& { return movers.place[near[q].other]; }, 0);
     }
     void call_for_places(const NearEntry* near) const {
-        for (std::size_t q = 0; q < 8; ++q) __builtin_prefetch(&movers.place[near[q].other]);
+        for (std::size_t q = 0; q < 8; ++q) prefetch(&movers.place[near[q].other]);
     }
-    /// What may be far away: owners stand side by side, their partners do not.
     void call_for(const TileTarget& to, const Row* rows) const {
         for (int q = 0; q < lane_count; ++q) {
-            const std::size_t other = movers.body_of(to.near[rows[q]].other);
-            __builtin_prefetch(&movers.motion[other]);
-            if (movers.kick != nullptr) __builtin_prefetch(&movers.kick[other]);
+            const NearEntry& e = to.near[rows[q]];
+            movers.call_for(e.owner);
+            movers.call_for(e.other);
+            to.call_for(rows[q], e.pair);
         }
     }
 

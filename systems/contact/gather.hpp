@@ -4,6 +4,7 @@
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "engine/lanes.hpp"
+#include "engine/prefetch.hpp"
 #include "engine/rows.hpp"
 
 namespace bris {
@@ -70,9 +71,9 @@ void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torqu
         const Row first = incident[b] + owned[b], last = end[b];
         if (first == last) continue;
         // records lie where the owners' pairs lie: the first few of a body to come are called for in time
-        if (const Row coming = b + 4; coming < bodies.last)
+        if (const Row coming = b + 16; coming < bodies.last)
             for (Row k = 0; k < index.look_ahead; ++k)
-                __builtin_prefetch(&records.force[contact[incident[coming] + owned[coming] + k] & ~index.as_partner]);
+                prefetch(&records.force[contact[incident[coming] + owned[coming] + k] & ~index.as_partner]);
         const Vec3& x = position[b];
         const Quad centre{x[0], x[1], x[2], 0};
         Wrench sum;

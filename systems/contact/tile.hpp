@@ -5,6 +5,7 @@
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
 #include "engine/clock.hpp"
+#include "engine/prefetch.hpp"
 #include "engine/rows.hpp"
 #include "systems/contact/laws/composed.hpp"
 
@@ -26,6 +27,12 @@ struct TileTarget {
     const RollingRow* rolling_laws;
     bool one_law; ///< all pairs have the coefficients of laws[0]
     LawStep step;
+
+    void call_for(Row near_row, Row pair) const {
+        prefetch<true>(&force[near_row]);
+        if (spring != nullptr) prefetch<true>(&spring[pair]);
+        if (roll != nullptr) prefetch<true>(&roll[pair]);
+    }
 };
 
 template <class C, class K, class... Cs> auto* column_or_null(const Rows<K, Cs...>& rows) {
@@ -61,6 +68,13 @@ struct Movers {
         : place(listed.column<Place>()), body(index.centred ? nullptr : listed.column<ListedBody>()), motion(bodies.template column<RigidMotion>()),
           centre(index.centred ? nullptr : bodies.template column<CentreOf>()), kick(kick_of(bodies)) {}
     std::size_t body_of(std::size_t slot) const { return body == nullptr ? slot : body[slot]; }
+    /// Of a sphere whose place is known.
+    void call_for(std::size_t slot) const {
+        const std::size_t b = body_of(slot);
+        prefetch(&motion[b]);
+        if (kick != nullptr) prefetch(&kick[b]);
+        if (centre != nullptr) prefetch(&centre[b]);
+    }
 
 private:
     template <class... Cs> static const KickRow* kick_of(const Rows<Bodies, Cs...>& bodies) {

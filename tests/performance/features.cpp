@@ -1,5 +1,7 @@
 // What each feature costs: a settled bed of spheres, with one thing more at a time. Blocks of steps, interleaved over the
 // variants; one CSV line each with the median, the least, and what the scene's floor says of the physics.
+#include "components/membrane.hpp"
+#include "components/platen.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
@@ -38,7 +40,7 @@ struct Bench {
     }
 };
 
-enum class Also { nothing, ledger, damping, facets, sensors, frames, porosity };
+enum class Also { nothing, ledger, damping, facets, sensors, frames, porosity, membrane, servo };
 
 struct Variant {
     const char* name;
@@ -59,22 +61,68 @@ constexpr Variant variants[] = {
     {"ten sensors, a record each 20 steps", "dashpots", LawName::linear_viscous, Also::sensors},
     {"a frame written every 100 steps", "dashpots", LawName::linear_viscous, Also::frames},
     {"porosity measured every 100 steps", "dashpots", LawName::linear_viscous, Also::porosity},
+    {"membrane of 8 x 12 and platen, held", "dashpots", LawName::linear_viscous, Also::membrane},
+    {"the same, driven by servos", "membrane of 8 x 12 and platen, held", LawName::linear_viscous, Also::servo},
 };
 
-World bed_under(const Bench& s, LawName law) {
-    SphereBed bed;
-    bed.spheres = s.spheres;
-    World world = make_sphere_bed(bed);
-    world.resource<Materials>() = {};
-    Material grain{.name = "grain", .density = bed.density, .normal_stiffness = 2e6, .shear_stiffness = 4e6 / 7, .friction = 0.5,
+/// That of the bed, with what the law needs besides.
+Material grain_of(LawName law) {
+    Material grain{.name = "grain", .density = SphereBed{}.density, .normal_stiffness = 2e6, .shear_stiffness = 4e6 / 7, .friction = 0.5,
                    .young_modulus = 5e8, .poisson_ratio = 0.25, .rolling_friction = 0.1, .twisting_friction = 0.1};
     if (is_hertz(law)) grain.restitution = 0.3;
     else {
         grain.normal_damping = 5838;
         grain.shear_damping = 2919;
     }
-    world.resource<Materials>().add(grain);
+    return grain;
+}
+
+World bed_under(const Bench& s, LawName law) {
+    SphereBed bed;
+    bed.spheres = s.spheres;
+    World world = make_sphere_bed(bed);
+    world.resource<Materials>() = {};
+    world.resource<Materials>().add(grain_of(law));
     return world;
+}
+
+/// The spheres of that bed that stand in a tube, with a membrane around them and a platen on top in the place of the box.
+World bed_in_membrane(const Variant& v, double radius, const std::vector<Vec3>& places) {
+    const SphereBed bed;
+    World world = make_world(Grains::spheres);
+    const auto grain = world.resource<Materials>().add(grain_of(v.law));
+    double top = 0;
+    for (const Vec3& place : places) {
+        if (place.head<2>().norm() > radius - bed.radius) continue;
+        add_sphere(world, place, bed.radius, grain);
+        top = std::max(top, place.z() + bed.radius);
+    }
+    constexpr double pressure = 5e3; // about that of the bed's own weight
+    Membrane membrane;
+    membrane.ring_height = top / membrane.rings;
+    membrane.target_pressure = pressure;
+    membrane.contact_stiffness = bed.normal_stiffness;
+    membrane.largest_step = 1e-4 * radius;
+    add_membrane(world, std::move(membrane), radius, grain);
+    add_plane(world, add_boundary(world, Vec3::Zero(), grain), Vec3::Zero(), Vec3(0, 0, 1));
+    Platen platen;
+    platen.plane = add_plane(world, add_boundary(world, Vec3(0, 0, top), grain, Motion::servo), Vec3::Zero(), Vec3(0, 0, -1));
+    platen.controlled = true;
+    platen.target_pressure = pressure;
+    platen.contact_stiffness = bed.normal_stiffness;
+    platen.largest_step = 1e-4 * radius;
+    world.add_resource(platen);
+    world.add_resource<Gravity>();
+    world.resource<Clock>().dt = bed.step;
+    return world;
+}
+
+/// Membrane and platen stay where they are.
+void hold(World& world) {
+    world.resource<Membrane>().active = false;
+    std::ranges::fill(world.column<Elements, ElementSpeed>(), 0.0);
+    world.resource<Platen>().controlled = false;
+    world.resource<Platen>().speed = 0;
 }
 
 /// Where the spheres of a settled bed are, in the order of their ids.
@@ -94,6 +142,7 @@ struct Case {
     Variant variant;
     std::unique_ptr<Simulation> simulation;
     std::unique_ptr<FrameWriter> frames;
+    double spheres = 0;
     std::vector<double> wall = {}; ///< s, of each block
 };
 
@@ -116,13 +165,17 @@ Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& places
     World world = bed_under(s, v.law);
     const double half = world.resource<Limits>().high.x();
     for (std::size_t k = 0; k < places.size(); ++k) world.column<Bodies, Position>()[k] = places[k];
+    const bool in_membrane = v.also == Also::membrane || v.also == Also::servo;
+    if (in_membrane) world = bed_in_membrane(v, half, places);
     if (v.also == Also::facets) testing::add_facet_floor(world, -half, half, 8, 0);
     if (v.also == Also::damping) world.add_resource(LocalDamping{0.1});
     add_lists(world, v.law);
     if (v.also == Also::ledger) add_ledger(world);
     if (v.also == Also::sensors) add_ten_sensors(world, s);
-    Case c{v, std::make_unique<Simulation>(std::move(world), steps(v.law, v.also == Also::ledger), 1), nullptr};
+    const auto spheres = static_cast<double>(world.table<Spheres>().size());
+    Case c{v, std::make_unique<Simulation>(std::move(world), steps(v.law, v.also == Also::ledger), 1), nullptr, spheres};
     c.simulation->advance(std::max<std::uint64_t>(s.steps, 12000)); // to rest, with warm caches and lists
+    if (v.also == Also::membrane) hold(c.simulation->world());
     return c;
 }
 
@@ -156,17 +209,17 @@ void report(const Bench& s, std::vector<Case>& cases) {
     const auto median = [&](const Case& c) {
         auto wall = c.wall;
         std::sort(wall.begin(), wall.end());
-        return wall[wall.size() / 2] / static_cast<double>(s.steps * s.spheres) * 1e9;
+        return wall[wall.size() / 2] / (static_cast<double>(s.steps) * c.spheres) * 1e9;
     };
     for (const Case& c : cases) {
         const auto base = std::find_if(cases.begin(), cases.end(), [&](const Case& b) { return std::string(b.variant.name) == c.variant.against; });
         const double now = median(c), cost = base == cases.end() ? 0 : now - median(*base);
-        const double least = *std::min_element(c.wall.begin(), c.wall.end()) / static_cast<double>(s.steps * s.spheres) * 1e9;
+        const double least = *std::min_element(c.wall.begin(), c.wall.end()) / (static_cast<double>(s.steps) * c.spheres) * 1e9;
         const Quantities q = measure(c.simulation->world());
         const std::size_t count = systems_of(c);
         fmt::print("{:38} {:8} {:10.1f} {:10.1f} {:10.1f} {:8.3f} {:12.4f}\n", c.variant.name, count, now, least, cost, q.coordination,
                    q.boundary_force.z() / q.weight.z());
-        csv += fmt::format("\"{}\",\"{}\",{},{},{},{},{:.4g},{:.4g},{:.4g},{:.6g},{:.6g}\n", c.variant.name, c.variant.against, s.spheres, s.steps, s.rounds,
+        csv += fmt::format("\"{}\",\"{}\",{},{},{},{},{:.4g},{:.4g},{:.4g},{:.6g},{:.6g}\n", c.variant.name, c.variant.against, c.spheres, s.steps, s.rounds,
                            count, now, least, cost, q.coordination, q.boundary_force.z() / q.weight.z());
     }
     write_whole(s.out, csv);
