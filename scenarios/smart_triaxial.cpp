@@ -41,6 +41,8 @@ struct Smart {
     void describe(auto& option) {
         option.group("recordings");
         option("recordings", recordings, "", "a folder: rock_NN.txt, sensor_poses.csv, and for each pressure recordings.csv (or recordings.h5) and test.csv in a folder as 55kPa");
+        option("columns", intake.columns, "", "a file that says how recordings.csv is written, where not as by this project: names, units, signs, delimiter");
+        option("machine_columns", intake.machine_columns, "", "the same of test.csv");
         option("rest", intake.rest, "s", "at their beginning, in which the rocks lie still", above(0));
         option("use_displacement", intake.displacement, "", "ux uy uz, where recorded, else what an inertial sensor knows of it: nothing");
         option("use_attitude", intake.attitude, "", "qw qx qy qz, where recorded, else tilt by gravity");

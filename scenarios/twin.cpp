@@ -38,6 +38,7 @@ struct Twin {
     RockBelief model{0.5, 1};
     std::string arms = "free,chaos,learned,ensemble,analysed";
     std::filesystem::path record;
+    std::string record_format = "csv";
     double disturbance = 1e-7, change = 0.03, lateness = 0;
     SensorSettings sensors;
     bool catch_up = true, layouts = false;
@@ -65,6 +66,7 @@ struct Twin {
         option("catch_up", catch_up, "", "begin again with what was learned, else go on from where the model is");
         option("layouts", layouts, "", "try other sensor rocks: how many, which, and how often they tell, and what that leaves of the error of rocks without (layouts.csv)");
         option("record", record, "", "a folder for what the sensors of the truth record, as smart_triaxial reads it; empty: none");
+        option("record_format", record_format, "", "of these files", {"csv", "hdf5"});
         option("filter", filter, "", "what turns recordings into corrections", filter_names);
         option("sensor_mode", sensors.mode, "", "what they tell: displacement and attitude without error, or tracked with noise; or an inertial sensor through the intake: tilt alone", sensor_modes);
         option("imu", sensors.imu, "", "of honest-imu, and of --record", {"lab-grade", "smartrock-like", "cheap"});
@@ -151,6 +153,7 @@ private:
     Taught teach(const std::string& teaching, const Told& told);
     ModelRun compute(const ModelArm& arm);
     std::vector<TriaxialPoint> measured() const;
+    void record(const RecordingSettings& settings) const;
     std::vector<ModelRun> run_all(const std::vector<ModelArm>& arms, double strain);
     ModelRun run_another();
 
@@ -264,13 +267,22 @@ ModelRun Experiment::compute(const ModelArm& arm) {
     return analyse(taught.forecast, taught.scatter, {sensor_rocks(truth_), arm.ways, arm.corrections.position_noise, arm.corrections.attitude_noise, t_.lateness});
 }
 
+void Experiment::record(const RecordingSettings& settings) const {
+    const auto recordings = record_sensors(truth_, settings, common_.seed);
+    const auto points = measured();
+    if (t_.record_format == "csv") return write_recorded_test(t_.record, test_.confining_pressure, recordings, scene_, points);
+    std::vector<double> time;
+    for (const TriaxialPoint& p : points) time.push_back(settings.rest + p.axial_strain / 1e-4 * settings.stage_time);
+    write_recorded_test_hdf5(t_.record, test_.confining_pressure, recordings, scene_, points, time);
+}
+
 void Experiment::run() {
     specimen_ = make_specimen(scene_, test_, common_, [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
     progress_.pause();
     truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain).front();
     if (!t_.record.empty()) {
         const RecordingSettings settings{.interval = t_.sensors.interval, .imu = t_.sensors.imu, .displacement_noise = t_.sensors.position_noise, .attitude_noise = t_.sensors.attitude_noise};
-        write_recorded_test(t_.record, test_.confining_pressure, record_sensors(truth_, settings, common_.seed), scene_, measured());
+        record(settings);
     }
     told_ = told_by_sensors(truth_, t_.sensors, common_.seed);
     if (std::ranges::count(names_, "null") > 0) told_of_another_ = told_by_sensors(run_another(), t_.sensors, common_.seed);

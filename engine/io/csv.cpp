@@ -26,42 +26,88 @@ std::string listed(const std::vector<std::string>& names) {
     return text;
 }
 
-void read_header(CsvTable& table, std::string_view line, const std::string& at) {
-    for (const std::string_view cell : cells_of(line)) {
-        const std::string name(cell);
-        if (name.empty() || number_of(cell))
-            throw InputError(
-                fmt::format("{}: expected column names, found \"{}\"", at, trimmed(line)));
-        if (table.has(name))
-            throw InputError(fmt::format("{}: column '{}': expected once, found twice", at, name));
-        table.names.push_back(name);
-    }
+[[noreturn]] void refuse_twice(const std::string& at, std::string_view name) {
+    throw InputError(fmt::format("{}: column '{}': expected once, found twice", at, name));
 }
 
-void read_row(CsvTable& table, std::string_view line, const std::string& at) {
-    const auto cells = cells_of(line);
-    if (cells.size() != table.names.size())
-        throw InputError(fmt::format("{}: expected {} columns ({}), found {}", at,
-                                     table.names.size(), listed(table.names), cells.size()));
-    std::vector<double> row;
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-        const auto value = number_of(cells[i]);
-        if (!value)
-            throw InputError(fmt::format("{}: column '{}': expected a number, found \"{}\"", at,
-                                         table.names[i], cells[i]));
-        row.push_back(*value);
+/// Reads the rows of a file written in some form.
+class Reader {
+public:
+    Reader(CsvTable& table, const CsvForm& form) : table_(table), form_(form) {}
+
+    void read_header(std::string_view line, const std::string& at) {
+        const auto cells = cells_of(line, form_.delimiter);
+        width_ = cells.size();
+        for (const std::string_view cell : cells) header_ += (header_.empty() ? "" : ", ") + std::string(cell);
+        if (form_.columns.empty()) read_names(cells, line, at);
+        for (const CsvColumn& column : form_.columns) {
+            const auto found = std::find(cells.begin(), cells.end(), column.theirs);
+            if (found == cells.end())
+                throw InputError(fmt::format("{}: expected a column '{}' ({} of {}), found {}", at, column.theirs, column.ours, column.place, header_));
+            if (std::find(found + 1, cells.end(), column.theirs) != cells.end()) refuse_twice(at, column.theirs);
+            table_.names.push_back(column.ours);
+            from_.push_back(static_cast<std::size_t>(found - cells.begin()));
+        }
     }
-    table.rows.push_back(std::move(row));
-}
+
+    void read_row(std::string_view line, const std::string& at) {
+        const auto cells = cells_of(line, form_.delimiter);
+        if (cells.size() != width_) throw InputError(fmt::format("{}: expected {} columns ({}), found {}", at, width_, header_, cells.size()));
+        std::vector<double> row;
+        for (std::size_t i = 0; i < from_.size(); ++i) {
+            const auto value = number_in(cells[from_[i]]);
+            const CsvColumn* const wanted = form_.columns.empty() ? nullptr : &form_.columns[i];
+            if (!value) throw InputError(fmt::format("{}: column '{}': expected a number, found \"{}\"", at, wanted ? wanted->theirs : table_.names[i], cells[from_[i]]));
+            row.push_back(wanted ? wanted->scale * *value + wanted->offset : *value);
+        }
+        table_.rows.push_back(std::move(row));
+    }
+
+private:
+    void read_names(const std::vector<std::string_view>& cells, std::string_view line, const std::string& at) {
+        for (const std::string_view cell : cells) {
+            if (cell.empty() || number_of(cell)) throw InputError(fmt::format("{}: expected column names, found \"{}\"", at, trimmed(line)));
+            if (table_.has(std::string(cell))) refuse_twice(at, cell);
+            from_.push_back(table_.names.size());
+            table_.names.emplace_back(cell);
+        }
+    }
+
+    std::optional<double> number_in(std::string_view cell) const {
+        if (form_.decimal == '.') return number_of(cell);
+        if (cell.find('.') != std::string_view::npos) return {}; // a thousand, or a number of another file
+        std::string text(cell);
+        std::replace(text.begin(), text.end(), form_.decimal, '.');
+        return number_of(text);
+    }
+
+    CsvTable& table_;
+    const CsvForm& form_;
+    std::vector<std::size_t> from_; // the cell of each column
+    std::size_t width_ = 0;
+    std::string header_;
+};
 
 } // namespace
 
-std::vector<std::string_view> cells_of(std::string_view line) {
+const CsvColumn* CsvForm::find(const std::string& ours) const {
+    const auto found = std::find_if(columns.begin(), columns.end(), [&](const CsvColumn& column) { return column.ours == ours; });
+    return found == columns.end() ? nullptr : &*found;
+}
+
+std::vector<std::string_view> cells_of(std::string_view line, char delimiter) {
     std::vector<std::string_view> cells;
+    const bool blanks = delimiter == ' ';
+    if (blanks) line = trimmed(line);
     for (std::size_t start = 0; start <= line.size();) {
-        const std::size_t comma = std::min(line.find(',', start), line.size());
-        cells.push_back(trimmed(line.substr(start, comma - start)));
-        start = comma + 1;
+        const auto begin = std::min(line.find_first_not_of(delimiter == '\t' ? " " : " \t", start), line.size());
+        const auto quote = begin < line.size() && line[begin] == '"' ? line.find('"', begin + 1) : std::string_view::npos;
+        const std::size_t from = quote == std::string_view::npos ? start : quote;
+        const std::size_t end = std::min(blanks ? line.find_first_of(" \t", from) : line.find(delimiter, from), line.size());
+        std::string_view cell = trimmed(line.substr(start, end - start));
+        if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = trimmed(cell.substr(1, cell.size() - 2));
+        cells.push_back(cell);
+        start = blanks && end < line.size() ? line.find_first_not_of(" \t", end) : end + 1;
     }
     return cells;
 }
@@ -91,23 +137,26 @@ std::vector<double> CsvTable::column(const std::string& name) const {
     return values;
 }
 
-CsvTable read_csv(const std::filesystem::path& path) {
+CsvTable read_csv(const std::filesystem::path& path, const CsvForm& form) {
     const std::string content = read_whole(path);
     CsvTable table;
     table.path = path;
+    Reader reader(table, form);
     std::string_view rest = content;
     if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3); // byte order mark of spreadsheets
-    for (int number = 1; !rest.empty(); ++number) {
+    for (unsigned number = 1; !rest.empty(); ++number) {
         const std::size_t end = std::min(rest.find('\n'), rest.size());
-        const std::string_view line = trimmed(rest.substr(0, end));
+        const std::string_view whole = rest.substr(0, end), line = trimmed(whole);
         rest.remove_prefix(std::min(end + 1, rest.size()));
-        if (line.empty() || line.front() == '#') continue;
+        const bool named = !table.names.empty();
+        if (line.empty() || line.front() == form.comment || number < (named ? form.first_line : form.header_line)) continue;
         const std::string at = fmt::format("{}:{}", path.string(), number);
-        if (table.names.empty()) {
-            read_header(table, line, at);
+        const std::string_view cells = form.delimiter == '\t' ? whole : line; // a tab at either end is a cell
+        if (!named) {
+            reader.read_header(cells, at);
         } else {
-            read_row(table, line, at);
-            table.lines.push_back(number);
+            reader.read_row(cells, at);
+            table.lines.push_back(static_cast<int>(number));
         }
     }
     if (table.names.empty())

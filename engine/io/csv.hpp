@@ -21,14 +21,33 @@ struct CsvTable {
     bool has(const std::string& name) const;
 };
 
-/// The cells of a line, without blanks around them.
-std::vector<std::string_view> cells_of(std::string_view line);
+/// A column that is wanted of a file, under a name and in a unit of ours: scale * what it has + offset.
+struct CsvColumn {
+    std::string ours, theirs;
+    std::string unit = ""; ///< of theirs, as given; "": ours
+    double scale = 1, offset = 0;
+    std::string place = ""; ///< file:line that asks for it
+};
+
+/// How a CSV file is written.
+struct CsvForm {
+    char delimiter = ','; ///< ' ': blanks and tabs, any number of them
+    char comment = '#';   ///< begins lines that are none of the table
+    char decimal = '.';
+    unsigned header_line = 0, first_line = 0; ///< of names and of the first numbers, from 1; 0: the first line, and the next
+    std::vector<CsvColumn> columns = {};      ///< those wanted, all others are let be; none: all, as they are named
+
+    const CsvColumn* find(const std::string& ours) const; ///< null: not wanted
+};
+
+/// The cells of a line, without blanks or quotes around them; a delimiter between quotes is none.
+std::vector<std::string_view> cells_of(std::string_view line, char delimiter = ',');
 /// A cell as a number, NaN if it is empty or "-"; nothing if it is not one.
 std::optional<double> number_of(std::string_view cell);
 
 /// Reads a CSV file. An empty cell or "-" becomes NaN. Throws InputError with file:line, what was
 /// expected and what was found; OutputError if the file cannot be read.
-CsvTable read_csv(const std::filesystem::path& path);
+CsvTable read_csv(const std::filesystem::path& path, const CsvForm& form = {});
 
 /// Writes a CSV file with `digits` significant digits (default: exact round trip), as a new file
 /// that replaces the old one only when complete. Comments stand before the header, each with "# ".

@@ -40,6 +40,18 @@ void look_at_displacement(const Inspection& at);
 /// Unit quaternions; the attitude at rest that the metadata give; upwards where gravity says it is; turns as the rates say.
 void look_at_attitude(const Inspection& at, const Vec3& gravity);
 
+/// How many samples the sensor itself said not to use.
+void look_at_flags(const Inspection& at);
+
+/// Samples that are missing by their count, beside what their times tell. For counts and times that grow.
+void look_at_count(const Inspection& at);
+
+/// Temperature, its range and drift, whether the gyroscope's bias at rest follows it; a battery that is low.
+void look_at_device(const Inspection& at);
+
+/// Whether the earth's field is steady, and what it says of yaw.
+void look_at_field(const Inspection& at);
+
 /// Displacements of all sensors beside each other, of those that have not been refused: rocks go down with the upper platen,
 /// the higher the more.
 void compare_displacements(const std::vector<Recording>& recordings, std::vector<Finding>& findings);

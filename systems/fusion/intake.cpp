@@ -20,11 +20,15 @@ public:
         : at_{recording, limits, findings}, r_(recording), gravity_(gravity), limits_(limits) {}
 
     void look() {
+        look_at_flags(at_);
         if (r_.size() < 2) return refuse("length", fmt::format("expected two samples or more, found {}", r_.size()));
         if (!look_at_numbers() || !look_at_times()) return; // what follows would be of no use
         at_.rest = static_cast<std::size_t>(std::ranges::count_if(r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
         while (at_.still < at_.rest && (r_.strain.empty() || r_.strain[at_.still] <= 0)) ++at_.still;
         look_at_clock();
+        look_at_count(at_);
+        look_at_device(at_);
+        look_at_field(at_);
         look_at_displacement(at_);
         look_at_attitude(at_, gravity_);
         if (!r_.force.empty()) {
@@ -51,12 +55,27 @@ private:
         const auto bad = [](const auto& values) {
             return std::ranges::count_if(values, [](const auto& v) {
                 if constexpr (requires { v.coeffs(); }) return !v.coeffs().allFinite();
-                else return !v.allFinite();
+                else if constexpr (requires { v.allFinite(); }) return !v.allFinite();
+                else return !std::isfinite(v);
             });
         };
-        const auto count = bad(r_.force) + bad(r_.rate) + bad(r_.displacement) + bad(r_.attitude) +
-                           std::ranges::count_if(r_.time, [](double t) { return !std::isfinite(t); });
-        if (count > 0) refuse("numbers", fmt::format("expected finite numbers, found {} that are not", count));
+        const auto first = [&](const char* channel) {
+            const auto place = r_.first_without.find(channel);
+            return place == r_.first_without.end() ? "" : fmt::format(", {}: the first at {}", channel, place->second);
+        };
+        // without these, others can be of use
+        const auto note_missing = [&](const char* channel, const auto& values) {
+            if (const auto count = bad(values); count > 0) note("numbers", fmt::format("{} of {} samples are without{}", count, values.size(), first(channel)));
+        };
+        note_missing("strain", r_.strain);
+        note_missing("phase", r_.phase);
+        note_missing("mx my mz", r_.field);
+        note_missing("temp", r_.temperature);
+        note_missing("batt", r_.battery);
+        const auto count = bad(r_.force) + bad(r_.rate) + bad(r_.displacement) + bad(r_.attitude) + bad(r_.time);
+        std::string where;
+        for (const char* channel : {"t", "ax ay az", "gx gy gz", "ux uy uz", "qw qx qy qz"}) where += first(channel);
+        if (count > 0) refuse("numbers", fmt::format("expected finite numbers, found {} that are not{}", count, where));
         return count == 0;
     }
 

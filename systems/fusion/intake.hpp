@@ -34,9 +34,9 @@ struct Finding {
 };
 
 /// Looks at recordings before any of them is fused, and says what is wrong; repairs nothing. Found are: numbers that are
-/// not finite, times that go backwards, samples twice, gaps, jitter, clocks that drift, saturation, values that stick, displacements that jump,
+/// not finite, samples that the sensor marks itself, times that go backwards, samples twice, gaps by time and by count, jitter, clocks that drift, saturation, values that stick, displacements that jump,
 /// that scatter, or that are longer than the test or others than their neighbours allow, attitudes that are none, not those
-/// of the metadata, or against gravity and the rates, gravity of another size (units) or direction (signs, frame, ids changed
+/// of the metadata, or against gravity and the rates, a magnetic field that is disturbed (and what a steady one tells of yaw), temperatures, batteries that are low, gravity of another size (units) or direction (signs, frame, ids changed
 /// for one another), noise other than declared, recordings that are the same. `gravity`: m/s2, world frame.
 ///
 /// One rock's displacement cannot be told from another that a rock may make: of wrong signs or axes only those are seen

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/signal/attitude.hpp"
+#include "systems/fusion/heading.hpp"
 
 #include <fmt/format.h>
 
@@ -63,8 +64,10 @@ std::vector<Seen> what_is_seen(const Recording& recording, double duration, doub
         all.push_back(tracked ? seen_by(axis, "displacement", info.displacement_noise, drift)
                               : seen_by(axis, inertial ? "twice integrated force" : "nothing", inertial ? integrated : nothing, drift));
     all.push_back(oriented ? seen_by("tilt", "attitude", info.attitude_noise, turn) : seen_by("tilt", inertial ? "gravity" : "nothing", inertial ? tilt : nothing, turn));
-    all.push_back(oriented ? seen_by("yaw", "attitude", info.attitude_noise, turn)
-                           : seen_by("yaw", recording.rate.empty() ? "nothing" : "integrated rate", recording.rate.empty() ? nothing : yaw, turn));
+    const Heading heading = recording.field.empty() || oriented ? Heading{.unseen_since = "not asked"} : heading_of(recording);
+    if (oriented) all.push_back(seen_by("yaw", "attitude", info.attitude_noise, turn));
+    else if (heading.seen() && (recording.rate.empty() || heading.deviation < yaw)) all.push_back(seen_by("yaw", "magnetometer (unused)", heading.deviation, turn));
+    else all.push_back(seen_by("yaw", recording.rate.empty() ? "nothing" : "integrated rate", recording.rate.empty() ? nothing : yaw, turn));
     return all;
 }
 

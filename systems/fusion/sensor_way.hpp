@@ -30,7 +30,8 @@ struct Seen {
 };
 
 /// For a test of `duration` (s), in which a model drifts by the deviations `drift` (m) and `turn` (rad). What an inertial
-/// sensor alone says of its displacement is the second integral of noise and bias.
+/// sensor alone says of its displacement is the second integral of noise and bias. A magnetometer in a steady field sees yaw
+/// (heading.hpp), but is not fused: the verdict says what could be known.
 std::vector<Seen> what_is_seen(const Recording& recording, double duration, double drift, double turn);
 /// Of several, as a table.
 std::string observability(const std::vector<Recording>& recordings, double duration, double drift, double turn);

@@ -25,9 +25,12 @@ constexpr double same_strain = 1e-9; // of what was asked for and what has come
 constexpr std::size_t fewest_times = 3; // by which a clock is judged
 
 // of a sample
-constexpr std::array sample_names{"strain", "seq", "ax", "ay", "az", "gx", "gy", "gz", "ux", "uy", "uz", "qw", "qx", "qy", "qz"};
-namespace in_sample { constexpr std::size_t strain = 0, sequence = 1, force = 2, rate = 5, displacement = 8, attitude = 11; }
+constexpr std::array sample_names{"strain", "seq", "ax", "ay", "az", "gx", "gy", "gz", "ux", "uy", "uz", "qw", "qx", "qy", "qz", "mx", "my", "mz", "temp", "batt", "flags", "phase"};
+namespace in_sample {
+constexpr std::size_t strain = 0, sequence = 1, force = 2, rate = 5, displacement = 8, attitude = 11, field = 15, temperature = 18, battery = 19, flags = 20, phase = 21;
+}
 constexpr std::uint32_t bits_of(std::size_t first, std::size_t count) { return ((1u << count) - 1) << first; }
+bool is_count_of_samples(double n) { return n >= 0 && n < 9e15 && n == std::floor(n); }
 bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 std::string logged(const LineSource::Line& line) { return fmt::format("{}{}\n", line.whole ? "" : cut_off, line.text); }
@@ -145,6 +148,7 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
     const double id = record.number("id"), t = record.number("t");
     const auto found = id >= 0 && id == std::floor(id) && id < 1e9 ? sensors_.find(static_cast<unsigned>(id)) : sensors_.end();
     if (found == sensors_.end()) return note(fmt::format("id {}", id), fmt::format("line {}: expected the id of a file rock_NN.txt, found {}", record.line, id));
+    look_for_numbers(record);
     if (!std::isfinite(t)) return note("no time", fmt::format("line {}: sensor {}: t: expected a number, found {}", record.line, id, t));
     if (is_far_off(record, "a sensor", record.number("strain"))) return;
     SensorRecords& sensor = found->second;
@@ -152,13 +156,24 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
     const auto [place, is_new] = sensor.by_time.emplace(t, sample);
     if (is_new) {
         sensor.sent |= sample.sent;
-        if (!strain_at_.empty()) sensor.ahead.push_back(t - sensor.clock_offset - strain_at_.rbegin()->first);
+        if (!clock_.by_time.empty()) sensor.ahead.push_back(t - sensor.clock_offset - clock_.by_time.rbegin()->first);
         sensor.late += static_cast<std::uint64_t>(record.number("strain") < followed_ - same_strain);
         return;
     }
     ++sensor.twice;
     if (place->second.sent != sample.sent || !std::ranges::equal(place->second.numbers, sample.numbers, same_number))
         note("contradicts", fmt::format("line {}: sensor {}: t = {} was sent before with other numbers; the first stand", record.line, id, t));
+}
+
+/// They are kept as they are, and the intake judges them; strain, phase, seq and flags as if they had not been sent.
+void LiveTest::look_for_numbers(const StreamRecord& record) {
+    for (const char* name : sample_names) {
+        const double number = record.number(name);
+        const bool is_count = name == std::string_view("seq") || name == std::string_view("flags");
+        if (!record.has(name) || (std::isfinite(number) && !(is_count && !is_count_of_samples(number)))) continue;
+        const double id = record.number("id");
+        note(fmt::format("{} of {}", name, id), fmt::format("line {}: sensor {}: {}: expected a {}number, found {}", record.line, id, name, is_count ? "whole " : "", number));
+    }
 }
 
 /// One wrong strain would pass for the end of the test.
@@ -189,7 +204,12 @@ void LiveTest::believe(const StreamRecord& record) {
     const double strain = record.number("axial_strain");
     waiting_since_ = this_instant();
     if (!machine_.emplace(strain, record).second) return note("twice", fmt::format("line {}: the machine sent axial_strain = {} before; the first stands", record.line, strain));
-    if (std::isfinite(record.number("t"))) strain_at_.emplace(record.number("t"), strain);
+    if (std::isfinite(record.number("t"))) clock_.by_time.emplace(record.number("t"), strain);
+    const double phase = record.number("phase");
+    if (!std::isfinite(phase)) return;
+    const auto last = clock_.by_phase.rbegin();
+    if (last == clock_.by_phase.rend() || phase >= last->first || strain < last->second) clock_.by_phase.emplace(phase, strain);
+    else note("phase", fmt::format("line {}: the machine's phase: expected numbers that grow, found {:.4g} after {:.4g}", record.line, phase, last->first));
 }
 
 LiveTest::Sample LiveTest::sample_of(const StreamRecord& record) {
@@ -197,29 +217,26 @@ LiveTest::Sample LiveTest::sample_of(const StreamRecord& record) {
     for (std::size_t k = 0; k < sample_names.size(); ++k) {
         const auto found = record.numbers.find(sample_names[k]);
         sample.numbers[k] = found != record.numbers.end() ? found->second : std::nan("");
-        if (found != record.numbers.end()) sample.sent |= bits_of(k, 1);
+        const bool needs_number = k == in_sample::strain || k == in_sample::phase; // else the machine's is taken
+        if (found != record.numbers.end() && (!needs_number || std::isfinite(found->second))) sample.sent |= bits_of(k, 1);
     }
     return sample;
 }
 
 double LiveTest::strain_of(double t, const Sample& sample) const {
     if ((sample.sent & bits_of(in_sample::strain, 1)) != 0) return sample.numbers[in_sample::strain];
-    const auto after = strain_at_.lower_bound(t);
-    if (after != strain_at_.end() && after->first == t) return after->second;
-    if (after == strain_at_.begin()) return !strain_at_.empty() && after->second <= 0 ? 0 : std::nan(""); // before the test, or before it was followed
-    if (after == strain_at_.end()) return std::nan("");                            // not yet
-    const auto before = std::prev(after);
-    return before->second + (after->second - before->second) * (t - before->first) / (after->first - before->first);
+    if ((sample.sent & bits_of(in_sample::phase, 1)) != 0 && !clock_.by_phase.empty()) return strain_between(clock_.by_phase, sample.numbers[in_sample::phase]);
+    return strain_between(clock_.by_time, t);
 }
 
 Recording LiveTest::recording_of(const SensorInfo& info) const {
     Recording r;
     r.info = info;
     const SensorRecords& sensor = sensors_.at(info.id);
-    const auto is_count = [](double n) { return n >= 0 && n < 9e15 && n == std::floor(n); };
-    const bool counted = std::ranges::all_of(sensor.by_time, [&](const auto& one) { return is_count(one.second.numbers[in_sample::sequence]); });
+    const bool counted = std::ranges::all_of(sensor.by_time, [&](const auto& one) { return is_count_of_samples(one.second.numbers[in_sample::sequence]); });
     const auto any = [&](std::size_t first, std::size_t count) { return (sensor.sent & bits_of(first, count)) != 0; };
     const bool force = any(in_sample::force, 3), rate = any(in_sample::rate, 3), displacement = any(in_sample::displacement, 3), attitude = any(in_sample::attitude, 4);
+    const bool field = any(in_sample::field, 3), temperature = any(in_sample::temperature, 1), battery = any(in_sample::battery, 1), flags = any(in_sample::flags, 1);
     for (const auto& [t, one] : sensor.by_time) {
         const double strain = strain_of(t - sensor.clock_offset, one);
         if (std::isnan(strain)) continue;
@@ -231,7 +248,12 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
         if (rate) r.rate.push_back(info.rate_of(Vec3(n + in_sample::rate)));
         if (displacement) r.displacement.emplace_back(n + in_sample::displacement);
         if (attitude) r.attitude.emplace_back(n[in_sample::attitude], n[in_sample::attitude + 1], n[in_sample::attitude + 2], n[in_sample::attitude + 3]);
+        if (field) r.field.push_back(info.field_of(Vec3(n + in_sample::field)));
+        if (temperature) r.temperature.push_back(info.temperature_of(n[in_sample::temperature]));
+        if (battery) r.battery.push_back(n[in_sample::battery]);
+        if (flags) r.flags.push_back(is_count_of_samples(n[in_sample::flags]) ? static_cast<std::uint64_t>(n[in_sample::flags]) : 0);
     }
+    leave_out_flagged(r);
     return r;
 }
 
@@ -252,24 +274,31 @@ std::optional<double> LiveTest::clock_ahead(const SensorRecords& sensor) const {
 /// that come late, nor can clocks of all from a machine whose records do: these are told, not refused.
 void LiveTest::look_at_clocks(RecordedTest& test) const {
     std::vector<double> steps, of_all;
-    for (auto at = strain_at_.begin(); at != strain_at_.end() && std::next(at) != strain_at_.end(); ++at) steps.push_back(std::next(at)->first - at->first);
+    for (auto at = clock_.by_time.begin(); at != clock_.by_time.end() && std::next(at) != clock_.by_time.end(); ++at) steps.push_back(std::next(at)->first - at->first);
     for (const auto& [id, sensor] : sensors_)
         if (sensor.ahead.size() >= fewest_times) of_all.push_back(median(sensor.ahead));
     for (std::size_t k = 0; k < test.recordings.size(); ++k) {
         const SensorInfo& info = test.recordings[k].info;
         const SensorRecords& sensor = sensors_.at(info.id);
-        const bool needed = std::ranges::any_of(sensor.by_time, [](const auto& one) { return (one.second.sent & bits_of(in_sample::strain, 1)) == 0; });
+        std::vector<double> phases; // by which strain is found
+        bool needed = false;
+        for (const auto& [t, one] : sensor.by_time) {
+            if ((one.sent & bits_of(in_sample::strain, 1)) != 0) continue;
+            if ((one.sent & bits_of(in_sample::phase, 1)) != 0 && !clock_.by_phase.empty()) phases.push_back(one.numbers[in_sample::phase]);
+            else needed = true;
+        }
         const auto refuse = [&](const std::string& why) {
             std::erase_if(test.findings, [&](const Finding& f) { return f.sensor == info.id && f.check == "length"; }); // the same, less clearly
             test.findings.push_back({Finding::Kind::refusal, info.id, "clock", why});
             test.ways[k] = {};
         };
+        if (const auto reason = reason_against_phases(phases)) refuse(*reason);
         const bool none = needed && test.recordings[k].size() == 0;
-        if (none && strain_at_.empty()) refuse("expected strain in its records, or t in the machine's, found neither");
+        if (none && clock_.by_time.empty()) refuse("expected strain in its records, or t in the machine's, found neither");
         if (steps.empty()) continue;
         const auto by_strain = clock_ahead(sensor);
         if (!by_strain && sensor.ahead.size() < fewest_times && !none) continue;
-        const double ahead = by_strain ? *by_strain : sensor.ahead.empty() ? sensor.by_time.begin()->first - sensor.clock_offset - strain_at_.begin()->first : median(sensor.ahead);
+        const double ahead = by_strain ? *by_strain : sensor.ahead.empty() ? sensor.by_time.begin()->first - sensor.clock_offset - clock_.by_time.begin()->first : median(sensor.ahead);
         const double uncertain = 3 * info.clock_offset_deviation + median(steps);
         if (std::abs(ahead) <= uncertain) continue;
         const auto text = fmt::format("its t are {:.3g} s {} the machine's {}, expected {:.2g} s at most", std::abs(ahead), ahead > 0 ? "ahead of" : "behind",

@@ -26,9 +26,9 @@ struct LiveSettings {
 };
 
 /// A triaxial test that is going on, as far as its records tell of it. A record with an `id` is a SmartRock's: t, and of
-/// strain, seq, ax ..., gx ..., ux ..., qw ... what there is; without one it is the test machine's: axial_strain,
-/// deviatoric_stress_Pa, and of t, volumetric_strain, ring_1_radius_m ... what there is. A SmartRock's record without
-/// strain gets that of the machine at its t, less the clock_offset of its metadata. Records may come late, out of order and
+/// strain, phase, seq, flags, ax ..., gx ..., mx ..., ux ..., qw ..., temp, batt what there is; without one it is the test machine's: axial_strain,
+/// deviatoric_stress_Pa, and of t, phase, volumetric_strain, ring_1_radius_m ... what there is. A SmartRock's record without
+/// strain gets that of the machine at its phase, or else at its t, less the clock_offset of its metadata. Records may come late, out of order and
 /// twice. What cannot be used is let be, counted and reported; a sensor, or a channel of the machine, is left out as long as
 /// its records so far do not pass the intake. {"end": 1} ends it.
 ///
@@ -56,9 +56,9 @@ public:
     std::string report() const;
 
 private:
-    /// What a SmartRock sent at one t: strain, seq, ax ay az, gx gy gz, ux uy uz, qw qx qy qz, and by bits which of them.
+    /// What a SmartRock sent at one t: the numbers of a record by their places (sample_names), and by bits which of them.
     struct Sample {
-        std::array<double, 15> numbers;
+        std::array<double, 22> numbers;
         std::uint32_t sent;
     };
     struct SensorRecords {
@@ -80,6 +80,7 @@ private:
     bool is_far_off(const StreamRecord& record, const char* who, double strain);
     void note(const std::string& kind, const std::string& text);
     static Sample sample_of(const StreamRecord& record);
+    void look_for_numbers(const StreamRecord& record);
     double strain_of(double t, const Sample& sample) const;
     Recording recording_of(const SensorInfo& info) const;
     void look_at_clocks(RecordedTest& test) const;
@@ -94,7 +95,7 @@ private:
     LiveSettings settings_;
     std::map<unsigned, SensorRecords> sensors_;
     std::map<double, StreamRecord> machine_;  // by axial strain
-    std::map<double, double> strain_at_;      // by the machine's t
+    MachineClock clock_;                      // by the machine's t and phase
     std::map<std::string, std::pair<std::uint64_t, std::string>> notes_; // how often, and the first
     std::vector<StreamRecord> astray_;        // of the machine, far from what it said before, near each other
     std::vector<Instant> arrivals_;

@@ -123,10 +123,12 @@ public:
     }
 
     std::vector<Finding> look() {
-        look_at_strain();
-        look_at_q();
         std::size_t rings = 0;
         for (const TriaxialPoint& p : measured_) rings = std::max(rings, p.ring_radius.size());
+        note_missing("volumetric_strain", [](const TriaxialPoint& p) { return p.volumetric_strain; });
+        for (std::size_t r = 0; r < rings; ++r) note_missing(name_of_ring(r), [r](const TriaxialPoint& p) { return radius_of(p, r); });
+        look_at_strain();
+        look_at_q();
         for (std::size_t r = 0; r < rings; ++r) look_at_ring(r);
         look_at_volume(); // the rings say whether its sign is right
         return std::move(findings_);
@@ -137,6 +139,16 @@ private:
         std::vector<double> values;
         for (const TriaxialPoint& p : measured_) values.push_back(value(p));
         return Channel(std::move(name), strain_, std::move(values), findings_);
+    }
+
+    static std::string name_of_ring(std::size_t r) { return fmt::format("ring_{}_radius_m", r + 1); }
+    static double radius_of(const TriaxialPoint& p, std::size_t r) { return r < p.ring_radius.size() ? p.ring_radius[r] : std::nan(""); }
+
+    /// Of a channel that there is.
+    void note_missing(const std::string& name, auto&& value) {
+        const auto missing = static_cast<std::size_t>(std::ranges::count_if(measured_, [&](const TriaxialPoint& p) { return std::isnan(value(p)); }));
+        if (missing > 0 && missing < measured_.size())
+            findings_.push_back({Finding::Kind::note, test_machine, name, fmt::format("{} of {} records are without", missing, measured_.size())});
     }
 
     /// Nothing is of use that was measured who knows where.
@@ -176,7 +188,7 @@ private:
     }
 
     void look_at_ring(std::size_t r) {
-        Channel ring = channel(fmt::format("ring_{}_radius_m", r + 1), [&](const TriaxialPoint& p) { return r < p.ring_radius.size() ? p.ring_radius[r] : std::nan(""); });
+        Channel ring = channel(name_of_ring(r), [&](const TriaxialPoint& p) { return radius_of(p, r); });
         std::vector<double> radii;
         for (const std::size_t k : ring.measured()) radii.push_back(ring[k]);
         if (radii.empty()) return;

@@ -1,7 +1,8 @@
 #include "systems/procedure/recorded_test.hpp"
 
 #include "engine/errors.hpp"
-#include "engine/io/csv.hpp"
+#include "engine/io/column_map.hpp"
+#include "systems/procedure/bench_hdf5.hpp"
 #include "systems/procedure/machine_intake.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 
@@ -9,15 +10,34 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <map>
+#include <optional>
+#include <utility>
 
 namespace bris {
 
 namespace {
 
-std::vector<TriaxialPoint> read_test(const std::filesystem::path& csv) {
-    const CsvTable table = read_csv(csv);
+/// Fills a clock by a column of the machine, where it has that.
+void read_clock(const CsvTable& table, const char* name, const std::vector<double>& strain, std::map<double, double>& strain_at) {
+    if (!table.has(name)) return;
+    const auto values = table.column(name);
+    double last = -std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < values.size(); ++k) {
+        if (std::isnan(values[k])) continue;
+        require(std::isfinite(values[k]) && values[k] >= last,
+                fmt::format("{}:{}: {}: expected numbers that grow, found {:.10g} after {:.10g}", table.path.string(), table.lines[k], name, values[k], last));
+        last = values[k];
+        strain_at.emplace(values[k], strain[k]);
+    }
+}
+
+Bench read_test(const std::filesystem::path& csv, const CsvForm& form) {
+    const CsvTable table = read_csv(csv, form);
     const auto strain = table.column("axial_strain"), q = table.column("deviatoric_stress_Pa");
-    std::vector<TriaxialPoint> points;
+    Bench test;
+    auto& points = test.points;
     const auto volume = table.has("volumetric_strain") ? table.column("volumetric_strain") : std::vector<double>(strain.size(), std::nan(""));
     std::vector<std::vector<double>> rings;
     for (std::size_t r = 1; table.has(fmt::format("ring_{}_radius_m", r)); ++r) rings.push_back(table.column(fmt::format("ring_{}_radius_m", r)));
@@ -32,8 +52,21 @@ std::vector<TriaxialPoint> read_test(const std::filesystem::path& csv) {
         for (const auto& ring : rings) p.ring_radius.push_back(ring[k]);
     }
     require(points.size() > 1, fmt::format("{}: expected at least two rows, found {}", csv.string(), points.size()));
-    return points;
+    read_clock(table, "t", strain, test.clock.by_time);
+    read_clock(table, "phase", strain, test.clock.by_phase);
+    return test;
 }
+
+/// What the folder of a test has beside recordings: where the sensor rocks were put.
+void write_poses(const std::filesystem::path& folder, const TriaxialScene& scene) {
+    const double radius = scene.specimen.radius, height = scene.specimen.height;
+    std::vector<std::vector<double>> poses;
+    for (const SmartRockPose& p : scene.poses)
+        poses.push_back({p.position.x() / radius, p.position.y() / radius, p.position.z() / height, p.orientation.w(), p.orientation.x(), p.orientation.y(), p.orientation.z()});
+    write_csv(folder / "sensor_poses.csv", {"x_over_radius", "y_over_radius", "z_over_height", "qw", "qx", "qy", "qz"}, poses, {"where the sensor rocks were put"}, 9);
+}
+
+CsvForm form_of(const std::filesystem::path& map, const std::vector<KnownColumn>& known) { return map.empty() ? CsvForm{} : read_column_map(map, known); }
 
 constexpr double same_strain = 1e-5; // of what was measured and a stage
 
@@ -84,11 +117,38 @@ std::size_t RecordedTest::refused() const {
     return static_cast<std::size_t>(std::ranges::count_if(recordings, [&](const Recording& r) { return !accepted(findings, r.info.id); }));
 }
 
+namespace {
+
+/// Of the folders of tests, by name.
+std::optional<std::filesystem::path> first_hdf5(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (std::filesystem::exists(entry.path() / "recordings.h5")) files.push_back(entry.path() / "recordings.h5");
+    if (files.empty()) return {};
+    return *std::ranges::min_element(files);
+}
+
+} // namespace
+
+const std::vector<KnownColumn>& machine_columns() {
+    using Units = std::vector<ColumnUnit>;
+    static const std::vector<KnownColumn> all = [] {
+        std::vector<KnownColumn> columns{{"axial_strain", Units{{"1"}, {"%", 0.01}}, true}, {"deviatoric_stress_Pa", Units{{"Pa"}, {"kPa", 1e3}, {"MPa", 1e6}}, true},
+                                         {"volumetric_strain", Units{{"1"}, {"%", 0.01}}}, {"t", Units{{"s"}, {"ms", 1e-3}, {"min", 60}, {"h", 3600}}},
+                                         {"phase", Units{{"cycles"}, {"deg", 1.0 / 360}, {"rad", 0.5 / pi}}}};
+        for (int ring = 1; ring <= 64; ++ring) columns.push_back({fmt::format("ring_{}_radius_m", ring), Units{{"m"}, {"mm", 1e-3}}});
+        return columns;
+    }();
+    return all;
+}
+
 std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
     if (!std::filesystem::is_directory(folder)) throw OutputError(fmt::format("cannot read folder '{}'", folder.string()));
     for (const auto& entry : std::filesystem::directory_iterator(folder))
         if (entry.path().extension() == ".txt" && entry.path().filename().string().starts_with("rock_")) files.push_back(entry.path());
+    if (files.empty())
+        if (const auto hdf5 = first_hdf5(folder)) return read_sensor_infos_hdf5(*hdf5);
     require(!files.empty(), fmt::format("--recordings: expected files rock_NN.txt in '{}', found none", folder.string()));
     std::vector<SensorInfo> infos;
     for (const auto& file : files) infos.push_back(read_sensor_info(file));
@@ -106,7 +166,9 @@ void examine(RecordedTest& test, const IntakeSettings& settings) {
     IntakeLimits limits;
     limits.rest = settings.rest;
     test.ways.clear();
-    test.findings = look_at(test.recordings, Vec3(0, 0, -9.81), limits);
+    test.findings = synchronise(test.recordings, test.clock, settings.interval);
+    const auto of_sensors = look_at(test.recordings, Vec3(0, 0, -9.81), limits);
+    test.findings.insert(test.findings.end(), of_sensors.begin(), of_sensors.end());
     const auto of_machine = look_at_machine(test.measured, test.pressure);
     test.findings.insert(test.findings.end(), of_machine.begin(), of_machine.end());
     for (const Recording& r : test.recordings)
@@ -125,8 +187,12 @@ RecordedTest read_recorded_test(const std::filesystem::path& folder, double pres
     RecordedTest test;
     test.pressure = pressure;
     const auto hdf5 = folder / folder_of(pressure) / "recordings.h5", csv = folder / folder_of(pressure) / "recordings.csv";
-    test.recordings = std::filesystem::exists(hdf5) && !std::filesystem::exists(csv) ? read_recordings_hdf5(hdf5, infos) : read_recordings(csv, infos);
-    test.measured = read_test(folder / folder_of(pressure) / "test.csv");
+    const auto machine = folder / folder_of(pressure) / "test.csv";
+    const bool by_hdf5 = std::filesystem::exists(hdf5);
+    test.recordings = by_hdf5 && !std::filesystem::exists(csv) ? read_recordings_hdf5(hdf5, infos) : read_recordings(csv, infos, form_of(settings.columns, recording_columns()));
+    Bench bench = by_hdf5 && !std::filesystem::exists(machine) ? read_bench(hdf5, pressure) : read_test(machine, form_of(settings.machine_columns, machine_columns()));
+    test.measured = std::move(bench.points);
+    test.clock = std::move(bench.clock);
     examine(test, settings);
     return test;
 }
@@ -139,11 +205,8 @@ void write_recorded_test(const std::filesystem::path& folder, double pressure, c
                      {"sensor rocks in a triaxial test; t by the sensor's own clock (s), strain: axial, of the test",
                       "ax ay az: specific force (m/s2), gx gy gz: rate (rad/s), in the rock's axes, means of the time since the line before",
                       "ux uy uz: displacement (m), qw qx qy qz: attitude, body to world, as another means of tracking would measure them"});
-    const double radius = scene.specimen.radius, height = scene.specimen.height;
-    std::vector<std::vector<double>> poses, rows;
-    for (const SmartRockPose& p : scene.poses)
-        poses.push_back({p.position.x() / radius, p.position.y() / radius, p.position.z() / height, p.orientation.w(), p.orientation.x(), p.orientation.y(), p.orientation.z()});
-    write_csv(folder / "sensor_poses.csv", {"x_over_radius", "y_over_radius", "z_over_height", "qw", "qx", "qy", "qz"}, poses, {"where the sensor rocks were put"}, 9);
+    write_poses(folder, scene);
+    std::vector<std::vector<double>> rows;
     std::vector<std::string> names{"axial_strain", "deviatoric_stress_Pa", "volumetric_strain"};
     for (std::size_t r = 1; r <= measured.front().ring_radius.size(); ++r) names.push_back(fmt::format("ring_{}_radius_m", r));
     for (const TriaxialPoint& p : measured) {
@@ -151,6 +214,14 @@ void write_recorded_test(const std::filesystem::path& folder, double pressure, c
         rows.back().insert(rows.back().end(), p.ring_radius.begin(), p.ring_radius.end());
     }
     write_csv(of_test / "test.csv", names, rows, {"what the machine measured, stage by stage; compression positive"}, 6);
+}
+
+void write_recorded_test_hdf5(const std::filesystem::path& folder, double pressure, const std::vector<Recording>& recordings, const TriaxialScene& scene,
+                              const std::vector<TriaxialPoint>& measured, const std::vector<double>& time) {
+    const auto path = folder / folder_of(pressure) / "recordings.h5";
+    write_poses(folder, scene);
+    write_recordings_hdf5(path, recordings);
+    write_bench(path, measured, time, pi * scene.specimen.radius * scene.specimen.radius, pressure);
 }
 
 Misfit misfit_of(const ModelRun& run, const RecordedTest& test, double last_strain) {

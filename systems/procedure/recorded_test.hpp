@@ -2,6 +2,7 @@
 
 #include "systems/fusion/intake.hpp"
 #include "systems/procedure/model_run.hpp"
+#include "systems/procedure/synchronise.hpp"
 
 #include <filesystem>
 #include <limits>
@@ -11,14 +12,15 @@
 namespace bris {
 
 /// A triaxial test at one pressure as a folder of files tells it: FOLDER/rock_01.txt ... of the sensor rocks,
-/// FOLDER/55kPa/recordings.csv and FOLDER/55kPa/test.csv (axial_strain, deviatoric_stress_Pa; volumetric_strain and
-/// ring_1_radius_m ... where measured).
+/// FOLDER/55kPa/recordings.csv and FOLDER/55kPa/test.csv (axial_strain, deviatoric_stress_Pa; volumetric_strain,
+/// ring_1_radius_m ..., t and phase where measured); or all of it in FOLDER/55kPa/recordings.h5.
 struct RecordedTest {
     double pressure = 0; ///< Pa
     std::vector<Recording> recordings;
     std::vector<Finding> findings;       ///< of the intake: of sensors, and of the test machine
     std::vector<SensorWay> ways;         ///< of all sensors; one that was refused tells nothing
     std::vector<TriaxialPoint> measured; ///< strain, q, volumetric strain and ring radii (NaN: not measured, or left out)
+    MachineClock clock;                  ///< for sensors that do not record strain
     std::size_t refused() const;
 };
 
@@ -27,6 +29,7 @@ struct IntakeSettings {
     double rest = 60;        ///< s, at their beginning, in which the rocks lie still
     double interval = 1e-3;  ///< axial strain between samples
     bool displacement = true, attitude = true; ///< whether these channels are used where there are
+    std::filesystem::path columns = {}, machine_columns = {}; ///< how recordings.csv and test.csv are written (column_map.hpp); empty: as by this project
 };
 
 /// Looks at the recordings of a test, and takes from those that pass how their rocks moved; clears the channels that are
@@ -36,7 +39,10 @@ void examine(RecordedTest& test, const IntakeSettings& settings);
 /// What was found, or that nothing was: of the test machine, and of each sensor.
 std::string intake_report(const RecordedTest& test);
 
-/// The metadata of all sensor rocks. Throws InputError, OutputError.
+/// The columns that test.csv may have, with the units in which a column map may give them.
+const std::vector<KnownColumn>& machine_columns();
+
+/// The metadata of all sensor rocks: FOLDER/rock_NN.txt, or where there is none, those in the first of FOLDER/*/recordings.h5. Throws InputError, OutputError.
 std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder);
 
 /// Throws InputError with file:line, OutputError.
@@ -46,6 +52,10 @@ RecordedTest read_recorded_test(const std::filesystem::path& folder, double pres
 /// Throws OutputError.
 void write_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<Recording>& recordings, const TriaxialScene& scene,
                          const std::vector<TriaxialPoint>& measured);
+
+/// The same with one file recordings.h5 in place of metadata, recordings.csv and test.csv. `time`: s, of what was measured.
+void write_recorded_test_hdf5(const std::filesystem::path& folder, double pressure, const std::vector<Recording>& recordings, const TriaxialScene& scene,
+                              const std::vector<TriaxialPoint>& measured, const std::vector<double>& time);
 
 /// Root mean square differences of a model from a test, over the strains that both have, up to one; NaN where nothing was measured.
 struct Misfit {

@@ -200,4 +200,23 @@ TEST_SUITE("systems/fusion/intake") {
         CHECK_THROWS_WITH_AS((void)read_sensor_info(written("bris_rock.toml", "id = 3\nqw = 0.5\n")), doctest::Contains("unit quaternion"), InputError);
         CHECK_THROWS_WITH_AS((void)read_sensor_info(written("bris_rock.toml", "id = 3\nsampling_rate = -1\n")), doctest::Contains("bris_rock.toml:2"), InputError);
     }
+
+    TEST_CASE("numbers of a file that are none, not a number or infinite, are named with file and line, and counted") {
+        const SensorInfo info{.id = 3};
+        const auto found = [&](const std::string& text) {
+            const auto all = read_recordings(written("bris_none.csv", text), {info});
+            return intake_report(look_at(all, earth), all);
+        };
+        const std::string force = found("t,id,ax,ay,az\n0,3,0,0,9.8\n0.005,3,inf,0,9.8\n0.010,3,nan,0,9.8\n");
+        INFO(force);
+        CHECK(force.find("sensor 3: refused: numbers: expected finite numbers, found 2 that are not, ax ay az: the first at ") == 0);
+        CHECK(force.find("bris_none.csv:3\n") != std::string::npos);
+        const std::string rest = found("t,id,strain,temp,ax,ay,az\n0,3,0,20,0,0,9.8\n0.005,3,nan,20,0,0,9.8\n0.010,3,0,inf,0,0,9.8\n0.015,3,-inf,20,0,0,9.8\n");
+        INFO(rest);
+        CHECK(rest.find("refused") == std::string::npos);
+        CHECK(rest.find("sensor 3: numbers: 2 of 4 samples are without, strain: the first at ") != std::string::npos);
+        CHECK(rest.find("bris_none.csv:3\n") != std::string::npos);
+        CHECK(rest.find("sensor 3: numbers: 1 of 4 samples are without, temp: the first at ") != std::string::npos);
+        CHECK(found("t,id,temp,ax,ay,az\n0,3,,0,0,9.8\n0.005,3,,0,0,9.8\n").find("temp") == std::string::npos); // this sensor has none
+    }
 }

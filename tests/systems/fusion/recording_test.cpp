@@ -1,5 +1,7 @@
 #include "engine/errors.hpp"
+#include "engine/io/column_map.hpp"
 #include "engine/io/hdf5.hpp"
+#include "engine/io/whole_file.hpp"
 #include "engine/random.hpp"
 #include "systems/fusion/recording.hpp"
 #include "tests/about.hpp"
@@ -41,6 +43,34 @@ double apart(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
     double most = 0;
     for (std::size_t k = 0; k < a.size(); ++k) most = std::max(most, (a[k] - b[k]).norm());
     return most;
+}
+
+/// The second also with what a SmartRock has beside inertia, in other units.
+std::vector<Recording> full_recordings() {
+    auto all = two_recordings();
+    Recording& r = all[1];
+    Random random(7, 1);
+    for (std::size_t k = 0; k < r.size(); ++k) {
+        r.field.push_back(48e-6 * random.direction());
+        r.temperature.push_back(293 + 0.1 * static_cast<double>(k));
+        r.battery.push_back(90 - static_cast<double>(k));
+        r.phase.push_back(0.25 * static_cast<double>(k));
+    }
+    r.info.field_unit = std::string("mG");
+    r.info.temperature_unit = std::string("F");
+    r.info.battery_unit = std::string("%");
+    return all;
+}
+
+void check_full(const Recording& read, const Recording& written, double tolerance) {
+    CHECK(apart(read.force, written.force) < tolerance);
+    CHECK(apart(read.rate, written.rate) < tolerance);
+    CHECK(apart(read.field, written.field) < 48e-6 * tolerance);
+    REQUIRE(read.temperature.size() == 7);
+    CHECK(read.temperature[6] == about(written.temperature[6]).epsilon(1e-6));
+    CHECK(read.battery == written.battery);
+    CHECK(read.phase == written.phase);
+    CHECK(read.sequence == written.sequence);
 }
 
 } // namespace
@@ -88,5 +118,80 @@ TEST_SUITE("systems/fusion/recording") {
         // a rock without a group was not recorded: intake says so
         write_recordings_hdf5(path, {written[0]});
         CHECK(read_recordings_hdf5(path, {written[0].info, written[1].info})[1].size() == 0);
+    }
+
+    TEST_CASE("magnetometer, temperature, battery and phase come back from CSV and HDF5, each in its unit") {
+        const TemporaryDirectory directory;
+        const auto written = full_recordings();
+        write_recordings_hdf5(directory / "a.h5", written);
+        check_full(read_recordings_hdf5(directory / "a.h5", {written[0].info, written[1].info})[1], written[1], 1e-14);
+        CHECK(Hdf5File::open(directory / "a.h5").text_attribute("/sensors/2", "mag_unit") == "mG");
+        CHECK(Eigen::Vector3d::Map(Hdf5File::open(directory / "a.h5").read<double>("/sensors/2/mag").data()).norm() == about(480));
+        write_recordings(directory / "a.csv", {written[1]}, {});
+        check_full(read_recordings(directory / "a.csv", {written[1].info})[0], written[1], 1e-5);
+    }
+
+    TEST_CASE("HDF5 carries the metadata, and units that contradict those given are refused") {
+        const TemporaryDirectory directory;
+        auto written = full_recordings();
+        const auto path = directory / "a.h5";
+        written.push_back(written[0]);
+        written[2].info.id = 10;
+        write_recordings_hdf5(path, written);
+        const auto infos = read_sensor_infos_hdf5(path);
+        REQUIRE(infos.size() == 3);
+        CHECK(infos[2].id == 10); // after 2
+        CHECK(infos[1].id == 2);
+        CHECK(infos[1].mounting_x == written[1].info.mounting_x);
+        CHECK(infos[1].force_unit == "g");
+        CHECK(infos[1].battery_unit == "%");
+        SensorInfo other = infos[1];
+        other.rate_unit = "rad/s";
+        CHECK_THROWS_WITH_AS((void)read_recordings_hdf5(path, {infos[0], other, infos[2]}), doctest::Contains("/sensors/2: gyro_unit: expected rad/s as in the metadata"), InputError);
+        Hdf5File file = Hdf5File::open_to_write(path);
+        file.set_attribute<double>("/sensors/1", "sampling_rate", -5);
+        file.close();
+        CHECK_THROWS_WITH_AS((void)read_sensor_infos_hdf5(path), doctest::Contains("/sensors/1: --sampling-rate: expected a number above 0 (Hz), found \"-5\""), InputError);
+    }
+
+    TEST_CASE("a CSV file of another make, by its map, is the same recording, whatever units the metadata say") {
+        const TemporaryDirectory directory;
+        SensorInfo info;
+        info.id = 7;
+        info.force_unit = std::string("g"); // of ours
+        write_whole(directory / "own.csv", "t,id,ax,ay,az,gx,gy,gz,temp\n0.25,7,0.1,-0.2,0.97,0.5,0.25,-1,20\n");
+        write_whole(directory / "map.txt", "delimiter = semicolon\ndecimal = comma\nt = \"t [ms]\", ms\nid = node\nax = -Y, mg\nay = X, mg\naz = Z, mg\n"
+                                           "gx = -P, deg/s\ngy = R, deg/s\ngz = Q, deg/s\ntemp = T, F\n");
+        write_whole(directory / "other.csv", "node;t [ms];X;Y;Z;R;P;Q;T;comment\n7;250;-200;-100;970;14,3239448782706;-28,6478897565412;-57,2957795130823;68;fine\n");
+        const auto own = read_recordings(directory / "own.csv", {info}), other = read_recordings(directory / "other.csv", {info}, read_column_map(directory / "map.txt", recording_columns()));
+        REQUIRE(other[0].size() == 1);
+        CHECK(other[0].time[0] == about(0.25));
+        CHECK((other[0].force[0] - own[0].force[0]).norm() < 1e-12);
+        CHECK((other[0].rate[0] - own[0].rate[0]).norm() < 1e-12);
+        CHECK(other[0].temperature[0] == about(own[0].temperature[0]));
+        // a vector of which some components have a unit
+        write_whole(directory / "map.txt", "delimiter = semicolon\ndecimal = comma\nt = \"t [ms]\", ms\nid = node\nax = X, mg\nay = Y\naz = Z, mg\n");
+        CHECK_THROWS_WITH_AS((void)read_recordings(directory / "other.csv", {info}, read_column_map(directory / "map.txt", recording_columns())),
+                             doctest::Contains("map.txt:6: ay: expected a unit, as for az, found none"), InputError);
+    }
+
+    TEST_CASE("samples that a sensor marks are left out in all channels, and bits that say nothing are not marks") {
+        const TemporaryDirectory directory;
+        SensorInfo info;
+        info.id = 7;
+        write_whole(directory / "a.csv", "t,id,seq,flags,ax,ay,az,temp\n0,7,0,0,1,0,9,20\n1,7,1,4,99,99,99,20\n2,7,2,,2,0,9,\n3,7,3,1,99,99,99,20\n");
+        auto read = read_recordings(directory / "a.csv", {info})[0];
+        CHECK(read.time == std::vector<double>{0, 2});
+        CHECK(read.sequence == std::vector<std::uint64_t>{0, 2});
+        CHECK(read.force[1].x() == 2);
+        CHECK(read.flagged == std::vector<double>{1, 3});
+        REQUIRE(read.temperature.size() == 2);
+        CHECK(read.first_without.at("temp").ends_with("a.csv:4"));
+        info.flags_ignored = 4;
+        read = read_recordings(directory / "a.csv", {info})[0];
+        CHECK(read.time == std::vector<double>{0, 1, 2});
+        CHECK(read.flagged == std::vector<double>{3});
+        write_whole(directory / "a.csv", "t,id,flags\n0,7,-1\n");
+        CHECK_THROWS_WITH_AS((void)read_recordings(directory / "a.csv", {info}), doctest::Contains("a.csv:2: flags: expected a whole number from 0 on, found -1"), InputError);
     }
 }

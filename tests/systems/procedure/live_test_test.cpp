@@ -452,4 +452,49 @@ TEST_SUITE("procedure/live_test") {
         REQUIRE(test->follow_to(0.01));
         CHECK(seconds_since(began) > 0.1);
     }
+
+    TEST_CASE("a stream has the names of recordings: field, temperature, battery, and flags that leave a record out") {
+        const Followed f;
+        std::vector<std::string> lines;
+        int record = 0;
+        for (const std::string& line : recorded().lines) {
+            lines.push_back(line);
+            if (!of_sensor(line, 2)) continue;
+            const std::string flags = ++record == 9 ? "\"flags\": 4, \"ux\": 77, " : "\"flags\": 0, "; // where it is marked, it is wild
+            std::string clean = record == 9 ? with(line, "\"ux\"", "\"other\"") : line;
+            lines.back() = "{" + flags + fmt::format("\"temp\": {}, \"batt\": 3.1, \"mx\": 20, \"my\": 0.5, \"mz\": -44, ", 20 + record) + clean.substr(1);
+        }
+        const auto test = f.follow(lines);
+        REQUIRE(test->follow_to(0.01));
+        const std::string report = test->report();
+        INFO(report);
+        const RecordedTest now = test->so_far();
+        CHECK(now.refused() == 0);
+        CHECK(now.recordings[1].size() == recorded().read().recordings[1].size() - 1);
+        CHECK(report.find("sensor 2: flags: 1 of 15 samples left out") != std::string::npos);
+        CHECK(report.find("sensor 2: temperature: 21.0 to 35.0 C") != std::string::npos);
+        CHECK(report.find("sensor 2: battery: low in 14 of 14 samples") != std::string::npos);
+        CHECK(report.find("sensor 2: field: it does not tell yaw: it stays the same") != std::string::npos);
+        CHECK(report.find("sensor 1: field") == std::string::npos);
+        CHECK(now.ways[0].displacement == recorded().read().ways[0].displacement);
+    }
+
+    TEST_CASE("numbers of a stream that are none are named with their line; without strain a record goes by the clock") {
+        const Followed f;
+        std::vector<std::string> lines;
+        int record = 0;
+        std::size_t bad = 0;
+        for (const std::string& line : recorded().lines) {
+            lines.push_back(line);
+            if (!of_sensor(line, 2) || ++record != 9) continue;
+            const auto at = line.find("\"strain\": "), end = line.find(",", at);
+            lines.back() = line.substr(0, at) + "\"strain\": \"nan\"" + line.substr(end);
+            bad = lines.size();
+        }
+        const auto test = f.follow(lines);
+        REQUIRE(test->follow_to(0.01));
+        INFO(test->report());
+        CHECK(test->report().find(fmt::format("1 time: line {}: sensor 2: strain: expected a number, found nan", bad)) != std::string::npos);
+        CHECK(test->so_far().ways[0].displacement == recorded().read().ways[0].displacement);
+    }
 }
