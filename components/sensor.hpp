@@ -27,9 +27,19 @@ struct CorrectionRow {
     double steps = 0, felt = 0;
 };
 struct Correction : State<CorrectionRow> { static constexpr auto name = "correction", unit = "m, rad"; };
-/// Force (N) and torque (N m) that pull a sensor's body to where it was measured; they stay until the next measurement.
-struct PullRow { Vec3 force = Vec3::Zero(), torque = Vec3::Zero(); };
-struct Pull : State<PullRow> { static constexpr auto name = "pull", unit = "N, N m"; };
+/// A spring and a dashpot that pull a sensor's body to where it should be (pull_clumps), until it is told anew.
+struct PullRow {
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< N and N m, of both together, in the last step
+    Vec3 place = Vec3::Zero(), velocity = Vec3::Zero(); ///< m and m/s: where it should be, and how that moves on
+    Vec3 spin = Vec3::Zero();                           ///< rad/s
+    Quat attitude = Quat::Identity();                   ///< that it should have; of a sphere, which has none: the rotation still to go
+    double stiffness = 0, turn_stiffness = 0;           ///< N/m and N m/rad; 0: nothing pulls
+    double largest_force = 0, largest_torque = 0;       ///< N and N m
+    double held = 0;                                    ///< 1: force and torque stay as they are
+    bool pulls() const { return stiffness > 0 || turn_stiffness > 0; }
+};
+struct Pull : State<PullRow> { static constexpr auto name = "pull", unit = "N, N m, m, m/s, rad/s, 1, N/m"; };
+static_assert(sizeof(PullRow) == 24 * sizeof(double)); // no gaps: all of it is saved
 /// 1 while a body is corrected or pulled, and in the step after: few are, and the others are not looked at.
 struct Guided : State<std::uint32_t> { static constexpr auto name = "guided", unit = ""; };
 /// Energy that corrections have put into the scene, since the start.

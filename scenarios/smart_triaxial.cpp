@@ -37,6 +37,7 @@ struct Smart {
     Smart() {
         corrections.filter.gate = 0.999;
         corrections.pull = {0, 100, 0.01};
+        corrections.largest_work_share = 0.005;
     }
     void describe(auto& option) {
         option.group("recordings");
@@ -52,8 +53,9 @@ struct Smart {
         learning.describe(option);
         option("change", change, "", "of friction or stiffness, from which on the model is told of it", above(0));
         option.group("corrections of sensor rocks");
-        option("pull_stiffness", corrections.pull.stiffness, "N/m", "of forces that pull them; 0: their poses are compared, not corrected", at_least(0));
-        option("largest_pull", corrections.pull.largest_force, "N", "of them", at_least(0));
+        option("pull_stiffness", corrections.pull.stiffness, "N/m", "of critically damped springs that pull them; 0: their poses are compared, not corrected", at_least(0));
+        option("largest_pull", corrections.pull.largest_force, "N", "of spring and dashpot together", at_least(0));
+        option("largest_work_share", corrections.largest_work_share, "", "that they may do of the platens' work, from one analysis to the next; 0: no limit", within(0, 1));
         option("interval", intake.interval, "", "axial strain between samples", above(0));
         option("drift", drift, "m", "that rocks of the model may be off by, at the end", above(0));
         option("turn", turn, "rad", "likewise", above(0));
@@ -270,6 +272,8 @@ void Computation::report() {
         both("sensor_displacement", "_m", free.sensor_displacement, fused.sensor_displacement);
         add("measurements_accepted", c.fused.accepted);
         add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.platen_work);
+        add("corrections_reduced_by_work", c.fused.too_dear);
+        add("corrections_withheld_by_work", c.fused.much_too_dear);
     }
     summary.add("preparation_wall_time_s", preparation_wall_);
     summary.add("learning_wall_time_s", learning_wall_);

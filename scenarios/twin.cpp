@@ -50,12 +50,13 @@ struct Twin {
         triaxial.confining_pressure = {55e3};
         triaxial.test.final_axial_strain = 0.025;
         corrections.pull = {5e6, 100, 0.01}; // about the contact forces at 55 kPa
-        corrections.largest_shift = 1e-6;    // at which corrections, spread or not, do 5 % of the work of the platens at most
+        corrections.largest_shift = 1e-6;
+        corrections.largest_work_share = 0.005;
     }
     void describe(auto& option) {
         option.group("twin");
         option("arms", arms, "", "none; or of free: told nothing; chaos: the truth from a start disturbed; jumped: sensor rocks put, as in the report; spread: with all "
-               "others along; pulled: by bounded forces; learned: friction and stiffness; both: learned and pulled; ensemble: what the worlds that learned foretell together; "
+               "others along; pulled: by springs of bounded force; learned: friction and stiffness; both: learned and pulled; ensemble: what the worlds that learned foretell together; "
                "load_cell, sensors_only: that, learned without the sensors, or by them alone; "
                "analysed: as ensemble, and the recordings of the sensors carried to all rocks; null: the same with q of this specimen and sensors of another, which should help nobody");
         option("model_friction", model.friction, "", "of rocks in the model; the truth's is --friction", above(0));
@@ -73,8 +74,9 @@ struct Twin {
         option("interval", sensors.interval, "", "axial strain between samples", above(0));
         option("injection_steps", corrections.injection_steps, "", "in which a correction enters; 1: it jumps, as in the report", at_least(1));
         option("largest_shift", corrections.largest_shift, "m", "of a sensor rock that is put, in a step; 0: whatever is measured", at_least(0));
-        option("pull_stiffness", corrections.pull.stiffness, "N/m", "of forces that pull sensor rocks", above(0));
-        option("largest_pull", corrections.pull.largest_force, "N", "of them", at_least(0));
+        option("largest_work_share", corrections.largest_work_share, "", "that corrections may do of the platens' work, from one to the next: those that cost more are reduced or refused; 0: no limit", within(0, 1));
+        option("pull_stiffness", corrections.pull.stiffness, "N/m", "of critically damped springs that pull sensor rocks", above(0));
+        option("largest_pull", corrections.pull.largest_force, "N", "of spring and dashpot together", at_least(0));
         option("position_noise", sensors.position_noise, "m", "of tracked displacements", above(0));
         option("attitude_noise", sensors.attitude_noise, "rad", "of tracked attitudes", above(0));
         option("dropout", sensors.faults.dropout, "", "share of samples that never come", within(0, 0.99));
@@ -319,6 +321,8 @@ void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_f
     add("samples_too_late", runs_[k].too_late);
     add("corrections_reduced", runs_[k].reduced);
     add("corrections_withheld", runs_[k].withheld);
+    add("corrections_reduced_by_work", runs_[k].too_dear);
+    add("corrections_withheld_by_work", runs_[k].much_too_dear);
     if (arms_[k].corrections.filter.lag == 0) return;
     const SmoothedErrors smoothed = errors_of_smoothed(runs_[k], truth_);
     add("smoothed_rmse_displacement_sensors_m", smoothed.displacement);

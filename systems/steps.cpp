@@ -7,6 +7,7 @@
 #include "systems/contact/share_patches.hpp"
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
+#include "systems/fusion/pull.hpp"
 #include "systems/guard.hpp"
 #include "systems/integration/motion.hpp"
 #include "systems/servo/membrane.hpp"
@@ -69,7 +70,8 @@ StepList steps(LawName law, bool ledger, PatchStiffness patch) {
         gather_of_membrane(law, ledger),
         row_local("book_boundary_work", book_boundary_work),
         row_local("book_corrections", book_corrections),
-        row_local("pull_sensors", pull_sensors),
+        row_local("pull_spheres", pull_spheres),
+        row_local("pull_clumps", pull_clumps),
         required(ledger ? row_local("damp_and_book", damp_and_book) : row_local("damp", damp)),
         row_local("integrate", integrate),
         row_local("turn_spheres", turn_spheres),

@@ -20,6 +20,7 @@ struct AnalysisRecord {
     double shift_deviation = none, turn_deviation = none;   ///< after it, of an axis: m and rad
     double share = 1;                                       ///< of the correction, that was given
     double work = 0;                                        ///< J, that corrections had put into this rock before it
+    double work_allowed = none, work_expected = none;       ///< J, of all rocks together until the next one, and of corrections given whole (WorkAccount); NaN: no limit
 
     static void visit(auto& self, auto&& visit_one) {
         visit_one("time", self.time);
@@ -34,6 +35,8 @@ struct AnalysisRecord {
         visit_one("turn_deviation_rad", self.turn_deviation);
         visit_one("share_given", self.share);
         visit_one("work_before_J", self.work);
+        visit_one("work_allowed_J", self.work_allowed);
+        visit_one("work_expected_J", self.work_expected);
     }
 };
 

@@ -1,16 +1,8 @@
 #include "systems/fusion/correct.hpp"
 
+#include "systems/fusion/guided_bodies.hpp"
+
 namespace bris {
-
-namespace {
-
-template <class BodyRows, class Visit> void for_guided(const BodyRows& bodies, Visit&& visit) {
-    const std::uint32_t* guided = bodies.template column<Guided>();
-    for (Row b = bodies.first(); b < bodies.last(); ++b)
-        if (guided[b] != 0) visit(b);
-}
-
-} // namespace
 
 void book_corrections(Rows<Bodies, const Guided, const Force, const Torque, const Correction, FusionWork> bodies) {
     const Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
@@ -20,18 +12,6 @@ void book_corrections(Rows<Bodies, const Guided, const Force, const Torque, cons
         const CorrectionRow& c = correction[b];
         work[b] -= 0.5 * (force[b].dot(c.last_shift) + torque[b].dot(c.last_turn));
         if (c.steps > 0) work[b] -= 0.5 * (force[b].dot(c.shift) + torque[b].dot(c.turn));
-    });
-}
-
-void pull_sensors(Rows<Bodies, const Guided, const Pull, const Velocity, const StepSpin, Force, Torque, FusionWork> bodies, const Clock& clock) {
-    const PullRow* pull = bodies.column<Pull>();
-    const Vec3 *velocity = bodies.column<Velocity>(), *spin = bodies.column<StepSpin>();
-    Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
-    double* work = bodies.column<FusionWork>();
-    for_guided(bodies, [&](Row b) {
-        work[b] += clock.dt * (pull[b].force.dot(velocity[b]) + pull[b].torque.dot(spin[b]));
-        force[b] += pull[b].force;
-        torque[b] += pull[b].torque;
     });
 }
 
@@ -55,8 +35,7 @@ void shift_corrections(Rows<Bodies, Correction, const Pull, Guided, Position> bo
         c.last_shift = under_way ? c.shift : Vec3::Zero();
         c.last_turn = under_way ? c.turn : Vec3::Zero();
         c.steps = under_way ? c.steps - 1 : 0;
-        const bool pulled = pull[b].force != Vec3::Zero() || pull[b].torque != Vec3::Zero();
-        guided[b] = under_way || pulled ? 1 : 0;
+        guided[b] = under_way || pull[b].pulls() ? 1 : 0;
     });
 }
 

@@ -15,9 +15,6 @@ namespace bris {
 /// the mean of the shifts before and after it.
 void book_corrections(Rows<Bodies, const Guided, const Force, const Torque, const Correction, FusionWork> bodies);
 
-/// Adds the pulls to the forces, and books their work over the last step: they are constant.
-void pull_sensors(Rows<Bodies, const Guided, const Pull, const Velocity, const StepSpin, Force, Torque, FusionWork> bodies, const Clock& clock);
-
 /// Turns clumps, after their own motion of the step.
 void turn_corrections(Rows<Bodies, const Guided, const Correction, Orientation> bodies);
 

@@ -17,8 +17,6 @@ namespace bris {
 
 namespace {
 
-constexpr double least_share = 0.01; // of a correction: one that is to be cut to less is no news of this model
-
 double end_of_step(const Clock& clock) { return clock.time() + clock.dt; }
 double now_of(const Fusion& fusion, const Clock& clock) { return fusion.by_strain ? fusion.strain : end_of_step(clock); }
 // times are sums of steps: a sample within a millionth of a step of its end has come
@@ -49,10 +47,13 @@ Analysis sum_of(const Analysis& a, const Analysis& b) { // turns: small ones
 
 Analysis scaled(double share, const Analysis& a) { return {.shift = share * a.shift, .velocity = share * a.velocity, .turn = share * a.turn, .spin = share * a.spin}; }
 
-Vec3 at_most(const Vec3& v, double largest) { return v.norm() > largest ? Vec3(largest / v.norm() * v) : v; }
-
-PullRow pull_for(const Analysis& wanted, const PullSettings& s) {
-    return {at_most(s.stiffness * wanted.shift, s.largest_force), at_most(s.stiffness * s.arm * s.arm * wanted.turn, s.largest_force * s.arm)};
+/// Where a body is to be pulled. In a test by stages it rests there.
+PullTarget target_of(const RigidState& now, const Analysis& wanted, const Fusion& fusion) {
+    PullTarget t{now.position + wanted.shift, Vec3::Zero(), exponential_map(wanted.turn) * now.orientation, Vec3::Zero()};
+    if (fusion.by_strain) return t;
+    t.velocity = now.velocity + wanted.velocity;
+    t.spin = now.spin + wanted.spin;
+    return t;
 }
 
 /// Where the body would be at a time of the past step, corrections to come included.
@@ -147,24 +148,38 @@ double share_in_step(const Analysis& wanted, double radius, const Fusion& fusion
     return share < least_share ? 0 : share;
 }
 
-AnalysisRecord record_of(const SensorFilter& filter, double time, Row sensor, double share, double work) {
+AnalysisRecord record_of(const SensorFilter& filter, double time, Row sensor, double share, double work, const WorkAccount& account) {
     const Weighed &place = filter.place(), &attitude = filter.attitude();
     const double axis = 1 / std::sqrt(3.0);
     return {.time = time, .sensor = static_cast<double>(sensor), .shift_off = place.innovation.norm(), .turn_off = attitude.innovation.norm(),
             .shift_distance = place.squared_distance, .turn_distance = attitude.squared_distance, .shift_gain = place.gain.mean(), .turn_gain = attitude.gain.mean(),
-            .shift_deviation = axis * place.deviation.norm(), .turn_deviation = axis * attitude.deviation.norm(), .share = share, .work = work};
+            .shift_deviation = axis * place.deviation.norm(), .turn_deviation = axis * attitude.deviation.norm(), .share = share, .work = work,
+            .work_allowed = account.allowed, .work_expected = account.expected};
 }
 
-template <class BodyRows, class OrientationOf, class MomentumOf>
+/// Gives a body the velocity and spin of a correction at once, and books what that does.
+template <class BodyRows> void change_motion(const BodyRows& bodies, Row b, const RigidState& now, const Analysis& given, const Vec3& dL, double dt) {
+    const Vec3 &dv = given.velocity, &dw = given.spin;
+    const PullRow& pull = bodies.template column<Pull>()[b];
+    double& work = bodies.template column<FusionWork>()[b];
+    work += bodies.template column<InertialMass>()[b] * dv.dot(now.velocity + 0.5 * dv) + dL.dot(now.spin + 0.5 * dw);
+    work -= 0.5 * dt * (pull.force.dot(dv) + pull.torque.dot(dw)); // of the step that is over, to be booked with the velocity that it had
+    bodies.template column<Velocity>()[b] += dv;
+    bodies.template column<Spin>()[b] += dw;
+    bodies.template column<StepSpin>()[b] += dw;
+    bodies.template column<AngularMomentum>()[b] += dL;
+}
+
+template <class BodyRows, class OrientationOf, class MomentumOf, class CountLastTurn>
 void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock, OrientationOf&& orientation_of,
-          MomentumOf&& momentum) {
+          MomentumOf&& momentum, CountLastTurn&& count_last_turn) {
     const bool notes = note_is_due(fusion, clock);
     for (Row s = sensors.first(); s < sensors.last(); ++s) {
         std::uint64_t& next = sensors.column<NextSample>()[s];
         const auto& samples = replay.samples[s];
         if (!notes && (next >= samples.size() || !has_come(samples[next].arrives, fusion, clock))) continue;
         const Row b = row_of(bodies, sensors.column<SensorHost>()[s]);
-        Vec3 &velocity = bodies.template column<Velocity>()[b], &spin = bodies.template column<Spin>()[b];
+        const Vec3 &velocity = bodies.template column<Velocity>()[b], &spin = bodies.template column<Spin>()[b];
         CorrectionRow& correction = bodies.template column<Correction>()[b];
         const RigidState now = state_of(bodies.template column<Position>()[b], velocity, bodies.template column<Acceleration>()[b], orientation_of(b), spin, clock);
         const Analysis under_way = under_way_of(correction);
@@ -178,33 +193,30 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
         if (taken && !heard) { // what is refused moves nothing, nor does it stretch what is under way
             if (filter.remembers()) filter.leave(sum_of(to_come, scaled(-1, under_way)));
             to_come = under_way;
-            fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0, bodies.template column<FusionWork>()[b]));
+            fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0, bodies.template column<FusionWork>()[b], fusion.account));
         }
         if (notes) filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
         if (!heard) continue;
         const bool pulls = fusion.pull.stiffness > 0;
-        const double share = pulls ? 1 : share_in_step(to_come, bodies.template column<BoundingRadius>()[b], fusion, clock);
-        fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, share, bodies.template column<FusionWork>()[b]));
-        if (share < 1) {
+        const double share = pulls ? fusion.account.gain : share_in_step(to_come, bodies.template column<BoundingRadius>()[b], fusion, clock);
+        fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, share, bodies.template column<FusionWork>()[b], fusion.account));
+        if (pulls && share < 1) ++(share > 0 ? fusion.account.reduced : fusion.account.withheld);
+        if (!pulls && share < 1) {
             const Analysis given = share > 0 ? scaled(share, to_come) : under_way;
             filter.leave(sum_of(to_come, scaled(-1, given)));
             ++(share > 0 ? sensors.column<Reduced>() : sensors.column<Withheld>())[s];
             if (share == 0) continue;
             to_come = given;
         }
-        const Vec3 &dv = to_come.velocity, &dw = to_come.spin, dL = momentum(b, dw);
-        bodies.template column<FusionWork>()[b] += bodies.template column<InertialMass>()[b] * dv.dot(now.velocity + 0.5 * dv) + dL.dot(now.spin + 0.5 * dw);
+        change_motion(bodies, b, now, to_come, momentum(b, to_come.spin), clock.dt);
         lists.unseen = true; // what contacts read of this body was placed before
-        velocity += dv;
-        spin += dw;
-        bodies.template column<StepSpin>()[b] += dw;
-        bodies.template column<AngularMomentum>()[b] += dL;
         std::uint32_t& guided = bodies.template column<Guided>()[b];
         if (pulls) {
             // the body may follow or not: what it does is seen as the simulation's motion
             if (filter.remembers()) filter.leave({.shift = to_come.shift, .turn = to_come.turn});
-            bodies.template column<Pull>()[b] = pull_for(to_come, fusion.pull);
-            guided = 1;
+            PullTarget target = target_of(now, to_come, fusion);
+            count_last_turn(b, target);
+            give_pull(bodies.template column<Pull>()[b], guided, target, fusion.pull, share);
         } else {
             give_correction(correction, guided, to_come.shift, to_come.turn, fusion.injection_steps);
         }
@@ -216,12 +228,14 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
 
 void Fusion::save(Archive& archive) const {
     put_fields(archive, "fusion/strain", std::tie(strain, notes));
+    account.save(archive, "fusion/account");
     save_records(archive, "fusion/records", records);
     for (std::size_t k = 0; k < filters.size(); ++k) filters[k].save(archive, fmt::format("fusion/{}", k));
 }
 
 void Fusion::load(const Archive& archive) {
     get_fields(archive, "fusion/strain", std::tie(strain, notes));
+    account.load(archive, "fusion/account");
     records = load_records(archive, "fusion/records");
     for (std::size_t k = 0; k < filters.size(); ++k) filters[k].load(archive, fmt::format("fusion/{}", k));
 }
@@ -280,14 +294,15 @@ bool dismiss_samples(World& world) {
 
 void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock) {
     const double* inertia = bodies.column<SphereInertia>();
-    fuse(sensors, bodies, fusion, lists, replay, clock, [](Row) { return Quat::Identity(); }, [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], spin); });
+    fuse(sensors, bodies, fusion, lists, replay, clock, [](Row) { return Quat::Identity(); }, [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], spin); },
+         [&](Row b, PullTarget& target) { target.attitude = target.attitude * exponential_map(clock.dt * (bodies.column<StepSpin>()[b] - target.spin)); });
 }
 
 void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const InertialInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock) {
     const Quat* orientation = bodies.column<Orientation>();
     const Vec3* inertia = bodies.column<InertialInertia>();
     fuse(sensors, bodies, fusion, lists, replay, clock, [&](Row b) { return orientation[b]; },
-         [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], orientation[b], spin); });
+         [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], orientation[b], spin); }, [](Row, PullTarget&) {});
 }
 
 double fusion_work(const World& world) {

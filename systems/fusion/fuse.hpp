@@ -7,7 +7,9 @@
 #include "engine/clock.hpp"
 #include "engine/rows.hpp"
 #include "systems/fusion/analysis_record.hpp"
+#include "systems/fusion/pull.hpp"
 #include "systems/fusion/sensor_filter.hpp"
+#include "systems/fusion/work_account.hpp"
 
 namespace bris {
 
@@ -25,13 +27,6 @@ struct Replay {
     std::vector<std::vector<TimedMeasurement>> samples;
 };
 
-/// Pulling instead of putting: a force that grows with what is to be corrected, up to one at which contacts yield.
-struct PullSettings {
-    double stiffness = 0;     ///< N/m; 0: bodies are put
-    double largest_force = 0; ///< N
-    double arm = 0.01;        ///< m: torques are as forces at this arm
-};
-
 /// The filters of a scene's sensors, by their rows.
 struct Fusion {
     static constexpr auto name = "fusion";
@@ -47,6 +42,7 @@ struct Fusion {
     bool by_strain = false;       ///< in a test by stages time means nothing: samples are taken by axial strain, and all rests then
     double strain = 0;            ///< to which they have been
     std::uint64_t notes = 0;      ///< intervals of note_every that have been begun
+    WorkAccount account;          ///< what corrections may cost, in a test by stages
     std::vector<AnalysisRecord> records; ///< of all analyses
 
     void save(Archive& archive) const;

@@ -19,4 +19,7 @@ struct SpreadSettings {
 /// others. Returns the energy u K u / 2, J.
 double spread_corrections(World& world, const SpreadSettings& settings = {});
 
+/// J, that the springs of the present contacts store if sensors' bodies go as they are to, and all others stay.
+double energy_of_corrections(const World& world);
+
 } // namespace bris

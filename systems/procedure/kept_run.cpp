@@ -39,7 +39,7 @@ void put_arm(Archive& archive, const TriaxialSettings& s, const ModelArm& arm) {
                                 arm.disturbance, double(static_cast<int>(c.filter.kind)), c.filter.position, c.filter.velocity, c.filter.attitude, c.filter.spin,
                                 c.filter.acceleration_density, c.filter.angular_acceleration_density, c.filter.drift, c.filter.turning, c.filter.gate, double(c.injection_steps),
                                 c.pull.stiffness, c.pull.largest_force, c.pull.arm, double(c.spread), c.position_noise, c.attitude_noise,
-                                c.largest_shift, c.lateness, c.note_every, double(c.filter.lag)};
+                                c.largest_shift, c.largest_work_share, c.lateness, c.note_every, double(c.filter.lag)};
     for (const LearnedBelief& b : arm.learned) numbers.insert(numbers.end(), {b.strain, b.rocks.friction, b.rocks.stiffness});
     put(archive, "arm", numbers);
     for (const SensorWay& way : arm.ways) {
@@ -49,7 +49,8 @@ void put_arm(Archive& archive, const TriaxialSettings& s, const ModelArm& arm) {
 }
 
 auto numbers_of(auto& run) {
-    return std::tie(run.sensors, run.fusion_work, run.platen_work, run.accepted, run.refused, run.steps, run.wall_time, run.too_late, run.reduced, run.withheld);
+    return std::tie(run.sensors, run.fusion_work, run.platen_work, run.accepted, run.refused, run.steps, run.wall_time, run.too_late, run.reduced, run.withheld, run.too_dear,
+                    run.much_too_dear);
 }
 
 void visit_numbers(SmoothedPose& p, auto&& visit) {

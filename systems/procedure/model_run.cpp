@@ -18,7 +18,10 @@ namespace {
 
 void count_fusion(const World& world, ModelRun& run) {
     run.fusion_work += fusion_work(world);
-    run.analyses = world.resource<Fusion>().records;
+    const Fusion& fusion = world.resource<Fusion>();
+    run.analyses = fusion.records;
+    run.too_dear += fusion.account.reduced;
+    run.much_too_dear += fusion.account.withheld;
     for (std::size_t s = 0; s < world.table<Sensors>().size(); ++s) {
         run.accepted += world.column<Sensors, Accepted>()[s];
         run.refused += world.column<Sensors, Refused>()[s];

@@ -120,8 +120,11 @@ bool TriaxialTest::analyse() {
     auto& fusion = world.resource<Fusion>();
     fusion.strain = static_cast<double>(state().stage + 1) * settings_.stage_strain;
     if (!fusion_is_due(world) || dismiss_samples(world)) return false;
+    begin_analysis(world);
+    const std::size_t first_record = fusion.records.size();
     run(1);
-    if (fusion.spread) (void)spread_corrections(world);
+    const double energy = fusion.spread ? spread_corrections(world) : energy_of_corrections(world);
+    limit_corrections(world, first_record, energy);
     run(fusion.injection_steps);
     return true;
 }
@@ -134,7 +137,10 @@ void TriaxialTest::shear() {
         state.phase = TriaxialPhase::done;
         return;
     }
-    if (state.phase_steps == 0) move_platen();
+    if (state.phase_steps == 0) {
+        if (world.has_resource<Fusion>()) hold_pulls(world);
+        move_platen();
+    }
     run(20);
     if (is_in_equilibrium()) {
         if (analyse()) return;

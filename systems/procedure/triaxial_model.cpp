@@ -51,6 +51,7 @@ void give_sensors(Simulation& simulation, const ModelArm& arm, const std::vector
     fusion.pull = c.pull;
     fusion.largest_shift = c.largest_shift;
     fusion.note_every = c.filter.lag > 0 ? c.note_every : 0;
+    open_account(world, c.largest_work_share);
     simulation.prepare();
 }
 

@@ -241,6 +241,49 @@ TEST_SUITE("procedure/triaxial") {
         CHECK(catches_up.steps > truth.steps);
     }
 
+    TEST_CASE("corrections, put, spread or pulled, do no more of the platens' work than they may, and what they do closes the energy balance") {
+        const TriaxialScene scene = small_scene();
+        const Archive specimen = prepared(scene);
+        const auto run = [&](const ModelArm& arm) { return run_model(scene, short_test(), specimen, arm, 1); };
+        const ModelRun truth = run({});
+        ModelArm arm{.rocks = {.friction = 0.3}, .ways = recorded_ways(truth, sensor_rocks(truth), 1e-4, 1e-7, 1e-5, 1)};
+        arm.corrections.position_noise = 1e-7;
+        arm.corrections.attitude_noise = 1e-5;
+        arm.corrections.largest_shift = 1e-6;
+        for (const std::string way : {"jumped", "spread", "pulled"}) {
+            arm.corrections.spread = way == "spread";
+            arm.corrections.pull.stiffness = way == "pulled" ? 5e6 : 0;
+            arm.corrections.pull.largest_force = 100;
+            arm.corrections.largest_work_share = 0;
+            const ModelRun freely = run(arm);
+            arm.corrections.largest_work_share = 0.005;
+            const ModelRun limited = run(arm);
+            CAPTURE(way);
+            MESSAGE(way, ": ", freely.fusion_work / freely.platen_work, " of the platens' work without a limit, ", limited.fusion_work / limited.platen_work, " with one");
+            CHECK(freely.too_dear + freely.much_too_dear == 0);
+            CHECK(std::isnan(freely.analyses.back().work_allowed));
+            CHECK(std::abs(freely.fusion_work) > 0.02 * freely.platen_work);
+            CHECK(limited.fusion_work != 0);
+            CHECK(std::abs(limited.fusion_work) < 0.0075 * limited.platen_work);
+            CHECK(limited.too_dear > 0);
+            std::uint64_t cut = 0, refused = 0;
+            for (const AnalysisRecord& r : limited.analyses) {
+                CHECK(r.work_allowed >= 0);
+                CHECK((r.share < 1) >= (r.work_expected > r.work_allowed));
+                cut += r.share < 1 && r.share > 0;
+                refused += r.share == 0;
+            }
+            CHECK(cut >= limited.too_dear); // those for how far they go among them
+            CHECK(refused == limited.withheld + limited.much_too_dear);
+            for (const ModelRun* r : {&freely, &limited}) {
+                const TriaxialPoint &first = r->points.front(), &last = r->points.back();
+                const double kept = last.stored + last.kinetic - first.stored - first.kinetic, lost = last.friction_work + last.damping_work - first.friction_work - first.damping_work;
+                const double work = last.boundary_work + last.scaling_work - first.boundary_work - first.scaling_work;
+                CHECK(std::abs(work + r->fusion_work - kept - lost) < 5e-4 * work); // without corrections 1e-4
+            }
+        }
+    }
+
     TEST_CASE("a model whose sensors die goes on as if their recordings had ended, and one whose sensors were never alive as if it had none") {
         const TriaxialScene scene = small_scene();
         const Archive specimen = prepared(scene);
@@ -291,6 +334,7 @@ TEST_SUITE("procedure/triaxial") {
             arm.corrections.lateness = 3e-4;
             arm.corrections.note_every = 1e-4;
             arm.corrections.largest_shift = 1e-7;
+            arm.corrections.largest_work_share = 1e-4;
             unsigned blocks = 0;
             Archive whole, gone_on;
             save_run(whole, run_model(scene, short_test(), specimen, arm, 1, {.progress = [&](double, const std::string&) { ++blocks; }}));
@@ -323,6 +367,9 @@ TEST_SUITE("procedure/triaxial") {
             CHECK(a.fusion_work == b.fusion_work);
             CHECK(a.too_late == 0);
             CHECK(a.reduced == b.reduced);
+            CHECK(a.too_dear + a.much_too_dear > 0);
+            CHECK(a.too_dear == b.too_dear);
+            CHECK(a.much_too_dear == b.much_too_dear);
             CHECK((a.reduced > 0) == catch_up); // pulls have a limit of their own
             CHECK(a.smoothed.size() == 10);
             CHECK(a.smoothed[0].size() == 21); // noted at the start, and at each stage

@@ -1,0 +1,163 @@
+#include "engine/errors.hpp"
+#include "systems/experiments/bench.hpp"
+#include "systems/fusion/correct.hpp"
+#include "systems/fusion/fuse.hpp"
+#include "systems/fusion/spread.hpp"
+#include "systems/fusion/work_account.hpp"
+#include "tests/about.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+
+namespace {
+
+constexpr double kn = 1e5, dt = 1e-6, share = 0.1;
+constexpr unsigned steps = 20;
+
+/// A ball with a sensor between two that are held, touching both: a correction along x stores kn d^2. The first held one stands for the platens.
+struct Squeezed {
+    Simulation sim;
+    Squeezed() : sim(make()) { sim.advance(2); }
+    static Simulation make() {
+        World world = make_world(Grains::spheres);
+        const auto m = world.resource<Materials>().add(linear_material(kn, 4e4, 0));
+        world.resource<Materials>().mix();
+        (void)add_sphere(world, Vec3::Zero(), 0.01, m);
+        for (const double x : {-0.0199, 0.0199}) (void)add_sphere(world, Vec3(x, 0, 0), 0.01, m, Motion::fixed);
+        add_sensors(world, {0}, {{}}, {}, steps);
+        Simulation sim = begin(std::move(world), LawName::linear, dt, true);
+        open_account(sim.world(), share);
+        return sim;
+    }
+    WorkAccount& account() { return sim.world().resource<Fusion>().account; }
+    CorrectionRow& correction() { return value_of<Correction>(sim, 0); }
+    /// Platens do some work, and an analysis asks for a correction; returns what was given of it.
+    double analysis(double of_platens, double d) {
+        value_of<BoundaryWork>(sim, 1) += of_platens;
+        Fusion& fusion = sim.world().resource<Fusion>();
+        begin_analysis(sim.world());
+        const std::size_t first = fusion.records.size();
+        fusion.records.emplace_back();
+        give_correction(correction(), value_of<Guided>(sim, 0), Vec3(d, 0, 0), Vec3::Zero(), steps);
+        CHECK(energy_of_corrections(sim.world()) == about(kn * d * d));
+        limit_corrections(sim.world(), first, energy_of_corrections(sim.world()));
+        const CorrectionRow& c = correction();
+        CHECK(std::abs(fusion.records.back().share - c.steps * c.shift.x() / d) < 1e-12);
+        return c.steps * c.shift.x();
+    }
+};
+
+} // namespace
+
+TEST_SUITE("systems/fusion/work_account") {
+    TEST_CASE("a correction that would store more than it may is cut to what it may, and does that much work") {
+        const double d = 2e-5, stored = kn * d * d, allowed = 0.2 * stored;
+        Squeezed balls;
+        CHECK(balls.analysis(allowed / share, d) == about(std::sqrt(0.2) * d));
+        CHECK(balls.account().allowed == about(allowed));
+        CHECK(balls.account().expected == about(stored));
+        CHECK(balls.account().reduced == 1);
+        CHECK(balls.account().withheld == 0);
+        balls.sim.advance(steps + 1);
+        // the ball gives way a little while it is put: by (omega t)^2 / 12 of the way, 1 %
+        CHECK(fusion_work(balls.sim.world()) == about(allowed).epsilon(0.03));
+    }
+
+    TEST_CASE("one that stores less is given whole, and its bits are those of a world without a limit") {
+        Squeezed limited, free;
+        free.account() = {};
+        for (Squeezed* balls : {&limited, &free}) {
+            CHECK(balls->analysis(1, 1e-5) == about(1e-5));
+            balls->sim.advance(3 * steps);
+            CHECK(balls->account().reduced == 0);
+        }
+        CHECK(fingerprint(limited.sim.snapshot(), "bodies/") == fingerprint(free.sim.snapshot(), "bodies/"));
+    }
+
+    TEST_CASE("what a filter is not given it does not know") {
+        Squeezed balls;
+        const double d = 2e-5;
+        const auto deviation = [&] { return std::sqrt(balls.sim.world().resource<Fusion>().filters[0].covariance()(0, 0)); };
+        const double before = deviation(), given = balls.analysis(0.2 * kn * d * d / share, d);
+        CHECK(deviation() * deviation() == about(before * before + (d - given) * (d - given)).epsilon(1e-9));
+    }
+
+    TEST_CASE("one that would have to be cut to less than a hundredth is refused: the ball stays, and nothing is spent") {
+        Squeezed balls;
+        const double d = 2e-5;
+        CHECK(balls.analysis(0.9e-4 * kn * d * d / share, d) == 0);
+        CHECK(balls.account().withheld == 1);
+        CHECK(balls.account().reduced == 0);
+        const Vec3 before = value_of<Position>(balls.sim, 0);
+        balls.sim.advance(steps);
+        CHECK(value_of<Position>(balls.sim, 0) == before);
+        CHECK(fusion_work(balls.sim.world()) == 0);
+        CHECK(balls.analysis(1.1e-4 * kn * d * d / share, d) > 0); // asked again: half as dear as it seemed
+    }
+
+    TEST_CASE("corrections that have cost more than was expected are expected to, and what they have cost too much is paid back") {
+        const double d = 2e-5, stored = kn * d * d, income = 0.2 * stored;
+        Squeezed balls;
+        (void)balls.analysis(income / share, d);
+        value_of<FusionWork>(balls.sim, 0) += 1.5 * income; // half as much again as it might
+        const double given = balls.analysis(income / share, d);
+        CHECK(balls.account().ratio == about(1.5));
+        CHECK(balls.account().allowed == about(0.5 * income));
+        CHECK(given == about(d * std::sqrt(0.5 * 0.2 / 1.5)));
+        value_of<FusionWork>(balls.sim, 1) -= 3 * income; // taken out, and elsewhere, it counts as well
+        CHECK(balls.analysis(income / share, d) == 0);
+        CHECK(balls.account().owed == about(2.5 * income));
+        (void)balls.analysis(2 * income / share, d);
+        CHECK(balls.account().owed == about(1.5 * income));
+    }
+
+    TEST_CASE("what pulls is given the gain that it may cost, and is let go once it has cost that") {
+        Squeezed balls;
+        Fusion& fusion = balls.sim.world().resource<Fusion>();
+        fusion.pull = {1e4, 1, 0.01};
+        PullRow& pull = value_of<Pull>(balls.sim, 0);
+        const auto begin_with = [&](double of_platens) {
+            value_of<BoundaryWork>(balls.sim, 1) += of_platens;
+            begin_analysis(balls.sim.world());
+            give_pull(pull, value_of<Guided>(balls.sim, 0), {Vec3(1e-4, 0, 0), Vec3::Zero(), Quat::Identity(), Vec3::Zero()}, fusion.pull, fusion.account.gain);
+        };
+        begin_with(1);
+        CHECK(fusion.account.gain == about(share)); // as if at full strength it cost what the platens do
+        CHECK(pull.largest_force == about(share));
+        value_of<FusionWork>(balls.sim, 0) += 0.02; // a fifth of what it might
+        hold_pulls(balls.sim.world());
+        CHECK(pull.pulls());
+        CHECK(pull.held == 1);
+        begin_with(1);
+        CHECK(fusion.account.ratio == about(0.5));
+        CHECK(fusion.account.gain == about(2 * share)); // it grows by two at most
+        CHECK(pull.held == 0);
+        value_of<FusionWork>(balls.sim, 0) += 0.11;
+        hold_pulls(balls.sim.world());
+        CHECK_FALSE(pull.pulls());
+        balls.sim.advance(2);
+        CHECK(pull.force.norm() == 0);
+        CHECK(value_of<Guided>(balls.sim, 0) == 0);
+    }
+
+    TEST_CASE("an account is kept through a checkpoint") {
+        Squeezed balls, resumed;
+        (void)balls.analysis(1e-7 / share, 2e-5);
+        balls.sim.advance(steps / 2);
+        resumed.sim.restore(balls.sim.snapshot());
+        for (Squeezed* b : {&balls, &resumed}) {
+            b->sim.advance(2 * steps);
+            (void)b->analysis(1e-7 / share, 3e-5);
+            b->sim.advance(steps);
+        }
+        CHECK(balls.account().ratio != 1);
+        CHECK(fingerprint(balls.sim.snapshot()) == fingerprint(resumed.sim.snapshot()));
+    }
+
+    TEST_CASE("a share below none or above all is refused") {
+        Squeezed balls;
+        CHECK_THROWS_WITH_AS(open_account(balls.sim.world(), 1.5), doctest::Contains("found 1.5"), InputError);
+        CHECK_THROWS_WITH_AS(open_account(balls.sim.world(), -0.1), doctest::Contains("found -0.1"), InputError);
+    }
+}
