@@ -1,6 +1,7 @@
 // Twin experiment: a true triaxial test whose sensor rocks are recorded, and a model of it with other parameters that is
 // run without and with the recordings. Does the model then know better what the other rocks do? Beside them a run with
-// the true parameters from a start disturbed by less than a grain of dust: no model can know more than that.
+// the true parameters from a start disturbed by less than a grain of dust: no model can know more than that. The model may also be of
+// rocks of other shapes, in other places, or of another packing.
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/random.hpp"
@@ -14,6 +15,7 @@
 #include "systems/procedure/layouts.hpp"
 #include "systems/procedure/kept_run.hpp"
 #include "systems/procedure/learning_results.hpp"
+#include "systems/procedure/model_specimen.hpp"
 #include "systems/procedure/recorded_test.hpp"
 #include "systems/procedure/run_models.hpp"
 #include "systems/procedure/triaxial_results.hpp"
@@ -36,6 +38,7 @@ constexpr std::array<std::string_view, 12> arm_names{"free", "chaos", "jumped", 
 struct Twin {
     Triaxial triaxial;
     RockBelief model{0.5, 1};
+    ModelMismatch mismatch;
     std::string arms = "free,chaos,learned,ensemble,analysed";
     std::filesystem::path record;
     std::string record_format = "csv";
@@ -52,6 +55,7 @@ struct Twin {
         corrections.pull = {5e6, 100, 0.01}; // about the contact forces at 55 kPa
         corrections.largest_shift = 1e-6;
         corrections.largest_work_share = 0.005;
+        learning.specimen_scatter = -1;
     }
     void describe(auto& option) {
         option.group("twin");
@@ -61,6 +65,7 @@ struct Twin {
                "analysed: as ensemble, and the recordings of the sensors carried to all rocks; null: the same with q of this specimen and sensors of another, which should help nobody");
         option("model_friction", model.friction, "", "of rocks in the model; the truth's is --friction", above(0));
         option("model_stiffness", model.stiffness, "", "of contacts in the model, of the truth's", above(0));
+        mismatch.describe(option);
         option("disturbance", disturbance, "m", "of all places, in the run that shows chaos alone", at_least(0));
         learning.describe(option);
         option("change", change, "", "of friction or stiffness, from which on the model is told of it", above(0));
@@ -91,13 +96,20 @@ struct Twin {
 
 constexpr std::array shell_names{"sensors", "shell_1", "shell_2", "shell_3", "shell_4"};
 
-/// Calls visit(name, unit, error) for each of a run's errors.
-void visit_errors(const TwinErrors& e, auto&& visit) {
+/// Calls visit(name, unit, error) for each of a run's errors; those of the first `shells`.
+void visit_errors(const TwinErrors& e, std::size_t shells, auto&& visit) {
     visit("q", "Pa", e.q);
     visit("volumetric_strain", "", e.volumetric_strain);
     visit("ring_radius", "m", e.ring_radius);
-    for (std::size_t s = 0; s < shell_names.size(); ++s) visit(fmt::format("displacement_{}", shell_names[s]), "m", e.displacement[s]);
-    for (std::size_t s = 0; s < shell_names.size(); ++s) visit(fmt::format("rotation_{}", shell_names[s]), "rad", e.rotation[s]);
+    for (std::size_t s = 0; s < shells; ++s) visit(fmt::format("displacement_{}", shell_names[s]), "m", e.displacement[s]);
+    for (std::size_t s = 0; s < shells; ++s) visit(fmt::format("rotation_{}", shell_names[s]), "rad", e.rotation[s]);
+}
+
+/// By how much specimens differ in ln q that differ so: as measured, or as it was said.
+Learning learning_for(const Twin& t) {
+    Learning learning = t.learning;
+    if (learning.specimen_scatter < 0) learning.specimen_scatter = t.mismatch.specimen_scatter();
+    return learning;
 }
 
 std::vector<std::string> names_of_arms(const std::string& list) {
@@ -138,7 +150,7 @@ struct Taught {
 class Experiment {
 public:
     Experiment(const Twin& settings, const Common& common)
-        : t_(settings), common_(common), scene_(make_scene(t_.triaxial, common.seed)), names_(names_of_arms(t_.arms)), test_(t_.triaxial.test), progress_(progress_of_models(common)) {
+        : t_(settings), common_(common), learning_(learning_for(t_)), true_{make_scene(t_.triaxial, common.seed), {}}, names_(names_of_arms(t_.arms)), test_(t_.triaxial.test), progress_(progress_of_models(common)) {
         test_.confining_pressure = t_.triaxial.confining_pressure.front();
     }
     void run();
@@ -156,16 +168,22 @@ private:
     ModelRun compute(const ModelArm& arm);
     std::vector<TriaxialPoint> measured() const;
     void record(const RecordingSettings& settings) const;
+    void make_specimens();
+    const PreparedSpecimen& specimen_of(const std::string& arm) const { return model_ && arm != "truth" && arm != "chaos" ? *model_ : true_; }
+    /// Whose errors are asked for: of another packing only the sensor rocks are where the truth has them.
+    std::size_t shells_of(const std::string& arm) const { return t_.mismatch.packing > 0 && arm != "chaos" ? 1 : shell_names.size(); }
+    void add_starts(Summary& summary) const;
     std::vector<ModelRun> run_all(const std::vector<ModelArm>& arms, double strain);
     ModelRun run_another();
 
     const Twin& t_;
     const Common& common_;
-    TriaxialScene scene_;
+    Learning learning_;
+    PreparedSpecimen true_;
+    std::optional<PreparedSpecimen> model_; // where it is another one
     std::vector<std::string> names_;
     TriaxialSettings test_;
     Progress progress_;
-    Archive specimen_;
     ModelRun truth_;
     std::optional<Told> told_, told_of_another_;
     std::optional<Worlds> first_; // generation, from which all that is learned goes on
@@ -176,7 +194,7 @@ private:
 
 // Names of what worlds learn from: arms for whom it is the same share them.
 std::string Experiment::teaching_of(const std::string& arm) const {
-    const bool sensors_say_nothing = t_.sensors.mode == "honest-imu" || !t_.learning.by_sensors;
+    const bool sensors_say_nothing = t_.sensors.mode == "honest-imu" || !learning_.by_sensors;
     const bool own = arm == "sensors_only" || (!sensors_say_nothing && (arm == "load_cell" || arm == "null"));
     return own ? arm : "worlds";
 }
@@ -205,24 +223,26 @@ ModelArm Experiment::arm_of(const std::string& name) const {
     return arm;
 }
 
+void Experiment::make_specimens() {
+    const auto watch = [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); };
+    true_.state = make_specimen(true_.scene, test_, common_, watch);
+    if (t_.mismatch.any()) model_ = make_model_specimen(t_.triaxial, test_, true_, t_.mismatch, common_, [&](double fraction, const std::string& text) { watch(fraction, "model's " + text); });
+    progress_.pause();
+    if (t_.mismatch.packing > 0) fmt::print("another packing: only its sensor rocks have rocks of the truth to be compared with; errors of the others are left out\n");
+}
+
 std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, double strain) {
-    return run_models(scene_, test_, specimen_, arms, strain, common_, progress_);
+    std::vector<const PreparedSpecimen*> specimens;
+    for (const ModelArm& arm : arms) specimens.push_back(&specimen_of(arm.name));
+    return run_models(specimens, test_, arms, strain, common_, progress_);
 }
 
 /// The truth of another specimen, packed around sensor rocks in the same places.
 ModelRun Experiment::run_another() {
-    Common common = common_;
-    common.out /= "another";
-    common.seed += 1000;
-    for (NamedValue& v : common.settings)
-        if (v.key == "seed") v = NamedValue("seed", common.seed);
-    common.resume = common_.resume / "another";
-    if (common_.resume.empty() || !std::filesystem::exists(common.resume / "specimen.ckpt.h5")) common.resume.clear();
-    std::filesystem::create_directories(common.out);
-    TriaxialScene scene = make_scene(t_.triaxial, common.seed);
-    scene.poses = scene_.poses;
-    const Archive specimen = make_specimen(scene, test_, common, [&](double fraction, const std::string& text) { progress_.report(0, fraction, "another " + text); });
-    ModelRun run = run_models(scene, test_, specimen, {{.name = "another truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain, common, progress_).front();
+    const Common common = common_of_packing(common_, "another", common_.seed + 1000);
+    const PreparedSpecimen another =
+        make_another_packing(t_.triaxial, test_, true_.scene, 0, common, [&](double fraction, const std::string& text) { progress_.report(0, fraction, "another " + text); });
+    ModelRun run = run_models({&another}, test_, {{.name = "another truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain, common, progress_).front();
     forget_runs(common);
     return run;
 }
@@ -233,14 +253,15 @@ Taught Experiment::teach(const std::string& teaching, const Told& told) {
     measured.ways = told.ways;
     measured.displacement_noise = told.position_noise;
     measured.lateness = t_.lateness;
-    Learning learning = t_.learning;
+    Learning learning = learning_;
     if (teaching == "load_cell") learning.by_sensors = false;
     if (teaching == "sensors_only") {
         learning.by_sensors = true;
         learning.by_force = learning.by_volume = false;
     }
     const Gaussian prior = prior_of(t_.model, learning);
-    const auto try_them = [&](const std::vector<ModelArm>& arms, double strain) { return try_models(scene_, test_, specimen_, arms, strain, common_, progress_); };
+    const PreparedSpecimen& worlds = specimen_of(teaching);
+    const auto try_them = [&](const std::vector<ModelArm>& arms, double strain) { return try_models(worlds.scene, test_, worlds.state, arms, strain, common_, progress_); };
     if (!first_) first_ = run_worlds(prior, learning.worlds, "first", learning.first_strain, try_them);
     const auto foretells = [&](const std::string& arm) { return is_computed(arm) && teaching_of(arm) == teaching; };
     const bool all_the_way = std::ranges::any_of(names_, foretells);
@@ -272,15 +293,14 @@ ModelRun Experiment::compute(const ModelArm& arm) {
 void Experiment::record(const RecordingSettings& settings) const {
     const auto recordings = record_sensors(truth_, settings, common_.seed);
     const auto points = measured();
-    if (t_.record_format == "csv") return write_recorded_test(t_.record, test_.confining_pressure, recordings, scene_, points);
+    if (t_.record_format == "csv") return write_recorded_test(t_.record, test_.confining_pressure, recordings, true_.scene, points);
     std::vector<double> time;
     for (const TriaxialPoint& p : points) time.push_back(settings.rest + p.axial_strain / 1e-4 * settings.stage_time);
-    write_recorded_test_hdf5(t_.record, test_.confining_pressure, recordings, scene_, points, time);
+    write_recorded_test_hdf5(t_.record, test_.confining_pressure, recordings, true_.scene, points, time);
 }
 
 void Experiment::run() {
-    specimen_ = make_specimen(scene_, test_, common_, [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
-    progress_.pause();
+    make_specimens();
     truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain).front();
     if (!t_.record.empty()) {
         const RecordingSettings settings{.interval = t_.sensors.interval, .imu = t_.sensors.imu, .displacement_noise = t_.sensors.position_noise, .attitude_noise = t_.sensors.attitude_noise};
@@ -303,12 +323,11 @@ void Experiment::run() {
 void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_free) const {
     const std::string& name = arms_[k].name;
     const auto add = [&](const char* what, const auto& value) { summary.add(fmt::format("{}_{}", name, what), value); };
-    std::vector<double> free;
-    if (of_free) visit_errors(*of_free, [&](const std::string&, const char*, double e) { free.push_back(e); });
-    auto one_of_free = free.begin();
-    visit_errors(errors_of(runs_[k], truth_), [&](const std::string& what, const char* unit, double e) {
+    std::map<std::string, double> free;
+    if (of_free && name != "free") visit_errors(*of_free, shells_of("free"), [&](const std::string& what, const char*, double e) { free[what] = e; });
+    visit_errors(errors_of(runs_[k], truth_), shells_of(name), [&](const std::string& what, const char* unit, double e) {
         summary.add(fmt::format("{}_rmse_{}{}{}", name, what, *unit ? "_" : "", unit), e);
-        if (of_free && name != "free") summary.add(fmt::format("{}_error_left_{}", name, what), e / *one_of_free++);
+        if (free.contains(what)) summary.add(fmt::format("{}_error_left_{}", name, what), e / free.at(what));
     });
     add("steps", runs_[k].steps);
     add("wall_time_s", runs_[k].wall_time);
@@ -337,11 +356,33 @@ void Experiment::add_properties(Summary& summary, const std::string& name, const
     summary.add(name + "_peak_friction_angle_deg", properties.peak_friction_angle);
 }
 
+/// How far the model's specimen is from the truth's, at the start of shearing.
+void Experiment::add_starts(Summary& summary) const {
+    if (!model_) return;
+    const auto put = [&](const std::string& whose, const ModelRun& run) {
+        summary.add(whose + "_core_porosity", run.core_porosity);
+        summary.add(whose + "_coordination_number", run.points.front().coordination);
+    };
+    put("truth", truth_);
+    summary.add("learning_specimen_scatter", learning_.specimen_scatter);
+    const ModelRun* model = first_ ? &first_->runs.front() : nullptr;
+    for (std::size_t k = 0; k < arms_.size(); ++k)
+        if (!is_computed(arms_[k].name) && &specimen_of(arms_[k].name) == &*model_ && (model == nullptr || arms_[k].name == "free")) model = &runs_[k];
+    if (model == nullptr) return; // no arm runs it
+    put("model", *model);
+    const StartsApart apart = starts_apart(*model, truth_);
+    summary.add("model_start_off_truth_sensors_mm", 1e3 * apart.sensor_distance);
+    summary.add("model_start_turned_off_truth_sensors_rad", apart.sensor_angle);
+    if (t_.mismatch.packing > 0) return; // other rocks
+    summary.add("model_start_off_truth_mm", 1e3 * apart.distance);
+    summary.add("model_start_turned_off_truth_rad", apart.angle);
+}
+
 /// `taught` by another name than "worlds" says so.
 void Experiment::add_learned(Summary& summary, const std::string& name, const Taught& taught) const {
     const std::string whose = name == "worlds" ? "" : name + "_";
     const auto& known = taught.learned.known;
-    const Gaussian last = known.empty() ? prior_of(t_.model, t_.learning) : known.back().belief;
+    const Gaussian last = known.empty() ? prior_of(t_.model, learning_) : known.back().belief;
     for (const NamedValue& v : describe(last)) summary.add(NamedValue(whose + v.key, std::get<double>(v.value)));
     summary.add(whose + "learned_squared_distance_of_truth", squared_distance(last, logarithms_of({test_.friction, 1})));
     summary.add(whose + "learning_wall_time_s", taught.wall);
@@ -387,6 +428,7 @@ void Experiment::report() const {
     if (free != names_.end()) of_free = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
     for (std::size_t k = 0; k < arms_.size(); ++k) add_arm(summary, k, of_free ? &*of_free : nullptr);
     add_properties(summary, "truth", truth_);
+    add_starts(summary);
     summary.add("sensors_refused", told_->refused);
     for (const auto& [name, taught] : taught_) add_learned(summary, name, taught);
     write_smoothed();
@@ -405,6 +447,11 @@ void run(const Twin& t, const Common& common) {
     const bool faulty = t.sensors.faults.dropout > 0 || t.sensors.faults.outliers > 0;
     require(t.record.empty() || (!faulty && t.lateness == 0), "--record: expected no --dropout, --outliers or --lateness, which it does not record");
     require(t.sensors.mode != "honest-imu" || !faulty, "--sensor-mode honest-imu: expected no --dropout or --outliers, which are of tracked sensors");
+    const bool moved = t.mismatch.placement > 0 || t.mismatch.turn > 0;
+    require(t.mismatch.packing == 0 || !moved, "--model-packing: expected no --model-placement or --model-turn, which are off the truth's places");
+    require(t.mismatch.packing == 0 || t.mismatch.packing != common.seed, "--model-packing: expected another seed than --seed");
+    require(t.mismatch.packing == 0 || !t.layouts, "--layouts: expected no --model-packing, whose rocks are not those of the truth");
+    require(t.mismatch.spheres == 0 || t.mismatch.spheres >= 4, fmt::format("--model-spheres: expected 0 or 4 and more, found {}", t.mismatch.spheres));
     check_test(t.triaxial);
     require_memory_for(t.triaxial, common.threads, common.memory_limit);
     if (common.explain) {

@@ -31,6 +31,15 @@ void stop_rocks(World& world) {
 
 } // namespace
 
+void TriaxialTest::begin_compacted() {
+    World& world = simulation_.world();
+    set_friction(world, settings_.compaction_friction); // as of a specimen that was compacted here, until its own acts
+    world.resource<Gravity>().value.setZero();
+    forget_lists(world); // rows of spheres are known from here on
+    world.resource<TriaxialState>().prepared_porosity = porosity(world, core(world), 120);
+    start_consolidation();
+}
+
 void TriaxialTest::start_consolidation() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();

@@ -50,7 +50,7 @@ void put_arm(Archive& archive, const TriaxialSettings& s, const ModelArm& arm) {
 
 auto numbers_of(auto& run) {
     return std::tie(run.sensors, run.fusion_work, run.platen_work, run.accepted, run.refused, run.steps, run.wall_time, run.too_late, run.reduced, run.withheld, run.too_dear,
-                    run.much_too_dear);
+                    run.much_too_dear, run.core_porosity);
 }
 
 void visit_numbers(SmoothedPose& p, auto&& visit) {

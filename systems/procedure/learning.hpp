@@ -4,6 +4,7 @@
 #include "systems/procedure/measured_test.hpp"
 #include "systems/procedure/worlds.hpp"
 
+#include <string>
 #include <vector>
 
 namespace bris {
@@ -53,7 +54,9 @@ void Learning::describe(auto& option) {
     option("learning_window", window, "", "axial strain over which q is averaged", above(0));
     option("friction_deviation", friction_deviation, "", "of its logarithm, before anything is measured", above(0));
     option("stiffness_deviation", stiffness_deviation, "", "likewise", above(0));
-    option("specimen_scatter", specimen_scatter, "", "by which the real specimen may be stronger than the model's for other reasons, of ln q", at_least(0));
+    const bool by_model = specimen_scatter < 0; // a scenario that knows by what its model's specimen differs
+    option("specimen_scatter", specimen_scatter, "", std::string("by which the real specimen may be stronger than the model's for other reasons, of ln q") + (by_model ? "; below 0: by what --model-... differ in" : ""),
+           at_least(by_model ? -1 : 0));
     option("force_noise", force_noise, "", "of q as measured, relative", at_least(0));
     option("learn_by_force", by_force, "", "that is, by q");
     option("learn_by_sensors", by_sensors, "", "by how far they move outwards, where that was recorded");

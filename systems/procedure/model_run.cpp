@@ -114,6 +114,7 @@ private:
             run_.sensors = model_->sensors();
             run_.start = model_->start();
             run_.shell = model_->shells();
+            run_.core_porosity = model_->test().state().core_porosity;
         }
         keep_stage(*model_, run_);
         keep_smoothed(world, run_);

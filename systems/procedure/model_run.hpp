@@ -75,6 +75,7 @@ struct ModelRun {
     double strange_from = 0;                     ///< strain, from which on sensors seem to be of another specimen and are left out (analyse); 0: never
     std::vector<AnalysisRecord> analyses = {};   ///< of the sensor rocks, in order of strain
     double wall_time = 0;                        ///< s
+    double core_porosity = 0;                    ///< at the start of shearing
     std::string stopped = {};                    ///< by a guard, with what it said; all else is empty
 };
 

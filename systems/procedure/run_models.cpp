@@ -18,19 +18,51 @@ namespace {
 std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all) {
     constexpr std::array names{"seed", "bodies", "grading", "porosity", "porosity_tolerance", "initial_porosity", "compaction_friction", "compaction_pressure_Pa", "vibration",
                                "longest_compaction", "sensor_shape", "sensor_density_kg_per_m3", "sensor_friction", "sensor_poses", "recordings", "servo_per_element", "density_kg_per_m3", "clump_stiffness_N_per_m",
-                               "wall_stiffness_N_per_m", "damping", "safety"};
+                               "wall_stiffness_N_per_m", "damping", "safety", "model_specimen"};
     std::vector<NamedValue> some;
     std::ranges::copy_if(all, std::back_inserter(some), [&](const NamedValue& v) { return std::ranges::count(names, v.key) > 0; });
     return some;
 }
 
+/// What an arm is run on.
+struct Start {
+    const TriaxialScene& scene;
+    const Archive& specimen;
+};
+
+std::vector<ModelRun> try_from(const std::function<Start(std::size_t)>& start_of, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
+                               const Common& common, Progress& progress) {
+    TriaxialSettings test = settings;
+    test.final_axial_strain = std::min(strain, test.final_axial_strain);
+    std::vector<ModelRun> runs(arms.size());
+    run_ensemble(arms.size(), common.threads, [&](std::size_t k) {
+        const Start start = start_of(k);
+        KeptRun kept(common, test, start.specimen, arms[k]);
+        try {
+            runs[k] = run_model(start.scene, test, start.specimen, arms[k], common.seed, watch_on(progress, k, common), &kept);
+        } catch (const SimulationError& error) {
+            runs[k].stopped = fmt::format("{} (friction {:.3g}, stiffness {:.3g}): {}", arms[k].name, arms[k].rocks.friction, arms[k].rocks.stiffness, error.what());
+        }
+    });
+    progress.pause();
+    return runs;
+}
+
+std::vector<ModelRun> none_stopped(std::vector<ModelRun> runs) {
+    for (const ModelRun& run : runs)
+        if (!run.stopped.empty()) throw SimulationError(run.stopped);
+    return runs;
+}
+
 } // namespace
 
-Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings, const Common& common, const std::function<void(double, const std::string&)>& watch) {
+Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings, const Common& common, const std::function<void(double, const std::string&)>& watch,
+                      const std::function<void(Simulation&, TriaxialTest&)>& begin) {
     constexpr auto file = "specimen.ckpt.h5";
     const auto of_specimen = settings_of_specimen(common.settings);
     Simulation simulation = make_simulation(scene, common.threads, common.serial);
     TriaxialTest test(simulation, settings);
+    if (common.resume.empty() && begin) begin(simulation, test);
     if (!common.resume.empty())
         (void)resume(simulation, std::filesystem::is_directory(common.resume) ? common.resume / file : common.resume, "specimen", of_specimen);
     CheckpointKeeper keeper({common.out / file, "specimen", of_specimen});
@@ -54,27 +86,23 @@ ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common)
 
 std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
                                  double strain, const Common& common, Progress& progress) {
-    TriaxialSettings test = settings;
-    test.final_axial_strain = std::min(strain, test.final_axial_strain);
-    std::vector<ModelRun> runs(arms.size());
-    run_ensemble(arms.size(), common.threads, [&](std::size_t k) {
-        KeptRun kept(common, test, specimen, arms[k]);
-        try {
-            runs[k] = run_model(scene, test, specimen, arms[k], common.seed, watch_on(progress, k, common), &kept);
-        } catch (const SimulationError& error) {
-            runs[k].stopped = fmt::format("{} (friction {:.3g}, stiffness {:.3g}): {}", arms[k].name, arms[k].rocks.friction, arms[k].rocks.stiffness, error.what());
-        }
-    });
-    progress.pause();
-    return runs;
+    return try_from([&](std::size_t) { return Start{scene, specimen}; }, settings, arms, strain, common, progress);
+}
+
+std::vector<ModelRun> try_models(const std::vector<const PreparedSpecimen*>& specimens, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
+                                 const Common& common, Progress& progress) {
+    require(specimens.size() == arms.size(), fmt::format("models: expected a specimen for each of {} arms, found {}", arms.size(), specimens.size()));
+    return try_from([&](std::size_t k) { return Start{specimens[k]->scene, specimens[k]->state}; }, settings, arms, strain, common, progress);
 }
 
 std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
                                  double strain, const Common& common, Progress& progress) {
-    auto runs = try_models(scene, settings, specimen, arms, strain, common, progress);
-    for (const ModelRun& run : runs)
-        if (!run.stopped.empty()) throw SimulationError(run.stopped);
-    return runs;
+    return none_stopped(try_models(scene, settings, specimen, arms, strain, common, progress));
+}
+
+std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& specimens, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
+                                 const Common& common, Progress& progress) {
+    return none_stopped(try_models(specimens, settings, arms, strain, common, progress));
 }
 
 } // namespace bris

@@ -13,16 +13,28 @@ namespace bris {
 
 /// Makes the specimen of a scene, up to where the pressure begins to matter, on all threads asked for; or takes it from
 /// --resume, a checkpoint or a folder with one. Keeps it as specimen.ckpt.h5: what follows is soon run again, to the same
-/// bits. Throws Interrupted when the user stops it.
-Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings, const Common& common, const std::function<void(double, const std::string&)>& watch);
+/// bits. `begin`: puts the rocks where they begin, if they are not to be filled in. Throws Interrupted when the user stops it.
+Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings, const Common& common, const std::function<void(double, const std::string&)>& watch,
+                      const std::function<void(Simulation&, TriaxialTest&)>& begin = {});
+
+/// A specimen where the pressure begins to matter, and the scene it was made from.
+struct PreparedSpecimen {
+    TriaxialScene scene;
+    Archive state;
+};
 
 /// Runs several to an axial strain (no farther than the test goes), `threads` at a time, each kept in the folder of the results.
 /// One that a guard stops says so and leaves the others alone.
 std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
                                  double strain, const Common& common, Progress& progress);
-/// The same; throws SimulationError if one was stopped.
+/// The same, each arm on a specimen of its own.
+std::vector<ModelRun> try_models(const std::vector<const PreparedSpecimen*>& specimens, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
+                                 const Common& common, Progress& progress);
+/// The same; throw SimulationError if one was stopped.
 std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
                                  double strain, const Common& common, Progress& progress);
+std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& specimens, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
+                                 const Common& common, Progress& progress);
 
 /// Who watches one of several models on a progress line.
 ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common);

@@ -118,6 +118,9 @@ public:
     /// when an equilibrium stalls or nothing carries load.
     bool advance();
 
+    /// Leaves out filling and compaction: the rocks stand in the mould already, free, full-grown and at rest.
+    void begin_compacted();
+
     /// Masses and step anew for the contacts there are; after their properties were changed from outside.
     void rescale();
 

@@ -84,6 +84,7 @@ ModelRun begun_like(const ModelRun& run) {
     begun.sensors = run.sensors;
     begun.start = run.start;
     begun.shell = run.shell;
+    begun.core_porosity = run.core_porosity;
     return begun;
 }
 
