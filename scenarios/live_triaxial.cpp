@@ -37,6 +37,7 @@ struct Live {
     LiveSettings live;
     double stage_time = 1.2;
     bool compare = true;
+    unsigned catch_up = 3;
 
     Live() {
         triaxial.confining_pressure = {55e3};
@@ -58,6 +59,7 @@ struct Live {
         option("model_friction", model.friction, "", "of rocks, before anything is measured", above(0));
         option("model_stiffness", model.stiffness, "", "of contacts, of --clump-stiffness, likewise", above(0));
         option("compare", compare, "", "with the model alone, which is run after the test");
+        option("catch_up", catch_up, "", "stages that the second generation goes on for each one of the test, until it is where the test is", within(2, 10000));
         learning.describe(option);
         triaxial.describe(option);
     }
@@ -98,11 +100,9 @@ public:
 
 private:
     void prepare();
-    RunModels models();
     void follow();
     void tell(double latest);
-    void keep_frame();
-    void write_run_file(const std::string& found) const;
+    void write_frame();
     void draw(const RecordedTest& measured) const;
 
     const Live& s_;
@@ -117,17 +117,22 @@ private:
     std::optional<ModelRun> free_;
     Archive specimen_;
     BodyFrame first_frame_;
-    std::vector<BodyFrame> frames_;
+    std::optional<FrameWriter> frames_;
     std::vector<std::vector<double>> rows_;
-    std::vector<double> ages_;
+    std::vector<double> latencies_; // s, of the answers
+    std::size_t records_ = 0;
 };
 
-/// Every 0.1 % of strain: a line, and the table of all stages so far.
+const std::vector<RunFile::Column> columns{{"axial_strain"}, {"q", "Pa"}, {"volumetric_strain"}, {"friction"}, {"friction_deviation"},
+                                           {"stiffness_ratio"}, {"stiffness_ratio_deviation"}};
+
+/// A row of the run file for each stage; every 0.1 % of strain: a line, and the table of all stages so far.
 void LiveRun::tell(double latest) {
     const TriaxialPoint& now = model_->state().points.back();
     rows_.push_back({now.axial_strain, now.deviatoric_stress, now.volumetric_strain});
     for (const NamedValue& v : describe(model_->belief())) rows_.back().push_back(std::get<double>(v.value));
-    rows_.back().push_back(latest);
+    frames_->file().add_row("stages", rows_.back());
+    rows_.back().push_back(latest); // not of the test: no two runs have the same
     const auto every = static_cast<std::size_t>(std::llround(std::max(1.0, 1e-3 / test_settings_.stage_strain)));
     if ((rows_.size() - 1) % every != 0 && !model_->done()) return;
     write_csv(common_.out / "live.csv", {"axial_strain", "q_Pa", "volumetric_strain", "friction", "friction_deviation", "stiffness_ratio", "stiffness_ratio_deviation", "latency_s"}, rows_, {}, 6);
@@ -138,8 +143,8 @@ void LiveRun::tell(double latest) {
     std::fflush(stdout);
 }
 
-/// All rocks where the model says they are.
-void LiveRun::keep_frame() {
+/// All rocks where the model says they are; on disk then, with all rows so far.
+void LiveRun::write_frame() {
     const ModelRun& run = model_->state();
     if ((run.points.size() - 1) % s_.triaxial.frame_stages != 0 && !model_->done()) return;
     std::map<std::int64_t, std::size_t> place;
@@ -155,7 +160,7 @@ void LiveRun::keep_frame() {
         const double numbers[] = {q.w(), q.x(), q.y(), q.z()};
         for (std::size_t i = 0; i < 4; ++i) frame.orientations[4 * b + i] = static_cast<float>(numbers[i]);
     }
-    frames_.push_back(std::move(frame));
+    frames_->add(frame);
 }
 
 void LiveRun::follow() {
@@ -167,9 +172,11 @@ void LiveRun::follow() {
         looked_at = test_->lines_taken();
         model_->next_stage(so_far);
         const auto ages = test_->ages();
-        ages_.insert(ages_.end(), ages.begin(), ages.end());
+        records_ += ages.size();
+        if (!ages.empty()) latencies_.push_back(ages.back()); // the machine's record that the answer waited for
         tell(ages.empty() ? std::nan("") : ages.back());
-        keep_frame();
+        write_frame();
+        model_->go_on(); // the stage that the test is in now, while nobody waits
     }
 }
 
@@ -181,11 +188,11 @@ void LiveRun::prepare() {
     at_start.restore(specimen_);
     first_frame_ = frame_of_bodies(at_start.world());
     first_frame_.corners.clear(); // the membrane of the test is not known rock by rock
-    model_.emplace(s_.model, s_.learning, test_settings_.stage_strain, test_settings_.final_axial_strain, models());
-}
-
-RunModels LiveRun::models() {
-    return [this](const std::vector<ModelArm>& arms, double strain) { return try_models(scene_, test_settings_, specimen_, arms, strain, common_, progress_); };
+    frames_.emplace(common_.out / "live_triaxial.vtkhdf", common_.settings); // a run that goes on takes its log first, and writes it anew
+    frames_->file().add_track("stages", columns);
+    frames_->file().flush(); // can be read from now on
+    model_.emplace(LiveModelSettings{s_.model, s_.learning, test_settings_.stage_strain, test_settings_.final_axial_strain, s_.catch_up},
+                   [this](const std::vector<ModelArm>& arms) { return begin_models(scene_, test_settings_, specimen_, arms, common_, progress_); });
 }
 
 void LiveRun::run() {
@@ -196,19 +203,17 @@ void LiveRun::run() {
     test_.emplace(source_, common_.out / log_name, infos_, live);
     progress_.pause();
     if (!common_.quiet) fmt::print("ready; {}\n", s_.stream == "-" ? "listening" : "following " + s_.stream.string());
-    follow();
-    if (s_.compare) free_ = models()({{.name = "DEM only", .rocks = s_.model}}, test_settings_.final_axial_strain).front();
+    try {
+        follow();
+    } catch (const Interrupted&) {
+        model_->keep();
+        throw;
+    }
+    if (s_.compare) free_ = try_models(scene_, test_settings_, specimen_, {{.name = "DEM only", .rocks = s_.model}}, test_settings_.final_axial_strain, common_, progress_).front();
     progress_.pause();
     if (!free_ || free_->stopped.empty()) return;
     fmt::print("not compared: {}\n", free_->stopped);
     free_.reset();
-}
-
-void LiveRun::write_run_file(const std::string& found) const {
-    auto settings = common_.settings;
-    settings.emplace_back("intake", found);
-    FrameWriter writer(common_.out / "live_triaxial.vtkhdf", settings);
-    for (const BodyFrame& frame : frames_) writer.add(frame);
 }
 
 void LiveRun::draw(const RecordedTest& measured) const {
@@ -239,7 +244,8 @@ void LiveRun::report() {
     constexpr double drift = 1e-3, turn = 0.1; // m and rad, that rocks of the model may be off by
     const std::string found = fmt::format("{}\n{}", test_->report(), observability(measured.recordings, test_settings_.final_axial_strain / 1e-4 * s_.stage_time, drift, turn));
     write_whole(common_.out / "intake.txt", found);
-    write_run_file(found);
+    frames_->file().add_meta({{"intake", found}});
+    frames_->file().close();
     write_known(common_.out / "learned.csv", model_->known());
     draw(measured);
     Summary summary;
@@ -254,15 +260,25 @@ void LiveRun::report() {
     add("known_then", model_->state());
     add("worlds_alone", model_->forecast());
     if (free_) add("DEM_only", *free_);
+    summary.add("caught_up_at_axial_strain", model_->caught_up_at());
     summary.add("sensors_refused", measured.refused());
-    summary.add("records", ages_.size());
-    std::ranges::sort(ages_);
-    const auto age = [&](double share) { return ages_.empty() ? std::nan("") : ages_[static_cast<std::size_t>(share * static_cast<double>(ages_.size() - 1))]; };
-    summary.add("latency_median_s", age(0.5));
-    summary.add("latency_95_percent_s", age(0.95));
-    summary.add("latency_largest_s", age(1));
+    summary.add("records", records_);
+    std::ranges::sort(latencies_);
+    const auto latency = [&](double share) { return latencies_.empty() ? std::nan("") : latencies_[static_cast<std::size_t>(share * static_cast<double>(latencies_.size() - 1))]; };
+    summary.add("latency_median_s", latency(0.5));
+    summary.add("latency_95_percent_s", latency(0.95));
+    summary.add("latency_largest_s", latency(1));
     report_results(common_, summary);
     fmt::print("{}results in {}\n", found, common_.out.string());
+}
+
+/// Both generations stand side by side until the second one has caught up; each world's motions are kept twice, by the run and by who learns from
+/// it, and those of the answers are two runs more.
+void require_memory_for_worlds(const Live& s, std::uint64_t limit) {
+    const unsigned worlds = 2 * s.learning.worlds;
+    const double stages = 1 + s.triaxial.test.final_axial_strain / s.triaxial.test.stage_strain;
+    const double first = s.learning.first_strain / s.triaxial.test.stage_strain, side_by_side = std::min(stages, 2 + first * s.catch_up / (s.catch_up - 1.0));
+    require_memory_for(s.triaxial, worlds, limit, 2 * s.learning.worlds * (stages + side_by_side) + 2 * stages);
 }
 
 void run(const Live& given, const Common& common) {
@@ -272,7 +288,7 @@ void run(const Live& given, const Common& common) {
     const bool is_replay = std::filesystem::is_directory(s.stream) && s.stream.filename().string().ends_with("kPa");
     require(!is_replay || s.stream.filename() == folder, fmt::format("--stream: expected a test at {}, as --confining-pressure says, found '{}'", folder, s.stream.string()));
     check_test(s.triaxial);
-    require_memory_for(s.triaxial, common.threads, common.memory_limit);
+    require_memory_for_worlds(s, common.memory_limit);
     if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(s.recordings / "sensor_poses.csv")) s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
     if (common.explain) {
         fmt::print("{}", make_simulation(make_scene(s.triaxial, common.seed), 1, common.serial).schedule().explain());

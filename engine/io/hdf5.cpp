@@ -9,6 +9,7 @@
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
+#include <sys/file.h>
 #include <utility>
 
 namespace bris {
@@ -49,6 +50,13 @@ std::string reason() {
     if (const auto at = text.find("error message = '"); at != std::string::npos)
         text = text.substr(at + 17, text.find('\'', at + 17) - at - 17);
     return text.empty() ? "unknown reason" : text;
+}
+
+/// The library locks a file that is written for itself alone. What was flushed may be read while a run goes on; that
+/// nobody else writes it stays so. Where files cannot be locked at all, that is so already.
+void let_others_read(hid_t file) {
+    void* descriptor = nullptr;
+    if (H5Fget_vfd_handle(file, H5P_DEFAULT, &descriptor) >= 0 && descriptor != nullptr) (void)flock(*static_cast<int*>(descriptor), LOCK_SH);
 }
 
 /// A handle that is closed when it goes.
@@ -133,6 +141,7 @@ Hdf5File Hdf5File::create(const std::filesystem::path& path) {
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
     Hdf5File file(path, H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
     if (file.file_ < 0) file.fail("create", "");
+    let_others_read(file.file_);
     return file;
 }
 

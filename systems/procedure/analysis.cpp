@@ -46,38 +46,34 @@ std::vector<double> deviations_of(const Matrix& left, double freedom) {
     return deviations;
 }
 
-/// Likeness over distance, from all pairs of rocks at some stages: sums in bins, then a line through the logarithms.
-Likeness likeness_of(const Worlds& worlds, const Matrix& leaves, Motions motion, const std::vector<std::vector<double>>& deviation) {
-    const ModelRun& like = worlds.runs.front();
-    const std::size_t rocks = like.rocks.size(), last = like.points.size() - 1;
+/// All pairs of rocks at one stage.
+void add_pairs(LikenessSums& sums, const ModelRun& like, Matrix left, const std::vector<double>& deviation) {
+    const std::size_t rocks = like.rocks.size();
     double reach = 0;
     for (const RockPose& p : like.start) reach = std::max(reach, (p.position - like.start.front().position).norm());
-    constexpr std::size_t bins = 24;
-    std::array<double, bins> products{}, count{}, distance{};
-    for (std::size_t tenth = 1; tenth <= 10; ++tenth) {
-        const std::size_t stage = tenth * last / 10;
-        Matrix left = left_at(worlds, leaves, motion, stage);
-        for (std::size_t r = 0; r < rocks; ++r) left.middleCols<3>(static_cast<Eigen::Index>(3 * r)) /= std::max(deviation[stage][r], std::numeric_limits<double>::min());
-        const double scale = left.squaredNorm() / static_cast<double>(rocks);
-        if (!(scale > 0)) continue;
-        for (std::size_t a = 0; a < rocks; ++a)
-            for (std::size_t b = a + 1; b < rocks; ++b) {
-                const double d = (like.start[a].position - like.start[b].position).norm();
-                const auto bin = static_cast<std::size_t>(2 * bins * d / reach); // of half the reach
-                if (bin >= bins) continue;
-                const auto ca = static_cast<Eigen::Index>(3 * a), cb = static_cast<Eigen::Index>(3 * b);
-                products[bin] += left.middleCols<3>(ca).cwiseProduct(left.middleCols<3>(cb)).sum() / scale;
-                distance[bin] += d;
-                ++count[bin];
-            }
-    }
-    // weighted line: log likeness = log near - distance / length, as far as it is above a twentieth
+    for (std::size_t r = 0; r < rocks; ++r) left.middleCols<3>(static_cast<Eigen::Index>(3 * r)) /= std::max(deviation[r], std::numeric_limits<double>::min());
+    const double scale = left.squaredNorm() / static_cast<double>(rocks);
+    if (!(scale > 0)) return;
+    for (std::size_t a = 0; a < rocks; ++a)
+        for (std::size_t b = a + 1; b < rocks; ++b) {
+            const double d = (like.start[a].position - like.start[b].position).norm();
+            const auto bin = static_cast<std::size_t>(2 * LikenessSums::bins * d / reach); // of half the reach
+            if (bin >= LikenessSums::bins) continue;
+            const auto ca = static_cast<Eigen::Index>(3 * a), cb = static_cast<Eigen::Index>(3 * b);
+            sums.products[bin] += left.middleCols<3>(ca).cwiseProduct(left.middleCols<3>(cb)).sum() / scale;
+            sums.distance[bin] += d;
+            ++sums.count[bin];
+        }
+}
+
+/// Weighted line: log likeness = log near - distance / length, as far as it is above a twentieth.
+Likeness likeness_of(const LikenessSums& sums) {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (std::size_t k = 0; k < bins; ++k) {
-        if (count[k] < 1) continue;
-        const double d = distance[k] / count[k], value = std::min(products[k] / count[k], most_alike);
+    for (std::size_t k = 0; k < LikenessSums::bins; ++k) {
+        if (sums.count[k] < 1) continue;
+        const double d = sums.distance[k] / sums.count[k], value = std::min(sums.products[k] / sums.count[k], most_alike);
         if (value < 0.05) break;
-        const double w = count[k] * value * value;
+        const double w = sums.count[k] * value * value;
         n += w;
         x += w * d;
         y += w * std::log(value);
@@ -223,10 +219,33 @@ RockScatter scatter_of(const Worlds& worlds) {
     const auto scatter_in = [&](Motions motion) {
         MotionScatter scatter;
         for (std::size_t stage = 0; stage < like.points.size(); ++stage) scatter.deviation.push_back(deviations_of(left_at(worlds, leaves, motion, stage), freedom));
-        scatter.likeness = likeness_of(worlds, leaves, motion, scatter.deviation);
+        LikenessSums sums;
+        for (std::size_t tenth = 1; tenth <= 10; ++tenth) {
+            const std::size_t stage = tenth * (like.points.size() - 1) / 10;
+            add_pairs(sums, like, left_at(worlds, leaves, motion, stage), scatter.deviation[stage]);
+        }
+        scatter.likeness = likeness_of(sums);
         return scatter;
     };
     return {scatter_in(&ModelRun::displacement), scatter_in(&ModelRun::rotation)};
+}
+
+void GrowingScatter::add(const Worlds& worlds) {
+    require(!worlds.runs.empty(), "analysis: expected worlds, found none");
+    const Matrix leaves = WorldRegression(logarithms_of(worlds.beliefs)).leaves();
+    const ModelRun& like = worlds.runs.front();
+    const auto freedom = static_cast<double>(worlds.beliefs.size() - 3);
+    const auto add_to = [&](MotionScatter& scatter, LikenessSums& sums, Motions motion) {
+        for (std::size_t stage = scatter.deviation.size(); stage < like.points.size(); ++stage) {
+            Matrix left = left_at(worlds, leaves, motion, stage);
+            scatter.deviation.push_back(deviations_of(left, freedom));
+            if (stage == 0 || stage % every_ != 0) continue;
+            add_pairs(sums, like, std::move(left), scatter.deviation[stage]);
+            scatter.likeness = likeness_of(sums);
+        }
+    };
+    add_to(scatter_.displacement, displacement_, &ModelRun::displacement);
+    add_to(scatter_.rotation, rotation_, &ModelRun::rotation);
 }
 
 void analyse_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors, std::size_t stage) {

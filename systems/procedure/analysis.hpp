@@ -2,12 +2,20 @@
 
 #include "systems/procedure/worlds.hpp"
 
+#include <array>
+
 namespace bris {
 
 /// How alike rocks at a distance err: near * exp(-distance / length) for two, 1 for one and the same.
 struct Likeness {
     double near = 0, length = 0; ///< -, m
     double operator()(double distance) const { return distance > 0 ? near * std::exp(-distance / length) : 1; }
+};
+
+/// What a likeness over distance is taken from: sums over pairs of rocks, in bins of their distance.
+struct LikenessSums {
+    static constexpr std::size_t bins = 24;
+    std::array<double, bins> products{}, count{}, distance{};
 };
 
 /// How one kind of rocks' motions scatters over worlds, beyond the regression on their beliefs.
@@ -20,6 +28,21 @@ struct RockScatter {
     MotionScatter displacement, rotation;
 };
 RockScatter scatter_of(const Worlds& worlds);
+
+/// The same while worlds go on: deviations stage by stage, likeness over distance from stages so far.
+class GrowingScatter {
+public:
+    /// Likeness is taken at every so many stages.
+    explicit GrowingScatter(std::size_t every) : every_(every) {}
+    /// The stages that worlds have and this has not, and of each what it says of all.
+    void add(const Worlds& worlds);
+    const RockScatter& scatter() const { return scatter_; }
+
+private:
+    std::size_t every_;
+    RockScatter scatter_;
+    LikenessSums displacement_, rotation_;
+};
 
 /// What sensors told, and of which rocks of a run.
 struct SensorsHeard {

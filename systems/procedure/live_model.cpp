@@ -4,43 +4,84 @@
 #include "systems/procedure/twin.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace bris {
 
-LiveModel::LiveModel(const RockBelief& before, const Learning& settings, double stage_strain, double final_strain, RunModels run)
-    : settings_(settings), stage_strain_(stage_strain), final_strain_(final_strain), run_(std::move(run)), prior_(prior_of(before, settings)),
-      first_(run_worlds(prior_, settings.worlds, "first", std::min(settings.first_strain, final_strain), run_)), scatter_(scatter_of(first_)),
-      forecast_(begun_like(first_.runs.front())), state_(forecast_) {}
+namespace {
 
-bool LiveModel::second_is_due() const { return second_.runs.empty() && state_.points.size() + 1 >= first_.runs.front().points.size() && settings_.first_strain < final_strain_; }
+std::size_t stages_to(double strain, double stage_strain) { return static_cast<std::size_t>(std::llround(strain / stage_strain)); }
+
+} // namespace
+
+LiveModel::Generation::Generation(const Gaussian& belief, const Learning& settings, double stage_strain, const std::string& name, const BeginRuns& begin)
+    : worlds(belief, settings.worlds, name, begin), scatter(std::max<std::size_t>(1, stages_to(settings.first_strain, stage_strain) / 10)) {}
+
+void LiveModel::Generation::go_on_to(std::size_t points) {
+    worlds.go_on_to(points);
+    scatter.add(worlds.worlds());
+}
+
+LiveModel::LiveModel(const LiveModelSettings& settings, BeginRuns begin)
+    : settings_(settings), begin_(std::move(begin)), prior_(prior_of(settings.before, settings.learning)) {
+    answering_.emplace(prior_, settings_.learning, settings_.stage_strain, "first", begin_);
+    answering_->go_on_to(1 + stages_to(std::min(settings_.learning.first_strain, settings_.final_strain), settings_.stage_strain));
+    forecast_ = state_ = begun_like(answering_->worlds.worlds().runs.front());
+}
 
 /// Once for each window that ends with this stage, from all that has come of it and of those before: what came late counts from now on.
-void LiveModel::learn_at(double strain, const RecordedTest& so_far) {
-    const auto ends = window_ends(settings_, settings_.final_strain);
-    const auto passed = std::ranges::find_if(ends.rbegin(), ends.rend(), [&](double end) { return end <= strain + 0.5 * stage_strain_; });
-    if (passed == ends.rend() || *passed <= strain - 0.5 * stage_strain_) return;
-    const auto all = learn(prior_, second_.runs.empty() ? first_ : second_, measured_test(so_far), settings_, std::min(*passed, strain));
+void LiveModel::learn_at(double strain, const RecordedTest& so_far, Due due) {
+    const auto ends = window_ends(settings_.learning, settings_.learning.final_strain);
+    const auto passed = std::ranges::find_if(ends.rbegin(), ends.rend(), [&](double end) { return end <= strain + 0.5 * settings_.stage_strain; });
+    if (passed == ends.rend() || (due == Due::at_window_ends && *passed <= strain - 0.5 * settings_.stage_strain)) return;
+    const auto all = learn(prior_, answering_->worlds.worlds(), measured_test(so_far), settings_.learning, std::min(*passed, strain));
     if (all.empty()) return;
-    if (!known_.empty() && known_.back().strain == strain) known_.pop_back(); // by the first generation
     known_.push_back(all.back());
     known_.back().strain = strain;
 }
 
+bool LiveModel::second_is_due() const {
+    const double first = settings_.learning.first_strain;
+    return !catching_up_ && caught_up_at_ == 0 && first < settings_.final_strain && state_.points.size() >= stages_to(first, settings_.stage_strain);
+}
+
 void LiveModel::next_stage(const RecordedTest& so_far) {
+    go_on();
     const double strain = next_strain();
     const std::size_t stage = state_.points.size();
-    if (stage > 0) learn_at(strain, so_far);
-    if (second_is_due()) {
-        second_ = run_worlds(spread_around(prior_, known_), settings_.worlds, "second", final_strain_, run_);
-        scatter_ = scatter_of(second_);
-        if (stage > 0) learn_at(strain, so_far);
+    const bool caught_up = catching_up_ && catching_up_->worlds.points() > stage;
+    if (caught_up) {
+        retired_ = std::exchange(answering_, std::exchange(catching_up_, {}));
+        caught_up_at_ = strain;
     }
-    foretell(forecast_, second_.runs.empty() ? first_ : second_, belief().mean);
+    if (stage > 0) learn_at(strain, so_far, caught_up ? Due::now : Due::at_window_ends);
+    if (second_is_due()) {
+        second_begun_ = stage;
+        catching_up_.emplace(spread_around(prior_, known_), settings_.learning, settings_.stage_strain, "second", begin_);
+    }
+    foretell(forecast_, answering_->worlds.worlds(), belief().mean);
     state_.points.push_back(forecast_.points.back());
     state_.displacement.push_back(forecast_.displacement.back());
     state_.rotation.push_back(forecast_.rotation.back());
     const SensorInfo& info = so_far.recordings.front().info;
-    if (stage > 0) analyse_stage(state_, forecast_, scatter_, {sensor_rocks(forecast_), so_far.ways, info.displacement_noise, info.attitude_noise}, stage);
+    if (stage > 0) analyse_stage(state_, forecast_, answering_->scatter.scatter(), {sensor_rocks(forecast_), so_far.ways, info.displacement_noise, info.attitude_noise}, stage);
+}
+
+void LiveModel::go_on() {
+    if (done()) return;
+    if (retired_) { // not before the answer
+        retired_->worlds.keep();
+        retired_.reset();
+    }
+    const std::size_t needed = state_.points.size() + 1;
+    answering_->go_on_to(needed);
+    if (catching_up_) catching_up_->go_on_to(std::min(needed, settings_.catch_up * (state_.points.size() - second_begun_)));
+}
+
+void LiveModel::keep() const {
+    for (const auto* generation : {&answering_, &catching_up_, &retired_})
+        if (*generation) (*generation)->worlds.keep();
 }
 
 } // namespace bris

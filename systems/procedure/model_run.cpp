@@ -1,164 +1,17 @@
 #include "systems/procedure/model_run.hpp"
 
-#include "engine/interrupt.hpp"
-#include "engine/signal/attitude.hpp"
-#include "engine/stopwatch.hpp"
-#include "systems/procedure/kept_run.hpp"
-#include "systems/procedure/triaxial_model.hpp"
+#include "systems/procedure/arm_run.hpp"
 #include "systems/procedure/triaxial_results.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <memory>
+#include <limits>
 
 namespace bris {
 
-namespace {
-
-void count_fusion(const World& world, ModelRun& run) {
-    run.fusion_work += fusion_work(world);
-    const Fusion& fusion = world.resource<Fusion>();
-    run.analyses = fusion.records;
-    run.too_dear += fusion.account.reduced;
-    run.much_too_dear += fusion.account.withheld;
-    for (std::size_t s = 0; s < world.table<Sensors>().size(); ++s) {
-        run.accepted += world.column<Sensors, Accepted>()[s];
-        run.refused += world.column<Sensors, Refused>()[s];
-        run.too_late += world.column<Sensors, TooLate>()[s];
-        run.reduced += world.column<Sensors, Reduced>()[s];
-        run.withheld += world.column<Sensors, Withheld>()[s];
-    }
-}
-
-void keep_stage(TriaxialModel& model, ModelRun& run) {
-    const auto now = model.poses();
-    run.points.push_back(model.test().state().points.back());
-    run.displacement.emplace_back();
-    run.rotation.emplace_back();
-    for (std::size_t k = 0; k < now.size(); ++k) {
-        run.displacement.back().push_back(now[k].position - model.start()[k].position);
-        run.rotation.back().push_back(attitude_error(now[k].orientation, model.start()[k].orientation));
-    }
-}
-
-/// What the filters that look back now know of the ways so far, in place of what they knew before.
-void keep_smoothed(const World& world, ModelRun& run) {
-    if (!world.has_resource<Fusion>()) return;
-    const auto host = world.column<Sensors, SensorHost>();
-    run.smoothed.resize(run.sensors);
-    for (std::size_t s = 0; s < host.size(); ++s) {
-        const auto rock = static_cast<std::size_t>(std::ranges::find(run.rocks, host[s]) - run.rocks.begin());
-        auto& way = run.smoothed[rock];
-        const auto window = world.resource<Fusion>().filters[s].smoothed();
-        if (window.empty()) continue;
-        std::erase_if(way, [&](const SmoothedPose& p) { return p.time >= window.front().time; });
-        way.insert(way.end(), window.begin(), window.end());
-    }
-}
-
-/// A run of an arm: it can be kept between any two blocks of steps.
-class RunOfArm {
-public:
-    RunOfArm(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed, const ModelWatch& watch, KeptRun* kept)
-        : scene_(scene), settings_(settings), specimen_(specimen), arm_(arm), seed_(seed), watch_(watch), kept_(kept) {}
-
-    ModelRun to_the_end() {
-        if (!take_up()) model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, arm_, arm_.rocks, seed_);
-        while (!done_ && advance()) {}
-        return std::move(run_);
-    }
-
-private:
-    bool take_up() {
-        const auto before = kept_ != nullptr ? kept_->take_up() : std::nullopt;
-        if (!before) return false;
-        run_ = load_run(*before);
-        wall_before_ = run_.wall_time;
-        get_fields(*before, "run/progress", std::tie(told_, done_));
-        if (done_) return true;
-        const RockBelief now = told_ > 0 ? arm_.learned[told_ - 1].rocks : arm_.rocks;
-        model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, arm_, arm_.catch_up ? now : arm_.rocks, seed_);
-        model_->believe(scene_, now);
-        model_->load(arm_, *before);
-        return true;
-    }
-    void keep() {
-        if (kept_ == nullptr) return;
-        Archive archive = done_ ? Archive{} : model_->save();
-        run_.wall_time = wall_before_ + seconds_since(began_);
-        save_run(archive, run_);
-        put_fields(archive, "run/progress", std::tie(std::as_const(told_), std::as_const(done_)));
-        kept_->keep(archive);
-    }
-    /// False: the run is over.
-    bool advance() {
-        if (!model_->advance(arm_)) {
-            end();
-            return false;
-        }
-        const bool catches_up = model_->stages() < run_.points.size();
-        watch_.progress(model_->test().fraction(), arm_.name + (catches_up ? " catches up: " : ": ") + model_->test().description());
-        if (model_->stages() > run_.points.size()) stage();
-        if (interrupted()) {
-            keep();
-            throw Interrupted(fmt::format("interrupted; {}: go on with --resume and the folder of the results", kept_ == nullptr ? "the specimen is kept" : "what was done is kept"));
-        }
-        if (kept_ != nullptr && kept_->is_due()) keep();
-        return true;
-    }
-    void stage() {
-        const World& world = model_->world();
-        if (run_.points.empty()) {
-            run_.rocks = model_->rocks();
-            run_.sensors = model_->sensors();
-            run_.start = model_->start();
-            run_.shell = model_->shells();
-            run_.core_porosity = model_->test().state().core_porosity;
-        }
-        keep_stage(*model_, run_);
-        keep_smoothed(world, run_);
-        watch_.stage(world, run_.points.back());
-        if (told_ == arm_.learned.size() || run_.points.back().axial_strain < arm_.learned[told_].strain - 0.5 * settings_.stage_strain) return;
-        const RockBelief belief = arm_.learned[told_++].rocks;
-        if (!arm_.catch_up) {
-            model_->believe(scene_, belief);
-            model_->rescale();
-            return;
-        }
-        run_.steps += world.resource<Clock>().step;
-        model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, arm_, belief, seed_);
-    }
-    void end() {
-        const World& world = model_->world();
-        run_.platen_work = model_->platen_work();
-        run_.steps += world.resource<Clock>().step;
-        if (world.has_resource<Fusion>()) count_fusion(world, run_);
-        run_.wall_time = wall_before_ + seconds_since(began_);
-        done_ = true;
-        keep();
-    }
-
-    const TriaxialScene& scene_;
-    const TriaxialSettings& settings_;
-    const Archive& specimen_;
-    const ModelArm& arm_;
-    std::uint64_t seed_;
-    const ModelWatch& watch_;
-    KeptRun* kept_;
-    Instant began_ = this_instant();
-    double wall_before_ = 0;
-    ModelRun run_;
-    std::unique_ptr<TriaxialModel> model_;
-    std::size_t told_ = 0; // of what was learned
-    bool done_ = false;
-};
-
-} // namespace
-
 ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
                    const ModelWatch& watch, KeptRun* kept) {
-    return RunOfArm(scene, settings, specimen, arm, seed, watch, kept).to_the_end();
+    ArmRun run(scene, settings, specimen, arm, seed, watch, kept);
+    run.go_on_to(std::numeric_limits<std::size_t>::max());
+    return std::move(run).take();
 }
 
 std::optional<std::size_t> stage_of_sample(const ModelRun& run, double strain) {

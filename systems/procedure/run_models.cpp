@@ -3,12 +3,14 @@
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
 #include "systems/output/checkpoint_keeper.hpp"
+#include "systems/procedure/arm_run.hpp"
 #include "systems/procedure/kept_run.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <memory>
 
 namespace bris {
 
@@ -22,6 +24,10 @@ std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all)
     std::vector<NamedValue> some;
     std::ranges::copy_if(all, std::back_inserter(some), [&](const NamedValue& v) { return std::ranges::count(names, v.key) > 0; });
     return some;
+}
+
+std::string stopped_by(const SimulationError& error, const ModelArm& arm) {
+    return fmt::format("{} (friction {:.3g}, stiffness {:.3g}): {}", arm.name, arm.rocks.friction, arm.rocks.stiffness, error.what());
 }
 
 /// What an arm is run on.
@@ -41,7 +47,7 @@ std::vector<ModelRun> try_from(const std::function<Start(std::size_t)>& start_of
         try {
             runs[k] = run_model(start.scene, test, start.specimen, arms[k], common.seed, watch_on(progress, k, common), &kept);
         } catch (const SimulationError& error) {
-            runs[k].stopped = fmt::format("{} (friction {:.3g}, stiffness {:.3g}): {}", arms[k].name, arms[k].rocks.friction, arms[k].rocks.stiffness, error.what());
+            runs[k].stopped = stopped_by(error, arms[k]);
         }
     });
     progress.pause();
@@ -53,6 +59,72 @@ std::vector<ModelRun> none_stopped(std::vector<ModelRun> runs) {
         if (!run.stopped.empty()) throw SimulationError(run.stopped);
     return runs;
 }
+
+/// Stages of a run that another one does not have yet, up to a number of points.
+void add_stages(ModelRun& sum, const ModelRun& run, std::size_t points) {
+    if (sum.points.empty()) sum = begun_like(run);
+    for (std::size_t k = sum.points.size(); k < std::min(points, run.points.size()); ++k) {
+        sum.points.push_back(run.points[k]);
+        sum.displacement.push_back(run.displacement[k]);
+        sum.rotation.push_back(run.rotation[k]);
+    }
+}
+
+/// Runs that go on together.
+class RunsTogether {
+public:
+    RunsTogether(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms, const Common& common, Progress& progress)
+        : scene_(scene), settings_(settings), specimen_(specimen), common_(common), progress_(progress) {
+        for (const ModelArm& arm : arms) members_.push_back(std::make_unique<Member>(Member{KeptRun(common, settings_, specimen, arm), arm, nullptr}));
+    }
+
+    void go_on(std::vector<ModelRun>& runs, std::size_t points) {
+        runs.resize(members_.size());
+        const double whole = settings_.final_axial_strain / settings_.stage_strain;
+        asked_ = std::min(1.0, static_cast<double>(points - 1) / whole);
+        run_ensemble(members_.size(), common_.threads, [&](std::size_t k) {
+            try {
+                go_on(k, points);
+                add_stages(runs[k], members_[k]->run->run(), points);
+            } catch (const SimulationError& error) {
+                runs[k].stopped = stopped_by(error, members_[k]->arm);
+            }
+        });
+        for (std::size_t k = runs.size(); k-- > 0;)
+            if (!runs[k].stopped.empty()) {
+                progress_.pause();
+                members_.erase(members_.begin() + static_cast<std::ptrdiff_t>(k));
+            }
+    }
+    void keep() {
+        for (const auto& member : members_)
+            if (member->run) member->run->keep();
+    }
+
+private:
+    struct Member {
+        KeptRun kept;
+        ModelArm arm;
+        std::unique_ptr<ArmRun> run; ///< null: not begun
+    };
+    void go_on(std::size_t k, std::size_t points) {
+        Member& member = *members_[k];
+        if (!member.run) {
+            ModelWatch watch = watch_on(progress_, k, common_);
+            watch.progress = [this, tell = watch.progress](double fraction, const std::string& text) { tell(asked_ > 0 ? std::min(1.0, fraction / asked_) : 1, text); };
+            member.run = std::make_unique<ArmRun>(scene_, settings_, specimen_, member.arm, common_.seed, std::move(watch), &member.kept);
+        }
+        member.run->go_on_to(points);
+    }
+
+    const TriaxialScene& scene_;
+    TriaxialSettings settings_;
+    const Archive& specimen_;
+    const Common& common_;
+    Progress& progress_;
+    double asked_ = 1; // part of the test
+    std::vector<std::unique_ptr<Member>> members_; // each stays where it is: its run refers to what it is kept by
+};
 
 } // namespace
 
@@ -103,6 +175,12 @@ std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSetti
 std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& specimens, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
                                  const Common& common, Progress& progress) {
     return none_stopped(try_models(specimens, settings, arms, strain, common, progress));
+}
+
+RunsAtWork begin_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms, const Common& common,
+                        Progress& progress) {
+    const auto together = std::make_shared<RunsTogether>(scene, settings, specimen, arms, common, progress);
+    return {[together](std::vector<ModelRun>& runs, std::size_t points) { together->go_on(runs, points); }, [together] { together->keep(); }};
 }
 
 } // namespace bris

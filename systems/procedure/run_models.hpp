@@ -4,6 +4,7 @@
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "systems/procedure/model_run.hpp"
+#include "systems/procedure/worlds.hpp"
 
 #include <functional>
 #include <string>
@@ -35,6 +36,11 @@ std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSetti
                                  double strain, const Common& common, Progress& progress);
 std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& specimens, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
                                  const Common& common, Progress& progress);
+
+/// Several that go on together, as far as they are asked to, `threads` at a time; in memory all at once, and kept in the folder of
+/// the results. How far they are asked to at a time changes no bit. Scene, specimen, `common` and `progress` have to outlive them.
+RunsAtWork begin_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms, const Common& common,
+                        Progress& progress);
 
 /// Who watches one of several models on a progress line.
 ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common);

@@ -84,9 +84,10 @@ TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
     return s;
 }
 
-void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit) {
+void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit, double stages_kept) {
     constexpr double spheres_each = 30; // of the clump library
-    require_memory("bodies", t.bodies, bytes_of_rocks(t.bodies, spheres_each, worlds), limit);
+    constexpr double motion = 2 * sizeof(Vec3); // of a rock in a stage: displacement and rotation
+    require_memory("bodies", t.bodies, bytes_of_rocks(t.bodies, spheres_each, worlds) + motion * stages_kept * t.bodies, limit);
 }
 
 Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {

@@ -82,8 +82,9 @@ void check_test(const Triaxial& settings);
 /// Chooses rocks, mould and sensor rocks. Throws InputError.
 TriaxialScene make_scene(const Triaxial& settings, std::uint64_t seed);
 
-/// Refuses more rocks than fit in memory, with so many worlds of them at once; `limit`: bytes, 0 if there is none. Throws InputError.
-void require_memory_for(const Triaxial& settings, unsigned worlds, std::uint64_t limit);
+/// Refuses more rocks than fit in memory, with so many worlds of them at once, and `stages_kept` stages of motions of all rocks; `limit`: bytes, 0 if
+/// there is none. Throws InputError.
+void require_memory_for(const Triaxial& settings, unsigned worlds, std::uint64_t limit, double stages_kept = 0);
 
 /// The scene with its lists, ledger and steps, before the first rock is poured.
 Simulation make_simulation(const TriaxialScene& scene, unsigned threads, bool serial);

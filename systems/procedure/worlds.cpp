@@ -35,6 +35,22 @@ void add_blend(ModelRun& sum, const Worlds& worlds, const Vector& weights, std::
     sum.rotation.push_back(std::move(rotation));
 }
 
+std::vector<ModelArm> arms_of(const std::vector<RockBelief>& beliefs, const std::string& name) {
+    std::vector<ModelArm> arms;
+    for (const RockBelief& b : beliefs) arms.push_back({.name = fmt::format("{} world {} of {}", name, arms.size() + 1, beliefs.size()), .rocks = b});
+    return arms;
+}
+
+void leave_out_stopped(Worlds& worlds) {
+    for (std::size_t j = worlds.runs.size(); j-- > 0;) {
+        if (worlds.runs[j].stopped.empty()) continue;
+        fmt::print("left out: {}\n", worlds.runs[j].stopped);
+        if (worlds.runs.size() <= ParameterEstimate::fewest_worlds) throw SimulationError(worlds.runs[j].stopped);
+        worlds.runs.erase(worlds.runs.begin() + static_cast<std::ptrdiff_t>(j));
+        worlds.beliefs.erase(worlds.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
+    }
+}
+
 } // namespace
 
 Vector logarithms_of(const RockBelief& rocks) {
@@ -65,17 +81,18 @@ std::vector<RockBelief> beliefs_of_worlds(const Gaussian& belief, unsigned world
 
 Worlds run_worlds(const Gaussian& belief, unsigned count, const std::string& name, double strain, const RunModels& run) {
     Worlds worlds{beliefs_of_worlds(belief, count), {}};
-    std::vector<ModelArm> arms;
-    for (const RockBelief& b : worlds.beliefs) arms.push_back({.name = fmt::format("{} world {} of {}", name, arms.size() + 1, count), .rocks = b});
-    worlds.runs = run(arms, strain);
-    for (std::size_t j = worlds.runs.size(); j-- > 0;) {
-        if (worlds.runs[j].stopped.empty()) continue;
-        fmt::print("left out: {}\n", worlds.runs[j].stopped);
-        if (worlds.runs.size() <= ParameterEstimate::fewest_worlds) throw SimulationError(worlds.runs[j].stopped);
-        worlds.runs.erase(worlds.runs.begin() + static_cast<std::ptrdiff_t>(j));
-        worlds.beliefs.erase(worlds.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
-    }
+    worlds.runs = run(arms_of(worlds.beliefs, name), strain);
+    leave_out_stopped(worlds);
     return worlds;
+}
+
+GrowingWorlds::GrowingWorlds(const Gaussian& belief, unsigned count, const std::string& name, const BeginRuns& begin)
+    : worlds_{beliefs_of_worlds(belief, count), {}}, runs_(begin(arms_of(worlds_.beliefs, name))) {}
+
+void GrowingWorlds::go_on_to(std::size_t points) {
+    if (points <= this->points()) return;
+    runs_.go_on(worlds_.runs, points);
+    leave_out_stopped(worlds_);
 }
 
 ModelRun begun_like(const ModelRun& run) {

@@ -4,7 +4,10 @@
 
 #include <doctest/doctest.h>
 
+#include <fcntl.h>
 #include <numeric>
+#include <sys/file.h>
+#include <unistd.h>
 
 using namespace bris;
 
@@ -173,6 +176,16 @@ TEST_SUITE("engine/run_file") {
         CHECK(reader.file.attribute<std::int64_t>("/VTKHDF/Steps", "NSteps") ==
               std::vector<std::int64_t>{2});
         reader.check_frame(1, 10, 0);
+    }
+
+    TEST_CASE("a file that is being written may be read by other programs, but not written") {
+        const TemporaryDirectory directory;
+        RunFile run(directory / "run.vtkhdf");
+        const int other = open((directory / "run.vtkhdf").c_str(), O_RDWR); // HDF5 locks what it opens, to read or to write
+        REQUIRE(other >= 0);
+        CHECK(flock(other, LOCK_SH | LOCK_NB) == 0);
+        CHECK(flock(other, LOCK_EX | LOCK_NB) != 0);
+        close(other);
     }
 
     TEST_CASE("a frame that does not fit what was announced is a mistake") {

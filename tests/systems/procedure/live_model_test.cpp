@@ -1,9 +1,13 @@
+#include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "systems/procedure/live_model.hpp"
 #include "tests/about.hpp"
 #include "tests/systems/procedure/simple_point.hpp"
 
 #include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
 
 using namespace bris;
 
@@ -46,19 +50,41 @@ RecordedTest recorded(const ModelRun& run, double strain) {
     return test;
 }
 
+/// Stages of a run, up to a number of points.
+void grow(ModelRun& run, const ModelRun& whole, std::size_t points) {
+    const std::size_t had = run.points.size();
+    if (had == 0) run = begun_like(whole);
+    for (std::size_t k = had; k < points; ++k) {
+        run.points.push_back(whole.points.at(k)); // throws where the test does not go
+        run.displacement.push_back(whole.displacement[k]);
+        run.rotation.push_back(whole.rotation[k]);
+    }
+}
+
 struct Case {
     static constexpr RockBelief rocks{0.7, 1}, believed{0.5, 1.3};
     ModelRun truth = simple_run(rocks, 0.02, 77);
-    unsigned runs = 0;
+    unsigned runs = 0, kept = 0;
+    unsigned stopping = 0;          // worlds of the second generation that a guard stops at 0.5 %
+    std::size_t longest = 0, longest_step = 0; // points asked for, and points more than before
     Learning learning;
-    std::vector<double> lengths;
 
-    LiveModel model(double final_strain = 0.02) {
-        return LiveModel(believed, learning, 1e-4, final_strain, [this](const std::vector<ModelArm>& arms, double strain) {
-            std::vector<ModelRun> all;
-            lengths.push_back(strain);
-            for (const ModelArm& arm : arms) all.push_back(simple_run(arm.rocks, strain, 100 + runs++));
-            return all;
+    LiveModel model(double final_strain = 0.02, unsigned catch_up = 4) {
+        return LiveModel({believed, learning, 1e-4, final_strain, catch_up}, [this, final_strain](const std::vector<ModelArm>& arms) {
+            std::vector<ModelRun> whole;
+            const bool second = runs > 0;
+            for (const ModelArm& arm : arms) whole.push_back(simple_run(arm.rocks, final_strain, 100 + runs++));
+            return RunsAtWork{[this, second, whole](std::vector<ModelRun>& all, std::size_t points) mutable {
+                                  all.resize(whole.size());
+                                  longest = std::max(longest, points);
+                                  if (!all[0].points.empty() || second) longest_step = std::max(longest_step, points - all[0].points.size());
+                                  for (std::size_t k = 0; k < all.size(); ++k) grow(all[k], whole[k], points);
+                                  for (; second && stopping > 0 && points > 50; --stopping) {
+                                      all[stopping].stopped = "a guard";
+                                      whole.erase(whole.begin() + stopping);
+                                  }
+                              },
+                              [this] { ++kept; }};
         });
     }
 };
@@ -72,8 +98,9 @@ TEST_SUITE("procedure/live_model") {
         Case c;
         LiveModel model = c.model();
         CHECK(c.runs == 8); // before any record
+        CHECK(c.longest == 21);
         while (!model.done()) model.next_stage(recorded(c.truth, model.next_strain()));
-        CHECK(c.lengths == std::vector<double>{2e-3, 0.02});
+        CHECK(c.runs == 16);
         CHECK(model.state().points.size() == 201);
         CHECK(model.strain() == about(0.02));
         CHECK(std::abs(mean_of(model.belief()).friction - 0.7) < 0.05);
@@ -105,6 +132,57 @@ TEST_SUITE("procedure/live_model") {
         CHECK(quiet.state().points.size() == 201);
         CHECK(quiet.known().back().strain <= 0.01);
         for (const Vec3& d : quiet.state().displacement.back()) CHECK(d.allFinite());
+    }
+
+    TEST_CASE("worlds go no farther than the stage that the test is in, and a few stages at a time") {
+        for (const unsigned catch_up : {2u, 4u, 7u}) {
+            CAPTURE(catch_up);
+            Case c;
+            LiveModel model = c.model(0.02, catch_up);
+            while (!model.done()) {
+                model.next_stage(recorded(c.truth, model.next_strain()));
+                CHECK(c.longest == std::max<std::size_t>(21, model.state().points.size()));
+                model.go_on();
+                CHECK(c.longest == std::clamp<std::size_t>(model.state().points.size() + 1, 21, 201));
+                CHECK(c.longest_step <= catch_up);
+            }
+            // 20 stages, the start and one for each stage of the test meanwhile, so many at a time
+            const double needed = std::ceil(21.0 / (catch_up - 1));
+            CHECK(model.caught_up_at() == about((20 + needed) * 1e-4));
+            CHECK(c.kept == 1); // the first generation, when it had answered for the last time
+            model.keep();
+            CHECK(c.kept == 2);
+        }
+    }
+
+    TEST_CASE("whether worlds go on before the records come or when they have come changes no bit") {
+        Case one, other;
+        LiveModel a = one.model(), b = other.model();
+        while (!a.done()) {
+            a.next_stage(recorded(one.truth, a.next_strain()));
+            for (int k = 0; k < 3; ++k) a.go_on();
+            b.next_stage(recorded(other.truth, b.next_strain()));
+            CHECK(a.state().points.back().deviatoric_stress == b.state().points.back().deviatoric_stress);
+            CHECK(a.state().displacement.back() == b.state().displacement.back());
+            CHECK(a.belief().mean == b.belief().mean);
+        }
+        CHECK(a.caught_up_at() == b.caught_up_at());
+    }
+
+    TEST_CASE("a world that a guard stops in the middle of the test is left out, too many end it") {
+        Case c;
+        c.stopping = 2;
+        LiveModel model = c.model();
+        while (!model.done()) model.next_stage(recorded(c.truth, model.next_strain()));
+        CHECK(c.stopping == 0);
+        CHECK(squared_distance(model.belief(), logarithms_of({0.7, 1})) < 9.2);
+        for (const Vec3& d : model.state().displacement.back()) CHECK(d.allFinite());
+        Case lost;
+        lost.stopping = 3;
+        LiveModel too_few = lost.model();
+        const auto to_the_end = [&] { while (!too_few.done()) too_few.next_stage(recorded(lost.truth, too_few.next_strain())); };
+        CHECK_THROWS_AS(to_the_end(), SimulationError);
+        CHECK(too_few.state().points.size() == 50);
     }
 
     TEST_CASE("a test shorter than the first generation needs no second one") {

@@ -6,6 +6,7 @@
 #include "systems/procedure/twin.hpp"
 #include "systems/steps.hpp"
 #include "tests/about.hpp"
+#include "tests/systems/procedure/small_specimen.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -13,26 +14,9 @@
 #include <algorithm>
 
 using namespace bris;
+using testing::prepared, testing::pressure, testing::short_test, testing::small_scene;
 
 namespace {
-
-constexpr double pressure = 110e3;
-
-// 160 rocks: too few to say anything of ballast, enough for every mechanism of the test
-TriaxialScene small_scene(const SpecimenSettings& specimen = {}) {
-    const std::filesystem::path assets = BRIS_ASSETS;
-    TriaxialScene s;
-    s.clumps = read_clumps(assets / "clumps");
-    std::erase_if(s.clumps, [](const Clump& c) { return c.name == "cube"; });
-    s.sample = sample_rocks(read_grading(assets / "gradings" / "arema_4.csv"), s.clumps, 150, 3);
-    s.specimen = specimen;
-    s.specimen.seed = 3;
-    s.smart_rocks = {scaled(s.clumps[0], 0.02)};
-    s.specimen.radius = radius_for(s.sample.solid_volume + 10 * s.smart_rocks[0].volume, 0.42, s.specimen.sectors);
-    s.specimen.height = 4 * s.specimen.radius;
-    s.poses = smart_rock_poses({s.specimen.radius, s.specimen.height, s.smart_rocks[0].bounding_radius}, s.specimen.seed, 10);
-    return s;
-}
 
 Simulation small_test(unsigned threads, ListSettings lists = {}, ScheduleSettings schedule = {}) {
     const TriaxialScene s = small_scene();
@@ -44,24 +28,6 @@ Simulation small_test(unsigned threads, ListSettings lists = {}, ScheduleSetting
     Simulation simulation(std::move(world), steps(LawName::linear, true), threads, schedule);
     simulation.on_restore(forget_lists);
     return simulation;
-}
-
-TriaxialSettings short_test() {
-    TriaxialSettings settings;
-    settings.confining_pressure = pressure;
-    settings.porosity = 0.38; // soon reached: this is not about density
-    settings.porosity_tolerance = 0.04;
-    settings.final_axial_strain = 0.002;
-    settings.tolerance = 3e-4;
-    return settings;
-}
-
-/// A specimen where the pressure begins to matter.
-Archive prepared(const TriaxialScene& scene) {
-    Simulation simulation = make_simulation(scene, 1, false);
-    TriaxialTest test(simulation, short_test());
-    while (test.state().phase < TriaxialPhase::consolidate) REQUIRE(test.advance());
-    return simulation.snapshot();
 }
 
 /// From the k-th sample on sensors say only what is refused: nothing, or that their rocks are 20 mm and half a radian away.
