@@ -95,7 +95,7 @@ template <class Pairs> struct NearIndex {
     }
 
     static constexpr Row as_partner = Row{1} << 31; ///< of an entry of `contact`
-    static constexpr Row look_ahead = 4;            ///< entries past those of a body that may be read: of any value
+    static constexpr Row look_ahead = 6;            ///< entries past those of a body that may be read: of any value
     Row first_contact(Row body) const { return incident_first[body] + owned_first[body]; }
 };
 
