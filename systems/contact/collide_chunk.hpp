@@ -7,6 +7,9 @@
 
 namespace bris::detail {
 
+/// Near rows whose bodies, springs and records fill a cache of a megabyte: where there are no more, nothing is far away.
+inline constexpr std::size_t near_rows_in_cache = 8192;
+
 /// Forces of some near rows: those that touch are listed first, then handed to the law lane_count at a time. A Geometry
 /// knows the surfaces:
 ///   unsigned touching(near)         bit q: near pair q of lane_count touches
@@ -33,9 +36,10 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
             touching[count++] = static_cast<Row>(group) + static_cast<Row>(__builtin_ctz(now));
     }
     if (count == 0) return;
+    const bool far = index.size() > near_rows_in_cache;
     for (std::size_t k = 0; k < 8; ++k) touching[count + k] = touching[count - 1];
     for (std::size_t k = 0; k < count; k += lane_count) {
-        if (k + 3 * lane_count <= count) geometry.call_for(to, &touching[k + 2 * lane_count]);
+        if (far && k + 3 * lane_count <= count) geometry.call_for(to, &touching[k + 2 * lane_count]);
         const int here = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
         const unsigned deep = geometry.template collide<Law>(to, &touching[k], here);
         if (deep != 0 && index.too_deep[chunk] == no_row) index.too_deep[chunk] = touching[k + static_cast<std::size_t>(__builtin_ctz(deep))];

@@ -33,11 +33,10 @@ struct PlaneGeometry {
     }
     void call_for_places(const NearEntry*) const {} // few, and close to those of their neighbours
     void call_for(const TileTarget& to, const Row* rows) const {
-        for (int q = 0; q < lane_count; ++q) {
-            const NearEntry& e = to.near[rows[q]];
-            movers.call_for(e.owner);
-            to.call_for(rows[q], e.pair);
-        }
+        std::array<std::size_t, lane_count> own;
+        for (std::size_t q = 0; q < lane_count; ++q) own[q] = to.near[rows[q]].owner;
+        movers.call_for(own);
+        to.call_for(rows);
     }
 
     template <class Law>

@@ -23,12 +23,14 @@ struct SphereGeometry {
         for (std::size_t q = 0; q < 8; ++q) prefetch(&movers.place[near[q].other]);
     }
     void call_for(const TileTarget& to, const Row* rows) const {
-        for (int q = 0; q < lane_count; ++q) {
-            const NearEntry& e = to.near[rows[q]];
-            movers.call_for(e.owner);
-            movers.call_for(e.other);
-            to.call_for(rows[q], e.pair);
+        std::array<std::size_t, lane_count> own, other;
+        for (std::size_t q = 0; q < lane_count; ++q) {
+            own[q] = to.near[rows[q]].owner;
+            other[q] = to.near[rows[q]].other;
         }
+        movers.call_for(own);
+        movers.call_for(other);
+        to.call_for(rows);
     }
 
     template <class Law>

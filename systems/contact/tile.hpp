@@ -28,10 +28,13 @@ struct TileTarget {
     bool one_law; ///< all pairs have the coefficients of laws[0]
     LawStep step;
 
-    void call_for(Row near_row, Row pair) const {
-        prefetch<true>(&force[near_row]);
-        if (spring != nullptr) prefetch<true>(&spring[pair]);
-        if (roll != nullptr) prefetch<true>(&roll[pair]);
+    /// What contacts of these near rows write.
+    void call_for(const Row* rows) const {
+        for (int q = 0; q < lane_count; ++q) prefetch<true>(&force[rows[q]]);
+        if (spring != nullptr)
+            for (int q = 0; q < lane_count; ++q) prefetch<true>(&spring[near[rows[q]].pair]);
+        if (roll != nullptr)
+            for (int q = 0; q < lane_count; ++q) prefetch<true>(&roll[near[rows[q]].pair]);
     }
 };
 
@@ -68,12 +71,15 @@ struct Movers {
         : place(listed.column<Place>()), body(index.centred ? nullptr : listed.column<ListedBody>()), motion(bodies.template column<RigidMotion>()),
           centre(index.centred ? nullptr : bodies.template column<CentreOf>()), kick(kick_of(bodies)) {}
     std::size_t body_of(std::size_t slot) const { return body == nullptr ? slot : body[slot]; }
-    /// Of a sphere whose place is known.
-    void call_for(std::size_t slot) const {
-        const std::size_t b = body_of(slot);
-        prefetch(&motion[b]);
-        if (kick != nullptr) prefetch(&kick[b]);
-        if (centre != nullptr) prefetch(&centre[b]);
+    /// What contacts read of these spheres beside their places.
+    void call_for(const std::array<std::size_t, lane_count>& slots) const {
+        std::array<std::size_t, lane_count> bodies;
+        for (std::size_t q = 0; q < lane_count; ++q) bodies[q] = body_of(slots[q]);
+        for (const std::size_t b : bodies) prefetch(&motion[b]);
+        if (kick != nullptr)
+            for (const std::size_t b : bodies) prefetch(&kick[b]);
+        if (centre != nullptr)
+            for (const std::size_t b : bodies) prefetch(&centre[b]);
     }
 
 private:
