@@ -27,7 +27,8 @@ struct CorrectionRow {
     double steps = 0, felt = 0;
 };
 struct Correction : State<CorrectionRow> { static constexpr auto name = "correction", unit = "m, rad"; };
-/// A spring and a dashpot that pull a sensor's body to where it should be (pull_clumps), until it is told anew.
+/// A spring and a dashpot that pull a sensor's body to where it should be (pull_clumps), until it is told anew; in a test by
+/// stages to the end of the stage, from where on their force is held constant until then (hold_pulls).
 struct PullRow {
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();  ///< N and N m, of both together, in the last step
     Vec3 place = Vec3::Zero(), velocity = Vec3::Zero(); ///< m and m/s: where it should be, and how that moves on

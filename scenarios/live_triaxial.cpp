@@ -91,7 +91,8 @@ public:
         : s_(settings), common_(common), scene_(make_scene(s_.triaxial, common.seed)), test_settings_(s_.triaxial.test), progress_(progress_of_models(common)) {
         test_settings_.confining_pressure = s_.triaxial.confining_pressure.front();
         infos_ = read_sensor_infos(s_.recordings);
-        require(infos_.size() == scene_.poses.size(), fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as the model has, {}, found {}", scene_.poses.size(), infos_.size()));
+        require(infos_.size() == scene_.poses.size(),
+                fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as the model has, {}, found {}", scene_.poses.size(), infos_.size()));
         if (s_.stream != "-" && !std::filesystem::exists(s_.stream)) throw OutputError(fmt::format("cannot read '{}'", s_.stream.string()));
         source_ = prepare_stream(s_, common);
     }
@@ -261,6 +262,7 @@ void LiveRun::report() {
     add("worlds_alone", model_->forecast());
     if (free_) add("DEM_only", *free_);
     summary.add("caught_up_at_axial_strain", model_->caught_up_at());
+    if (model_->lost_second_at() > 0) summary.add("second_generation_lost_at_axial_strain", model_->lost_second_at());
     summary.add("sensors_refused", measured.refused());
     summary.add("records", records_);
     std::ranges::sort(latencies_);

@@ -55,7 +55,8 @@ struct Smart {
         option.group("corrections of sensor rocks");
         option("pull_stiffness", corrections.pull.stiffness, "N/m", "of critically damped springs that pull them; 0: their poses are compared, not corrected", at_least(0));
         option("largest_pull", corrections.pull.largest_force, "N", "of spring and dashpot together", at_least(0));
-        option("largest_work_share", corrections.largest_work_share, "", "that they may do of the platens' work, from one analysis to the next; 0: no limit", within(0, 1));
+        option("largest_work_share", corrections.largest_work_share, "", "that they may do of the work of platens and membrane, from one analysis to the next; 0: no limit",
+               within(0, 1));
         option("interval", intake.interval, "", "axial strain between samples", above(0));
         option("drift", drift, "m", "that rocks of the model may be off by, at the end", above(0));
         option("turn", turn, "rad", "likewise", above(0));
@@ -271,7 +272,7 @@ void Computation::report() {
         }
         both("sensor_displacement", "_m", free.sensor_displacement, fused.sensor_displacement);
         add("measurements_accepted", c.fused.accepted);
-        add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.platen_work);
+        add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.boundary_work);
         add("corrections_reduced_by_work", c.fused.too_dear);
         add("corrections_withheld_by_work", c.fused.much_too_dear);
     }

@@ -79,7 +79,8 @@ struct Twin {
         option("interval", sensors.interval, "", "axial strain between samples", above(0));
         option("injection_steps", corrections.injection_steps, "", "in which a correction enters; 1: it jumps, as in the report", at_least(1));
         option("largest_shift", corrections.largest_shift, "m", "of a sensor rock that is put, in a step; 0: whatever is measured", at_least(0));
-        option("largest_work_share", corrections.largest_work_share, "", "that corrections may do of the platens' work, from one to the next: those that cost more are reduced or refused; 0: no limit", within(0, 1));
+        option("largest_work_share", corrections.largest_work_share, "",
+               "that corrections may do of the work of platens and membrane, from one to the next: those that cost more are reduced or refused; 0: no limit", within(0, 1));
         option("pull_stiffness", corrections.pull.stiffness, "N/m", "of critically damped springs that pull sensor rocks", above(0));
         option("largest_pull", corrections.pull.largest_force, "N", "of spring and dashpot together", at_least(0));
         option("position_noise", sensors.position_noise, "m", "of tracked displacements", above(0));
@@ -150,7 +151,8 @@ struct Taught {
 class Experiment {
 public:
     Experiment(const Twin& settings, const Common& common)
-        : t_(settings), common_(common), learning_(learning_for(t_)), true_{make_scene(t_.triaxial, common.seed), {}}, names_(names_of_arms(t_.arms)), test_(t_.triaxial.test), progress_(progress_of_models(common)) {
+        : t_(settings), common_(common), learning_(learning_for(t_)), true_{make_scene(t_.triaxial, common.seed), {}}, names_(names_of_arms(t_.arms)),
+          test_(t_.triaxial.test), progress_(progress_of_models(common)) {
         test_.confining_pressure = t_.triaxial.confining_pressure.front();
     }
     void run();
@@ -336,7 +338,7 @@ void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_f
     add("measurements_accepted", runs_[k].accepted);
     add("measurements_refused", runs_[k].refused);
     if (is_computed(name)) return add("sensors_strange_from", runs_[k].strange_from);
-    add("fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].platen_work);
+    add("fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].boundary_work);
     add("samples_too_late", runs_[k].too_late);
     add("corrections_reduced", runs_[k].reduced);
     add("corrections_withheld", runs_[k].withheld);
@@ -437,7 +439,9 @@ void Experiment::report() const {
     draw();
     if (t_.layouts && taught_.contains("worlds") && !taught_.at("worlds").forecast.points.empty()) {
         const Taught& worlds = taught_.at("worlds");
-        write_layouts(common_.out / "layouts.csv", try_layouts(truth_, worlds.forecast, worlds.scatter, {.position_noise = t_.sensors.position_noise, .attitude_noise = t_.sensors.attitude_noise, .seed = common_.seed}));
+        write_layouts(common_.out / "layouts.csv",
+                      try_layouts(truth_, worlds.forecast, worlds.scatter,
+                                  {.position_noise = t_.sensors.position_noise, .attitude_noise = t_.sensors.attitude_noise, .seed = common_.seed}));
     }
     report_results(common_, summary);
 }

@@ -201,11 +201,15 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
         const double share = pulls ? fusion.account.gain : share_in_step(to_come, bodies.template column<BoundingRadius>()[b], fusion, clock);
         fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, share, bodies.template column<FusionWork>()[b], fusion.account));
         if (pulls && share < 1) ++(share > 0 ? fusion.account.reduced : fusion.account.withheld);
+        if (!pulls && share < 1) ++(share > 0 ? sensors.column<Reduced>() : sensors.column<Withheld>())[s];
+        if (share == 0) { // nothing is given, and the filter knows it
+            filter.leave(sum_of(to_come, scaled(-1, under_way)));
+            if (pulls) release_pull(bodies.template column<Pull>()[b]);
+            continue;
+        }
         if (!pulls && share < 1) {
-            const Analysis given = share > 0 ? scaled(share, to_come) : under_way;
+            const Analysis given = scaled(share, to_come);
             filter.leave(sum_of(to_come, scaled(-1, given)));
-            ++(share > 0 ? sensors.column<Reduced>() : sensors.column<Withheld>())[s];
-            if (share == 0) continue;
             to_come = given;
         }
         change_motion(bodies, b, now, to_come, momentum(b, to_come.spin), clock.dt);
@@ -295,7 +299,10 @@ bool dismiss_samples(World& world) {
 void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock) {
     const double* inertia = bodies.column<SphereInertia>();
     fuse(sensors, bodies, fusion, lists, replay, clock, [](Row) { return Quat::Identity(); }, [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], spin); },
-         [&](Row b, PullTarget& target) { target.attitude = target.attitude * exponential_map(clock.dt * (bodies.column<StepSpin>()[b] - target.spin)); });
+         [&](Row b, PullTarget& target) {
+             const Vec3& spin = bodies.column<StepSpin>()[b];
+             target.attitude = exponential_map(-clock.dt * target.spin) * target.attitude * exponential_map(clock.dt * spin);
+         });
 }
 
 void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const InertialInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock) {

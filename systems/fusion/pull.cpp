@@ -62,8 +62,9 @@ void pull_spheres(Rows<Bodies, const Guided, const Position, const Velocity, con
     const Vec3 *momentum = bodies.column<AngularMomentum>(), *spin = bodies.column<StepSpin>(), *torque = bodies.column<Torque>();
     const double* inertia = bodies.column<SphereInertia>();
     pull_guided(bodies, clock, [&](Row b, PullRow& p) -> Vec3 {
-        // what is to go is known by how it has turned in the step before
-        p.attitude = (p.attitude * exponential_map(clock.dt * (p.spin - spin[b]))).normalized();
+        // What is to go is known by how it has turned in the step before. It leads, in the world's axes, from where it is to where
+        // it should be: target = attitude * body, so exp(dt s) target = (exp(dt s) attitude exp(-dt w)) exp(dt w) body.
+        p.attitude = (exponential_map(clock.dt * p.spin) * p.attitude * exponential_map(-clock.dt * spin[b])).normalized();
         const Approach approach{rotation_vector(p.attitude), momentum[b] - inertia[b] * p.spin, torque[b], Vec3::Constant(inertia[b])};
         return critically_damped(approach, p.turn_stiffness, p.largest_torque, clock.dt);
     });

@@ -10,7 +10,7 @@
 namespace bris {
 
 /// Pulling instead of putting: a spring to where the body should be, up to a force at which contacts yield, with a dashpot
-/// that makes it critically damped.
+/// that makes it critically damped (Den Hartog, Mechanical Vibrations, 1956, chapter 2).
 struct PullSettings {
     double stiffness = 0;     ///< N/m; 0: bodies are put. At most m (0.5 / dt)^2, where a step still follows it
     double largest_force = 0; ///< N, of the spring alone and of both together
@@ -36,7 +36,7 @@ void pull_clumps(Rows<Bodies, const Guided, const Position, const Velocity, cons
 /// Where a body should be, and how it should move on there.
 struct PullTarget {
     Vec3 place, velocity; ///< m, m/s
-    Quat attitude; ///< of a sphere: the rotation to go, and that of its last step, which pull_spheres takes off
+    Quat attitude; ///< of a sphere: the rotation to go a step before, which pull_spheres carries over that step
     Vec3 spin;     ///< rad/s
 };
 

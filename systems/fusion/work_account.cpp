@@ -17,7 +17,8 @@ namespace bris {
 
 namespace {
 
-double work_of_platens(const World& world) { return sum_by_id(rows_by_id(world.column<Bodies, BodyId>()), world.column<Bodies, BoundaryWork>()); }
+/// Of all boundaries: platens and membrane, which does less than none where it is pushed outwards.
+double work_of_boundaries(const World& world) { return sum_by_id(rows_by_id(world.column<Bodies, BodyId>()), world.column<Bodies, BoundaryWork>()); }
 
 std::vector<double> work_of_corrections(const World& world) {
     const auto row = rows_by_id(world.column<Bodies, BodyId>());
@@ -36,21 +37,23 @@ double spent(const std::vector<double>& now, const WorkAccount& account) {
     return sum;
 }
 
+// A share of 0.005, the default of twin, over a ratio of a half is just the least share: roundings do not decide.
+double if_enough(double share) { return share < least_share * (1 - 1e-9) ? 0 : share; }
+
 /// Of a correction, such that all keep within what is allowed.
 double share_to_give(const WorkAccount& account) {
     if (account.expected <= account.allowed) return 1;
-    const double share = std::sqrt(account.allowed / account.expected);
-    return share < least_share ? 0 : share;
+    return if_enough(std::sqrt(account.allowed / account.expected));
 }
 
 } // namespace
 
 void open_account(World& world, double largest_share) {
-    require(largest_share >= 0 && largest_share <= 1, fmt::format("work of the fusion: expected a share of 0 to 1 of that of the platens, found {}", largest_share));
+    require(largest_share >= 0 && largest_share <= 1, fmt::format("work of the fusion: expected a share of 0 to 1 of that of the boundaries, found {}", largest_share));
     WorkAccount& account = world.resource<Fusion>().account;
     account.largest_share = largest_share;
     if (largest_share == 0) return;
-    account.platens = work_of_platens(world);
+    account.boundaries = work_of_boundaries(world);
     account.booked = work_of_corrections(world);
     account.gain = 0;
 }
@@ -60,7 +63,7 @@ void begin_analysis(World& world) {
     WorkAccount& a = fusion.account;
     if (a.largest_share == 0) return;
     const bool pulls = fusion.pull.stiffness > 0;
-    const double platens = work_of_platens(world), done = std::max(0.0, platens - a.platens);
+    const double boundaries = work_of_boundaries(world), done = std::max(0.0, boundaries - a.boundaries);
     auto booked = work_of_corrections(world);
     const double cost = spent(booked, a), basis = pulls ? a.gain * done : a.basis;
     if (basis > 0) a.ratio = std::max(cost / basis, 0.5 * a.ratio);
@@ -68,17 +71,22 @@ void begin_analysis(World& world) {
     a.owed = std::max(0.0, a.owed + cost - a.income);
     a.income = a.largest_share * done;
     a.allowed = std::max(0.0, a.income - a.owed);
-    a.platens = platens;
+    a.boundaries = boundaries;
     a.booked = std::move(booked);
     a.basis = 0;
     a.expected = pulls ? a.ratio * done : WorkAccount::none;
-    if (pulls) a.gain = a.expected > a.allowed ? a.allowed / a.expected : 1;
+    if (pulls) a.gain = a.expected > a.allowed ? if_enough(a.allowed / a.expected) : 1;
+}
+
+bool limits_corrections(const World& world) {
+    const Fusion& fusion = world.resource<Fusion>();
+    return fusion.account.largest_share > 0 && !(fusion.pull.stiffness > 0);
 }
 
 void limit_corrections(World& world, std::size_t first_record, double energy) {
     Fusion& fusion = world.resource<Fusion>();
     WorkAccount& account = fusion.account;
-    if (account.largest_share == 0 || fusion.pull.stiffness > 0) return; // pulls have got their gain
+    if (!limits_corrections(world)) return;
     account.expected = account.ratio * energy;
     const double share = share_to_give(account);
     account.basis = share * share * energy;
@@ -116,12 +124,12 @@ void hold_pulls(World& world) {
 }
 
 void WorkAccount::save(Archive& archive, const std::string& path) const {
-    put_fields(archive, path + "/numbers", std::tie(allowed, expected, gain, platens, income, owed, basis, ratio, reduced, withheld));
+    put_fields(archive, path + "/numbers", std::tie(allowed, expected, gain, boundaries, income, owed, basis, ratio, reduced, withheld));
     archive.put(path + "/booked", std::span<const double>(booked));
 }
 
 void WorkAccount::load(const Archive& archive, const std::string& path) {
-    get_fields(archive, path + "/numbers", std::tie(allowed, expected, gain, platens, income, owed, basis, ratio, reduced, withheld));
+    get_fields(archive, path + "/numbers", std::tie(allowed, expected, gain, boundaries, income, owed, basis, ratio, reduced, withheld));
     booked = archive.get<double>(path + "/booked");
 }
 

@@ -130,7 +130,7 @@ void ArmRun::stage() {
 
 void ArmRun::end() {
     const World& world = model_->world();
-    run_.platen_work = model_->platen_work();
+    run_.boundary_work = model_->boundary_work();
     run_.steps += world.resource<Clock>().step;
     if (world.has_resource<Fusion>()) count_fusion(world, run_);
     run_.wall_time = wall_before_ + seconds_since(began_);

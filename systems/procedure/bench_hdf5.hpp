@@ -17,7 +17,7 @@ struct Bench {
 /// From the group /bench of an HDF5 file: time (s), strain (axial), force (N, of the piston beside what the confining pressure
 /// carries) and confining (Pa), a number a record, and where measured volumetric_strain, phase and ring_radius (n x rings, m);
 /// attribute area: of the specimen at the start (m2). Stress is force over the area as it is by then, area (1 - volumetric) /
-/// (1 - axial strain) (ASTM D7181, 10.3), with the last volumetric strain that was measured. Throws InputError where shapes or numbers do not fit, or the confining pressure
+/// (1 - axial strain) (ASTM D7181), with the last volumetric strain that was measured. Throws InputError where shapes or numbers do not fit, or the confining pressure
 /// (median) is not `pressure` within 5 %; OutputError where the file cannot be read.
 Bench read_bench(const std::filesystem::path& path, double pressure);
 

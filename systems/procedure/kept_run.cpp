@@ -49,7 +49,7 @@ void put_arm(Archive& archive, const TriaxialSettings& s, const ModelArm& arm) {
 }
 
 auto numbers_of(auto& run) {
-    return std::tie(run.sensors, run.fusion_work, run.platen_work, run.accepted, run.refused, run.steps, run.wall_time, run.too_late, run.reduced, run.withheld, run.too_dear,
+    return std::tie(run.sensors, run.fusion_work, run.boundary_work, run.accepted, run.refused, run.steps, run.wall_time, run.too_late, run.reduced, run.withheld, run.too_dear,
                     run.much_too_dear, run.core_porosity);
 }
 

@@ -55,7 +55,8 @@ void Learning::describe(auto& option) {
     option("friction_deviation", friction_deviation, "", "of its logarithm, before anything is measured", above(0));
     option("stiffness_deviation", stiffness_deviation, "", "likewise", above(0));
     const bool by_model = specimen_scatter < 0; // a scenario that knows by what its model's specimen differs
-    option("specimen_scatter", specimen_scatter, "", std::string("by which the real specimen may be stronger than the model's for other reasons, of ln q") + (by_model ? "; below 0: by what --model-... differ in" : ""),
+    option("specimen_scatter", specimen_scatter, "",
+           std::string("by which the real specimen may be stronger than the model's for other reasons, of ln q") + (by_model ? "; below 0: by what --model-... differ in" : ""),
            at_least(by_model ? -1 : 0));
     option("force_noise", force_noise, "", "of q as measured, relative", at_least(0));
     option("learn_by_force", by_force, "", "that is, by q");

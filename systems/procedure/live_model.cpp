@@ -1,7 +1,10 @@
 #include "systems/procedure/live_model.hpp"
 
+#include "engine/errors.hpp"
 #include "systems/procedure/generations.hpp"
 #include "systems/procedure/twin.hpp"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
@@ -43,7 +46,7 @@ void LiveModel::learn_at(double strain, const RecordedTest& so_far, Due due) {
 
 bool LiveModel::second_is_due() const {
     const double first = settings_.learning.first_strain;
-    return !catching_up_ && caught_up_at_ == 0 && first < settings_.final_strain && state_.points.size() >= stages_to(first, settings_.stage_strain);
+    return !catching_up_ && caught_up_at_ == 0 && lost_second_at_ == 0 && first < settings_.final_strain && state_.points.size() >= stages_to(first, settings_.stage_strain);
 }
 
 void LiveModel::next_stage(const RecordedTest& so_far) {
@@ -76,7 +79,18 @@ void LiveModel::go_on() {
     }
     const std::size_t needed = state_.points.size() + 1;
     answering_->go_on_to(needed);
-    if (catching_up_) catching_up_->go_on_to(std::min(needed, settings_.catch_up * (state_.points.size() - second_begun_)));
+    if (catching_up_) catch_up_to(std::min(needed, settings_.catch_up * (state_.points.size() - second_begun_)));
+}
+
+/// Too few worlds are no end of the test while those of the first generation answer it.
+void LiveModel::catch_up_to(std::size_t points) {
+    try {
+        catching_up_->go_on_to(points);
+    } catch (const SimulationError&) { // it has said which worlds
+        lost_second_at_ = next_strain();
+        fmt::print("too few worlds of the second generation are left at {:.2f} % of axial strain: the first one goes on answering\n", 100 * lost_second_at_);
+        retired_ = std::exchange(catching_up_, {});
+    }
 }
 
 void LiveModel::keep() const {

@@ -27,7 +27,8 @@ public:
     LiveModel(const LiveModelSettings& settings, BeginRuns begin);
 
     /// The next stage, by a test's records so far; the first call is for the start. At the first strain of the learning a second
-    /// generation begins, which answers from the stage on to which it has caught up.
+    /// generation begins, which answers from the stage on to which it has caught up. Should guards stop too many of its worlds
+    /// before, that is said once, and the first one goes on answering; later, that ends the test: SimulationError.
     void next_stage(const RecordedTest& so_far);
     /// What the next stage needs of the worlds, so that its records find it done; else next_stage does it.
     void go_on();
@@ -46,6 +47,8 @@ public:
     bool done() const { return next_strain() > settings_.final_strain + 0.5 * settings_.stage_strain; }
     /// From which on the second generation answers; 0: not yet.
     double caught_up_at() const { return caught_up_at_; }
+    /// At which too few of its worlds were left; 0: never.
+    double lost_second_at() const { return lost_second_at_; }
 
 private:
     struct Generation {
@@ -57,6 +60,7 @@ private:
     enum class Due { at_window_ends, now };
     void learn_at(double strain, const RecordedTest& so_far, Due due);
     bool second_is_due() const;
+    void catch_up_to(std::size_t points);
 
     LiveModelSettings settings_;
     BeginRuns begin_;
@@ -64,7 +68,7 @@ private:
     std::optional<Generation> answering_, catching_up_;
     std::optional<Generation> retired_; // until it is kept
     std::size_t second_begun_ = 0;      // stages answered then
-    double caught_up_at_ = 0;
+    double caught_up_at_ = 0, lost_second_at_ = 0;
     std::vector<KnownAt> known_;
     ModelRun forecast_, state_;
 };

@@ -33,7 +33,7 @@ struct Corrections {
     PullSettings pull;
     bool spread = false;         ///< over the contact network
     double largest_shift = 0;    ///< m, of a rock in a step (Fusion); 0: none
-    double largest_work_share = 0; ///< that corrections may do of the platens' work, from analysis to analysis (WorkAccount); 0: no limit
+    double largest_work_share = 0; ///< that corrections may do of the boundaries' work, from analysis to analysis (WorkAccount); 0: no limit
     double lateness = 0;         ///< axial strain by which samples come late; filter.lag says how far back they may be taken
     double note_every = 1e-3;    ///< strain between notes of the motion, for those
     double position_noise = 1e-6, attitude_noise = 1e-4; ///< m and rad, of the ways
@@ -67,7 +67,7 @@ struct ModelRun {
     std::vector<RockPose> start;                 ///< where they stood
     std::size_t sensors = 0;
     std::vector<unsigned> shell;                 ///< contacts from the nearest sensor rock at the start; 0: itself; at most farthest_shell
-    double fusion_work = 0, platen_work = 0;     ///< J, of the corrections, and of the boundaries while shearing
+    double fusion_work = 0, boundary_work = 0;   ///< J, of the corrections, and of the boundaries (platens and membrane) while shearing
     std::uint64_t accepted = 0, refused = 0, steps = 0; ///< vectors measured
     std::uint64_t too_late = 0, reduced = 0, withheld = 0; ///< samples; corrections, for how far they go
     std::uint64_t too_dear = 0, much_too_dear = 0; ///< corrections reduced and withheld for what they cost

@@ -26,7 +26,7 @@ struct ModelMismatch {
 
 /// By how much rocks stand apart when shearing begins.
 struct StartsApart {
-    double distance = 0, sensor_distance = 0; ///< m, root mean square over all rocks, and over the sensor rocks
+    double distance = 0, sensor_distance = 0; ///< m, root mean square over all rocks, and over the sensor rocks (0: there are none)
     double angle = 0, sensor_angle = 0;       ///< rad, likewise
 };
 /// Of runs of the same rocks in the same order.

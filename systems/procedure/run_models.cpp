@@ -19,8 +19,8 @@ namespace {
 /// Settings that a specimen depends on.
 std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all) {
     constexpr std::array names{"seed", "bodies", "grading", "porosity", "porosity_tolerance", "initial_porosity", "compaction_friction", "compaction_pressure_Pa", "vibration",
-                               "longest_compaction", "sensor_shape", "sensor_density_kg_per_m3", "sensor_friction", "sensor_poses", "recordings", "servo_per_element", "density_kg_per_m3", "clump_stiffness_N_per_m",
-                               "wall_stiffness_N_per_m", "damping", "safety", "model_specimen"};
+                               "longest_compaction", "sensor_shape", "sensor_density_kg_per_m3", "sensor_friction", "sensor_poses", "recordings", "servo_per_element",
+                               "density_kg_per_m3", "clump_stiffness_N_per_m", "wall_stiffness_N_per_m", "damping", "safety", "model_specimen"};
     std::vector<NamedValue> some;
     std::ranges::copy_if(all, std::back_inserter(some), [&](const NamedValue& v) { return std::ranges::count(names, v.key) > 0; });
     return some;

@@ -123,8 +123,8 @@ bool TriaxialTest::analyse() {
     begin_analysis(world);
     const std::size_t first_record = fusion.records.size();
     run(1);
-    const double energy = fusion.spread ? spread_corrections(world) : energy_of_corrections(world);
-    limit_corrections(world, first_record, energy);
+    const double spread = fusion.spread ? spread_corrections(world) : 0;
+    if (limits_corrections(world)) limit_corrections(world, first_record, fusion.spread ? spread : energy_of_corrections(world));
     run(fusion.injection_steps);
     return true;
 }

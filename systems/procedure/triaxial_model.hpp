@@ -31,7 +31,7 @@ public:
     const std::vector<RockPose>& start() const { return start_; }      ///< empty before shearing
     std::vector<RockPose> poses();
     /// J, that the boundaries have done while shearing.
-    double platen_work() const { return test_.state().points.back().boundary_work - work_before_; }
+    double boundary_work() const { return test_.state().points.back().boundary_work - work_before_; }
     /// Contacts from each rock to the nearest sensor rock, now.
     std::vector<unsigned> shells() const;
 

@@ -1,6 +1,7 @@
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
+#include "engine/signal/attitude.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/experiments/bench.hpp"
 #include "systems/experiments/collide.hpp"
@@ -341,6 +342,68 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(counted(sim, Accepted{}) == 1);
         CHECK(fingerprint(sim.snapshot(), "bodies/") == fingerprint(alone.snapshot(), "bodies/"));
         CHECK((fusion_of(sim).filters[0].covariance().topLeftCorner<3, 3>() - left * left.transpose()).norm() < 1e-6 * left.squaredNorm());
+    }
+
+    TEST_CASE("a pull of no gain is withheld: a moving ball goes on as without it, one that was pulled is let go, and the filter knows what is left") {
+        for (const bool before : {false, true}) {
+            std::vector<TimedMeasurement> samples;
+            if (before) samples.push_back(at(1e-4, Vec3(1e-3, 0, 0)));
+            std::vector<TimedMeasurement> more = samples;
+            more.push_back(at(3e-4, Vec3(-1e-3, 2e-4, 0)));
+            more.back().what.velocity = Vec3(0.3, 0.2, 0.1);
+            more.back().what.velocity_deviation = 1e-6;
+            const FilterSettings settings{.position = 1, .velocity = 1, .acceleration_density = 1e-20, .gate = 1};
+            Simulation sim = pair(more, 1, settings, 0.06), alone = pair(samples, 1, settings, 0.06);
+            for (Simulation* s : {&sim, &alone}) {
+                value_of<Velocity>(*s, 0) = Vec3(0.1, 0, 0);
+                fusion_of(*s).pull = {1, 1, 0.01};
+                s->advance(29);
+                fusion_of(*s).account.gain = 0;
+            }
+            CAPTURE(before);
+            CHECK(value_of<Pull>(sim, 0).pulls() == before);
+            sim.advance(1);
+            alone.advance(1);
+            CHECK(value_of<Velocity>(sim, 0) == value_of<Velocity>(alone, 0));
+            CHECK(fusion_work(sim.world()) == fusion_work(alone.world()));
+            CHECK_FALSE(value_of<Pull>(sim, 0).pulls());
+            CHECK(fusion_of(sim).records.back().share == 0);
+            CHECK(fusion_of(sim).account.withheld == 1);
+            if (!before) {
+                // it takes the motion as simulated for its own, and knows it as badly as what was left says
+                const Matrix covariance = fusion_of(sim).filters[0].covariance();
+                CHECK(std::sqrt(covariance(0, 0)) == about(std::abs(-1e-3 - value_of<Position>(sim, 0).x())).epsilon(1e-3));
+                CHECK(std::sqrt(covariance(4, 4)) == about(0.2).epsilon(1e-3));
+                sim.advance(30);
+                alone.advance(30);
+                CHECK(fingerprint(sim.snapshot(), "bodies/") == fingerprint(alone.snapshot(), "bodies/"));
+            } else {
+                const Vec3 velocity = value_of<Velocity>(sim, 0);
+                sim.advance(30);
+                CHECK(value_of<Velocity>(sim, 0) == velocity);
+                CHECK(velocity.x() > 0.1);
+                CHECK(value_of<Guided>(sim, 0) == 0);
+                // all that it has gained was booked, to the end of the last step with a force
+                CHECK(fusion_work(sim.world()) == about(0.5 * value_of<InertialMass>(sim, 0) * (velocity.squaredNorm() - 0.01)).epsilon(1e-3));
+            }
+        }
+    }
+
+    TEST_CASE("a spinning ball that is told its turn is pulled by that turn, which spins with it") {
+        const Vec3 turn(0.1, 0, 0), spin(0, 0, 200);
+        TimedMeasurement m{3e-4, {}};
+        m.what.attitude = exponential_map(turn);
+        m.what.attitude_deviation = 1e-9;
+        Simulation sim = pair({m}, 1, {.attitude = 1, .spin = 1e-12, .angular_acceleration_density = 1e-20, .gate = 1}, 0.06);
+        set_spin(sim.world(), 0, spin);
+        fusion_of(sim).pull = {1e-12, 0, 0.01}; // of no force
+        sim.advance(30);
+        REQUIRE(value_of<Pull>(sim, 0).pulls());
+        for (int n = 0; n < 1000; ++n) {
+            sim.advance();
+            const Vec3 expected = exponential_map(n * 1e-5 * spin) * turn;
+            CHECK((rotation_vector(value_of<Pull>(sim, 0).attitude) - expected).norm() < 1e-9);
+        }
     }
 
     TEST_CASE("what is left of a correction comes with the samples after it") {

@@ -128,6 +128,28 @@ TEST_SUITE("systems/fusion/pull") {
         CHECK((turned - angle * axis).norm() < 1e-4);
     }
 
+    TEST_CASE("a ball is turned to an attitude that turns on about another axis, as a rock is that knows its own") {
+        // where it should be is ahead by a turn about x and spins about z; the ball's own turns are followed here
+        const double dt = 1e-5;
+        const Vec3 spin(0, 0, 100);
+        const Quat start = exponential_map(Vec3(0.3, 0, 0));
+        Simulation sim = ball(dt);
+        const double k = value_of<SphereInertia>(sim, 0) * w * w;
+        pull_to(sim, {Vec3::Zero(), Vec3::Zero(), exponential_map(-dt * spin) * start, spin}, {k, boundless, 1});
+        Quat attitude = Quat::Identity();
+        const auto goal = [&](int n) { return exponential_map(n * dt * spin) * start; };
+        double worst = 0;
+        for (int n = 1; n <= 2000; ++n) {
+            sim.advance();
+            // of the pull in this step, before it turned the ball
+            worst = std::max(worst, attitude_error(goal(n - 1) * attitude.conjugate(), pull_of(sim).attitude).norm());
+            attitude = exponential_map(dt * value_of<StepSpin>(sim, 0)) * attitude;
+        }
+        CHECK(worst < 1e-12);
+        CHECK(attitude_error(goal(2000), attitude).norm() < 1e-6);
+        CHECK((value_of<StepSpin>(sim, 0) - spin).norm() < 1e-3);
+    }
+
     TEST_CASE("with scaled mass and inertia it is as critically damped, in the time that goes with them") {
         const double dt = 1e-4, scale = 9;
         Simulation light = ball(dt / 3), heavy = ball(dt);

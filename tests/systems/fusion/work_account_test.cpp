@@ -15,7 +15,7 @@ namespace {
 constexpr double kn = 1e5, dt = 1e-6, share = 0.1;
 constexpr unsigned steps = 20;
 
-/// A ball with a sensor between two that are held, touching both: a correction along x stores kn d^2. The first held one stands for the platens.
+/// A ball with a sensor between two that are held, touching both: a correction along x stores kn d^2. The first held one stands for the boundaries.
 struct Squeezed {
     Simulation sim;
     Squeezed() : sim(make()) { sim.advance(2); }
@@ -32,9 +32,9 @@ struct Squeezed {
     }
     WorkAccount& account() { return sim.world().resource<Fusion>().account; }
     CorrectionRow& correction() { return value_of<Correction>(sim, 0); }
-    /// Platens do some work, and an analysis asks for a correction; returns what was given of it.
-    double analysis(double of_platens, double d) {
-        value_of<BoundaryWork>(sim, 1) += of_platens;
+    /// Boundaries do some work, and an analysis asks for a correction; returns what was given of it.
+    double analysis(double of_boundaries, double d) {
+        value_of<BoundaryWork>(sim, 1) += of_boundaries;
         Fusion& fusion = sim.world().resource<Fusion>();
         begin_analysis(sim.world());
         const std::size_t first = fusion.records.size();
@@ -117,13 +117,13 @@ TEST_SUITE("systems/fusion/work_account") {
         Fusion& fusion = balls.sim.world().resource<Fusion>();
         fusion.pull = {1e4, 1, 0.01};
         PullRow& pull = value_of<Pull>(balls.sim, 0);
-        const auto begin_with = [&](double of_platens) {
-            value_of<BoundaryWork>(balls.sim, 1) += of_platens;
+        const auto begin_with = [&](double of_boundaries) {
+            value_of<BoundaryWork>(balls.sim, 1) += of_boundaries;
             begin_analysis(balls.sim.world());
             give_pull(pull, value_of<Guided>(balls.sim, 0), {Vec3(1e-4, 0, 0), Vec3::Zero(), Quat::Identity(), Vec3::Zero()}, fusion.pull, fusion.account.gain);
         };
         begin_with(1);
-        CHECK(fusion.account.gain == about(share)); // as if at full strength it cost what the platens do
+        CHECK(fusion.account.gain == about(share)); // as if at full strength it cost what the boundaries do
         CHECK(pull.largest_force == about(share));
         value_of<FusionWork>(balls.sim, 0) += 0.02; // a fifth of what it might
         hold_pulls(balls.sim.world());
@@ -139,6 +139,20 @@ TEST_SUITE("systems/fusion/work_account") {
         balls.sim.advance(2);
         CHECK(pull.force.norm() == 0);
         CHECK(value_of<Guided>(balls.sim, 0) == 0);
+    }
+
+    TEST_CASE("pulls that would have to be a hundred times weaker are not given, and are tried again with what is believed to be half as dear") {
+        Squeezed balls;
+        Fusion& fusion = balls.sim.world().resource<Fusion>();
+        fusion.pull = {1e4, 1, 0.01};
+        fusion.account.ratio = 11;
+        const auto gain = [&] {
+            value_of<BoundaryWork>(balls.sim, 1) += 1;
+            begin_analysis(balls.sim.world());
+            return fusion.account.gain;
+        };
+        CHECK(gain() == 0);
+        CHECK(gain() == about(share / 5.5));
     }
 
     TEST_CASE("an account is kept through a checkpoint") {

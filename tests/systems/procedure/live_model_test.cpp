@@ -65,7 +65,8 @@ struct Case {
     static constexpr RockBelief rocks{0.7, 1}, believed{0.5, 1.3};
     ModelRun truth = simple_run(rocks, 0.02, 77);
     unsigned runs = 0, kept = 0;
-    unsigned stopping = 0;          // worlds of the second generation that a guard stops at 0.5 %
+    unsigned stopping = 0;          // worlds of the second generation that a guard stops
+    std::size_t stops_at = 50;      // points of theirs
     std::size_t longest = 0, longest_step = 0; // points asked for, and points more than before
     Learning learning;
 
@@ -79,7 +80,7 @@ struct Case {
                                   longest = std::max(longest, points);
                                   if (!all[0].points.empty() || second) longest_step = std::max(longest_step, points - all[0].points.size());
                                   for (std::size_t k = 0; k < all.size(); ++k) grow(all[k], whole[k], points);
-                                  for (; second && stopping > 0 && points > 50; --stopping) {
+                                  for (; second && stopping > 0 && points > stops_at; --stopping) {
                                       all[stopping].stopped = "a guard";
                                       whole.erase(whole.begin() + stopping);
                                   }
@@ -183,6 +184,29 @@ TEST_SUITE("procedure/live_model") {
         const auto to_the_end = [&] { while (!too_few.done()) too_few.next_stage(recorded(lost.truth, too_few.next_strain())); };
         CHECK_THROWS_AS(to_the_end(), SimulationError);
         CHECK(too_few.state().points.size() == 50);
+    }
+
+    TEST_CASE("too few worlds left of a second generation that has not caught up do not end the test: the first one answers to the end") {
+        Case lost, early;
+        lost.stops_at = early.stops_at = 10;
+        lost.stopping = early.stopping = 3;
+        LiveModel model = lost.model(), other = early.model();
+        while (!model.done()) {
+            model.next_stage(recorded(lost.truth, model.next_strain()));
+            for (int k = 0; k < 3; ++k) other.go_on(); // before the records come
+            other.next_stage(recorded(early.truth, other.next_strain()));
+            CHECK(model.state().displacement.back() == other.state().displacement.back());
+            CHECK(model.belief().mean == other.belief().mean);
+        }
+        CHECK(lost.runs == 16); // no other generation begins
+        CHECK(lost.stopping == 0);
+        CHECK(model.caught_up_at() == 0);
+        CHECK(model.lost_second_at() == about(23e-4)); // begun with stage 20, four stages for each one since
+        CHECK(other.lost_second_at() == model.lost_second_at());
+        CHECK(model.state().points.size() == 201);
+        CHECK(lost.kept == 1); // so that a run that goes on from there finds its worlds where it lost them
+        CHECK(squared_distance(model.belief(), logarithms_of({0.7, 1})) < 9.2);
+        CHECK(off(model.state(), lost.truth, 0) < 0.05 * off(model.forecast(), lost.truth, 0));
     }
 
     TEST_CASE("a test shorter than the first generation needs no second one") {

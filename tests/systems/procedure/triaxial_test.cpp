@@ -54,7 +54,7 @@ void check_same_bits(const ModelRun& a, const ModelRun& b) {
     CHECK(a.displacement == b.displacement);
     CHECK(a.rotation == b.rotation);
     CHECK(a.steps == b.steps);
-    CHECK(a.platen_work == b.platen_work);
+    CHECK(a.boundary_work == b.boundary_work);
     CHECK(a.fusion_work == b.fusion_work);
 }
 
@@ -207,7 +207,7 @@ TEST_SUITE("procedure/triaxial") {
         CHECK(catches_up.steps > truth.steps);
     }
 
-    TEST_CASE("corrections, put, spread or pulled, do no more of the platens' work than they may, and what they do closes the energy balance") {
+    TEST_CASE("corrections, put, spread or pulled, do no more of the boundaries' work than they may, and what they do closes the energy balance") {
         const TriaxialScene scene = small_scene();
         const Archive specimen = prepared(scene);
         const auto run = [&](const ModelArm& arm) { return run_model(scene, short_test(), specimen, arm, 1); };
@@ -225,12 +225,12 @@ TEST_SUITE("procedure/triaxial") {
             arm.corrections.largest_work_share = 0.005;
             const ModelRun limited = run(arm);
             CAPTURE(way);
-            MESSAGE(way, ": ", freely.fusion_work / freely.platen_work, " of the platens' work without a limit, ", limited.fusion_work / limited.platen_work, " with one");
+            MESSAGE(way, ": ", freely.fusion_work / freely.boundary_work, " of the boundaries' work without a limit, ", limited.fusion_work / limited.boundary_work, " with one");
             CHECK(freely.too_dear + freely.much_too_dear == 0);
             CHECK(std::isnan(freely.analyses.back().work_allowed));
-            CHECK(std::abs(freely.fusion_work) > 0.02 * freely.platen_work);
+            CHECK(std::abs(freely.fusion_work) > 0.02 * freely.boundary_work);
             CHECK(limited.fusion_work != 0);
-            CHECK(std::abs(limited.fusion_work) < 0.0075 * limited.platen_work);
+            CHECK(std::abs(limited.fusion_work) < 0.0075 * limited.boundary_work);
             CHECK(limited.too_dear > 0);
             std::uint64_t cut = 0, refused = 0;
             for (const AnalysisRecord& r : limited.analyses) {
@@ -339,7 +339,7 @@ TEST_SUITE("procedure/triaxial") {
             CHECK((a.reduced > 0) == catch_up); // pulls have a limit of their own
             CHECK(a.smoothed.size() == 10);
             CHECK(a.smoothed[0].size() == 21); // noted at the start, and at each stage
-            CHECK(a.platen_work == b.platen_work);
+            CHECK(a.boundary_work == b.boundary_work);
             // what is done is not run again; another arm is another run
             unsigned run_again = 0;
             const ModelWatch watch{.progress = [&](double, const std::string&) { ++run_again; }};
