@@ -50,7 +50,7 @@ struct Live {
         option("patience", live.patience, "s", "without a record of the test machine, after which the stream has ended and the model goes on alone", above(0));
         option("lateness", live.lateness, "", "axial strain, by which the model waits for records that come late", at_least(0));
         option("speed", live.speed, "", "of a replay by the records' times; 1: as it was, 0: as fast as can be", at_least(0));
-        option("stage_time", stage_time, "s", "that the test took for 0.01 % of strain, in a folder to be replayed", above(0));
+        option("stage_time", stage_time, "s", "that the test took for 0.01 % of strain, in a folder to be replayed whose test.csv has no t", above(0));
         option("rest", live.intake.rest, "s", "at the beginning, in which the rocks lie still", above(0));
         option("interval", live.intake.interval, "", "axial strain between samples that are used", above(0));
         option("use_displacement", live.intake.displacement, "", "ux uy uz, where sent");
@@ -90,7 +90,7 @@ public:
     LiveRun(const Live& settings, const Common& common)
         : s_(settings), common_(common), scene_(make_scene(s_.triaxial, common.seed)), test_settings_(s_.triaxial.test), progress_(progress_of_models(common)) {
         test_settings_.confining_pressure = s_.triaxial.confining_pressure.front();
-        infos_ = read_sensor_infos(s_.recordings);
+        infos_ = infos_of_test(s_.recordings, test_settings_.confining_pressure, read_sensor_infos(s_.recordings));
         require(infos_.size() == scene_.poses.size(),
                 fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as the model has, {}, found {}", scene_.poses.size(), infos_.size()));
         if (s_.stream != "-" && !std::filesystem::exists(s_.stream)) throw OutputError(fmt::format("cannot read '{}'", s_.stream.string()));

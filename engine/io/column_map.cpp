@@ -15,11 +15,6 @@ namespace bris {
 
 namespace {
 
-std::string trimmed(const std::string& text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    return first == std::string::npos ? "" : text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
 /// Where a sign stands first that is not between quotes; npos: nowhere.
 std::size_t outside_quotes(const std::string& text, char sign) {
     bool quoted = false;
@@ -32,10 +27,10 @@ std::size_t outside_quotes(const std::string& text, char sign) {
 
 std::string unquoted(const std::string& text) { return text.size() > 1 && text.front() == '"' && text.back() == '"' ? text.substr(1, text.size() - 2) : text; }
 
-std::string listed(const auto& items) {
-    std::string text;
-    for (const auto& item : items) text += (text.empty() ? "" : ", ") + item.name;
-    return text;
+std::string names_of(const auto& items) {
+    std::vector<std::string> names;
+    for (const auto& item : items) names.push_back(item.name);
+    return listed(names);
 }
 
 class ColumnMap {
@@ -47,13 +42,16 @@ public:
         std::string line;
         for (unsigned number = 1; std::getline(in, line); ++number) {
             place_ = fmt::format("{}:{}", path_.string(), number);
-            const std::string content = trimmed(line.substr(0, outside_quotes(line, '#')));
+            const std::string content(trimmed(line.substr(0, outside_quotes(line, '#'))));
             if (!content.empty()) read_line(content, number);
         }
         for (const KnownColumn& column : known_)
             if (column.needed && form_.find(column.name) == nullptr)
                 throw InputError(fmt::format("{}: expected a line for '{}', found none", path_.string(), column.name));
         if (form_.delimiter == form_.decimal) throw InputError(fmt::format("{}: expected another delimiter than the decimal comma, found comma for both", path_.string()));
+        if (form_.delimiter == form_.comment) throw InputError(fmt::format("{}: expected another comment than the delimiter, found '{}' for both", path_.string(), form_.comment));
+        if (const unsigned names = std::max(form_.header_line, 1u); form_.first_line != 0 && form_.first_line <= names)
+            throw InputError(fmt::format("{}: first_line: expected a line after that of the names, {}, found {}", path_.string(), names, form_.first_line));
         return std::move(form_);
     }
 
@@ -65,7 +63,7 @@ private:
     void read_line(const std::string& content, unsigned number) {
         const auto equals = content.find('=');
         if (equals == std::string::npos) refuse("a line `our name = their name, unit`", content);
-        const std::string name = trimmed(content.substr(0, equals)), value = trimmed(content.substr(equals + 1));
+        const std::string name(trimmed(content.substr(0, equals))), value(trimmed(content.substr(equals + 1)));
         if (value.empty()) refuse(fmt::format("something for '{}'", name), "");
         if (const auto [earlier, first] = seen_.emplace(name, number); !first)
             throw InputError(fmt::format("{}: {}: expected once, found on line {} already", place_, name, earlier->second));
@@ -73,10 +71,10 @@ private:
         if (column != known_.end()) read_column(*column, value);
         else if (name == "delimiter") form_.delimiter = one_of(value, {{"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"space", ' '}});
         else if (name == "decimal") form_.decimal = one_of(value, {{"point", '.'}, {"comma", ','}});
-        else if (name == "comment") form_.comment = unquoted(value).size() == 1 ? unquoted(value).front() : (refuse("one sign", value), '#');
+        else if (name == "comment") form_.comment = one_sign(value);
         else if (name == "header_line") form_.header_line = line_number(value);
         else if (name == "first_line") form_.first_line = line_number(value);
-        else refuse(fmt::format("one of delimiter, decimal, comment, header_line, first_line, {}", listed(known_)), name);
+        else refuse(fmt::format("one of delimiter, decimal, comment, header_line, first_line, {}", names_of(known_)), name);
     }
 
     char one_of(const std::string& value, const std::vector<std::pair<std::string, char>>& choices) const {
@@ -85,6 +83,11 @@ private:
         std::string names;
         for (const auto& [name, sign] : choices) names += (names.empty() ? "" : ", ") + name;
         refuse("one of " + names, value);
+    }
+
+    char one_sign(const std::string& value) const {
+        if (unquoted(value).size() != 1) refuse("one sign", value);
+        return unquoted(value).front();
     }
 
     unsigned line_number(const std::string& value) const {
@@ -97,16 +100,16 @@ private:
 
     void read_column(const KnownColumn& known, const std::string& value) {
         const auto comma = outside_quotes(value, ',');
-        std::string theirs = trimmed(value.substr(0, comma));
-        const std::string unit = comma == std::string::npos ? "" : trimmed(value.substr(comma + 1));
+        std::string theirs(trimmed(value.substr(0, comma)));
+        const std::string unit(comma == std::string::npos ? "" : trimmed(std::string_view(value).substr(comma + 1)));
         const bool turned = theirs.starts_with('-');
-        if (turned) theirs = trimmed(theirs.substr(1));
+        if (turned) theirs = std::string(trimmed(theirs.substr(1)));
         CsvColumn column{.ours = known.name, .theirs = unquoted(theirs), .unit = unit, .place = place_};
         if (column.theirs.empty()) refuse("the name of a column", value);
         if (comma != std::string::npos) {
             const auto given = std::ranges::find(known.units, unit, &ColumnUnit::name);
             if (given == known.units.end() && known.units.empty()) refuse("no unit for " + known.name, unit);
-            if (given == known.units.end()) refuse(fmt::format("for {} one of {}", known.name, listed(known.units)), unit);
+            if (given == known.units.end()) refuse(fmt::format("for {} one of {}", known.name, names_of(known.units)), unit);
             column.scale = given->scale;
             column.offset = given->offset;
         }

@@ -14,18 +14,6 @@ namespace bris {
 
 namespace {
 
-std::string_view trimmed(std::string_view text) {
-    const auto first = text.find_first_not_of(" \t\r");
-    if (first == std::string_view::npos) return {};
-    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
-}
-
-std::string listed(const std::vector<std::string>& names) {
-    std::string text;
-    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-    return text;
-}
-
 [[noreturn]] void refuse_twice(const std::string& at, std::string_view name) {
     throw InputError(fmt::format("{}: column '{}': expected once, found twice", at, name));
 }
@@ -95,6 +83,18 @@ const CsvColumn* CsvForm::find(const std::string& ours) const {
     return found == columns.end() ? nullptr : &*found;
 }
 
+std::string_view trimmed(std::string_view text) {
+    const auto first = text.find_first_not_of(" \t\r");
+    if (first == std::string_view::npos) return {};
+    return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
+}
+
+std::string listed(const std::vector<std::string>& names) {
+    std::string text;
+    for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+    return text;
+}
+
 std::vector<std::string_view> cells_of(std::string_view line, char delimiter) {
     std::vector<std::string_view> cells;
     const bool blanks = delimiter == ' ';
@@ -149,7 +149,8 @@ CsvTable read_csv(const std::filesystem::path& path, const CsvForm& form) {
         const std::string_view whole = rest.substr(0, end), line = trimmed(whole);
         rest.remove_prefix(std::min(end + 1, rest.size()));
         const bool named = !table.names.empty();
-        if (line.empty() || line.front() == form.comment || number < (named ? form.first_line : form.header_line)) continue;
+        const bool is_header = !named && number == form.header_line; // where it was told to be, whatever it begins with
+        if (line.empty() || (line.front() == form.comment && !is_header) || number < (named ? form.first_line : form.header_line)) continue;
         const std::string at = fmt::format("{}:{}", path.string(), number);
         const std::string_view cells = form.delimiter == '\t' ? whole : line; // a tab at either end is a cell
         if (!named) {

@@ -40,6 +40,10 @@ struct CsvForm {
     const CsvColumn* find(const std::string& ours) const; ///< null: not wanted
 };
 
+/// Without blanks, tabs and the sign that ends lines elsewhere, at either end.
+std::string_view trimmed(std::string_view text);
+/// Names as messages list them, with commas between.
+std::string listed(const std::vector<std::string>& names);
 /// The cells of a line, without blanks or quotes around them; a delimiter between quotes is none.
 std::vector<std::string_view> cells_of(std::string_view line, char delimiter = ',');
 /// A cell as a number, NaN if it is empty or "-"; nothing if it is not one.

@@ -52,11 +52,12 @@ std::string reason() {
     return text.empty() ? "unknown reason" : text;
 }
 
-/// The library locks a file that is written for itself alone. What was flushed may be read while a run goes on; that
-/// nobody else writes it stays so. Where files cannot be locked at all, that is so already.
+/// The library locks a file that is written for itself alone. With a lock that is shared, others may read between two
+/// flushes what was flushed, and nobody else can write. At best effort: who reads during a flush may find a file that is
+/// half written and must read it again, and where a lock would have to be waited for, or there is none, all stays as it is.
 void let_others_read(hid_t file) {
     void* descriptor = nullptr;
-    if (H5Fget_vfd_handle(file, H5P_DEFAULT, &descriptor) >= 0 && descriptor != nullptr) (void)flock(*static_cast<int*>(descriptor), LOCK_SH);
+    if (H5Fget_vfd_handle(file, H5P_DEFAULT, &descriptor) >= 0 && descriptor != nullptr) (void)flock(*static_cast<int*>(descriptor), LOCK_SH | LOCK_NB);
 }
 
 /// A handle that is closed when it goes.
@@ -314,6 +315,12 @@ Hdf5File::Shape Hdf5File::shape(const std::string& dataset) const {
     if (opened < 0) fail("open", dataset);
     const auto extent = extents(Space(H5Dget_space(opened)));
     return {extent.begin(), extent.end()};
+}
+
+std::string in_words(const Hdf5File::Shape& shape) {
+    std::string text;
+    for (const std::uint64_t extent : shape) text += fmt::format("{}{}", text.empty() ? "" : " x ", extent);
+    return text.empty() ? "a scalar" : text;
 }
 
 namespace {

@@ -69,7 +69,7 @@ public:
         read(dataset, kind_of<T>(), values.data());
         return values;
     }
-    Shape shape(const std::string& dataset) const;
+    Shape shape(const std::string& dataset) const; ///< empty: a scalar
 
     /// Attributes of a group or dataset; a second write replaces the first.
     template <Hdf5Number T>
@@ -129,5 +129,8 @@ private:
     std::filesystem::path path_;
     std::int64_t file_ = -1; ///< the library's handle; negative when closed
 };
+
+/// A shape as messages tell it: "7 x 3"; "a scalar".
+std::string in_words(const Hdf5File::Shape& shape);
 
 } // namespace bris

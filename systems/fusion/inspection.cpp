@@ -3,6 +3,7 @@
 #include "engine/signal/median.hpp"
 
 #include <cmath>
+#include <optional>
 
 namespace bris {
 
@@ -41,9 +42,12 @@ void look_at_scatter(const Inspection& at, const char* what, const std::vector<V
 
 double strain_step(const Inspection& at) {
     std::vector<double> steps;
-    for (std::size_t k = std::max<std::size_t>(at.still, 1); k < at.recording.strain.size(); ++k) {
-        const double step = at.recording.strain[k] - at.recording.strain[k - 1];
-        if (std::isfinite(step)) steps.push_back(std::abs(step));
+    const auto& strain = at.recording.strain;
+    std::optional<std::size_t> before; // strain may be sampled less often than the rest
+    for (std::size_t k = std::max<std::size_t>(at.still, 1) - 1; k < strain.size(); ++k) {
+        if (!std::isfinite(strain[k])) continue;
+        if (before) steps.push_back(std::abs(strain[k] - strain[*before]) / static_cast<double>(k - *before));
+        before = k;
     }
     return steps.empty() ? 0 : median(std::move(steps));
 }

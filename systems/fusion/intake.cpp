@@ -24,7 +24,7 @@ public:
         if (r_.size() < 2) return refuse("length", fmt::format("expected two samples or more, found {}", r_.size()));
         if (!look_at_numbers() || !look_at_times()) return; // what follows would be of no use
         at_.rest = static_cast<std::size_t>(std::ranges::count_if(r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
-        while (at_.still < at_.rest && (r_.strain.empty() || r_.strain[at_.still] <= 0)) ++at_.still;
+        while (at_.still < at_.rest && (r_.strain.empty() || !(r_.strain[at_.still] > 0))) ++at_.still; // NaN: none was sampled
         look_at_clock();
         look_at_count(at_);
         look_at_device(at_);

@@ -80,7 +80,7 @@ void leave_out_flagged(Recording& r) {
         r.first_without.erase(channel);
     };
     std::vector<char> is_flagged;
-    for (const std::uint64_t flags : r.flags) is_flagged.push_back((flags & ~std::uint64_t{r.info.flags_ignored}) != 0);
+    for (const std::uint64_t flags : r.flags) is_flagged.push_back(r.info.leaves_out(flags));
     const auto keep = [&](auto& values) {
         std::size_t kept = 0;
         for (std::size_t k = 0; k < values.size(); ++k)

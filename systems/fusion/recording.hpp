@@ -3,6 +3,7 @@
 #include "engine/math.hpp"
 #include "engine/options.hpp"
 
+#include <cmath>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -35,10 +36,11 @@ struct SensorInfo {
     double clock_offset = 0, clock_offset_deviation = 1;     ///< s, by which its clock is ahead of the test machine's
     std::string field_unit = "uT", temperature_unit = "C", battery_unit = "V"; ///< of the recording
     double field_noise = 0.5, field_bias = 2;        ///< uT, of a sample, and deviation after calibration
-    double battery_low = 0;                          ///< V or %, from which on it is low; 0: 3.3 V (one lithium cell) or 15 %
+    double battery_low = 0;                          ///< V or %, below which it is low; 0: 3.3 V (one lithium cell) or 15 %
     unsigned flags_ignored = 0;                      ///< bits of flags that say nothing against a sample
 
     void describe(auto& option);
+    bool leaves_out(std::uint64_t flags) const { return (flags & ~std::uint64_t{flags_ignored}) != 0; } ///< a sample with these
     void set_pose(const Vec3& position, const Quat& attitude);
     Vec3 position() const { return {x, y, z}; }
     Quat attitude() const { return Quat(qw, qx, qy, qz).normalized(); }
@@ -54,6 +56,9 @@ struct SensorInfo {
     Vec3 recorded_force(const Vec3& force) const { return (force_unit == "g" ? 1 / standard_gravity : 1) * (mounting().conjugate() * force); }
     Vec3 recorded_rate(const Vec3& rate) const { return (rate_unit == "deg/s" ? 180 / pi : 1) * (mounting().conjugate() * rate); }
 };
+
+/// Whether a number counts something, exactly: whole, from 0 on.
+inline bool is_count(double n) { return n >= 0 && n < 9e15 && n == std::floor(n); }
 
 /// Reads a metadata file. Throws InputError with file:line, what was expected and what was found.
 SensorInfo read_sensor_info(const std::filesystem::path& path);
@@ -81,7 +86,7 @@ struct Recording {
     std::vector<double> battery;         ///< in its unit
     std::vector<std::uint64_t> flags;    ///< see leave_out_flagged
     std::vector<double> flagged;         ///< s, times of samples that were left out
-    std::map<std::string, std::string> first_without; ///< by channel: where the first sample stands that has no number in it
+    std::map<std::string, std::string> first_without; ///< by channel: where the first of the samples not left out stands that has no number in it
     std::size_t size() const { return time.size(); }
     /// Remembers a place if one of the numbers is none.
     void look_for_numbers(const char* channel, const auto& numbers, const std::string& place) {
@@ -109,7 +114,7 @@ void write_recordings(const std::filesystem::path& csv, const std::vector<Record
 
 /// The same from and to one HDF5 file: /sensors/ID/time, and of accel (n x 3), gyro, mag, displacement, quat (n x 4: w x y z),
 /// temperature, battery, sequence, flags, strain and phase those that there are; the metadata are attributes of /sensors/ID,
-/// and where there are any, units must be those of the metadata file. Throws InputError where shapes, ids or units do not
+/// and where there are any, units must be those of the metadata given. Throws InputError where shapes, ids or units do not
 /// fit, OutputError where the file cannot be read.
 std::vector<Recording> read_recordings_hdf5(const std::filesystem::path& path, const std::vector<SensorInfo>& sensors);
 std::vector<SensorInfo> read_sensor_infos_hdf5(const std::filesystem::path& path);
@@ -151,7 +156,7 @@ void SensorInfo::describe(auto& option) {
     option("battery_unit", battery_unit, "", "of batt", {"V", "%"});
     option("field_noise", field_noise, "uT", "of a sample of mx my mz", above(0));
     option("field_bias", field_bias, "uT", "deviation after calibration", at_least(0));
-    option("battery_low", battery_low, "V or %", "from which on it is low; 0: 3.3 V or 15 %", at_least(0));
+    option("battery_low", battery_low, "V or %", "below which it is low; 0: 3.3 V or 15 %", at_least(0));
     option("flags_ignored", flags_ignored, "", "bits of flags that say nothing against a sample");
 }
 

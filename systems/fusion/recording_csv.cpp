@@ -35,8 +35,7 @@ std::string at_line(const CsvTable& table, std::size_t row) { return fmt::format
 
 /// A whole number of a column, from 0 on.
 std::uint64_t count_of(const CsvTable& table, std::size_t row, const char* name, double value) {
-    require(value >= 0 && value < 9e15 && value == std::floor(value),
-            fmt::format("{}: {}: expected a whole number from 0 on, found {}", at_line(table, row), name, value));
+    require(is_count(value), fmt::format("{}: {}: expected a whole number from 0 on, found {}", at_line(table, row), name, value));
     return static_cast<std::uint64_t>(value);
 }
 
@@ -70,16 +69,17 @@ public:
           temperature_(table, {"temp"}), battery_(table, {"batt"}) {}
 
     void append(std::size_t row, double time, Recording& r) const {
+        if (flags_.present) r.flags.push_back(std::isnan(flags_(row)[0]) ? 0 : count_of(table_, row, "flags", flags_(row)[0]));
+        const bool used = r.flags.empty() || !r.info.leaves_out(r.flags.back());
         const auto take = [&](const auto& channel, const char* name, auto&& keep) {
             if (!channel.present) return;
             const auto values = channel(row);
-            if (!values.allFinite()) r.look_for_numbers(name, values, at_line(table_, row));
+            if (used && !values.allFinite()) r.look_for_numbers(name, values, at_line(table_, row));
             keep(values);
         };
         r.time.push_back(time);
-        if (!std::isfinite(time)) r.first_without.emplace("t", at_line(table_, row));
+        if (used && !std::isfinite(time)) r.first_without.emplace("t", at_line(table_, row));
         if (sequence_.present) r.sequence.push_back(count_of(table_, row, "seq", sequence_(row)[0]));
-        if (flags_.present) r.flags.push_back(std::isnan(flags_(row)[0]) ? 0 : count_of(table_, row, "flags", flags_(row)[0]));
         take(strain_, "strain", [&](const auto& v) { r.strain.push_back(v[0]); });
         take(phase_, "phase", [&](const auto& v) { r.phase.push_back(v[0]); });
         take(force_, "ax ay az", [&](const auto& v) { r.force.push_back(r.info.force_of(v)); });

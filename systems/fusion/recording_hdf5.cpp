@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <type_traits>
 #include <utility>
 
@@ -17,8 +18,7 @@ template <std::size_t N> std::vector<Eigen::Matrix<double, N, 1>> rows_of(const 
     std::vector<Eigen::Matrix<double, N, 1>> rows;
     if (!file.has(dataset)) return rows;
     const Hdf5File::Shape shape = file.shape(dataset), wanted = N == 1 ? Hdf5File::Shape{samples} : Hdf5File::Shape{samples, N};
-    require(shape == wanted, fmt::format("{}: {}: expected {} rows of {} numbers, found {} of {}", file.path().string(), dataset, samples, N, shape.front(),
-                                         shape.size() > 1 ? shape[1] : 1));
+    require(shape == wanted, fmt::format("{}: {}: expected {}, found {}", file.path().string(), dataset, in_words(wanted), in_words(shape)));
     const auto numbers = file.read<double>(dataset);
     for (std::size_t k = 0; k < samples; ++k) rows.push_back(Eigen::Matrix<double, N, 1>::Map(&numbers[N * k]));
     return rows;
@@ -72,11 +72,23 @@ std::vector<std::pair<std::string, std::string>> units_of(const SensorInfo& info
             {"temperature_unit", info.temperature_unit}, {"battery_unit", info.battery_unit}};
 }
 
-std::vector<std::uint64_t> counts_of(const Hdf5File& file, const std::string& dataset, std::size_t samples) {
-    if (!file.has(dataset)) return {};
-    auto counts = file.read<std::uint64_t>(dataset);
-    require(counts.size() == samples, fmt::format("{}: {}: expected {} numbers, found {}", file.path().string(), dataset, samples, counts.size()));
+/// Read as numbers of any kind: as counts a negative one or NaN would be another count.
+std::vector<std::uint64_t> counts_of(const Hdf5File& file, const std::string& dataset, std::size_t samples, bool nan_is_0) {
+    std::vector<std::uint64_t> counts;
+    const auto rows = rows_of<1>(file, dataset, samples);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const double n = nan_is_0 && std::isnan(rows[k][0]) ? 0 : rows[k][0];
+        require(is_count(n), fmt::format("{}: {}[{}]: expected a whole number from 0 on, found {}", file.path().string(), dataset, k, n));
+        counts.push_back(static_cast<std::uint64_t>(n));
+    }
     return counts;
+}
+
+/// Times of the samples, one after another.
+std::vector<double> times_of(const Hdf5File& file, const std::string& dataset) {
+    const auto shape = file.shape(dataset);
+    require(shape.size() == 1, fmt::format("{}: {}: expected numbers in one dimension, found {}", file.path().string(), dataset, in_words(shape)));
+    return file.read<double>(dataset);
 }
 
 Recording read_one(const Hdf5File& file, const SensorInfo& info) {
@@ -84,15 +96,23 @@ Recording read_one(const Hdf5File& file, const SensorInfo& info) {
     Recording r;
     r.info = info;
     if (!file.has(group + "time")) return r; // of this one nothing was recorded
-    for (const auto& [name, unit] : units_of(info))
-        require(!file.has_attribute(own, name) || file.text_attribute(own, name) == unit,
-                fmt::format("{}: {}: {}: expected {} as in the metadata, found another", file.path().string(), own, name, unit));
-    r.time = file.read<double>(group + "time");
+    for (const auto& [name, unit] : units_of(info)) {
+        const std::string found = file.has_attribute(own, name) ? file.text_attribute(own, name) : unit;
+        require(found == unit, fmt::format("{}: {}: {}: expected {} as in the metadata, found {}", file.path().string(), own, name, unit, found));
+    }
+    r.time = times_of(file, group + "time");
     const std::size_t samples = r.size();
+    r.sequence = counts_of(file, group + "sequence", samples, false);
+    r.flags = counts_of(file, group + "flags", samples, true);
+    const auto look = [&](const char* dataset, const char* channel, std::size_t k, const auto& numbers) {
+        if (numbers.allFinite() || (!r.flags.empty() && info.leaves_out(r.flags[k]))) return;
+        r.look_for_numbers(channel, numbers, fmt::format("{}: {}{}[{}]", file.path().string(), group, dataset, k));
+    };
+    for (std::size_t k = 0; k < samples; ++k) look("time", "t", k, Eigen::Matrix<double, 1, 1>(r.time[k]));
     const auto read = [&]<std::size_t N>(const char* dataset, const char* channel, std::integral_constant<std::size_t, N>, auto&& keep) {
         const auto rows = rows_of<N>(file, group + dataset, samples);
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            r.look_for_numbers(channel, rows[k], fmt::format("{}: {}{}[{}]", file.path().string(), group, dataset, k));
+            look(dataset, channel, k, rows[k]);
             keep(rows[k]);
         }
     };
@@ -108,8 +128,6 @@ Recording read_one(const Hdf5File& file, const SensorInfo& info) {
     read("phase", "phase", number, [&](const auto& v) { r.phase.push_back(v[0]); });
     read("temperature", "temp", number, [&](const auto& v) { r.temperature.push_back(info.temperature_of(v[0])); });
     read("battery", "batt", number, [&](const auto& v) { r.battery.push_back(v[0]); });
-    r.sequence = counts_of(file, group + "sequence", samples);
-    r.flags = counts_of(file, group + "flags", samples);
     leave_out_flagged(r);
     return r;
 }
@@ -145,7 +163,7 @@ std::vector<Recording> read_recordings_hdf5(const std::filesystem::path& path, c
     require(file.has("/sensors"), fmt::format("{}: expected a group /sensors, found none", path.string()));
     for (const std::string& name : file.names("/sensors"))
         require(std::ranges::any_of(sensors, [&](const SensorInfo& s) { return std::to_string(s.id) == name; }),
-                fmt::format("{}: /sensors/{}: expected the id of a metadata file, found another", path.string(), name));
+                fmt::format("{}: /sensors/{}: expected the id of a metadata file, found {}", path.string(), name, name));
     std::vector<Recording> recordings;
     for (const SensorInfo& info : sensors) {
         const auto same = [&](const Recording& r) { return r.info.id == info.id; };
@@ -159,8 +177,8 @@ void write_recordings_hdf5(const std::filesystem::path& path, const std::vector<
     Hdf5File file = Hdf5File::create(path);
     for (const Recording& r : recordings) {
         const std::string own = fmt::format("/sensors/{}", r.info.id), group = own + "/";
-        if (r.time.empty()) continue;
-        file.write(group + "time", std::span<const double>(r.time));
+        file.make_group(own); // what is known of a sensor stays, also if it recorded nothing
+        if (!r.time.empty()) file.write(group + "time", std::span<const double>(r.time));
         std::vector<Vec3> force, rate, field;
         for (const Vec3& f : r.force) force.push_back(r.info.recorded_force(f));
         for (const Vec3& w : r.rate) rate.push_back(r.info.recorded_rate(w));

@@ -33,7 +33,13 @@ std::vector<double> areas_of(const std::vector<TriaxialPoint>& points) {
 
 class BenchReader {
 public:
-    explicit BenchReader(const std::filesystem::path& path) : file_(Hdf5File::open(path)), records_(file_.read<double>(named("time")).size()) {}
+    explicit BenchReader(const std::filesystem::path& path) : file_(Hdf5File::open(path)) {
+        require(file_.has(group), fmt::format("{}: expected a group {}, or test.csv beside it, found neither", path.string(), group));
+        require_dataset("time");
+        const auto shape = file_.shape(named("time"));
+        require(shape.size() == 1, fmt::format("{}: expected numbers in one dimension, found {}", at("time"), in_words(shape)));
+        records_ = shape.front();
+    }
 
     Bench read(double pressure) const {
         const auto time = numbers("time"), strain = numbers("strain"), force = numbers("force"), confining = numbers("confining");
@@ -45,7 +51,8 @@ public:
         Bench bench;
         for (std::size_t k = 0; k < records_; ++k) {
             require_number("time", k, time, k == 0 || time[k] > time[k - 1]);
-            require_number("strain", k, strain, strain[k] < 1 && (k == 0 || strain[k] > strain[k - 1]));
+            require(!(strain[k] >= 1), fmt::format("{}[{}]: expected below 1, found {}: is it in per cent?", at("strain"), k, strain[k]));
+            require_number("strain", k, strain, k == 0 || strain[k] > strain[k - 1]);
             require_number("force", k, force);
             TriaxialPoint& p = bench.points.emplace_back();
             p.axial_strain = strain[k];
@@ -64,7 +71,9 @@ public:
 
 private:
     std::string at(const char* dataset) const { return fmt::format("{}: {}", file_.path().string(), named(dataset)); }
+    void require_dataset(const char* dataset) const { require(file_.has(named(dataset)), fmt::format("{}: expected numbers, found none", at(dataset))); }
     std::vector<double> numbers(const char* dataset) const {
+        require_dataset(dataset);
         auto all = file_.read<double>(named(dataset));
         require(all.size() == records_, fmt::format("{}: expected {} numbers as of time, found {}", at(dataset), records_, all.size()));
         return all;
@@ -77,13 +86,15 @@ private:
         if (!file_.has(named("ring_radius"))) return {};
         const auto shape = file_.shape(named("ring_radius"));
         require(shape.size() == 2 && shape[0] == records_,
-                fmt::format("{}: expected {} rows of the rings' radii, found {} in {} dimensions", at("ring_radius"), records_, shape.front(), shape.size()));
+                fmt::format("{}: expected {} rows of the rings' radii, found {}", at("ring_radius"), records_, in_words(shape)));
         return file_.read<double>(named("ring_radius"));
     }
     double area_at_start() const {
         require(file_.has_attribute(group, "area"), fmt::format("{}: {}: expected an attribute area (m2), found none", file_.path().string(), group));
         const auto area = file_.attribute<double>(group, "area");
-        require(area.size() == 1 && area[0] > 0 && std::isfinite(area[0]), fmt::format("{}: {}: area: expected a number above 0 (m2), found another", file_.path().string(), group));
+        const std::string where = fmt::format("{}: {}: area: expected a number above 0 (m2), found", file_.path().string(), group);
+        require(area.size() == 1, fmt::format("{} {} numbers", where, area.size()));
+        require(area[0] > 0 && std::isfinite(area[0]), fmt::format("{} {}", where, area[0]));
         return area[0];
     }
     void require_number(const char* dataset, std::size_t k, const std::vector<double>& all) const {
@@ -95,10 +106,12 @@ private:
     }
 
     Hdf5File file_;
-    std::size_t records_;
+    std::size_t records_ = 0;
 };
 
 } // namespace
+
+bool has_bench(const std::filesystem::path& path) { return Hdf5File::open(path).has(group); }
 
 Bench read_bench(const std::filesystem::path& path, double pressure) { return BenchReader(path).read(pressure); }
 

@@ -14,6 +14,9 @@ struct Bench {
     MachineClock clock = {};
 };
 
+/// Whether a file of recordings has the group /bench. Throws OutputError.
+bool has_bench(const std::filesystem::path& path);
+
 /// From the group /bench of an HDF5 file: time (s), strain (axial), force (N, of the piston beside what the confining pressure
 /// carries) and confining (Pa), a number a record, and where measured volumetric_strain, phase and ring_radius (n x rings, m);
 /// attribute area: of the specimen at the start (m2). Stress is force over the area as it is by then, area (1 - volumetric) /

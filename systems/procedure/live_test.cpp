@@ -30,7 +30,6 @@ namespace in_sample {
 constexpr std::size_t strain = 0, sequence = 1, force = 2, rate = 5, displacement = 8, attitude = 11, field = 15, temperature = 18, battery = 19, flags = 20, phase = 21;
 }
 constexpr std::uint32_t bits_of(std::size_t first, std::size_t count) { return ((1u << count) - 1) << first; }
-bool is_count_of_samples(double n) { return n >= 0 && n < 9e15 && n == std::floor(n); }
 bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
 std::string logged(const LineSource::Line& line) { return fmt::format("{}{}\n", line.whole ? "" : cut_off, line.text); }
@@ -169,10 +168,10 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
 void LiveTest::look_for_numbers(const StreamRecord& record) {
     for (const char* name : sample_names) {
         const double number = record.number(name);
-        const bool is_count = name == std::string_view("seq") || name == std::string_view("flags");
-        if (!record.has(name) || (std::isfinite(number) && !(is_count && !is_count_of_samples(number)))) continue;
+        const bool whole = name == std::string_view("seq") || name == std::string_view("flags");
+        if (!record.has(name) || (std::isfinite(number) && !(whole && !is_count(number)))) continue;
         const double id = record.number("id");
-        note(fmt::format("{} of {}", name, id), fmt::format("line {}: sensor {}: {}: expected a {}number, found {}", record.line, id, name, is_count ? "whole " : "", number));
+        note(fmt::format("{} of {}", name, id), fmt::format("line {}: sensor {}: {}: expected a {}number, found {}", record.line, id, name, whole ? "whole " : "", number));
     }
 }
 
@@ -233,7 +232,7 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
     Recording r;
     r.info = info;
     const SensorRecords& sensor = sensors_.at(info.id);
-    const bool counted = std::ranges::all_of(sensor.by_time, [&](const auto& one) { return is_count_of_samples(one.second.numbers[in_sample::sequence]); });
+    const bool counted = std::ranges::all_of(sensor.by_time, [&](const auto& one) { return is_count(one.second.numbers[in_sample::sequence]); });
     const auto any = [&](std::size_t first, std::size_t count) { return (sensor.sent & bits_of(first, count)) != 0; };
     const bool force = any(in_sample::force, 3), rate = any(in_sample::rate, 3), displacement = any(in_sample::displacement, 3), attitude = any(in_sample::attitude, 4);
     const bool field = any(in_sample::field, 3), temperature = any(in_sample::temperature, 1), battery = any(in_sample::battery, 1), flags = any(in_sample::flags, 1);
@@ -251,7 +250,7 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
         if (field) r.field.push_back(info.field_of(Vec3(n + in_sample::field)));
         if (temperature) r.temperature.push_back(info.temperature_of(n[in_sample::temperature]));
         if (battery) r.battery.push_back(n[in_sample::battery]);
-        if (flags) r.flags.push_back(is_count_of_samples(n[in_sample::flags]) ? static_cast<std::uint64_t>(n[in_sample::flags]) : 0);
+        if (flags) r.flags.push_back(is_count(n[in_sample::flags]) ? static_cast<std::uint64_t>(n[in_sample::flags]) : 0);
     }
     leave_out_flagged(r);
     return r;

@@ -36,12 +36,14 @@ std::vector<std::string> stream_of(const std::filesystem::path& folder, double s
     const CsvTable machine = read_csv(folder / "test.csv"), sensors = read_csv(folder / "recordings.csv");
     std::vector<Sent> sent;
     const auto t = sensors.column("t"), strain = sensors.column("strain"), reached = machine.column("axial_strain");
+    const bool has_clock = machine.has("t"); // its own, which stays: clocks of sensors are known by it
     const auto known = [](const std::vector<double>& numbers) { return std::ranges::all_of(numbers, [](double n) { return std::isfinite(n); }); };
     require(known(t) && known(strain) && known(reached), fmt::format("{}: expected numbers in t, strain and axial_strain of all rows", folder.string()));
     for (std::size_t k = 0; k < sensors.rows.size(); ++k) sent.push_back({strain[k], t[k], false, fmt::format("{{{}}}", object_of(sensors, k))});
     for (std::size_t k = 0; k < machine.rows.size(); ++k) {
         const double at = rest + reached[k] / 1e-4 * stage_time;
-        sent.push_back({reached[k], at, true, fmt::format("{{\"t\": {:.6g}, {}}}", at, object_of(machine, k))});
+        const std::string numbers = object_of(machine, k);
+        sent.push_back({reached[k], at, true, has_clock ? fmt::format("{{{}}}", numbers) : fmt::format("{{\"t\": {:.6g}, {}}}", at, numbers)});
     }
     std::ranges::stable_sort(sent, [](const Sent& a, const Sent& b) { return std::tie(a.strain, a.by_machine, a.t) < std::tie(b.strain, b.by_machine, b.t); });
     std::vector<std::string> lines;

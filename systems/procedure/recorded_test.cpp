@@ -12,7 +12,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <optional>
 #include <utility>
 
 namespace bris {
@@ -119,13 +118,52 @@ std::size_t RecordedTest::refused() const {
 
 namespace {
 
-/// Of the folders of tests, by name.
-std::optional<std::filesystem::path> first_hdf5(const std::filesystem::path& folder) {
+std::vector<std::filesystem::path> metadata_files(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    if (!std::filesystem::is_directory(folder)) throw OutputError(fmt::format("cannot read folder '{}'", folder.string()));
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".txt" && entry.path().filename().string().starts_with("rock_")) files.push_back(entry.path());
+    return files;
+}
+
+/// Of all tests in a folder; of a sensor that is in several of them as in the first, by name.
+std::vector<SensorInfo> infos_in_hdf5(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(folder))
         if (std::filesystem::exists(entry.path() / "recordings.h5")) files.push_back(entry.path() / "recordings.h5");
-    if (files.empty()) return {};
-    return *std::ranges::min_element(files);
+    std::ranges::sort(files);
+    std::map<unsigned, SensorInfo> by_id;
+    for (const auto& file : files)
+        for (const SensorInfo& info : read_sensor_infos_hdf5(file)) by_id.emplace(info.id, info);
+    std::vector<SensorInfo> infos;
+    for (const auto& [id, info] : by_id) infos.push_back(info);
+    return infos;
+}
+
+/// Of two, one would be ignored.
+[[noreturn]] void refuse_both(const std::filesystem::path& folder, const char* csv, const char* in_hdf5) {
+    throw InputError(fmt::format("{}: expected {} or {}, found both", folder.string(), csv, in_hdf5));
+}
+
+void require_no_map(const char* option, const std::filesystem::path& map, const std::filesystem::path& hdf5, const char* csv) {
+    require(map.empty(), fmt::format("{}: expected none, as {} is read and no {}, found '{}'", option, hdf5.string(), csv, map.string()));
+}
+
+std::vector<Recording> recordings_of(const std::filesystem::path& of_test, const std::vector<SensorInfo>& infos, const std::filesystem::path& map) {
+    const auto hdf5 = of_test / "recordings.h5", csv = of_test / "recordings.csv";
+    if (!std::filesystem::exists(hdf5)) return read_recordings(csv, infos, form_of(map, recording_columns()));
+    if (std::filesystem::exists(csv)) refuse_both(of_test, "recordings.csv", "recordings.h5");
+    require_no_map("--columns", map, hdf5, "recordings.csv");
+    return read_recordings_hdf5(hdf5, infos);
+}
+
+Bench bench_of(const std::filesystem::path& of_test, double pressure, const std::filesystem::path& map) {
+    const auto hdf5 = of_test / "recordings.h5", csv = of_test / "test.csv";
+    const bool in_hdf5 = std::filesystem::exists(hdf5);
+    if (!in_hdf5 || (std::filesystem::exists(csv) && !has_bench(hdf5))) return read_test(csv, form_of(map, machine_columns()));
+    if (std::filesystem::exists(csv)) refuse_both(of_test, "test.csv", "/bench in recordings.h5");
+    require_no_map("--machine-columns", map, hdf5, "test.csv");
+    return read_bench(hdf5, pressure);
 }
 
 } // namespace
@@ -143,18 +181,24 @@ const std::vector<KnownColumn>& machine_columns() {
 }
 
 std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder) {
-    std::vector<std::filesystem::path> files;
-    if (!std::filesystem::is_directory(folder)) throw OutputError(fmt::format("cannot read folder '{}'", folder.string()));
-    for (const auto& entry : std::filesystem::directory_iterator(folder))
-        if (entry.path().extension() == ".txt" && entry.path().filename().string().starts_with("rock_")) files.push_back(entry.path());
-    if (files.empty())
-        if (const auto hdf5 = first_hdf5(folder)) return read_sensor_infos_hdf5(*hdf5);
-    require(!files.empty(), fmt::format("--recordings: expected files rock_NN.txt in '{}', found none", folder.string()));
-    std::vector<SensorInfo> infos;
+    const auto files = metadata_files(folder);
+    auto infos = files.empty() ? infos_in_hdf5(folder) : std::vector<SensorInfo>{};
+    require(!files.empty() || !infos.empty(), fmt::format("--recordings: expected files rock_NN.txt in '{}', found none", folder.string()));
     for (const auto& file : files) infos.push_back(read_sensor_info(file));
     std::ranges::sort(infos, {}, &SensorInfo::id);
     const auto twice = std::ranges::adjacent_find(infos, {}, &SensorInfo::id);
     require(twice == infos.end(), fmt::format("--recordings: expected an id of its own in each file rock_NN.txt, found {} twice", twice == infos.end() ? 0 : twice->id));
+    return infos;
+}
+
+std::vector<SensorInfo> infos_of_test(const std::filesystem::path& folder, double pressure, std::vector<SensorInfo> infos) {
+    const auto hdf5 = folder / folder_of(pressure) / "recordings.h5";
+    if (!std::filesystem::exists(hdf5) || !metadata_files(folder).empty()) return infos;
+    for (const SensorInfo& own : read_sensor_infos_hdf5(hdf5)) {
+        const auto same = std::ranges::find(infos, own.id, &SensorInfo::id);
+        if (same == infos.end()) infos.push_back(own);
+        else *same = own;
+    }
     return infos;
 }
 
@@ -186,11 +230,8 @@ std::string intake_report(const RecordedTest& test) {
 RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<SensorInfo>& infos, const IntakeSettings& settings) {
     RecordedTest test;
     test.pressure = pressure;
-    const auto hdf5 = folder / folder_of(pressure) / "recordings.h5", csv = folder / folder_of(pressure) / "recordings.csv";
-    const auto machine = folder / folder_of(pressure) / "test.csv";
-    const bool by_hdf5 = std::filesystem::exists(hdf5);
-    test.recordings = by_hdf5 && !std::filesystem::exists(csv) ? read_recordings_hdf5(hdf5, infos) : read_recordings(csv, infos, form_of(settings.columns, recording_columns()));
-    Bench bench = by_hdf5 && !std::filesystem::exists(machine) ? read_bench(hdf5, pressure) : read_test(machine, form_of(settings.machine_columns, machine_columns()));
+    test.recordings = recordings_of(folder / folder_of(pressure), infos_of_test(folder, pressure, infos), settings.columns);
+    Bench bench = bench_of(folder / folder_of(pressure), pressure, settings.machine_columns);
     test.measured = std::move(bench.points);
     test.clock = std::move(bench.clock);
     examine(test, settings);

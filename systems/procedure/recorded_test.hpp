@@ -13,7 +13,7 @@ namespace bris {
 
 /// A triaxial test at one pressure as a folder of files tells it: FOLDER/rock_01.txt ... of the sensor rocks,
 /// FOLDER/55kPa/recordings.csv and FOLDER/55kPa/test.csv (axial_strain, deviatoric_stress_Pa; volumetric_strain,
-/// ring_1_radius_m ..., t and phase where measured); or all of it in FOLDER/55kPa/recordings.h5.
+/// ring_1_radius_m ..., t and phase where measured); or in place of these FOLDER/55kPa/recordings.h5, with or without /bench for test.csv.
 struct RecordedTest {
     double pressure = 0; ///< Pa
     std::vector<Recording> recordings;
@@ -42,10 +42,15 @@ std::string intake_report(const RecordedTest& test);
 /// The columns that test.csv may have, with the units in which a column map may give them.
 const std::vector<KnownColumn>& machine_columns();
 
-/// The metadata of all sensor rocks: FOLDER/rock_NN.txt, or where there is none, those in the first of FOLDER/*/recordings.h5. Throws InputError, OutputError.
+/// The metadata of all sensor rocks, by id: FOLDER/rock_NN.txt, or where there is none, those in all FOLDER/*/recordings.h5, of a
+/// sensor in several of them as in the first. Throws InputError, OutputError.
 std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder);
 
-/// Throws InputError with file:line, OutputError.
+/// The same for the test at one pressure (Pa): without files rock_NN.txt what its own recordings.h5 says of a sensor (of its pose
+/// and clock by then) stands in place of `infos`. Throws InputError, OutputError.
+std::vector<SensorInfo> infos_of_test(const std::filesystem::path& folder, double pressure, std::vector<SensorInfo> infos);
+
+/// `infos`: see infos_of_test. Throws InputError with file:line, also where one thing is told by two files; OutputError.
 RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure, const std::vector<SensorInfo>& infos, const IntakeSettings& settings);
 
 /// Writes metadata, recordings, the sensor rocks' given poses (in radii and heights of the specimen) and what was measured.

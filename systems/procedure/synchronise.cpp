@@ -41,7 +41,8 @@ private:
             rates.push_back((std::next(at)->second - at->second) / (std::next(at)->first - at->first));
         const double unsure = 3 * r_.info.clock_offset_deviation, strain = unsure * median(std::move(rates));
         if (strain > interval)
-            return refuse(fmt::format("it is known to {:.2g} s, in which the test goes {:.2g} % of axial strain, expected {:.2g} %: give strain or phase, or clock_offset more closely",
+            return refuse(fmt::format("it is known to {:.2g} s, in which the test goes {:.2g} % of axial strain, expected {:.2g} %: give strain or phase, or "
+                                      "clock_offset more closely",
                                       unsure, 100 * strain, 100 * interval));
         std::vector<double> t;
         for (const double own : r_.time) t.push_back(own - r_.info.clock_offset);
@@ -49,16 +50,21 @@ private:
     }
 
     void take(const std::map<double, double>& strain_at, const std::vector<double>& where, const char* unit, const char* advice) {
-        std::vector<double> strain;
-        for (const double w : where) strain.push_back(std::isfinite(w) ? strain_between(strain_at, w) : unknown);
-        const auto outside = std::ranges::count_if(strain, [](double e) { return std::isnan(e); });
+        std::vector<double> strain, known; // where: it may be sampled less often
+        std::size_t outside = 0;
+        for (const double w : where) {
+            strain.push_back(std::isfinite(w) ? strain_between(strain_at, w) : unknown);
+            if (!std::isfinite(w)) continue;
+            known.push_back(w);
+            outside += static_cast<std::size_t>(std::isnan(strain.back()));
+        }
         if (std::ranges::none_of(strain, [](double e) { return e > 0; })) {
-            const auto [first, last] = std::ranges::minmax(where);
+            const auto [first, last] = known.empty() ? std::ranges::min_max_result{unknown, unknown} : std::ranges::minmax(known);
             return refuse(fmt::format("expected records of the test, {:.4g} to {:.4g} {} by the machine's, found {:.4g} to {:.4g}{}", strain_at.begin()->first,
                                       strain_at.rbegin()->first, unit, first, last, advice));
         }
         r_.strain = std::move(strain);
-        const auto left_out = outside > 0 ? fmt::format("; {} of {} samples are outside of it and left out", outside, r_.size()) : "";
+        const auto left_out = outside > 0 ? fmt::format("; {} of {} samples are outside of it and left out", outside, known.size()) : "";
         note(fmt::format("strain by the machine's {}{}", unit == std::string("s") ? "t" : "phase", left_out));
     }
 

@@ -56,6 +56,12 @@ TEST_SUITE("engine/column_map") {
         CHECK(form.find("seq") == nullptr);
     }
 
+    TEST_CASE("names stand where the map says, also behind the sign of a comment") {
+        const Files files;
+        const CsvForm form = files.map("comment = %\nheader_line = 2\nt = \"% when\"\nax = a\n");
+        CHECK(files.table(form, "% a logger\n% when,a\n% begun\n1,2\n").rows == std::vector<std::vector<double>>{{1, 2}});
+    }
+
     TEST_CASE("tabs and blanks delimit as well, blanks any number of them") {
         const Files files;
         const CsvTable blanks = files.table(files.map("delimiter = space\nt = when\nax = \"acc x\"\n"), "  when  \"acc x\"   n\n 1   2 x\n\t3 4  -\n");
@@ -80,6 +86,10 @@ TEST_SUITE("engine/column_map") {
         CHECK(why("t = T\ndelimiter = ;\n") == "columns.txt:2: expected one of comma, semicolon, tab, space, found \";\"");
         CHECK(why("t = T\ndecimal = comma\n") == "columns.txt: expected another delimiter than the decimal comma, found comma for both");
         CHECK(why("t = T\nheader_line = 0\n") == "columns.txt:2: expected the number of a line, from 1, found \"0\"");
+        CHECK(why("t = T\ndelimiter = semicolon\ncomment = ;\n") == "columns.txt: expected another comment than the delimiter, found ';' for both");
+        CHECK(why("t = T\nheader_line = 4\nfirst_line = 4\n") == "columns.txt: first_line: expected a line after that of the names, 4, found 4");
+        CHECK(why("t = T\nfirst_line = 1\n") == "columns.txt: first_line: expected a line after that of the names, 1, found 1");
+        CHECK(why("t = T\nfirst_line = 2\n").empty());
         CHECK(why("t = T\ncomment = //\n") == "columns.txt:2: expected one sign, found \"//\"");
     }
 

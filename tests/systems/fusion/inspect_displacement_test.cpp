@@ -1,4 +1,6 @@
 #include "engine/random.hpp"
+#include "systems/fusion/inspection.hpp"
+#include "tests/about.hpp"
 #include "tests/systems/fusion/example_recordings.hpp"
 
 #include <doctest/doctest.h>
@@ -45,6 +47,37 @@ TEST_SUITE("fusion/inspect_displacement") {
         for (std::size_t k = 5; k < all[4].size(); ++k) all[4].displacement[k].x() += 9 * all[4].strain[k]; // 9 mm for 0.1 %
         CHECK(has(refusals(all, 5), "displacement: in "));
         CHECK(has(refusals(all, 5), "longer than the test lets a rock go"));
+    }
+
+    TEST_CASE("strain that is sampled less often than displacement takes no check away") {
+        const auto sparse = [](std::vector<Recording> all) {
+            for (Recording& r : all)
+                for (std::size_t k = 0; k < r.size(); ++k)
+                    if (k % 3 != 2) r.strain[k] = std::nan("");
+            return all;
+        };
+        auto all = sparse(example_recordings("55kPa"));
+        for (unsigned sensor = 1; sensor <= 10; ++sensor) CHECK(refusals(all, sensor).empty());
+        Random random(1, 1);
+        for (std::size_t k = 0; k < 5; ++k) all[4].displacement[k] += 9e-3 * Vec3(2 * random.uniform() - 1, 2 * random.uniform() - 1, 2 * random.uniform() - 1);
+        CHECK(has(refusals(all, 5), "noise: displacement at rest: declared 0.1 mm, found"));
+        all = sparse(example_recordings("55kPa"));
+        const std::size_t astray = all[4].size() - 20; // 7 of the 29 or so that have strain, of more than 80
+        for (std::size_t k = astray; k < all[4].size(); ++k) all[4].displacement[k].x() += 0.02 * static_cast<double>(k - astray);
+        CHECK(has(refusals(all, 5), "longer than the test lets a rock go"));
+    }
+
+    TEST_CASE("the step of strain goes from one sample that has it to the next") {
+        const double none = std::nan("");
+        Recording r;
+        r.strain = {0, none, 0, none, none, 3e-3, none, 5e-3, 6e-3, none};
+        const IntakeLimits limits;
+        std::vector<Finding> findings;
+        CHECK(strain_step({r, limits, findings, 5, 5}) == about(1e-3));
+        r.strain = {0, 0, 1e-3, 2e-3, 3e-3};
+        CHECK(strain_step({r, limits, findings, 2, 2}) == about(1e-3));
+        r.strain = {none, none};
+        CHECK(strain_step({r, limits, findings, 0, 0}) == 0);
     }
 
     TEST_CASE("a few displacements that are far off are left to those who use them") {

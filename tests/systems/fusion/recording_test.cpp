@@ -9,6 +9,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+
 using namespace bris;
 
 namespace {
@@ -103,7 +105,7 @@ TEST_SUITE("systems/fusion/recording") {
         const auto written = two_recordings();
         const auto path = directory / "b.h5";
         write_recordings_hdf5(path, written);
-        CHECK_THROWS_WITH_AS((void)read_recordings_hdf5(path, {written[0].info}), doctest::Contains("/sensors/2: expected the id of a metadata file"), InputError);
+        CHECK_THROWS_WITH_AS((void)read_recordings_hdf5(path, {written[0].info}), doctest::Contains("/sensors/2: expected the id of a metadata file, found 2"), InputError);
         CHECK_THROWS_AS((void)read_recordings_hdf5(path, {written[0].info, written[1].info, written[0].info}), InputError);
         {
             Hdf5File file = Hdf5File::open_to_write(path);
@@ -112,9 +114,20 @@ TEST_SUITE("systems/fusion/recording") {
             file.write("/sensors/1/gyro", std::span<const double>(few), {3, 3});
             file.close();
         }
-        CHECK_THROWS_WITH_AS((void)read_recordings_hdf5(path, {written[0].info, written[1].info}), doctest::Contains("expected 7 rows of 3 numbers, found 3 of 3"), InputError);
+        CHECK_THROWS_WITH_AS((void)read_recordings_hdf5(path, {written[0].info, written[1].info}), doctest::Contains("/sensors/1/gyro: expected 7 x 3, found 3 x 3"), InputError);
         std::filesystem::resize_file(path, 1000);
         CHECK_THROWS_AS((void)read_recordings_hdf5(path, {written[0].info, written[1].info}), OutputError);
+        // one number is neither times nor a channel
+        for (const char* dataset : {"time", "gyro"}) {
+            write_recordings_hdf5(path, {written[0]});
+            Hdf5File file = Hdf5File::open_to_write(path);
+            const std::string name = std::string("/sensors/1/") + dataset;
+            const std::vector<double> one(1, 0.0);
+            file.remove(name);
+            file.write(name, std::span<const double>(one), {});
+            file.close();
+            CHECK_THROWS_WITH_AS((void)read_recordings_hdf5(path, {written[0].info}), doctest::Contains("found a scalar"), InputError);
+        }
         // a rock without a group was not recorded: intake says so
         write_recordings_hdf5(path, {written[0]});
         CHECK(read_recordings_hdf5(path, {written[0].info, written[1].info})[1].size() == 0);
@@ -147,11 +160,65 @@ TEST_SUITE("systems/fusion/recording") {
         CHECK(infos[1].battery_unit == "%");
         SensorInfo other = infos[1];
         other.rate_unit = "rad/s";
-        CHECK_THROWS_WITH_AS((void)read_recordings_hdf5(path, {infos[0], other, infos[2]}), doctest::Contains("/sensors/2: gyro_unit: expected rad/s as in the metadata"), InputError);
+        CHECK_THROWS_WITH_AS((void)read_recordings_hdf5(path, {infos[0], other, infos[2]}), doctest::Contains("/sensors/2: gyro_unit: expected rad/s as in the metadata, found deg/s"), InputError);
         Hdf5File file = Hdf5File::open_to_write(path);
         file.set_attribute<double>("/sensors/1", "sampling_rate", -5);
         file.close();
         CHECK_THROWS_WITH_AS((void)read_sensor_infos_hdf5(path), doctest::Contains("/sensors/1: --sampling-rate: expected a number above 0 (Hz), found \"-5\""), InputError);
+    }
+
+    TEST_CASE("what is known of a sensor that recorded nothing stays in HDF5") {
+        const TemporaryDirectory directory;
+        auto written = two_recordings();
+        Recording none;
+        none.info.id = 3;
+        none.info.clock_offset = 5;
+        written.push_back(none);
+        write_recordings_hdf5(directory / "a.h5", written);
+        const auto infos = read_sensor_infos_hdf5(directory / "a.h5");
+        REQUIRE(infos.size() == 3);
+        CHECK(infos[2].clock_offset == 5);
+        CHECK(read_recordings_hdf5(directory / "a.h5", infos)[2].size() == 0);
+    }
+
+    TEST_CASE("flags and counts in HDF5 are whole numbers from 0 on, of any kind, and a flag that is none is 0") {
+        const TemporaryDirectory directory;
+        const auto written = two_recordings();
+        const auto path = directory / "a.h5";
+        const auto read = [&](const char* dataset, const std::vector<double>& numbers) {
+            write_recordings_hdf5(path, {written[0]});
+            Hdf5File file = Hdf5File::open_to_write(path);
+            if (file.has(dataset)) file.remove(dataset);
+            file.write(dataset, std::span<const double>(numbers));
+            file.close();
+            return read_recordings_hdf5(path, {written[0].info})[0];
+        };
+        const double none = std::nan("");
+        CHECK(read("/sensors/1/flags", {0, none, 2, 0, 0, 0, 0}).flagged == std::vector<double>{written[0].time[2]});
+        CHECK_THROWS_WITH_AS((void)read("/sensors/1/flags", {0, 0, -1, 0, 0, 0, 0}), doctest::Contains("/sensors/1/flags[2]: expected a whole number from 0 on, found -1"), InputError);
+        CHECK_THROWS_WITH_AS((void)read("/sensors/1/sequence", {0, 1, 2, none, 4, 5, 6}), doctest::Contains("/sensors/1/sequence[3]: expected a whole number"), InputError);
+        CHECK_THROWS_WITH_AS((void)read("/sensors/1/sequence", {0, 1, 2.5, 3, 4, 5, 6}), doctest::Contains("found 2.5"), InputError);
+    }
+
+    TEST_CASE("the first sample without a number is none of those that the sensor marks, in CSV and in HDF5") {
+        const TemporaryDirectory directory;
+        SensorInfo info;
+        info.id = 7;
+        write_whole(directory / "a.csv", "t,id,flags,ax,ay,az\n0,7,0,0,0,9\nnan,7,1,,0,9\n2,7,0,0,inf,9\n3,7,0,,0,9\n");
+        const auto of_csv = read_recordings(directory / "a.csv", {info})[0];
+        CHECK(of_csv.first_without.at("ax ay az").ends_with("a.csv:4"));
+        CHECK_FALSE(of_csv.first_without.contains("t"));
+        auto written = two_recordings();
+        written[0].time[1] = written[0].rate[1].x() = written[0].rate[4].x() = std::nan("");
+        write_recordings_hdf5(directory / "a.h5", {written[0]});
+        CHECK(read_recordings_hdf5(directory / "a.h5", {written[0].info})[0].first_without.at("t").ends_with("a.h5: /sensors/1/time[1]"));
+        const std::vector<double> flags{0, 1, 0, 0, 0, 0, 0};
+        Hdf5File file = Hdf5File::open_to_write(directory / "a.h5");
+        file.write("/sensors/1/flags", std::span<const double>(flags));
+        file.close();
+        const auto of_hdf5 = read_recordings_hdf5(directory / "a.h5", {written[0].info})[0];
+        CHECK(of_hdf5.first_without.at("gx gy gz").ends_with("a.h5: /sensors/1/gyro[4]"));
+        CHECK_FALSE(of_hdf5.first_without.contains("t"));
     }
 
     TEST_CASE("a CSV file of another make, by its map, is the same recording, whatever units the metadata say") {

@@ -40,6 +40,53 @@ TEST_SUITE("procedure/bench_hdf5") {
         for (std::size_t k = 0; k < a.ways[1].strain.size(); ++k) CHECK((a.ways[1].displacement[k] - b.ways[1].displacement[k]).norm() < 1e-8); // of seven digits
     }
 
+    TEST_CASE("without metadata files each pressure's own file tells of its sensors, also of one that others lack") {
+        const TemporaryDirectory folder;
+        const ModelRun truth = testing::steady_run();
+        const auto recordings = record_sensors(truth, {}, 1);
+        auto of_first = recordings;
+        of_first.pop_back();
+        of_first[0].info.clock_offset = 7;
+        std::vector<double> time;
+        for (const TriaxialPoint& p : truth.points) time.push_back(60 + 1.2e4 * p.axial_strain);
+        write_recorded_test_hdf5(folder.path(), 110e3, of_first, testing::scene_of(truth), truth.points, time); // 110kPa stands before 55kPa
+        write_recorded_test_hdf5(folder.path(), 55e3, recordings, testing::scene_of(truth), truth.points, time);
+        const auto infos = read_sensor_infos(folder.path());
+        REQUIRE(infos.size() == 3);
+        const RecordedTest a = read_recorded_test(folder.path(), 110e3, infos, {}), b = read_recorded_test(folder.path(), 55e3, infos, {});
+        CHECK(a.recordings[0].info.clock_offset == 7);
+        CHECK(b.recordings[0].info.clock_offset == 0);
+        CHECK(a.refused() == 1);
+        CHECK(intake_report(a).find("sensor 3: refused: length: expected two samples or more, found 0") != std::string::npos);
+        CHECK(b.refused() == 0);
+        CHECK(infos_of_test(folder.path(), 55e3, infos)[0].clock_offset == 0);
+        write_sensor_info(folder / "rock_01.txt", of_first[0].info); // these say it for all
+        CHECK(infos_of_test(folder.path(), 55e3, infos)[0].clock_offset == 7);
+    }
+
+    TEST_CASE("what two files tell is refused, and a map of columns where no CSV file is read") {
+        const TemporaryDirectory folder;
+        const ModelRun truth = testing::steady_run();
+        const auto recordings = record_sensors(truth, {}, 1);
+        std::vector<double> time;
+        for (const TriaxialPoint& p : truth.points) time.push_back(60 + 1.2e4 * p.axial_strain);
+        write_recorded_test_hdf5(folder.path(), 55e3, recordings, testing::scene_of(truth), truth.points, time);
+        const auto infos = read_sensor_infos(folder.path());
+        const auto why = [&](const IntakeSettings& settings) { return message_of<InputError>([&] { (void)read_recorded_test(folder.path(), 55e3, infos, settings); }); };
+        const auto has = [](const std::string& text, const char* part) { INFO(text); return text.find(part) != std::string::npos; };
+        CHECK(why({}).empty());
+        CHECK(has(why({.columns = "map.txt"}), "--columns: expected none, as "));
+        CHECK(has(why({.machine_columns = "map.txt"}), "recordings.h5 is read and no test.csv, found 'map.txt'"));
+        write_recorded_test(folder.path(), 55e3, recordings, testing::scene_of(truth), truth.points);
+        CHECK(has(why({}), "55kPa: expected recordings.csv or recordings.h5, found both"));
+        std::filesystem::remove(folder / "55kPa" / "recordings.csv");
+        CHECK(has(why({}), "55kPa: expected test.csv or /bench in recordings.h5, found both"));
+        write_recordings_hdf5(folder / "55kPa" / "recordings.h5", recordings);
+        CHECK(why({}).empty()); // sensors there, the machine in test.csv
+        std::filesystem::remove(folder / "55kPa" / "test.csv");
+        CHECK(has(why({}), "recordings.h5: expected a group /bench, or test.csv beside it, found neither"));
+    }
+
     TEST_CASE("the stress of a force is that on the area as it is by then") {
         const TemporaryDirectory folder;
         TriaxialPoint p;
@@ -82,6 +129,19 @@ TEST_SUITE("procedure/bench_hdf5") {
         CHECK(has(why(put("/bench/strain", std::vector<double>(101, 0.0))), "/bench/strain[1]: expected numbers that grow, found 0"));
         CHECK(has(why(put("/bench/force", std::vector<double>(101, std::nan("")))), "/bench/force[0]: expected a number, found nan"));
         CHECK(has(why(put("/bench/ring_radius", std::vector<double>(101, 0.07))), "/bench/ring_radius: expected 101 rows"));
-        CHECK(has(why([](Hdf5File& file) { file.set_attribute<double>("/bench", "area", 0); }), "area: expected a number above 0 (m2)"));
+        CHECK(has(why([](Hdf5File& file) { file.set_attribute<double>("/bench", "area", 0); }), "area: expected a number above 0 (m2), found 0"));
+        std::vector<double> percent(101, 0);
+        for (std::size_t k = 1; k < 101; ++k) percent[k] = 0.25 * static_cast<double>(k);
+        CHECK(has(why(put("/bench/strain", percent)), "/bench/strain[4]: expected below 1, found 1: is it in per cent?"));
+        CHECK(has(why([](Hdf5File& file) { file.remove("/bench/force"); }), "/bench/force: expected numbers, found none"));
+        const auto put_shape = [](const char* name, std::vector<double> numbers, const Hdf5File::Shape& shape) {
+            return [=](Hdf5File& file) {
+                file.remove(name);
+                file.write(name, std::span<const double>(numbers), shape);
+            };
+        };
+        CHECK(has(why(put_shape("/bench/time", {1}, {})), "/bench/time: expected numbers in one dimension, found a scalar"));
+        CHECK(has(why(put_shape("/bench/time", percent, {101, 1})), "/bench/time: expected numbers in one dimension, found 101 x 1"));
+        CHECK(has(why(put_shape("/bench/ring_radius", {1}, {})), "/bench/ring_radius: expected 101 rows of the rings' radii, found a scalar"));
     }
 }

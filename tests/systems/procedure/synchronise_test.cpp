@@ -1,5 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
+#include "engine/io/json_numbers.hpp"
 #include "systems/procedure/live_test.hpp"
 #include "systems/procedure/recorded_stream.hpp"
 #include "systems/procedure/twin.hpp"
@@ -11,6 +12,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 
@@ -127,6 +129,47 @@ TEST_SUITE("procedure/synchronise") {
         const Recorded other;
         other.give_machine("phase", [](double strain) { return std::fmod(phase_at(strain), 1.0); });
         CHECK_THROWS_WITH_AS((void)other.read({}), doctest::Contains("test.csv:6: phase: expected numbers that grow, found 0 after 0.75"), InputError);
+    }
+
+    TEST_CASE("a phase or a clock that not every sample has is no sample outside of the test") {
+        const Recorded r;
+        r.give_machine("phase", phase_at);
+        r.change("recordings.csv", "strain", "phase", [](double strain) { return std::lround(1e3 * strain) % 2 == 1 ? std::nan("") : phase_at(strain); });
+        RecordedTest test = r.read({.interval = 0.99e-3});
+        CHECK(test.refused() == 0);
+        CHECK(says(test, "sensor 1: clock: strain by the machine's phase\n"));
+        const auto sampled = std::ranges::count_if(test.recordings[0].strain, [](double e) { return std::isfinite(e); });
+        CHECK(sampled < static_cast<std::ptrdiff_t>(test.recordings[0].size()));
+        CHECK(test.ways[0].strain.size() == static_cast<std::size_t>(std::ranges::count_if(test.recordings[0].strain, [](double e) { return e > 0; })));
+        const Recorded late;
+        late.give_machine("phase", phase_at);
+        late.change("recordings.csv", "strain", "phase", [k = 0](double strain) mutable { return k++ < 3 ? std::nan("") : 1000 + phase_at(strain); });
+        CHECK(says(late.read({}), "sensor 2: refused: clock: expected records of the test, 0 to 25 cycles by the machine's, found 1000 to 1025\n"));
+    }
+
+    TEST_CASE("a folder whose machine has a clock and a phase is replayed with these, line by line") {
+        const Recorded r;
+        r.give_machine("t", time_at);
+        r.give_machine("phase", phase_at);
+        const auto lines = stream_of(r.folder / "55kPa", 1e6, 0);
+        std::ofstream out(r.folder / "lines");
+        std::size_t records = 0;
+        for (const std::string& line : lines) {
+            out << line << '\n';
+            if (line.find("axial_strain") == std::string::npos) continue;
+            const auto numbers = json_numbers(line);
+            CHECK(numbers.at("t") == about(time_at(numbers.at("axial_strain"))));
+            CHECK(numbers.contains("phase"));
+            ++records;
+        }
+        out.close();
+        CHECK(records == 101);
+        LiveTest test(r.folder / "lines", r.folder / "log", r.infos, {.patience = 2});
+        (void)test.follow_to(1);
+        INFO(test.report());
+        CHECK(test.report().find("unreadable") == std::string::npos);
+        CHECK(test.so_far().measured.size() == 101);
+        check_ways(test.so_far(), r.by_strain, 1e-9);
     }
 
     TEST_CASE("a stream of sensors that count cycles is the same test as one of sensors that tell strain") {
