@@ -6,6 +6,7 @@
 #include "systems/build/mass_properties.hpp"
 #include "systems/build/surface_distance.hpp"
 #include "tests/about.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
@@ -41,7 +42,8 @@ TEST_SUITE("build/clump_library") {
 
     TEST_CASE("a written clump is read back bit for bit, and a wrong stored value is found") {
         const Clump made = make_clump("pair", std::vector<Ball>{{Vec3(0, 0, 0), 0.5}, {Vec3(0.4, 0, 0), 0.4}});
-        const auto path = std::filesystem::temp_directory_path() / "bris_pair.csv";
+        const TemporaryDirectory folder;
+        const auto path = folder / "pair.csv";
         write_clump(path, made, {"SOURCE: a test"});
         const Clump read = read_clump(path);
         CHECK(read.volume == made.volume);
@@ -54,16 +56,15 @@ TEST_SUITE("build/clump_library") {
         for (const char* name : {"volume = ", "inertia_y = ", "sieve = "}) {
             std::string wrong = text.str();
             wrong.insert(wrong.find(name) + std::string(name).size(), 1, '1');
-            const auto bad = std::filesystem::temp_directory_path() / "bris_wrong.csv";
+            const auto bad = folder / "wrong.csv";
             std::ofstream(bad) << wrong;
-            CHECK_THROWS_WITH_AS(read_clump(bad), doctest::Contains("bris_wrong.csv:"), InputError);
+            CHECK_THROWS_WITH_AS(read_clump(bad), doctest::Contains("wrong.csv:"), InputError);
         }
     }
 
     TEST_CASE("an empty directory is refused") {
-        const auto empty = std::filesystem::temp_directory_path() / "bris_no_clumps";
-        std::filesystem::create_directories(empty);
-        CHECK_THROWS_AS(read_clumps(empty), InputError);
+        const TemporaryDirectory empty;
+        CHECK_THROWS_AS(read_clumps(empty.path()), InputError);
     }
 }
 

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "tests/about.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
@@ -28,7 +29,8 @@ std::vector<Clump> two_clumps() {
 }
 
 Grading grading_of(const std::string& rows) {
-    const auto path = std::filesystem::temp_directory_path() / "bris_grading.csv";
+    const TemporaryDirectory folder;
+    const auto path = folder / "grading.csv";
     std::ofstream(path) << "sieve_mm,lower_percent,upper_percent\n" << rows;
     return read_grading(path);
 }

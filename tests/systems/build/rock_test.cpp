@@ -6,6 +6,7 @@
 #include "systems/build/read_mesh.hpp"
 #include "systems/build/surface_distance.hpp"
 #include "tests/about.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
@@ -21,7 +22,8 @@ using namespace bris;
 namespace {
 
 std::filesystem::path written(const std::string& name, const std::string& text) {
-    const std::filesystem::path path = std::filesystem::temp_directory_path() / ("bris_rock_" + name);
+    static const TemporaryDirectory folder;
+    const std::filesystem::path path = folder / name;
     std::ofstream(path, std::ios::binary) << text;
     return path;
 }

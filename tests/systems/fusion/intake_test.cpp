@@ -1,6 +1,7 @@
 #include "engine/errors.hpp"
 #include "engine/signal/imu.hpp"
 #include "systems/fusion/intake.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
@@ -52,7 +53,8 @@ bool refuses(const Recording& r, const std::string& check, const std::string& te
 }
 
 fs::path written(const char* name, const std::string& text) {
-    const fs::path path = fs::temp_directory_path() / name;
+    static const TemporaryDirectory folder;
+    const fs::path path = folder / name;
     std::ofstream(path) << text;
     return path;
 }
