@@ -27,9 +27,9 @@ std::size_t outside_quotes(const std::string& text, char sign) {
 
 std::string unquoted(const std::string& text) { return text.size() > 1 && text.front() == '"' && text.back() == '"' ? text.substr(1, text.size() - 2) : text; }
 
-std::string names_of(const auto& items) {
+std::string names_of(const auto& items, auto name) {
     std::vector<std::string> names;
-    for (const auto& item : items) names.push_back(item.name);
+    for (const auto& item : items) names.push_back(item.*name);
     return listed(names);
 }
 
@@ -74,15 +74,13 @@ private:
         else if (name == "comment") form_.comment = one_sign(value);
         else if (name == "header_line") form_.header_line = line_number(value);
         else if (name == "first_line") form_.first_line = line_number(value);
-        else refuse(fmt::format("one of delimiter, decimal, comment, header_line, first_line, {}", names_of(known_)), name);
+        else refuse(fmt::format("one of delimiter, decimal, comment, header_line, first_line, {}", names_of(known_, &KnownColumn::name)), name);
     }
 
     char one_of(const std::string& value, const std::vector<std::pair<std::string, char>>& choices) const {
         const auto found = std::ranges::find(choices, unquoted(value), &std::pair<std::string, char>::first);
         if (found != choices.end()) return found->second;
-        std::string names;
-        for (const auto& [name, sign] : choices) names += (names.empty() ? "" : ", ") + name;
-        refuse("one of " + names, value);
+        refuse("one of " + names_of(choices, &std::pair<std::string, char>::first), value);
     }
 
     char one_sign(const std::string& value) const {
@@ -109,7 +107,7 @@ private:
         if (comma != std::string::npos) {
             const auto given = std::ranges::find(known.units, unit, &ColumnUnit::name);
             if (given == known.units.end() && known.units.empty()) refuse("no unit for " + known.name, unit);
-            if (given == known.units.end()) refuse(fmt::format("for {} one of {}", known.name, names_of(known.units)), unit);
+            if (given == known.units.end()) refuse(fmt::format("for {} one of {}", known.name, names_of(known.units, &ColumnUnit::name)), unit);
             column.scale = given->scale;
             column.offset = given->offset;
         }

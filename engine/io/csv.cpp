@@ -26,7 +26,7 @@ public:
     void read_header(std::string_view line, const std::string& at) {
         const auto cells = cells_of(line, form_.delimiter);
         width_ = cells.size();
-        for (const std::string_view cell : cells) header_ += (header_.empty() ? "" : ", ") + std::string(cell);
+        header_ = listed({cells.begin(), cells.end()});
         if (form_.columns.empty()) read_names(cells, line, at);
         for (const CsvColumn& column : form_.columns) {
             const auto found = std::find(cells.begin(), cells.end(), column.theirs);

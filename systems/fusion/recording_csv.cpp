@@ -35,7 +35,7 @@ std::string at_line(const CsvTable& table, std::size_t row) { return fmt::format
 
 /// A whole number of a column, from 0 on.
 std::uint64_t count_of(const CsvTable& table, std::size_t row, const char* name, double value) {
-    require(is_count(value), fmt::format("{}: {}: expected a whole number from 0 on, found {}", at_line(table, row), name, value));
+    if (!is_count(value)) throw InputError(fmt::format("{}: {}: expected a whole number from 0 on, found {}", at_line(table, row), name, value));
     return static_cast<std::uint64_t>(value);
 }
 
@@ -181,7 +181,7 @@ std::vector<Recording> read_recordings(const std::filesystem::path& csv, const s
     const Columns columns(table);
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
         const auto found = place.find(count_of(table, row, "id", id[row]));
-        require(found != place.end(), fmt::format("{}: id: expected that of a metadata file, found {}", at_line(table, row), id[row]));
+        if (found == place.end()) throw InputError(fmt::format("{}: id: expected that of a metadata file, found {}", at_line(table, row), id[row]));
         columns.append(row, time[row], recordings[found->second]);
     }
     for (Recording& r : recordings) leave_out_flagged(r);

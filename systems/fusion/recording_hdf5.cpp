@@ -78,7 +78,7 @@ std::vector<std::uint64_t> counts_of(const Hdf5File& file, const std::string& da
     const auto rows = rows_of<1>(file, dataset, samples);
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const double n = nan_is_0 && std::isnan(rows[k][0]) ? 0 : rows[k][0];
-        require(is_count(n), fmt::format("{}: {}[{}]: expected a whole number from 0 on, found {}", file.path().string(), dataset, k, n));
+        if (!is_count(n)) throw InputError(fmt::format("{}: {}[{}]: expected a whole number from 0 on, found {}", file.path().string(), dataset, k, n));
         counts.push_back(static_cast<std::uint64_t>(n));
     }
     return counts;

@@ -36,27 +36,21 @@ struct Start {
     const Archive& specimen;
 };
 
-std::vector<ModelRun> try_from(const std::function<Start(std::size_t)>& start_of, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
-                               const Common& common, Progress& progress) {
+std::vector<ModelRun> try_from(const std::vector<Start>& starts, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain, const Common& common,
+                               Progress& progress) {
     TriaxialSettings test = settings;
     test.final_axial_strain = std::min(strain, test.final_axial_strain);
     std::vector<ModelRun> runs(arms.size());
     run_ensemble(arms.size(), common.threads, [&](std::size_t k) {
-        const Start start = start_of(k);
-        KeptRun kept(common, test, start.specimen, arms[k]);
+        const auto& [scene, specimen] = starts[k];
+        KeptRun kept(common, test, specimen, arms[k]);
         try {
-            runs[k] = run_model(start.scene, test, start.specimen, arms[k], common.seed, watch_on(progress, k, common), &kept);
+            runs[k] = run_model(scene, test, specimen, arms[k], common.seed, watch_on(progress, k, common), &kept);
         } catch (const SimulationError& error) {
             runs[k].stopped = stopped_by(error, arms[k]);
         }
     });
     progress.pause();
-    return runs;
-}
-
-std::vector<ModelRun> none_stopped(std::vector<ModelRun> runs) {
-    for (const ModelRun& run : runs)
-        if (!run.stopped.empty()) throw SimulationError(run.stopped);
     return runs;
 }
 
@@ -158,23 +152,18 @@ ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common)
 
 std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
                                  double strain, const Common& common, Progress& progress) {
-    return try_from([&](std::size_t) { return Start{scene, specimen}; }, settings, arms, strain, common, progress);
-}
-
-std::vector<ModelRun> try_models(const std::vector<const PreparedSpecimen*>& specimens, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
-                                 const Common& common, Progress& progress) {
-    require(specimens.size() == arms.size(), fmt::format("models: expected a specimen for each of {} arms, found {}", arms.size(), specimens.size()));
-    return try_from([&](std::size_t k) { return Start{specimens[k]->scene, specimens[k]->state}; }, settings, arms, strain, common, progress);
-}
-
-std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
-                                 double strain, const Common& common, Progress& progress) {
-    return none_stopped(try_models(scene, settings, specimen, arms, strain, common, progress));
+    return try_from(std::vector<Start>(arms.size(), {scene, specimen}), settings, arms, strain, common, progress);
 }
 
 std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& specimens, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
                                  const Common& common, Progress& progress) {
-    return none_stopped(try_models(specimens, settings, arms, strain, common, progress));
+    require(specimens.size() == arms.size(), fmt::format("models: expected a specimen for each of {} arms, found {}", arms.size(), specimens.size()));
+    std::vector<Start> starts;
+    for (const PreparedSpecimen* specimen : specimens) starts.push_back({specimen->scene, specimen->state});
+    auto runs = try_from(starts, settings, arms, strain, common, progress);
+    for (const ModelRun& run : runs)
+        if (!run.stopped.empty()) throw SimulationError(run.stopped);
+    return runs;
 }
 
 RunsAtWork begin_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms, const Common& common,

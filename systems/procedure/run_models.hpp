@@ -28,12 +28,7 @@ struct PreparedSpecimen {
 /// One that a guard stops says so and leaves the others alone.
 std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
                                  double strain, const Common& common, Progress& progress);
-/// The same, each arm on a specimen of its own.
-std::vector<ModelRun> try_models(const std::vector<const PreparedSpecimen*>& specimens, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
-                                 const Common& common, Progress& progress);
-/// The same; throw SimulationError if one was stopped.
-std::vector<ModelRun> run_models(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen, const std::vector<ModelArm>& arms,
-                                 double strain, const Common& common, Progress& progress);
+/// The same, each arm on a specimen of its own. Throws SimulationError if one was stopped.
 std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& specimens, const TriaxialSettings& settings, const std::vector<ModelArm>& arms, double strain,
                                  const Common& common, Progress& progress);
 
