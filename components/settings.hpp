@@ -55,6 +55,7 @@ struct ListState {
     bool unseen = false; ///< velocities have: contacts have yet to see them
     std::uint64_t refreshes = 0, prunes = 0, sorts = 0;
     std::uint64_t last_refresh = 0, last_prune = 0; ///< steps
+    std::uint64_t prunes_at_refresh = 0;
     double candidate_skin = 0;                      ///< m, within which the candidates are complete
 };
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace bris {
 
@@ -111,29 +112,38 @@ void choose_skins(World& world, ListSettings& settings) {
     if (!(settings.outer_skin > 0)) settings.outer_skin = 5 * settings.inner_skin;
 }
 
-/// Skins follow the counts of work: the cost of making a list and of carrying entries that do not
-/// touch are kept equal, which is the minimum of a/skin + b*skin. Any skin gives the same bits.
-void tune_skins(const World& world, ListSettings& settings, const ListState& state) {
-    if (!settings.tune || state.prunes == 0) return;
+/// By which a skin is to change where making its list costs a/skin and carrying it b*skin: these are equal at the least of their
+/// sum. No more at once than `most`: counts scatter from one list to the next.
+double change_of_skin(double making, double carrying, double most) {
+    if (!(carrying > 0)) return making > 0 ? most : 1;
+    return std::clamp(std::sqrt(making / carrying), 1 / most, most);
+}
+
+// Skins follow the counts of work, in units of one near pair's test; measured on beds of spheres and of clumps. Any skin gives the same bits.
+
+void tune_inner_skin(const World& world, ListSettings& settings, const ListState& state) {
     const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_prune);
     const auto& index = world.resource<NearIndex<SpherePairs>>();
-    if (steps == 0 || index.size() == 0) return;
+    if (!settings.tune || state.prunes == 0 || steps == 0 || index.size() == 0) return;
     std::size_t touching = 0;
     for (const std::uint8_t flags : index.touching) touching += static_cast<std::size_t>(std::popcount(flags));
     const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
     const auto spheres = static_cast<double>(world.table<Listed>().size());
-    // in units of one near pair's test; measured on beds of spheres and of clumps
     const double making = (8 * pairs + 10 * spheres) / steps;
     const double carrying = 3 * static_cast<double>(index.size() - std::min(touching, index.size()));
-    settings.inner_skin *= making > carrying ? 1.1 : 1 / 1.1;
-    const auto since_refresh = static_cast<double>(world.resource<Clock>().step - state.last_refresh);
-    if (since_refresh > 0 && state.last_refresh > 0) {
-        const double refreshing = 60 * pairs / since_refresh; // of all candidates, once
-        const double pruning = 8 * (pairs - static_cast<double>(index.size())) / steps;
-        settings.outer_skin *= refreshing > pruning ? 1.02 : 1 / 1.02;
-    }
-    settings.inner_skin = std::min(settings.inner_skin, settings.largest_skin / 2);
+    settings.inner_skin = std::min(settings.inner_skin * change_of_skin(making, carrying, 1.5), settings.largest_skin / 2);
     settings.outer_skin = std::clamp(settings.outer_skin, 2 * settings.inner_skin, settings.largest_skin);
+}
+
+/// When the candidates have served.
+void tune_outer_skin(const World& world, ListSettings& settings, const ListState& state) {
+    const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_refresh);
+    const auto near = world.resource<NearIndex<SpherePairs>>().size();
+    const auto prunes = static_cast<double>(state.prunes - state.prunes_at_refresh);
+    if (!settings.tune || state.refreshes == 0 || steps == 0 || near == 0 || prunes == 0) return;
+    const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
+    const double refreshing = 60 * pairs, pruning = 8 * (pairs - static_cast<double>(near)) * prunes; // of all candidates, once
+    settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(refreshing, pruning, 1.5), 2 * settings.inner_skin, settings.largest_skin);
 }
 
 /// Brings SpherePlace up to date.
@@ -176,9 +186,10 @@ void refresh_pairs(World& world) {
     auto& state = world.resource<ListState>();
     auto& settings = world.resource<ListSettings>();
     if (!state.stale) {
-        tune_skins(world, settings, state);
+        tune_inner_skin(world, settings, state);
         const double gone = 2 * largest_travel(world);
         if (gone + settings.inner_skin <= state.candidate_skin) return locate_spheres(world); // the candidates still serve
+        tune_outer_skin(world, settings, state);
     }
     find_runs(world);
     choose_skins(world, settings);
@@ -203,6 +214,7 @@ void refresh_pairs(World& world) {
     state.stale = false;
     state.candidate_skin = settings.outer_skin;
     state.last_refresh = world.resource<Clock>().step;
+    state.prunes_at_refresh = state.prunes;
     ++state.refreshes;
 }
 

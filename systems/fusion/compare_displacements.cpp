@@ -2,6 +2,7 @@
 
 #include "engine/signal/median.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -16,6 +17,12 @@ constexpr double hardly = 0.3;            // of what it should have gone; of all
 constexpr double common_way = 1e-3;       // m, that rocks should have gone before all are judged
 
 const char* name_of(Eigen::Index axis) { return axis == 0 ? "x" : axis == 1 ? "y" : "z"; }
+
+/// The last strain that a recording knows of; NaN: none.
+double last_strain(const Recording& r) {
+    const auto known = std::find_if(r.strain.rbegin(), r.strain.rend(), [](double strain) { return std::isfinite(strain); });
+    return known == r.strain.rend() ? std::nan("") : *known;
+}
 
 /// Where a rock went from its start, by one strain.
 struct Gone {
@@ -122,15 +129,16 @@ void compare_displacements(const std::vector<Recording>& recordings, std::vector
     std::vector<const Recording*> some;
     std::vector<double> ends;
     for (const Recording& r : recordings) {
-        if (r.displacement.empty() || r.strain.empty() || !std::isfinite(r.strain.back()) || !accepted(findings, r.info.id)) continue;
+        const double end = last_strain(r);
+        if (r.displacement.empty() || std::isnan(end) || !accepted(findings, r.info.id)) continue;
         some.push_back(&r);
-        ends.push_back(r.strain.back());
+        ends.push_back(end);
     }
     if (some.size() <= fewest) return;
     const double strain = median(ends);
     std::vector<Gone> all;
     for (const Recording* r : some)
-        if (r->strain.back() >= 0.9 * strain) // one that stopped long before is no longer compared
+        if (last_strain(*r) >= 0.9 * strain) // one that stopped long before is no longer compared
             if (const auto g = gone(*r, strain)) all.push_back(*g);
     if (all.size() <= fewest || !look_at_all(all, strain, findings)) return;
     for (std::size_t one = 0; one < all.size(); ++one) look_at_one(all, one, strain, findings);

@@ -45,10 +45,10 @@ TEST_SUITE("invariance/work") {
         Simulation sim = testing::start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
         sim.advance(4000);
         const ListState& lists = sim.world().resource<ListState>();
-        CHECK(lists.refreshes == 154);
-        CHECK(lists.prunes == 322);
-        CHECK(lists.sorts == 20);
-        CHECK(sim.world().table<SpherePairs>().size() == 626);
+        CHECK(lists.refreshes == 142);
+        CHECK(lists.prunes == 311);
+        CHECK(lists.sorts == 18);
+        CHECK(sim.world().table<SpherePairs>().size() == 624);
         CHECK(sim.world().table<FacetPairs>().size() == 211);
         CHECK(measure(sim.world()).contacts == 64);
     }

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 using namespace bris;
@@ -34,6 +36,16 @@ TEST_SUITE("fusion/compare_displacements") {
         for (const char* pressure : {"55kPa", "110kPa", "165kPa"}) {
             CHECK(refused_by(example_recordings(pressure), reversed, "its sign seems to be reversed") >= 7);
             CHECK(refused_by(example_recordings(pressure, 0.009), reversed, "its sign seems to be reversed") >= 4); // the upper ones
+        }
+    }
+
+    TEST_CASE("a rock whose last samples have no strain is judged by those that have") {
+        for (const std::size_t without : {1u, 5u}) {
+            auto all = example_recordings("110kPa");
+            Recording& reversed_one = all[8];
+            for (Vec3& u : reversed_one.displacement) u = -u;
+            std::fill(reversed_one.strain.end() - static_cast<std::ptrdiff_t>(without), reversed_one.strain.end(), std::nan(""));
+            for (const Recording& r : all) CHECK(has(refusals(all, r.info.id), "its sign seems to be reversed") == (r.info.id == 9));
         }
     }
 
