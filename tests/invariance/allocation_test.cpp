@@ -69,7 +69,7 @@ TEST_SUITE("invariance/allocation") {
 
     TEST_CASE("a run in which lists are made and pruned takes no more allocations than it took") {
         // a change that raises a number on purpose writes the new one here
-        for (const auto& [grains, most] : {std::pair{Grains::spheres, 5276ul}, std::pair{Grains::clumps, 13041ul}}) {
+        for (const auto& [grains, most] : {std::pair{Grains::spheres, 5276ul}, std::pair{Grains::clumps, 13118ul}}) {
             Simulation sim = start(bed({.grains = grains, .walls = Walls::facets, .bodies = 40, .seed = 5}), {.dt = 2e-5, .law = LawName::linear_viscous});
             sim.advance(500);
             const std::uint64_t before = allocations, refreshes = sim.world().resource<ListState>().refreshes;

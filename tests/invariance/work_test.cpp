@@ -28,11 +28,11 @@ TEST_SUITE("invariance/work") {
         Simulation sim = bed_at_work();
         sim.advance(8000);
         const ListState& lists = sim.world().resource<ListState>();
-        CHECK(lists.refreshes == 19);
-        CHECK(lists.prunes == 302);
-        CHECK(lists.sorts == 3);
-        CHECK(sim.world().table<SpherePairs>().size() == 3251);
-        CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() == 1124);
+        CHECK(lists.refreshes == 16);
+        CHECK(lists.prunes == 344);
+        CHECK(lists.sorts == 2);
+        CHECK(sim.world().table<SpherePairs>().size() == 1629);
+        CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() == 1095);
         CHECK(measure(sim.world()).contacts == 1064);
     }
 
