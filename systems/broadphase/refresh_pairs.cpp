@@ -113,8 +113,9 @@ void choose_skins(World& world, ListSettings& settings) {
 }
 
 /// By which a skin is to change where making its list costs a/skin and carrying it b*skin: these are equal at the least of their
-/// sum. No more at once than `most`: counts scatter from one list to the next.
-double change_of_skin(double making, double carrying, double most) {
+/// sum. Bounded, since counts scatter from one list to the next.
+double change_of_skin(double making, double carrying) {
+    constexpr double most = 1.5;
     if (!(carrying > 0)) return making > 0 ? most : 1;
     return std::clamp(std::sqrt(making / carrying), 1 / most, most);
 }
@@ -131,19 +132,18 @@ void tune_inner_skin(const World& world, ListSettings& settings, const ListState
     const auto spheres = static_cast<double>(world.table<Listed>().size());
     const double making = (8 * pairs + 10 * spheres) / steps;
     const double carrying = 3 * static_cast<double>(index.size() - std::min(touching, index.size()));
-    settings.inner_skin = std::min(settings.inner_skin * change_of_skin(making, carrying, 1.5), settings.largest_skin / 2);
+    settings.inner_skin = std::min(settings.inner_skin * change_of_skin(making, carrying), settings.largest_skin / 2);
     settings.outer_skin = std::clamp(settings.outer_skin, 2 * settings.inner_skin, settings.largest_skin);
 }
 
 /// When the candidates have served.
 void tune_outer_skin(const World& world, ListSettings& settings, const ListState& state) {
-    const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_refresh);
     const auto near = world.resource<NearIndex<SpherePairs>>().size();
     const auto prunes = static_cast<double>(state.prunes - state.prunes_at_refresh);
-    if (!settings.tune || state.refreshes == 0 || steps == 0 || near == 0 || prunes == 0) return;
+    if (!settings.tune || near == 0 || prunes == 0) return;
     const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
-    const double refreshing = 60 * pairs, pruning = 8 * (pairs - static_cast<double>(near)) * prunes; // of all candidates, once
-    settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(refreshing, pruning, 1.5), 2 * settings.inner_skin, settings.largest_skin);
+    const double refreshing = 60 * pairs, pruning = 8 * (pairs - static_cast<double>(near)) * prunes; // in the life of the candidates
+    settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(refreshing, pruning), 2 * settings.inner_skin, settings.largest_skin);
 }
 
 /// Brings SpherePlace up to date.

@@ -137,9 +137,9 @@ void compare_displacements(const std::vector<Recording>& recordings, std::vector
     if (some.size() <= fewest) return;
     const double strain = median(ends);
     std::vector<Gone> all;
-    for (const Recording* r : some)
-        if (last_strain(*r) >= 0.9 * strain) // one that stopped long before is no longer compared
-            if (const auto g = gone(*r, strain)) all.push_back(*g);
+    for (std::size_t k = 0; k < some.size(); ++k)
+        if (ends[k] >= 0.9 * strain) // one that stopped long before is no longer compared
+            if (const auto g = gone(*some[k], strain)) all.push_back(*g);
     if (all.size() <= fewest || !look_at_all(all, strain, findings)) return;
     for (std::size_t one = 0; one < all.size(); ++one) look_at_one(all, one, strain, findings);
 }
