@@ -46,7 +46,7 @@ std::uint64_t fingerprint(const Archive& archive, const std::string& prefix) {
     std::uint64_t h = 0x62726973;
     for (const auto& array : archive.arrays()) {
         if (array.path.compare(0, prefix.size(), prefix) != 0) continue;
-        h = mix(h, reinterpret_cast<const std::byte*>(array.path.data()), array.path.size());
+        h = mix(mix(h, array.scalar_size), array.columns);
         h = mix(h, array.bytes.data(), array.bytes.size());
     }
     return h;

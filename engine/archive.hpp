@@ -64,7 +64,8 @@ void get_fields(const Archive& archive, const std::string& path, const std::tupl
     std::apply([&](auto&... field) { ((field = static_cast<Fields>(numbers.at(next++))), ...); }, fields);
 }
 
-/// 64-bit hash of all arrays whose path starts with `prefix`, in their order.
+/// 64-bit hash of the shapes and values, in their order, of all arrays whose path starts with `prefix`.
+/// Names are left out, so that renaming a table or a column keeps the fingerprint.
 std::uint64_t fingerprint(const Archive& archive, const std::string& prefix = "");
 /// Sixteen hexadecimal digits of it.
 std::string hexadecimal(std::uint64_t fingerprint);

@@ -30,7 +30,7 @@ TEST_SUITE("engine/archive") {
         CHECK_THROWS_WITH_AS(archive.get<double>("x"), doctest::Contains("'x'"), InputError);
     }
 
-    TEST_CASE("any single bit, the order of numbers, and the name change the fingerprint") {
+    TEST_CASE("any single bit and the order of numbers change the fingerprint, names do not") {
         const auto print = [](const std::string& path, std::vector<double> numbers) {
             Archive archive;
             archive.put(path, std::span<const double>(numbers));
@@ -40,7 +40,7 @@ TEST_SUITE("engine/archive") {
         CHECK(print("a", {1, 2, 3}) == reference);
         CHECK(print("a", {1, 2, std::nextafter(3.0, 4.0)}) != reference);
         CHECK(print("a", {2, 1, 3}) != reference);
-        CHECK(print("b", {1, 2, 3}) != reference);
+        CHECK(print("b", {1, 2, 3}) == reference);
         CHECK(print("a", {1, 2, 3, 0}) != reference);
         CHECK(print("a", {1, 2, -3}) != reference);
         CHECK(print("a", {0}) != print("a", {-0.0}));
