@@ -9,29 +9,58 @@
 namespace bris {
 
 /// The body that a facet or plane belongs to, and where it stands now.
-struct HostId  : State<EntityId> { static constexpr auto name = "host", unit = ""; };
-struct HostRow : Derived<Row>    { static constexpr auto name = "host_row", unit = ""; };
+struct HostId : State<EntityId> {
+    static constexpr auto name = "host", unit = "";
+};
+struct HostRow : Derived<Row> {
+    static constexpr auto name = "host_row", unit = "";
+};
 
-/// How the surface of a host moves: as a rigid body about its position. A host that turns keeps its shape
-/// where it is, as a drum does: only the velocity of its surface turns.
+/// How the surface of a host moves: as a rigid body about its position. A host that turns keeps its
+/// shape where it is, as a drum does: only the velocity of its surface turns.
 struct SurfaceMotion {
     Vec3 velocity, spin, centre;
     Vec3 at(const Vec3& point) const { return velocity + spin.cross(point - centre); }
 };
 
 /// An infinite plane: grains are on the side that the normal points to.
-struct PlaneShape { Vec3 point, normal; };
-struct PlaneId     : State<EntityId>   { static constexpr auto name = "id", unit = ""; static constexpr bool is_key = true; };
-struct LocalPlane  : State<PlaneShape> { static constexpr auto name = "plane", unit = "m"; };         // relative to the host's position
-struct PlanePlaceRow { Vec3 point, normal; SurfaceMotion motion; };
-struct PlanePlace  : Derived<PlanePlaceRow> { static constexpr auto name = "place", unit = "m"; };
+struct PlaneShape {
+    Vec3 point, normal;
+};
+struct PlaneId : State<EntityId> {
+    static constexpr auto name = "id", unit = "";
+    static constexpr bool is_key = true;
+};
+struct LocalPlane : State<PlaneShape> {
+    static constexpr auto name = "plane", unit = "m";
+}; // relative to the host's position
+struct PlanePlaceRow {
+    Vec3 point, normal;
+    SurfaceMotion motion;
+};
+struct PlanePlace : Derived<PlanePlaceRow> {
+    static constexpr auto name = "place", unit = "m";
+};
 
 /// A convex plane facet of four corners, counter-clockwise seen from the grains; a triangle repeats
 /// its last corner.
-struct FacetShape { std::array<Vec3, 4> corners; };
-struct FacetId     : State<EntityId>   { static constexpr auto name = "id", unit = ""; static constexpr bool is_key = true; };
-struct LocalFacet  : State<FacetShape> { static constexpr auto name = "facet", unit = "m"; };      // relative to the host's position
-struct FacetPlaceRow { std::array<Vec3, 4> corners; Vec3 normal; SurfaceMotion motion; };
-struct FacetPlace  : Derived<FacetPlaceRow> { static constexpr auto name = "place", unit = "m"; };
+struct FacetShape {
+    std::array<Vec3, 4> corners;
+};
+struct FacetId : State<EntityId> {
+    static constexpr auto name = "id", unit = "";
+    static constexpr bool is_key = true;
+};
+struct LocalFacet : State<FacetShape> {
+    static constexpr auto name = "facet", unit = "m";
+}; // relative to the host's position
+struct FacetPlaceRow {
+    std::array<Vec3, 4> corners;
+    Vec3 normal;
+    SurfaceMotion motion;
+};
+struct FacetPlace : Derived<FacetPlaceRow> {
+    static constexpr auto name = "place", unit = "m";
+};
 
 } // namespace bris

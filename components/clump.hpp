@@ -13,9 +13,9 @@ struct Ball {
     double radius;
 };
 
-/// A rigid rock made of overlapping spheres. Volume and inertia are those of the union. The frame is
-/// the principal one with its origin in the centre of mass of the union. The clumps of the library
-/// are stored at sieve size 1 m, so `scaled(clump, s)` is a rock of sieve size s.
+/// A rigid rock made of overlapping spheres. Volume and inertia are those of the union. The frame
+/// is the principal one with its origin in the centre of mass of the union. The clumps of the
+/// library are stored at sieve size 1 m, so `scaled(clump, s)` is a rock of sieve size s.
 struct Clump {
     std::string name;
     std::vector<Ball> balls;

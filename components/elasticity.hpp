@@ -12,7 +12,9 @@
 namespace bris {
 
 /// Tangent stiffnesses of one contact, N/m, and the energy of its normal spring, J.
-struct Elasticity { double normal, shear, energy; };
+struct Elasticity {
+    double normal, shear, energy;
+};
 
 /// `radius`: m, effective radius R*, read by Hertz only.
 inline Elasticity elasticity(const LawRow& k, bool hertz, double overlap, double radius) {
@@ -21,11 +23,15 @@ inline Elasticity elasticity(const LawRow& k, bool hertz, double overlap, double
     return {normal, 2 * k.ks * a, 4.0 / 15 * normal * overlap * overlap};
 }
 
-/// Effective radius of a near pair: 1 / (1/r + 1/r) of two spheres, r of a sphere against a boundary.
-template <class Pairs> double effective_radius(const NearEntry& near, std::span<const PlaceRow> place) {
+/// Effective radius of a near pair: 1 / (1/r + 1/r) of two spheres, r of a sphere against a
+/// boundary.
+template <class Pairs>
+double effective_radius(const NearEntry& near, std::span<const PlaceRow> place) {
     const double a = place[near.owner].radius;
-    if constexpr (!std::is_same_v<Pairs, SpherePairs>) return a;
-    else return a * place[near.other].radius / (a + place[near.other].radius);
+    if constexpr (!std::is_same_v<Pairs, SpherePairs>)
+        return a;
+    else
+        return a * place[near.other].radius / (a + place[near.other].radius);
 }
 
 } // namespace bris

@@ -10,7 +10,9 @@ namespace {
 
 double series(double a, double b) { return a + b > 0 ? a * b / (a + b) : 0; }
 
-double plane_modulus(const Material& m) { return m.young_modulus / (1 - m.poisson_ratio * m.poisson_ratio); }
+double plane_modulus(const Material& m) {
+    return m.young_modulus / (1 - m.poisson_ratio * m.poisson_ratio);
+}
 double shear_compliance_modulus(const Material& m) { // G / (2 - nu)
     return m.young_modulus / (2 * (1 + m.poisson_ratio) * (2 - m.poisson_ratio));
 }
@@ -24,11 +26,13 @@ void apply(const PairProperties& from, double& friction, double& restitution, Ro
 }
 
 auto fields(auto& m) {
-    return std::tie(m.density, m.normal_stiffness, m.shear_stiffness, m.friction, m.normal_damping, m.shear_damping, m.restitution,
-                    m.young_modulus, m.poisson_ratio, m.rolling_friction, m.twisting_friction);
+    return std::tie(m.density, m.normal_stiffness, m.shear_stiffness, m.friction, m.normal_damping,
+                    m.shear_damping, m.restitution, m.young_modulus, m.poisson_ratio,
+                    m.rolling_friction, m.twisting_friction);
 }
 auto fields_of_policy(auto& p) {
-    return std::tie(p.tension, p.shear_history, p.patch, p.shear_dashpot, p.rolling_stiffness_ratio, p.rolling_damping_ratio);
+    return std::tie(p.tension, p.shear_history, p.patch, p.shear_dashpot, p.rolling_stiffness_ratio,
+                    p.rolling_damping_ratio);
 }
 std::string path_of(std::size_t material) { return "materials/" + std::to_string(material); }
 
@@ -41,7 +45,9 @@ std::uint32_t Materials::add(const Material& material) {
 }
 
 void Materials::set_pair(std::uint32_t a, std::uint32_t b, const PairProperties& properties) {
-    std::erase_if(overrides_, [&](const Override& o) { return (o.a == a && o.b == b) || (o.a == b && o.b == a); });
+    std::erase_if(overrides_, [&](const Override& o) {
+        return (o.a == a && o.b == b) || (o.a == b && o.b == a);
+    });
     overrides_.push_back({a, b, properties});
     mix();
 }
@@ -54,22 +60,33 @@ void Materials::mix() {
     for (std::uint32_t i = 0; i < list.size(); ++i)
         for (std::uint32_t j = 0; j < list.size(); ++j) {
             const Material &a = list[i], &b = list[j];
-            double friction = std::min(a.friction, b.friction), rebound = std::sqrt(a.restitution * b.restitution);
-            RollingRow rolling{std::min(a.rolling_friction, b.rolling_friction), std::min(a.twisting_friction, b.twisting_friction),
+            double friction = std::min(a.friction, b.friction),
+                   rebound = std::sqrt(a.restitution * b.restitution);
+            RollingRow rolling{std::min(a.rolling_friction, b.rolling_friction),
+                               std::min(a.twisting_friction, b.twisting_friction),
                                policy.rolling_stiffness_ratio, policy.rolling_damping_ratio};
             for (const Override& o : overrides_)
-                if ((o.a == i && o.b == j) || (o.a == j && o.b == i)) apply(o.properties, friction, rebound, rolling);
-            const double ratio = 2 * damping_ratio(rebound, policy.tension), shear = policy.shear_dashpot ? ratio : 0;
+                if ((o.a == i && o.b == j) || (o.a == j && o.b == i))
+                    apply(o.properties, friction, rebound, rolling);
+            const double ratio = 2 * damping_ratio(rebound, policy.tension),
+                         shear = policy.shear_dashpot ? ratio : 0;
             const double hertz = std::sqrt(5.0 / 6); // Tsuji, Tanaka and Ishida (1992)
-            LawRow linear{series(a.normal_stiffness, b.normal_stiffness), series(a.shear_stiffness, b.shear_stiffness), friction,
-                                0.5 * (a.normal_damping + b.normal_damping), 0.5 * (a.shear_damping + b.shear_damping), ratio, 0, 0};
+            LawRow linear{series(a.normal_stiffness, b.normal_stiffness),
+                          series(a.shear_stiffness, b.shear_stiffness),
+                          friction,
+                          0.5 * (a.normal_damping + b.normal_damping),
+                          0.5 * (a.shear_damping + b.shear_damping),
+                          ratio,
+                          0,
+                          0};
             LawRow curved = linear;
             curved.kn = series(plane_modulus(a), plane_modulus(b));
             curved.ks = 4 * series(shear_compliance_modulus(a), shear_compliance_modulus(b));
             curved.normal_ratio = hertz * ratio;
             // kernels take one root, that of the normal stiffness
             linear.shear_ratio = linear.kn > 0 ? shear * std::sqrt(linear.ks / linear.kn) : 0;
-            curved.shear_ratio = curved.kn > 0 ? hertz * shear * std::sqrt(curved.ks / curved.kn) : 0;
+            curved.shear_ratio =
+                curved.kn > 0 ? hertz * shear * std::sqrt(curved.ks / curved.kn) : 0;
             linear_pairs.push_back(linear);
             hertz_pairs.push_back(curved);
             rolling_pairs.push_back(rolling);
@@ -80,10 +97,12 @@ void Materials::mix() {
 void Materials::save(Archive& archive) const {
     for (std::size_t i = 0; i < list.size(); ++i) put_fields(archive, path_of(i), fields(list[i]));
     put_fields(archive, "materials/policy", fields_of_policy(policy));
-    std::vector<double> numbers; // of each pair of its own: a, b, then whether set and what, four times
+    std::vector<double>
+        numbers; // of each pair of its own: a, b, then whether set and what, four times
     for (const Override& o : overrides_) {
         numbers.insert(numbers.end(), {static_cast<double>(o.a), static_cast<double>(o.b)});
-        for (const auto& p : {o.properties.friction, o.properties.restitution, o.properties.rolling_friction, o.properties.twisting_friction})
+        for (const auto& p : {o.properties.friction, o.properties.restitution,
+                              o.properties.rolling_friction, o.properties.twisting_friction})
             numbers.insert(numbers.end(), {p ? 1.0 : 0.0, p.value_or(0)});
     }
     archive.put("materials/overrides", std::span<const double>(numbers));
@@ -98,7 +117,8 @@ void Materials::load(const Archive& archive) {
         const auto value = [&](std::size_t i) {
             return numbers[k + 2 * i] != 0 ? std::optional(numbers[k + 2 * i + 1]) : std::nullopt;
         };
-        overrides_.push_back({static_cast<std::uint32_t>(numbers[k]), static_cast<std::uint32_t>(numbers[k + 1]),
+        overrides_.push_back({static_cast<std::uint32_t>(numbers[k]),
+                              static_cast<std::uint32_t>(numbers[k + 1]),
                               {value(1), value(2), value(3), value(4)}});
     }
     mix();

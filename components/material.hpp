@@ -1,7 +1,7 @@
 #pragma once
 
-#include "engine/math.hpp"
 #include "engine/archive.hpp"
+#include "engine/math.hpp"
 
 #include <cstdint>
 #include <optional>
@@ -18,36 +18,45 @@ struct Material {
     double normal_stiffness = 0; ///< N/m, > 0: linear laws; two partners act in series
     double shear_stiffness = 0;  ///< N/m, >= 0: linear laws
     double friction = 0;         ///< Coulomb coefficient, >= 0; a pair has the lower one
-    double normal_damping = 0;   ///< 1/s times the reduced mass, >= 0, besides that of restitution; a pair has the mean
-    double shear_damping = 0;    ///< 1/s times the reduced mass, >= 0, likewise
-    double restitution = 1;      ///< of a normal impact, in [0, 1], 0 excluded where calibrated; a pair has the geometric mean
-    double young_modulus = 0;    ///< Pa, > 0: Hertz
-    double poisson_ratio = 0;    ///< in (-1, 0.5]: Hertz, Mindlin
-    double rolling_friction = 0; ///< torque limit over radius and normal force, >= 0; a pair has the lower one
-    double twisting_friction = 0;///< likewise, about the normal
+    double normal_damping =
+        0; ///< 1/s times the reduced mass, >= 0, besides that of restitution; a pair has the mean
+    double shear_damping = 0; ///< 1/s times the reduced mass, >= 0, likewise
+    double restitution = 1; ///< of a normal impact, in [0, 1], 0 excluded where calibrated; a pair
+                            ///< has the geometric mean
+    double young_modulus = 0; ///< Pa, > 0: Hertz
+    double poisson_ratio = 0; ///< in (-1, 0.5]: Hertz, Mindlin
+    double rolling_friction =
+        0; ///< torque limit over radius and normal force, >= 0; a pair has the lower one
+    double twisting_friction = 0; ///< likewise, about the normal
 };
 
 /// What replaces the mixing rules for one pair of materials.
 struct PairProperties {
-    std::optional<double> friction = {}, restitution = {}, rolling_friction = {}, twisting_friction = {};
+    std::optional<double> friction = {}, restitution = {}, rolling_friction = {},
+                          twisting_friction = {};
 };
 
 /// The named laws, a closed list: systems/contact/laws/*.hpp has the pieces.
 enum class LawName : std::uint32_t {
-    linear_frictionless,  ///< linear normal spring alone
-    linear,               ///< linear springs, Coulomb friction with history
-    linear_viscous,       ///< the same with dashpots
-    linear_rolling,       ///< the same with resistance to rolling and twisting
-    hertz_frictionless,   ///< Hertz's normal force alone
-    hertz_mindlin,        ///< Hertz, Mindlin's tangential spring, Coulomb friction
-    hertz_mindlin_viscous,///< the same with dashpots
-    hertz_mindlin_rolling ///< the same with resistance to rolling and twisting
+    linear_frictionless,   ///< linear normal spring alone
+    linear,                ///< linear springs, Coulomb friction with history
+    linear_viscous,        ///< the same with dashpots
+    linear_rolling,        ///< the same with resistance to rolling and twisting
+    hertz_frictionless,    ///< Hertz's normal force alone
+    hertz_mindlin,         ///< Hertz, Mindlin's tangential spring, Coulomb friction
+    hertz_mindlin_viscous, ///< the same with dashpots
+    hertz_mindlin_rolling  ///< the same with resistance to rolling and twisting
 };
 constexpr bool is_hertz(LawName law) { return law >= LawName::hertz_frictionless; }
-constexpr bool has_springs(LawName law) { return law != LawName::linear_frictionless && law != LawName::hertz_frictionless; }
-constexpr bool has_rolling(LawName law) { return law == LawName::linear_rolling || law == LawName::hertz_mindlin_rolling; }
+constexpr bool has_springs(LawName law) {
+    return law != LawName::linear_frictionless && law != LawName::hertz_frictionless;
+}
+constexpr bool has_rolling(LawName law) {
+    return law == LawName::linear_rolling || law == LawName::hertz_mindlin_rolling;
+}
 constexpr bool has_dashpots(LawName law) {
-    return law == LawName::linear_viscous || law == LawName::hertz_mindlin_viscous || has_rolling(law);
+    return law == LawName::linear_viscous || law == LawName::hertz_mindlin_viscous ||
+           has_rolling(law);
 }
 
 /// The law of a scene's contacts; set when its lists are added.
@@ -58,14 +67,16 @@ struct ContactLaw {
 
 /// Whether a dashpot may pull at the end of a contact, and what that does to restitution.
 enum class Tension : std::uint32_t {
-    allowed,   ///< it may: restitution is exactly the one asked for
-    cut,       ///< the normal force ends at zero, with the same dashpot: restitution is higher than asked for
+    allowed, ///< it may: restitution is exactly the one asked for
+    cut, ///< the normal force ends at zero, with the same dashpot: restitution is higher than asked
+         ///< for
     calibrated ///< the normal force ends at zero, with a stronger dashpot: restitution as asked for
 };
 
 /// How the tangential spring of Mindlin follows a stiffness that changes with the normal force.
 enum class ShearHistory : std::uint32_t {
-    rescaled,    ///< its force shrinks with the stiffness, and does not grow with it: never gives energy
+    rescaled,    ///< its force shrinks with the stiffness, and does not grow with it: never gives
+                 ///< energy
     incremental, ///< its force changes by stiffness times displacement only
     total        ///< its force is stiffness times stretch
 };
@@ -73,7 +84,8 @@ enum class ShearHistory : std::uint32_t {
 /// What the spheres of one clump that touch the same partner, a patch, oppose to it.
 enum class PatchStiffness : std::uint32_t {
     per_sphere, ///< each its whole stiffness: a patch is the stiffer, the more spheres it has
-    shared      ///< each its share by overlap of one stiffness: the same however many spheres stand for the surface
+    shared ///< each its share by overlap of one stiffness: the same however many spheres stand for
+           ///< the surface
 };
 
 /// Choices that all contacts of a scene share.
@@ -81,20 +93,26 @@ struct ContactPolicy {
     Tension tension = Tension::allowed;
     ShearHistory shear_history = ShearHistory::rescaled;
     PatchStiffness patch = PatchStiffness::per_sphere; ///< spheres against spheres and planes
-    bool shear_dashpot = false;            ///< restitution damps the tangential spring too, by the same ratio of critical
-    double rolling_stiffness_ratio = 1;    ///< rolling spring over tangential spring (both at the surface), > 0
-    double rolling_damping_ratio = 0;      ///< of critical, while the rolling spring sticks, >= 0
+    bool shear_dashpot =
+        false; ///< restitution damps the tangential spring too, by the same ratio of critical
+    double rolling_stiffness_ratio =
+        1; ///< rolling spring over tangential spring (both at the surface), > 0
+    double rolling_damping_ratio = 0; ///< of critical, while the rolling spring sticks, >= 0
 };
 
-/// Coefficients of one pair of materials, as the contact kernels read them. Linear laws: kn, ks are N/m.
-/// Hertz: kn is E*, ks is 4 G* (Pa), so that the tangent stiffnesses are 2 kn a and 2 ks a at contact radius a.
+/// Coefficients of one pair of materials, as the contact kernels read them. Linear laws: kn, ks are
+/// N/m. Hertz: kn is E*, ks is 4 G* (Pa), so that the tangent stiffnesses are 2 kn a and 2 ks a at
+/// contact radius a.
 struct alignas(64) LawRow {
     double kn, ks, friction;
     double normal_rate, shear_rate;   ///< 1/s, times reduced mass
-    double normal_ratio, shear_ratio; ///< times the root of normal tangent stiffness and reduced mass; no shear without normal
+    double normal_ratio, shear_ratio; ///< times the root of normal tangent stiffness and reduced
+                                      ///< mass; no shear without normal
     double unused;
 };
-struct alignas(32) RollingRow { double rolling_friction, twisting_friction, stiffness_ratio, damping_ratio; };
+struct alignas(32) RollingRow {
+    double rolling_friction, twisting_friction, stiffness_ratio, damping_ratio;
+};
 
 /// The materials of a scene and the table of their pairs. Coefficients may
 /// change between phases, so they are State.
@@ -107,13 +125,15 @@ struct Materials {
     std::vector<LawRow> linear_pairs; ///< list.size() squared
     std::vector<LawRow> hertz_pairs;  ///< likewise
     std::vector<RollingRow> rolling_pairs;
-    std::vector<double> restitution;  ///< of each pair, as mixed
+    std::vector<double> restitution; ///< of each pair, as mixed
 
     std::uint32_t add(const Material& material);
     std::uint32_t pair(std::uint32_t a, std::uint32_t b) const {
         return a * static_cast<std::uint32_t>(list.size()) + b;
     }
-    const std::vector<LawRow>& pairs(LawName law) const { return is_hertz(law) ? hertz_pairs : linear_pairs; }
+    const std::vector<LawRow>& pairs(LawName law) const {
+        return is_hertz(law) ? hertz_pairs : linear_pairs;
+    }
     /// Sets properties of one pair, in both orders; what was set for it before is gone.
     void set_pair(std::uint32_t a, std::uint32_t b, const PairProperties& properties);
     /// Recomputes the tables of pairs; after any change of `list` or `policy`.
@@ -122,18 +142,22 @@ struct Materials {
     void load(const Archive& archive);
 
 private:
-    struct Override { std::uint32_t a, b; PairProperties properties; };
+    struct Override {
+        std::uint32_t a, b;
+        PairProperties properties;
+    };
     std::vector<Override> overrides_;
 };
 
-/// Ratio of critical damping that gives a restitution in (0, 1]: -ln e / sqrt(pi^2 + ln^2 e), the same for linear and
-/// Hertz contacts (Tsuji, Tanaka and Ishida 1992); 1 for 0. Tension::calibrated solves restitution_of for it: any
-/// restitution above 0, by 1/(2 sqrt e) where it is small, with which contacts last as much longer and the stable step
-/// is as much shorter (1e-2: a tenth of the undamped one, 1e-4: a hundredth); 0 by no dashpot: infinite.
+/// Ratio of critical damping that gives a restitution in (0, 1]: -ln e / sqrt(pi^2 + ln^2 e), the
+/// same for linear and Hertz contacts (Tsuji, Tanaka and Ishida 1992); 1 for 0. Tension::calibrated
+/// solves restitution_of for it: any restitution above 0, by 1/(2 sqrt e) where it is small, with
+/// which contacts last as much longer and the stable step is as much shorter (1e-2: a tenth of the
+/// undamped one, 1e-4: a hundredth); 0 by no dashpot: infinite.
 double damping_ratio(double restitution, Tension tension);
 
-/// Restitution of a contact damped by a ratio of critical: exp(-pi b / sqrt(1 - b^2)) if the force may pull, or
-/// the closed form of Schwager and Poeschel (2007) for a force that ends at zero.
+/// Restitution of a contact damped by a ratio of critical: exp(-pi b / sqrt(1 - b^2)) if the force
+/// may pull, or the closed form of Schwager and Poeschel (2007) for a force that ends at zero.
 double restitution_of(double damping_ratio, Tension tension);
 
 } // namespace bris

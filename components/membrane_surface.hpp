@@ -11,26 +11,33 @@
 namespace bris {
 
 /// The point of a band nearest to a centre, for one (double) or lane_count of them (Lane).
-template <class Number> struct NearestOnBand {
+template <class Number>
+struct NearestOnBand {
     Number distance;      ///< m, from the surface to the centre; negative behind it
     Number radial, axial; ///< unit normal towards the grains
-    Number strip, share;  ///< on the strip from ring `here` + strip to the next, -1 to 1, that part of the way
+    Number strip,
+        share; ///< on the strip from ring `here` + strip to the next, -1 to 1, that part of the way
 };
 
-/// Searches the strips between four rings one above the other, of the radii `radius`, for a centre at
-/// `out` (m, along the sector's outward direction), `up` above the middle of the second, ring `here`.
+/// Searches the strips between four rings one above the other, of the radii `radius`, for a centre
+/// at `out` (m, along the sector's outward direction), `up` above the middle of the second, ring
+/// `here`.
 template <class Number>
-NearestOnBand<Number> nearest_on_band(Number out, Number up, const std::array<Number, 4>& radius, double ring_height) {
+NearestOnBand<Number> nearest_on_band(Number out, Number up, const std::array<Number, 4>& radius,
+                                      double ring_height) {
     using bris::sqrt, std::sqrt;
     const Number none{}, one = none + 1.0;
     Number best = none + std::numeric_limits<double>::infinity(), foot_out = none, foot_up = none;
     NearestOnBand<Number> n{};
     for (int k = 0; k < 3; ++k) {
         const auto i = static_cast<std::size_t>(k);
-        const Number from = radius[i], slope = radius[i + 1] - from, above = up - (k - 1) * ring_height;
-        const Number along = ((out - from) * slope + above * ring_height) / (slope * slope + ring_height * ring_height);
+        const Number from = radius[i], slope = radius[i + 1] - from,
+                     above = up - (k - 1) * ring_height;
+        const Number along = ((out - from) * slope + above * ring_height) /
+                             (slope * slope + ring_height * ring_height);
         const Number low = along > none ? along : none, share = low < one ? low : one;
-        const Number a = out - from - share * slope, b = above - share * ring_height, squared = a * a + b * b;
+        const Number a = out - from - share * slope, b = above - share * ring_height,
+                     squared = a * a + b * b;
         const auto nearer = squared < best;
         best = nearer ? squared : best;
         foot_out = nearer ? a : foot_out;
@@ -40,7 +47,8 @@ NearestOnBand<Number> nearest_on_band(Number out, Number up, const std::array<Nu
     }
     const Number distance = sqrt(best), t = up * (1 / ring_height);
     const auto inside = out < (one - t) * radius[1] + t * radius[2];
-    const Number side = inside ? one : -one, inverse = side / (distance > 1e-300 ? distance : none + 1e-300);
+    const Number side = inside ? one : -one,
+                 inverse = side / (distance > 1e-300 ? distance : none + 1e-300);
     n.distance = side * distance;
     n.radial = foot_out * inverse;
     n.axial = foot_up * inverse;
@@ -48,22 +56,23 @@ NearestOnBand<Number> nearest_on_band(Number out, Number up, const std::array<Nu
 }
 
 /// The inner surface of a membrane. In each sector it is a band of plane strips, from the middle of
-/// one ring to the middle of the next, upright below the first and above the last: rings of different
-/// radii share a slope, never a step. The bands of all sectors together close the surface at any
-/// radii, since each is taken without ends around the axis. A contact is at the nearest point of the
-/// band, so the force follows from one potential, and the energy that grains gain on a slope is work
-/// of the elements.
+/// one ring to the middle of the next, upright below the first and above the last: rings of
+/// different radii share a slope, never a step. The bands of all sectors together close the surface
+/// at any radii, since each is taken without ends around the axis. A contact is at the nearest
+/// point of the band, so the force follows from one potential, and the energy that grains gain on a
+/// slope is work of the elements.
 struct MembraneSurface {
     const Vec3* outward;  ///< by sector
     const double* radius; ///< by element
     int rings, sectors;
     double ring_height;
-    double cosine, sine;  ///< of the angle from a sector to the next
+    double cosine, sine; ///< of the angle from a sector to the next
 
     MembraneSurface(const Membrane& membrane, const double* element_radius)
-        : outward(membrane.outward.data()), radius(element_radius), rings(static_cast<int>(membrane.rings)),
-          sectors(static_cast<int>(membrane.sectors)), ring_height(membrane.ring_height),
-          cosine(outward[0].dot(outward[1])), sine(outward[0].x() * outward[1].y() - outward[0].y() * outward[1].x()) {}
+        : outward(membrane.outward.data()), radius(element_radius),
+          rings(static_cast<int>(membrane.rings)), sectors(static_cast<int>(membrane.sectors)),
+          ring_height(membrane.ring_height), cosine(outward[0].dot(outward[1])),
+          sine(outward[0].x() * outward[1].y() - outward[0].y() * outward[1].x()) {}
 
     /// The ring whose middle is at or below height z; -1 and less below the first.
     int ring_below(double z) const { return static_cast<int>(std::floor(z / ring_height - 0.5)); }
@@ -78,7 +87,8 @@ struct MembraneSurface {
     double radius_between(int ring, double share, int sector) const {
         return (1 - share) * radius_at(ring, sector) + share * radius_at(ring + 1, sector);
     }
-    /// Width (m) of a sector there, between the planes of the sectors beside it; negative if they hide it.
+    /// Width (m) of a sector there, between the planes of the sectors beside it; negative if they
+    /// hide it.
     double exposed_width(int ring, double share, int sector) const {
         const double before = radius_between(ring, share, sector > 0 ? sector - 1 : sectors - 1),
                      after = radius_between(ring, share, sector + 1 < sectors ? sector + 1 : 0);
@@ -95,14 +105,19 @@ struct MembraneSurface {
     /// nearer than a ring's height.
     Nearest nearest(int sector, double out, double z) const {
         const int here = ring_below(z);
-        const auto n = nearest_on_band<double>(out, z - middle(here), radii_around(here, sector), ring_height);
-        return {n.distance, n.radial, n.axial, foot(here + static_cast<int>(n.strip), sector, n.share)};
+        const auto n =
+            nearest_on_band<double>(out, z - middle(here), radii_around(here, sector), ring_height);
+        return {n.distance, n.radial, n.axial,
+                foot(here + static_cast<int>(n.strip), sector, n.share)};
     }
     /// On the strip from a ring to the next, `share` of the way.
-    Foot foot(int ring, int sector, double share) const { return {share, element(ring, sector), element(ring + 1, sector)}; }
+    Foot foot(int ring, int sector, double share) const {
+        return {share, element(ring, sector), element(ring + 1, sector)};
+    }
     /// Of the ring below, ring `here` and the two rings above it.
     std::array<double, 4> radii_around(int here, int sector) const {
-        return {radius_at(here - 1, sector), radius_at(here, sector), radius_at(here + 1, sector), radius_at(here + 2, sector)};
+        return {radius_at(here - 1, sector), radius_at(here, sector), radius_at(here + 1, sector),
+                radius_at(here + 2, sector)};
     }
     /// No point of the band within a ring's height of z is nearer to the axis.
     double least_radius(int sector, double z) const {

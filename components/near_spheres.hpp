@@ -5,9 +5,10 @@
 
 namespace bris {
 
-/// Bit q is set where spheres own(q) and other(q), rows of places, are less than `skin` (m) apart; for
-/// q < lane_count.
-template <class Own, class Other> unsigned near_lanes(Own&& own, Other&& other, double skin) {
+/// Bit q is set where spheres own(q) and other(q), rows of places, are less than `skin` (m) apart;
+/// for q < lane_count.
+template <class Own, class Other>
+unsigned near_lanes(Own&& own, Other&& other, double skin) {
     const Lane sign = in_each_row(Quad{-1, -1, -1, 1}), reach = in_each_row(Quad{0, 0, 0, skin});
     const auto a = load_rows([&](int q) { return &own(q).x; });
     const auto b = load_rows([&](int q) { return &other(q).x; });

@@ -24,8 +24,9 @@ struct Platen {
     double stiffness = 0;         ///< N/m, the largest that it has touched: sets its inertia
 
     static auto fields(auto& self) {
-        return std::tie(self.controlled, self.speed, self.target_pressure, self.largest_step, self.pressure, self.damping, self.contact_stiffness,
-                        self.stiffness, self.aim.from, self.aim.to, self.aim.left);
+        return std::tie(self.controlled, self.speed, self.target_pressure, self.largest_step,
+                        self.pressure, self.damping, self.contact_stiffness, self.stiffness,
+                        self.aim.from, self.aim.to, self.aim.left);
     }
     void save(Archive& archive) const { put_fields(archive, "platen/settings", fields(*this)); }
     void load(const Archive& archive) { get_fields(archive, "platen/settings", fields(*this)); }

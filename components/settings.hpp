@@ -40,32 +40,34 @@ struct LocalDamping {
 /// How the pair lists are kept. No choice here can change a bit of the result.
 struct ListSettings {
     static constexpr auto name = "list_settings";
-    double outer_skin = 0;            ///< m, > inner_skin; 0: chosen from the radii at the first refresh
-    double inner_skin = 0;            ///< m, > 0; 0: likewise
-    double largest_skin = 0;          ///< m, of tuned skins; chosen likewise
-    double widest_ratio = 3;          ///< of radii in a grid of the search for pairs; rocks of one grading stay in one
-    unsigned sort_every = 8;          ///< refreshes between re-orderings of rows; 0: never
-    bool tune = true;                 ///< skins follow the counts of work
+    double outer_skin = 0;   ///< m, > inner_skin; 0: chosen from the radii at the first refresh
+    double inner_skin = 0;   ///< m, > 0; 0: likewise
+    double largest_skin = 0; ///< m, of tuned skins; chosen likewise
+    double widest_ratio =
+        3; ///< of radii in a grid of the search for pairs; rocks of one grading stay in one
+    unsigned sort_every = 8; ///< refreshes between re-orderings of rows; 0: never
+    bool tune = true;        ///< skins follow the counts of work
 };
 
 /// Counts of work, and what decides when lists are made anew.
 struct ListState {
     static constexpr auto name = "list_state";
-    bool stale = true; ///< entities or State have changed by hand
+    bool stale = true;   ///< entities or State have changed by hand
     bool unseen = false; ///< velocities have: contacts have yet to see them
     std::uint64_t refreshes = 0, prunes = 0, sorts = 0;
     std::uint64_t last_refresh = 0, last_prune = 0; ///< steps
     std::uint64_t prunes_at_refresh = 0;
-    double candidate_skin = 0;                      ///< m, within which the candidates are complete
+    double candidate_skin = 0; ///< m, within which the candidates are complete
 };
 
 /// What the guard stops at.
 struct Limits {
     static constexpr auto name = "limits";
     static constexpr bool is_state = true;
-    double overlap = 0.25;  ///< of the mean radius of the partners
-    double speed = 1e3;     ///< m/s
-    Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity()); ///< m, no free body may leave this box
+    double overlap = 0.25; ///< of the mean radius of the partners
+    double speed = 1e3;    ///< m/s
+    Vec3 low = Vec3::Constant(
+        -std::numeric_limits<double>::infinity()); ///< m, no free body may leave this box
     Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
 
     void save(Archive& archive) const { put_fields(archive, "limits", std::tie(overlap, speed)); }

@@ -38,7 +38,8 @@ const Archive::Array* Archive::find(const std::string& path) const {
 const Archive::Array& Archive::checked(const std::string& path, std::size_t scalar_size) const {
     const Array* array = find(path);
     require(array != nullptr, "checkpoint: expected '" + path + "', found nothing of that name");
-    require(array->scalar_size == scalar_size, "checkpoint: '" + path + "' has values of another size");
+    require(array->scalar_size == scalar_size,
+            "checkpoint: '" + path + "' has values of another size");
     return *array;
 }
 

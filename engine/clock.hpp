@@ -11,10 +11,10 @@ struct Clock {
     static constexpr auto name = "clock";
     static constexpr bool is_state = true;
 
-    std::uint64_t step = 0;        ///< since the start of the run
-    std::uint64_t block_step = 0;  ///< step at which the block began
-    double block_time = 0;         ///< s
-    double dt = 0;                 ///< s
+    std::uint64_t step = 0;       ///< since the start of the run
+    std::uint64_t block_step = 0; ///< step at which the block began
+    double block_time = 0;        ///< s
+    double dt = 0;                ///< s
 
     double time() const { return block_time + static_cast<double>(step - block_step) * dt; }
     /// Begins a block of steps of another length.

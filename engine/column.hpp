@@ -11,8 +11,8 @@
 
 namespace bris {
 
-/// Whether both are the same type. All of BRIS is one binary, in which a type has one name at one address;
-/// std's == would compare the texts of those that differ.
+/// Whether both are the same type. All of BRIS is one binary, in which a type has one name at one
+/// address; std's == would compare the texts of those that differ.
 inline bool same_type(std::type_index a, std::type_index b) { return a.name() == b.name(); }
 
 /// One component of every row of a table: plain bytes, 64-byte aligned, zero on growth. Values are
@@ -44,9 +44,15 @@ public:
     /// Row r becomes what row `new_to_old[r]` was.
     void permute(std::span<const Row> new_to_old);
 
-    template <Component C> static Type type_of() {
-        Type type{typeid(C),      C::name, C::unit, C::is_state, C::scalar,
-                  C::scalar_size, sizeof(typename C::Value)};
+    template <Component C>
+    static Type type_of() {
+        Type type{typeid(C),
+                  C::name,
+                  C::unit,
+                  C::is_state,
+                  C::scalar,
+                  C::scalar_size,
+                  sizeof(typename C::Value)};
         if constexpr (requires { C::is_key; }) type.is_key = C::is_key;
         if constexpr (requires { &C::keep; })
             type.keep = [](const std::byte* value) {

@@ -12,7 +12,8 @@ enum class Scalar : std::uint8_t { real, integer };
 
 /// Saved in checkpoints and hashed: a run can be continued from its State alone. The value is plain
 /// data made of numbers of one type, `Number`.
-template <class T, class Number = std::conditional_t<std::is_arithmetic_v<T>, T, double>> struct State {
+template <class T, class Number = std::conditional_t<std::is_arithmetic_v<T>, T, double>>
+struct State {
     using Value = T;
     static constexpr bool is_state = true;
     static constexpr Scalar scalar = std::is_integral_v<Number> ? Scalar::integer : Scalar::real;
@@ -20,7 +21,8 @@ template <class T, class Number = std::conditional_t<std::is_arithmetic_v<T>, T,
 };
 
 /// Recomputed from State; never saved.
-template <class T> struct Derived {
+template <class T>
+struct Derived {
     using Value = T;
     static constexpr bool is_state = false;
     static constexpr Scalar scalar = Scalar::real;

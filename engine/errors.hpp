@@ -7,9 +7,16 @@
 namespace bris {
 
 /// What a process returns to its shell.
-enum class ExitCode : int { done = 0, bad_input = 2, stopped_by_guard = 3, io_failure = 4, interrupted = 130 };
+enum class ExitCode : int {
+    done = 0,
+    bad_input = 2,
+    stopped_by_guard = 3,
+    io_failure = 4,
+    interrupted = 130
+};
 
-/// Bad option, asset or recording. The message is one line: "file:line: what: expected ..., found ...".
+/// Bad option, asset or recording. The message is one line: "file:line: what: expected ..., found
+/// ...".
 struct InputError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };

@@ -10,21 +10,38 @@
 namespace bris {
 
 // Vectors, quaternions and rotations of lane_count bodies at a time, and the columns that they
-// stand in. Every lane goes through the same operations, so a body's bits do not depend on its lane.
+// stand in. Every lane goes through the same operations, so a body's bits do not depend on its
+// lane.
 
-struct Vec3Lanes { Lane x, y, z; };
-struct QuatLanes { Lane x, y, z, w; };
+struct Vec3Lanes {
+    Lane x, y, z;
+};
+struct QuatLanes {
+    Lane x, y, z, w;
+};
 /// The three axes of a body in the world frame: columns of its rotation matrix.
-struct AxesLanes { Vec3Lanes x, y, z; };
+struct AxesLanes {
+    Vec3Lanes x, y, z;
+};
 
-inline Vec3Lanes operator+(const Vec3Lanes& a, const Vec3Lanes& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
-inline Vec3Lanes operator-(const Vec3Lanes& a, const Vec3Lanes& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-inline Vec3Lanes operator*(const Lane& s, const Vec3Lanes& a) { return {s * a.x, s * a.y, s * a.z}; }
+inline Vec3Lanes operator+(const Vec3Lanes& a, const Vec3Lanes& b) {
+    return {a.x + b.x, a.y + b.y, a.z + b.z};
+}
+inline Vec3Lanes operator-(const Vec3Lanes& a, const Vec3Lanes& b) {
+    return {a.x - b.x, a.y - b.y, a.z - b.z};
+}
+inline Vec3Lanes operator*(const Lane& s, const Vec3Lanes& a) {
+    return {s * a.x, s * a.y, s * a.z};
+}
 inline Vec3Lanes operator*(double s, const Vec3Lanes& a) { return {s * a.x, s * a.y, s * a.z}; }
 /// Number by number.
-inline Vec3Lanes scaled(const Vec3Lanes& a, const Vec3Lanes& b) { return {a.x * b.x, a.y * b.y, a.z * b.z}; }
+inline Vec3Lanes scaled(const Vec3Lanes& a, const Vec3Lanes& b) {
+    return {a.x * b.x, a.y * b.y, a.z * b.z};
+}
 inline Vec3Lanes inverse(const Vec3Lanes& a) { return {1.0 / a.x, 1.0 / a.y, 1.0 / a.z}; }
-inline Lane dot(const Vec3Lanes& a, const Vec3Lanes& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+inline Lane dot(const Vec3Lanes& a, const Vec3Lanes& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
 inline Vec3Lanes cross(const Vec3Lanes& a, const Vec3Lanes& b) {
     return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
@@ -32,7 +49,9 @@ inline Vec3Lanes select(LaneMask where, const Vec3Lanes& a, const Vec3Lanes& b) 
     return {where ? a.x : b.x, where ? a.y : b.y, where ? a.z : b.z};
 }
 
-inline Lane squared_norm(const QuatLanes& q) { return (q.x * q.x + q.y * q.y) + (q.z * q.z + q.w * q.w); }
+inline Lane squared_norm(const QuatLanes& q) {
+    return (q.x * q.x + q.y * q.y) + (q.z * q.z + q.w * q.w);
+}
 inline QuatLanes operator+(const QuatLanes& a, const QuatLanes& b) {
     return {a.x + b.x, a.y + b.y, a.z + b.z, a.w + b.w};
 }
@@ -40,8 +59,10 @@ inline QuatLanes operator-(const QuatLanes& a, const QuatLanes& b) {
     return {a.x - b.x, a.y - b.y, a.z - b.z, a.w - b.w};
 }
 inline QuatLanes operator*(const QuatLanes& a, const QuatLanes& b) {
-    return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y, a.w * b.y + a.y * b.w + a.z * b.x - a.x * b.z,
-            a.w * b.z + a.z * b.w + a.x * b.y - a.y * b.x, a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
+    return {a.w * b.x + a.x * b.w + a.y * b.z - a.z * b.y,
+            a.w * b.y + a.y * b.w + a.z * b.x - a.x * b.z,
+            a.w * b.z + a.z * b.w + a.x * b.y - a.y * b.x,
+            a.w * b.w - a.x * b.x - a.y * b.y - a.z * b.z};
 }
 inline QuatLanes select(LaneMask where, const QuatLanes& a, const QuatLanes& b) {
     return {where ? a.x : b.x, where ? a.y : b.y, where ? a.z : b.z, where ? a.w : b.w};
@@ -50,12 +71,18 @@ inline QuatLanes select(LaneMask where, const QuatLanes& a, const QuatLanes& b) 
 /// Axes of bodies whose unit quaternions are `q`.
 inline AxesLanes axes_of(const QuatLanes& q) {
     const Lane tx = 2.0 * q.x, ty = 2.0 * q.y, tz = 2.0 * q.z;
-    const Lane xx = tx * q.x, yy = ty * q.y, zz = tz * q.z, xy = tx * q.y, xz = tx * q.z, yz = ty * q.z,
-               wx = tx * q.w, wy = ty * q.w, wz = tz * q.w;
-    return {{1.0 - (yy + zz), xy + wz, xz - wy}, {xy - wz, 1.0 - (xx + zz), yz + wx}, {xz + wy, yz - wx, 1.0 - (xx + yy)}};
+    const Lane xx = tx * q.x, yy = ty * q.y, zz = tz * q.z, xy = tx * q.y, xz = tx * q.z,
+               yz = ty * q.z, wx = tx * q.w, wy = ty * q.w, wz = tz * q.w;
+    return {{1.0 - (yy + zz), xy + wz, xz - wy},
+            {xy - wz, 1.0 - (xx + zz), yz + wx},
+            {xz + wy, yz - wx, 1.0 - (xx + yy)}};
 }
-inline Vec3Lanes to_world(const AxesLanes& axes, const Vec3Lanes& v) { return v.x * axes.x + v.y * axes.y + v.z * axes.z; }
-inline Vec3Lanes to_body(const AxesLanes& axes, const Vec3Lanes& v) { return {dot(axes.x, v), dot(axes.y, v), dot(axes.z, v)}; }
+inline Vec3Lanes to_world(const AxesLanes& axes, const Vec3Lanes& v) {
+    return v.x * axes.x + v.y * axes.y + v.z * axes.z;
+}
+inline Vec3Lanes to_body(const AxesLanes& axes, const Vec3Lanes& v) {
+    return {dot(axes.x, v), dot(axes.y, v), dot(axes.z, v)};
+}
 
 /// Unit quaternions of rotation vectors, as exponential_map(Vec3).
 inline QuatLanes exponential_map(const Vec3Lanes& v) {
@@ -73,9 +100,13 @@ inline QuatLanes exponential_map(const Vec3Lanes& v) {
 }
 
 /// Up to lane_count rows of a table that stand one behind the other.
-struct LaneRows { Row first; int count; };
+struct LaneRows {
+    Row first;
+    int count;
+};
 
-/// From lanes to rows of a table: at(q) of those within count, at.valid(q) of any, the last one repeated.
+/// From lanes to rows of a table: at(q) of those within count, at.valid(q) of any, the last one
+/// repeated.
 class ByRow {
 public:
     explicit ByRow(LaneRows rows) : rows_(rows) {}
@@ -87,20 +118,22 @@ private:
 };
 
 /// Calls body(LaneRows) for the rows of [first, last).
-template <class Body> void for_lane_rows(Row first, Row last, Body&& body) {
+template <class Body>
+void for_lane_rows(Row first, Row last, Body&& body) {
     for (Row row = first; row < last; row += lane_count)
         body(LaneRows{row, static_cast<int>(std::min<Row>(lane_count, last - row))});
 }
 
-/// Calls `read` with lane_count rows of `per_row` numbers each: where they stand, or followed by zeros
-/// if the group is short.
+/// Calls `read` with lane_count rows of `per_row` numbers each: where they stand, or followed by
+/// zeros if the group is short.
 template <std::size_t per_row, class Number, class Read>
 [[gnu::always_inline]] inline auto read_rows(const Number* column, LaneRows rows, Read&& read) {
     alignas(64) std::array<Number, per_row * lane_count> padded;
     const Number* at = column + per_row * rows.first;
     if (rows.count < lane_count) {
         padded = {};
-        std::memcpy(padded.data(), at, per_row * sizeof(Number) * static_cast<std::size_t>(rows.count));
+        std::memcpy(padded.data(), at,
+                    per_row * sizeof(Number) * static_cast<std::size_t>(rows.count));
         at = padded.data();
     }
     return read(at);
@@ -113,7 +146,9 @@ template <std::size_t per_row, class Write>
     double* at = column + per_row * rows.first;
     const bool whole = rows.count == lane_count;
     write(whole ? at : padded.data());
-    if (!whole) std::memcpy(at, padded.data(), per_row * sizeof(double) * static_cast<std::size_t>(rows.count));
+    if (!whole)
+        std::memcpy(at, padded.data(),
+                    per_row * sizeof(double) * static_cast<std::size_t>(rows.count));
 }
 
 inline Lane load(const double* column, LaneRows rows) {
@@ -133,7 +168,8 @@ inline QuatLanes load(const Quat* column, LaneRows rows) {
 }
 /// Lanes whose row holds `value`.
 inline LaneMask equal(const std::uint32_t* column, LaneRows rows, std::uint32_t value) {
-    return read_rows<1>(column, rows, [&](const std::uint32_t* at) { return equal_lanes(at, value); });
+    return read_rows<1>(column, rows,
+                        [&](const std::uint32_t* at) { return equal_lanes(at, value); });
 }
 
 inline void store(double* column, LaneRows rows, const Lane& value) {

@@ -47,7 +47,8 @@ inline Lane floor(Lane a) {
     return a;
 #endif
 }
-/// 1 / sqrt(a), from a guess g: two steps of Newton leave 3.4 times the fourth power of its relative error.
+/// 1 / sqrt(a), from a guess g: two steps of Newton leave 3.4 times the fourth power of its
+/// relative error.
 inline Lane inverse_root(Lane a, Lane g) {
     const Lane better = g * (1.5 - 0.5 * a * g * g);
     return better * (1.5 - 0.5 * a * better * better);
@@ -96,7 +97,8 @@ inline void store(double* row, Quad value) { std::memcpy(row, &value, sizeof val
 /// -a where the uppermost bit of `sign` is set, else a; the other bits of `sign` are to be 0.
 inline Quad flipped(Quad a, std::uint32_t sign) {
     using Bits [[gnu::vector_size(sizeof(Quad)), gnu::may_alias]] = std::int64_t;
-    return reinterpret_cast<Quad>(reinterpret_cast<Bits>(a) ^ static_cast<std::int64_t>(std::uint64_t{sign} << 32));
+    return reinterpret_cast<Quad>(reinterpret_cast<Bits>(a) ^
+                                  static_cast<std::int64_t>(std::uint64_t{sign} << 32));
 }
 
 /// Cross product of the first three as z x y: sums of many are turned round once, at their end. The
@@ -118,10 +120,14 @@ namespace detail {
 
 #ifdef __AVX512F__
 inline Lane join(Quad a, Quad b) { return __builtin_shufflevector(a, b, 0, 1, 2, 3, 4, 5, 6, 7); }
-inline Lane even(Lane a, Lane b) { return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14); }
+inline Lane even(Lane a, Lane b) {
+    return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14);
+}
 inline Lane odd(Lane a, Lane b) { return __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15); }
 inline Lane low(Lane a, Lane b) { return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13); }
-inline Lane high(Lane a, Lane b) { return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15); }
+inline Lane high(Lane a, Lane b) {
+    return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+}
 #else
 inline Lane even(Lane a, Lane b) { return __builtin_shufflevector(a, b, 0, 4, 2, 6); }
 inline Lane odd(Lane a, Lane b) { return __builtin_shufflevector(a, b, 1, 5, 3, 7); }
@@ -132,7 +138,8 @@ inline Lane high(Lane a, Lane b) { return __builtin_shufflevector(a, b, 2, 3, 6,
 } // namespace detail
 
 /// Rows q and q + 4 side by side in entry q (only row q where a Lane is one Quad).
-template <class RowOf> FourLanes load_rows(RowOf&& row_of) {
+template <class RowOf>
+FourLanes load_rows(RowOf&& row_of) {
     FourLanes rows;
     for (int q = 0; q < 4; ++q) {
 #ifdef __AVX512F__
@@ -168,7 +175,8 @@ inline Lane row_sums(const FourLanes& r) {
 }
 
 /// Writes row q of `rows` (as load_rows lays them out) to row_of(q), for the first `count` lanes.
-template <class RowOf> void store_rows(const FourLanes& rows, int count, RowOf&& row_of) {
+template <class RowOf>
+void store_rows(const FourLanes& rows, int count, RowOf&& row_of) {
     for (int q = 0; q < 4; ++q) {
         const Lane r = rows[static_cast<std::size_t>(q)];
 #ifdef __AVX512F__
@@ -184,7 +192,8 @@ template <class RowOf> void store_rows(const FourLanes& rows, int count, RowOf&&
 using ThreeLanes = std::array<Lane, 3>;
 
 inline ThreeLanes load_triples(const double* rows) {
-    const Lane a = load_lane(rows), b = load_lane(rows + lane_count), c = load_lane(rows + 2 * lane_count);
+    const Lane a = load_lane(rows), b = load_lane(rows + lane_count),
+               c = load_lane(rows + 2 * lane_count);
 #ifdef __AVX512F__
     const Lane x = __builtin_shufflevector(a, b, 0, 3, 6, 9, 12, 15, -1, -1);
     const Lane y = __builtin_shufflevector(a, b, 1, 4, 7, 10, 13, -1, -1, -1);

@@ -14,15 +14,27 @@ using Quat = Eigen::Quaternion<double, Eigen::DontAlign>;
 
 inline constexpr double pi = std::numbers::pi;
 
-/// sin(h) / h and cos(h) of x = h², for h up to 1/4, where eight terms reach 1e-16. Horner's rule with
-/// reciprocals known to the compiler: divisions would take most of a step. `Number`: double or Lane.
-template <class Number> Number sinc_of_square(const Number& x) {
-    return 1.0 - x * (1.0 / 6) * (1.0 - x * (1.0 / 20) * (1.0 - x * (1.0 / 42) * (1.0 - x * (1.0 / 72) *
-           (1.0 - x * (1.0 / 110) * (1.0 - x * (1.0 / 156))))));
+/// sin(h) / h and cos(h) of x = h², for h up to 1/4, where eight terms reach 1e-16. Horner's rule
+/// with reciprocals known to the compiler: divisions would take most of a step. `Number`: double or
+/// Lane.
+template <class Number>
+Number sinc_of_square(const Number& x) {
+    return 1.0 -
+           x * (1.0 / 6) *
+               (1.0 -
+                x * (1.0 / 20) *
+                    (1.0 - x * (1.0 / 42) *
+                               (1.0 - x * (1.0 / 72) *
+                                          (1.0 - x * (1.0 / 110) * (1.0 - x * (1.0 / 156))))));
 }
-template <class Number> Number cosine_of_square(const Number& x) {
-    return 1.0 - x * (1.0 / 2) * (1.0 - x * (1.0 / 12) * (1.0 - x * (1.0 / 30) * (1.0 - x * (1.0 / 56) *
-           (1.0 - x * (1.0 / 90) * (1.0 - x * (1.0 / 132))))));
+template <class Number>
+Number cosine_of_square(const Number& x) {
+    return 1.0 -
+           x * (1.0 / 2) *
+               (1.0 - x * (1.0 / 12) *
+                          (1.0 - x * (1.0 / 30) *
+                                     (1.0 - x * (1.0 / 56) *
+                                                (1.0 - x * (1.0 / 90) * (1.0 - x * (1.0 / 132))))));
 }
 
 /// Unit quaternion of the rotation vector `v` (rad). Uses only IEEE operations (a Taylor series on

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <fstream>
-
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -14,10 +13,11 @@ namespace bris {
 
 namespace {
 double gigabytes(double bytes) { return bytes / 0x1p30; }
-}
+} // namespace
 
 std::uint64_t machine_memory() {
-    std::uint64_t bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
+    std::uint64_t bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
+                          static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
     std::ifstream group("/sys/fs/cgroup/memory.max"); // "max" where there is no limit
     if (std::uint64_t most = 0; group >> most) bytes = std::min(bytes, most);
     return bytes;
@@ -25,21 +25,28 @@ std::uint64_t machine_memory() {
 
 void limit_memory(std::uint64_t bytes, unsigned threads) {
     if (bytes == 0) return;
-    const double least = bytes_of_process + bytes_of_thread * threads, found = static_cast<double>(bytes);
-    require(found >= least, fmt::format("--memory: expected 0 (no limit) or at least {:.3g} GiB, which a process of {} threads takes, found {:.3g}",
+    const double least = bytes_of_process + bytes_of_thread * threads,
+                 found = static_cast<double>(bytes);
+    require(found >= least, fmt::format("--memory: expected 0 (no limit) or at least {:.3g} GiB, "
+                                        "which a process of {} threads takes, found {:.3g}",
                                         gigabytes(least) + 0.0005, threads, gigabytes(found)));
     rlimit limit{};
     getrlimit(RLIMIT_DATA, &limit);
     limit.rlim_cur = std::min<rlim_t>(bytes, limit.rlim_max);
-    require(setrlimit(RLIMIT_DATA, &limit) == 0, fmt::format("--memory: expected a limit that this system takes, found {:.3g} GiB", gigabytes(static_cast<double>(bytes))));
+    require(setrlimit(RLIMIT_DATA, &limit) == 0,
+            fmt::format("--memory: expected a limit that this system takes, found {:.3g} GiB",
+                        gigabytes(static_cast<double>(bytes))));
 }
 
 void require_memory(const std::string& option, double count, double bytes, std::uint64_t limit) {
     const std::uint64_t machine = machine_memory();
     const bool asked = limit > 0 && limit < machine;
     const double most = static_cast<double>(asked ? limit : machine);
-    require(bytes <= most, fmt::format("--{}: expected what fits in {:.3g} GiB ({}), found {:.6g}, which take about {:.3g} GiB", option, gigabytes(most),
-                                       asked ? "--memory" : "all that this machine has", count, gigabytes(bytes)));
+    require(bytes <= most,
+            fmt::format("--{}: expected what fits in {:.3g} GiB ({}), found {:.6g}, which take "
+                        "about {:.3g} GiB",
+                        option, gigabytes(most), asked ? "--memory" : "all that this machine has",
+                        count, gigabytes(bytes)));
 }
 
 } // namespace bris

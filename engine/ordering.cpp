@@ -28,7 +28,8 @@ std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z) {
     return spread(x) | spread(y) << 1 | spread(z) << 2;
 }
 
-std::vector<Row> morton_order(std::span<const Vec3> positions, std::span<const EntityId> ids, double cell) {
+std::vector<Row> morton_order(std::span<const Vec3> positions, std::span<const EntityId> ids,
+                              double cell) {
     Vec3 low = Vec3::Constant(0);
     if (!positions.empty()) low = positions[0];
     for (const Vec3& x : positions) low = low.cwiseMin(x);

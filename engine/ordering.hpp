@@ -24,6 +24,7 @@ std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z);
 
 /// The order of `positions` along a Morton curve of cells of side `cell` (m, > 0), ties by id: a
 /// total order, so any sort gives the same. Entry r is the old row of the new row r.
-std::vector<Row> morton_order(std::span<const Vec3> positions, std::span<const EntityId> ids, double cell);
+std::vector<Row> morton_order(std::span<const Vec3> positions, std::span<const EntityId> ids,
+                              double cell);
 
 } // namespace bris

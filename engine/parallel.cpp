@@ -59,9 +59,10 @@ void detail::run_chunks(std::size_t chunks, ChunkBody body, void* context) {
 
 struct Threads::Arena {
     explicit Arena(unsigned count) : arena(static_cast<int>(count)) {
-        // more threads than cores may be asked for, to test that nothing depends on their number; once
-        // for the process, since of several limits the least would hold
-        static const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism, 4096);
+        // more threads than cores may be asked for, to test that nothing depends on their number;
+        // once for the process, since of several limits the least would hold
+        static const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
+                                                 4096);
     }
     tbb::task_arena arena;
 };

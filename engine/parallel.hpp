@@ -34,7 +34,8 @@ void run_chunks(std::size_t chunks, ChunkBody body, void* context);
 
 /// Calls body(chunk, first, last) for chunks of `grain` rows, in any order and on any thread. The
 /// cut depends on n and grain only. A body writes only what belongs to its rows or its chunk.
-template <class Body> void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
+template <class Body>
+void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
     const std::size_t chunks = (n + grain - 1) / grain;
     struct Context {
         std::size_t n, grain;
@@ -52,7 +53,8 @@ template <class Body> void for_chunks(std::size_t n, std::size_t grain, Body&& b
 
 /// Sum of term(i) over i < n, bitwise the same for any number of threads: partial sums over fixed
 /// blocks of 1024, added in order.
-template <class Sum, class Term> Sum sum_in_order(std::size_t n, Sum zero, Term&& term) {
+template <class Sum, class Term>
+Sum sum_in_order(std::size_t n, Sum zero, Term&& term) {
     Sum total = zero;
     for (std::size_t first = 0; first < n; first += 1024) {
         Sum block = zero;

@@ -16,7 +16,8 @@ struct RowRange {
 
 /// What a system receives of one table: the named columns, `const` ones to read, others to write,
 /// and the rows it is to work on. Columns are indexed by row over the whole table.
-template <Kind K, class... Cs> class Rows {
+template <Kind K, class... Cs>
+class Rows {
 public:
     using TableKind = K;
 
@@ -28,7 +29,8 @@ public:
     std::size_t size() const { return size_; } ///< rows of the whole table
 
     /// The column of component C: `Value*`, or `const Value*` if declared const.
-    template <class C> auto* column() const {
+    template <class C>
+    auto* column() const {
         constexpr std::size_t i = index<C>();
         using Declared = std::tuple_element_t<i, std::tuple<Cs...>>;
         using Value = std::conditional_t<std::is_const_v<Declared>, const typename C::Value,
@@ -37,8 +39,10 @@ public:
     }
 
 private:
-    template <class C> static constexpr std::size_t index() {
-        constexpr std::array<bool, sizeof...(Cs)> same{std::is_same_v<C, std::remove_const_t<Cs>>...};
+    template <class C>
+    static constexpr std::size_t index() {
+        constexpr std::array<bool, sizeof...(Cs)> same{
+            std::is_same_v<C, std::remove_const_t<Cs>>...};
         for (std::size_t i = 0; i < same.size(); ++i)
             if (same[i]) return i;
         throw "a system may only touch the components in its signature";

@@ -32,8 +32,9 @@ bool may_share_pass(const System& a, const System& b) {
     return true;
 }
 
-/// Rows a chunk of row-local systems: as many as stay in the cache from one system to the next, since each call costs
-/// some 50 ns; with several threads less, in whole lanes, so that none waits long for another.
+/// Rows a chunk of row-local systems: as many as stay in the cache from one system to the next,
+/// since each call costs some 50 ns; with several threads less, in whole lanes, so that none waits
+/// long for another.
 std::size_t rows_per_chunk(std::size_t rows) {
     constexpr std::size_t least = 32, most = 2048;
     const std::size_t threads = team_size();
@@ -56,7 +57,7 @@ struct Schedule::Plan {
     };
     std::vector<Node> nodes;
     std::vector<bool> live;
-    bool chain = true; // no width: a loop does it
+    bool chain = true;            // no width: a loop does it
     Schedule* schedule = nullptr; // of this run: a schedule may be moved between runs
     World* world = nullptr;
 #ifndef BRIS_STD_THREADS
@@ -84,7 +85,8 @@ void Schedule::prepare(World& world) {
         const System& s = steps_[i];
         missing_.push_back(s.missing(world));
         if (s.required && !missing_.back().empty() && s.lacks_only_columns(world))
-            throw std::logic_error("the scene does not fit its steps: " + s.name + " finds " + missing_.back());
+            throw std::logic_error("the scene does not fit its steps: " + s.name + " finds " +
+                                   missing_.back());
         calls_.push_back(missing_.back().empty() ? s.bind(world) : System::Call());
         chunked_.push_back(s.row_local ? world.find_table(*s.row_local) : nullptr);
         if (s.due != nullptr && missing_.back().empty()) conditional_.push_back(i);
@@ -169,16 +171,19 @@ void Schedule::run_node(Plan& plan, std::size_t node, World&) {
     const auto began = settings_.timed ? std::chrono::steady_clock::now()
                                        : std::chrono::steady_clock::time_point{};
     if (const Table* table = chunked_[n.systems.front()]) {
-        for_chunks(table->size(), settings_.grain != 0 ? settings_.grain : rows_per_chunk(table->size()), [&](std::size_t, std::size_t first, std::size_t last) {
-            if (table->is_idle(first, last)) return;
-            for (const std::size_t i : n.systems)
-                calls_[i](RowRange{static_cast<Row>(first), static_cast<Row>(last)});
-        });
+        for_chunks(table->size(),
+                   settings_.grain != 0 ? settings_.grain : rows_per_chunk(table->size()),
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                       if (table->is_idle(first, last)) return;
+                       for (const std::size_t i : n.systems)
+                           calls_[i](RowRange{static_cast<Row>(first), static_cast<Row>(last)});
+                   });
     } else {
         calls_[n.systems.front()](std::nullopt);
     }
     if (settings_.timed)
-        n.seconds += std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
+        n.seconds +=
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
 }
 
 void Schedule::run(World& world) {
@@ -199,7 +204,8 @@ void Schedule::run(World& world) {
         for (std::size_t k = 0; k < plan.nodes.size(); ++k)
             for (std::size_t n = plan.nodes.size(); n-- > 0;) {
                 const auto& before = plan.nodes[n].predecessors;
-                if (done[n] || !std::all_of(before.begin(), before.end(), [&](std::size_t m) { return done[m]; }))
+                if (done[n] || !std::all_of(before.begin(), before.end(),
+                                            [&](std::size_t m) { return done[m]; }))
                     continue;
                 run_node(plan, n, world);
                 done[n] = true;
@@ -212,7 +218,8 @@ void Schedule::run(World& world) {
         if (!plan.graph) {
             // built inside the world's arena: a flow graph runs where it was made
             plan.graph = std::make_unique<tbb::flow::graph>();
-            plan.start = std::make_unique<tbb::flow::broadcast_node<tbb::flow::continue_msg>>(*plan.graph);
+            plan.start =
+                std::make_unique<tbb::flow::broadcast_node<tbb::flow::continue_msg>>(*plan.graph);
             for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
                 plan.graph_nodes.push_back(std::make_unique<Plan::GraphNode>(
                     *plan.graph, [&plan, n](const tbb::flow::continue_msg& message) {
@@ -257,11 +264,13 @@ std::string Schedule::explain() const {
             after += (after.empty() ? "" : "; ") + plan.nodes[m].name;
         for (const std::size_t i : node.systems) {
             const System& s = steps_[i];
-            text += fmt::format("  {}{}\n    reads  {}\n    writes {}\n", s.name,
-                                s.due != nullptr ? " (when due)" : "", names(s, false), names(s, true));
+            text +=
+                fmt::format("  {}{}\n    reads  {}\n    writes {}\n", s.name,
+                            s.due != nullptr ? " (when due)" : "", names(s, false), names(s, true));
         }
-        text += fmt::format("    {}after  {}\n", node.systems.size() > 1 ? "one pass over rows, " : "",
-                            after.empty() ? "-" : after);
+        text +=
+            fmt::format("    {}after  {}\n", node.systems.size() > 1 ? "one pass over rows, " : "",
+                        after.empty() ? "-" : after);
     }
     text += "systems left out:\n";
     for (std::size_t i = 0; i < steps_.size(); ++i)
@@ -272,7 +281,8 @@ std::string Schedule::explain() const {
     text += "digraph step {\n";
     for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
         text += fmt::format("  n{} [label=\"{}\"];\n", n, plan.nodes[n].name);
-        for (const std::size_t m : plan.nodes[n].predecessors) text += fmt::format("  n{} -> n{};\n", m, n);
+        for (const std::size_t m : plan.nodes[n].predecessors)
+            text += fmt::format("  n{} -> n{};\n", m, n);
     }
     return text + "}\n";
 }

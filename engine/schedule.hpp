@@ -15,8 +15,10 @@ struct ScheduleSettings {
     bool fused = true;       ///< neighbours that work row by row in one pass over the rows
     bool last_order = false; ///< another valid order: of the systems that could be next, the last
     bool timed = false;      ///< wall time per node
-    std::size_t least_rows = 4000; ///< of all tables, from which on several threads pay: to hand work over takes some microseconds a system
-    std::size_t grain = 0;   ///< rows a chunk of row-local systems; 0: by the rows and threads that there are
+    std::size_t least_rows = 4000; ///< of all tables, from which on several threads pay: to hand
+                                   ///< work over takes some microseconds a system
+    std::size_t grain =
+        0; ///< rows a chunk of row-local systems; 0: by the rows and threads that there are
 };
 
 /// Turns the step list into what runs. The order of the list is the meaning; an edge joins two
@@ -31,9 +33,12 @@ public:
     Schedule& operator=(Schedule&&) noexcept;
 
     /// Derived data that somebody outside the graph reads.
-    template <class T> void want() { wanted_.push_back(typeid(T)); }
-    /// Binds the systems to a world; again whenever a table, column or resource has appeared. Throws
-    /// std::logic_error if a required system lacks a column.
+    template <class T>
+    void want() {
+        wanted_.push_back(typeid(T));
+    }
+    /// Binds the systems to a world; again whenever a table, column or resource has appeared.
+    /// Throws std::logic_error if a required system lacks a column.
     void prepare(World& world);
     /// One step. Call inside Threads::run.
     void run(World& world);
@@ -53,8 +58,8 @@ private:
     StepList steps_;
     ScheduleSettings settings_;
     std::vector<std::type_index> wanted_;
-    std::vector<std::string> missing_; // per system, empty if present
-    std::vector<System::Call> calls_;  // per system, empty if absent
+    std::vector<std::string> missing_;  // per system, empty if present
+    std::vector<System::Call> calls_;   // per system, empty if absent
     std::vector<const Table*> chunked_; // per system, table of a row-local one
     std::map<std::uint64_t, std::unique_ptr<Plan>> plans_;
     std::uint64_t last_due_ = 0;

@@ -20,7 +20,8 @@ std::size_t rows_of(const World& world) {
 } // namespace
 
 Simulation::Simulation(World world, StepList steps, unsigned threads, ScheduleSettings settings)
-    : world_(std::make_unique<World>(std::move(world))), threads_(std::make_unique<Threads>(threads)), alone_(std::make_unique<Threads>(1)),
+    : world_(std::make_unique<World>(std::move(world))),
+      threads_(std::make_unique<Threads>(threads)), alone_(std::make_unique<Threads>(1)),
       least_rows_(settings.least_rows), schedule_(std::move(steps), settings) {
     prepare();
 }
@@ -35,7 +36,8 @@ void Simulation::advance(std::uint64_t steps) {
         }
     });
     if (health.bad)
-        throw SimulationError(fmt::format("step {}, time {:.6g} s: {}", clock.step, clock.time(), health.what));
+        throw SimulationError(
+            fmt::format("step {}, time {:.6g} s: {}", clock.step, clock.time(), health.what));
 }
 
 Archive Simulation::snapshot() const { return save_state(*world_); }

@@ -17,8 +17,8 @@ public:
     const World& world() const { return *world_; }
     Schedule& schedule() { return schedule_; }
 
-    /// Runs steps, on one thread where there is too little to do for several. Stops with SimulationError (step, time, what)
-    /// when the guard has seen something.
+    /// Runs steps, on one thread where there is too little to do for several. Stops with
+    /// SimulationError (step, time, what) when the guard has seen something.
     void advance(std::uint64_t steps = 1);
     /// Binds the schedule anew, after tables, columns or resources have been added.
     void prepare() { schedule_.prepare(*world_); }

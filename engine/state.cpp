@@ -14,8 +14,10 @@ const Column* key_of(const Table& table) {
     const Column* key = nullptr;
     bool holds_more = false;
     for (const auto& column : table.columns()) {
-        if (column->type().is_key) key = column.get();
-        else holds_more = holds_more || column->type().is_state;
+        if (column->type().is_key)
+            key = column.get();
+        else
+            holds_more = holds_more || column->type().is_state;
     }
     return holds_more ? key : nullptr;
 }
@@ -36,7 +38,9 @@ std::vector<Row> rows_to_save(const Table& table, const Column& key) {
         if (column->type().keep != nullptr) sparse.push_back(column.get());
     if (!sparse.empty())
         std::erase_if(rows, [&](Row r) {
-            return std::ranges::none_of(sparse, [r](const Column* c) { return c->type().keep(c->bytes() + r * c->type().value_size); });
+            return std::ranges::none_of(sparse, [r](const Column* c) {
+                return c->type().keep(c->bytes() + r * c->type().value_size);
+            });
         });
     const auto less = [&](Row a, Row b) { return key_less(key, a, b); };
     if (!std::is_sorted(rows.begin(), rows.end(), less)) std::sort(rows.begin(), rows.end(), less);
@@ -59,8 +63,11 @@ Archive save_state(const World& world) {
         for (const auto& column : table.columns()) {
             const auto& type = column->type();
             if (!type.is_state) continue;
-            Archive::Array array{path_of(table, *column), type.scalar, type.scalar_size,
-                                 type.value_size / type.scalar_size, {}};
+            Archive::Array array{path_of(table, *column),
+                                 type.scalar,
+                                 type.scalar_size,
+                                 type.value_size / type.scalar_size,
+                                 {}};
             array.bytes.resize(rows.size() * type.value_size);
             for (std::size_t i = 0; i < rows.size(); ++i)
                 std::memcpy(array.bytes.data() + i * type.value_size,

@@ -24,14 +24,17 @@ struct Access {
 namespace detail {
 
 // how each kind of parameter is declared, found and handed over
-template <class P> struct Parameter;
+template <class P>
+struct Parameter;
 
-template <class R> struct Parameter<R&> {
+template <class R>
+struct Parameter<R&> {
     using Resource = std::remove_const_t<R>;
     static void declare(std::vector<Access>& list) {
         bool is_state = false;
         if constexpr (requires { Resource::is_state; }) is_state = Resource::is_state;
-        list.push_back({typeid(Resource), typeid(Resource), Resource::name, !std::is_const_v<R>, is_state});
+        list.push_back(
+            {typeid(Resource), typeid(Resource), Resource::name, !std::is_const_v<R>, is_state});
     }
     static bool present(const World& world) { return world.has_resource<Resource>(); }
     static std::string missing(const World& world) {
@@ -43,7 +46,8 @@ template <class R> struct Parameter<R&> {
     Resource* resource;
 };
 
-template <> struct Parameter<World&> {
+template <>
+struct Parameter<World&> {
     static void declare(std::vector<Access>&) {}
     static std::string missing(const World&) { return ""; }
     static bool lacks_only_columns(const World&) { return true; }
@@ -52,10 +56,12 @@ template <> struct Parameter<World&> {
     World* world;
 };
 
-template <class K, class... Cs> struct Parameter<Rows<K, Cs...>> {
+template <class K, class... Cs>
+struct Parameter<Rows<K, Cs...>> {
     static void declare(std::vector<Access>& list) {
         (list.push_back({typeid(K), typeid(std::remove_const_t<Cs>),
-                         std::string(K::name) + "." + Cs::name, !std::is_const_v<Cs>, Cs::is_state}),
+                         std::string(K::name) + "." + Cs::name, !std::is_const_v<Cs>,
+                         Cs::is_state}),
          ...);
     }
     static std::string missing(const World& world) {
@@ -68,10 +74,12 @@ template <class K, class... Cs> struct Parameter<Rows<K, Cs...>> {
          ...);
         return lacking;
     }
-    static bool lacks_only_columns(const World& world) { return world.find_table(typeid(K)) != nullptr; }
+    static bool lacks_only_columns(const World& world) {
+        return world.find_table(typeid(K)) != nullptr;
+    }
     explicit Parameter(World& world)
-        : table(world.find_table(typeid(K))),
-          columns{table->find(typeid(std::remove_const_t<Cs>))...} {}
+        : table(world.find_table(typeid(K))), columns{table->find(
+                                                  typeid(std::remove_const_t<Cs>))...} {}
     Rows<K, Cs...> get(std::optional<RowRange> range) const {
         std::array<std::byte*, sizeof...(Cs)> bytes;
         for (std::size_t i = 0; i < bytes.size(); ++i) bytes[i] = columns[i]->bytes();
@@ -90,19 +98,20 @@ struct System {
 
     std::string name;
     std::vector<Access> accesses;
-    bool whole_world = false;                       ///< takes World&: conflicts with everything
-    std::optional<std::type_index> row_local;       ///< works row by row on this table only
+    bool whole_world = false;                 ///< takes World&: conflicts with everything
+    std::optional<std::type_index> row_local; ///< works row by row on this table only
     std::string row_local_name;
     std::function<std::string(const World&)> missing; ///< what the scene lacks; empty if nothing
     std::function<Call(World&)> bind;
-    bool (*due)(const World&) = nullptr;            ///< null: every step
-    bool required = false;                          ///< its tables are there: its columns must be
+    bool (*due)(const World&) = nullptr; ///< null: every step
+    bool required = false;               ///< its tables are there: its columns must be
     bool (*lacks_only_columns)(const World&) = nullptr; ///< tables and resources are all there
 };
 
 namespace detail {
 
-template <class... Ps> System make_system(std::string name, void (*function)(Ps...)) {
+template <class... Ps>
+System make_system(std::string name, void (*function)(Ps...)) {
     System system;
     system.name = std::move(name);
     (Parameter<Ps>::declare(system.accesses), ...);
@@ -124,7 +133,8 @@ template <class... Ps> System make_system(std::string name, void (*function)(Ps.
             // only the first parameter of a row-local system is cut into chunks
             [&]<std::size_t... I>(std::index_sequence<I...>) {
                 function(std::get<I>(parameters).get(I == 0 ? range : std::nullopt)...);
-            }(std::index_sequence_for<Ps...>{});
+            }
+            (std::index_sequence_for<Ps...>{});
         };
     };
     return system;
@@ -139,13 +149,15 @@ std::type_index first_table(void (*)(Rows<K, Cs...>, Ps...), std::string& name) 
 } // namespace detail
 
 /// A system that runs once a step over whole tables.
-template <class... Ps> System system(std::string name, void (*function)(Ps...)) {
+template <class... Ps>
+System system(std::string name, void (*function)(Ps...)) {
     return detail::make_system(std::move(name), function);
 }
 
 /// A system that works on each row of its first table by itself: writes only what belongs to that
 /// row. Neighbours in the step list over the same table run as one pass over chunks of rows.
-template <class... Ps> System row_local(std::string name, void (*function)(Ps...)) {
+template <class... Ps>
+System row_local(std::string name, void (*function)(Ps...)) {
     System s = detail::make_system(std::move(name), function);
     s.row_local = detail::first_table(function, s.row_local_name);
     return s;
@@ -157,8 +169,8 @@ inline System when(bool (*due)(const World&), System system) {
     return system;
 }
 
-/// The same system, which must not be left out for want of a column alone: a scene that has its tables
-/// and resources but not its columns was put together wrongly, and the schedule says so.
+/// The same system, which must not be left out for want of a column alone: a scene that has its
+/// tables and resources but not its columns was put together wrongly, and the schedule says so.
 inline System required(System system) {
     system.required = true;
     return system;

@@ -9,7 +9,8 @@
 
 namespace bris {
 
-/// The columns of one kind of thing, all of one length. A column is there for every row or for none.
+/// The columns of one kind of thing, all of one length. A column is there for every row or for
+/// none.
 class Table {
 public:
     explicit Table(std::string name) : name_(std::move(name)) {}
@@ -20,17 +21,23 @@ public:
     std::size_t size() const { return size_; }
 
     /// Adds the column unless it is there; its values are zero.
-    template <Component C> std::span<typename C::Value> add() {
+    template <Component C>
+    std::span<typename C::Value> add() {
         if (find(typeid(C)) == nullptr) add(Column::type_of<C>());
         return column<C>();
     }
-    template <Component C> bool has() const { return find(typeid(C)) != nullptr; }
+    template <Component C>
+    bool has() const {
+        return find(typeid(C)) != nullptr;
+    }
     /// All values of a column, by row. The column must be there.
-    template <Component C> std::span<typename C::Value> column() {
+    template <Component C>
+    std::span<typename C::Value> column() {
         Column& c = at(typeid(C));
         return {reinterpret_cast<typename C::Value*>(c.bytes()), size_};
     }
-    template <Component C> std::span<const typename C::Value> column() const {
+    template <Component C>
+    std::span<const typename C::Value> column() const {
         const Column& c = at(typeid(C));
         return {reinterpret_cast<const typename C::Value*>(c.bytes()), size_};
     }

@@ -11,7 +11,9 @@ namespace bris {
 
 /// A kind of thing: a tag with a `name`, naming a table.
 template <class K>
-concept Kind = requires { K::name; };
+concept Kind = requires {
+    K::name;
+};
 
 /// The tables and resources of one scene. A resource is a single value found by its type; one that
 /// is State offers `save(Archive&)` and `load(const Archive&)`.
@@ -23,29 +25,50 @@ public:
     World& operator=(World&&) = default;
 
     /// The table of a kind, made empty on first use.
-    template <Kind K> Table& table() {
+    template <Kind K>
+    Table& table() {
         if (Table* t = find_table(typeid(K))) return *t;
         tables_.push_back({typeid(K), std::make_unique<Table>(K::name)});
         return *tables_.back().table;
     }
-    template <Kind K> const Table& table() const { return *find_table(typeid(K)); }
-    template <Kind K> bool has() const { return find_table(typeid(K)) != nullptr; }
-    template <Kind K, Component C> auto column() { return table<K>().template column<C>(); }
-    template <Kind K, Component C> auto column() const { return table<K>().template column<C>(); }
+    template <Kind K>
+    const Table& table() const {
+        return *find_table(typeid(K));
+    }
+    template <Kind K>
+    bool has() const {
+        return find_table(typeid(K)) != nullptr;
+    }
+    template <Kind K, Component C>
+    auto column() {
+        return table<K>().template column<C>();
+    }
+    template <Kind K, Component C>
+    auto column() const {
+        return table<K>().template column<C>();
+    }
 
     /// The resource of a type; the second form makes it if it is not there.
-    template <class R> R& resource() { return static_cast<Held<R>*>(find_resource(typeid(R)))->value; }
-    template <class R> const R& resource() const {
+    template <class R>
+    R& resource() {
+        return static_cast<Held<R>*>(find_resource(typeid(R)))->value;
+    }
+    template <class R>
+    const R& resource() const {
         return static_cast<const Held<R>*>(find_resource(typeid(R)))->value;
     }
-    template <class R> R& add_resource(R value = {}) {
+    template <class R>
+    R& add_resource(R value = {}) {
         if (find_resource(typeid(R)) == nullptr)
             resources_.push_back(std::make_unique<Held<R>>(std::move(value)));
         else
             resource<R>() = std::move(value);
         return resource<R>();
     }
-    template <class R> bool has_resource() const { return find_resource(typeid(R)) != nullptr; }
+    template <class R>
+    bool has_resource() const {
+        return find_resource(typeid(R)) != nullptr;
+    }
 
     Table* find_table(std::type_index kind);
     const Table* find_table(std::type_index kind) const;
@@ -70,7 +93,8 @@ public:
     const HeldBase* find_resource(std::type_index type) const;
 
 private:
-    template <class R> struct Held final : HeldBase {
+    template <class R>
+    struct Held final : HeldBase {
         explicit Held(R v) : HeldBase(typeid(R)), value(std::move(v)) {}
         std::unique_ptr<HeldBase> clone() const override { return std::make_unique<Held>(value); }
         void save(Archive& archive) const override {

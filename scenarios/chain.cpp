@@ -1,10 +1,12 @@
-// A straight chain of beads: a standing wave of a pressed chain, or the solitary wave of one that just touches.
+// A straight chain of beads: a standing wave of a pressed chain, or the solitary wave of one that
+// just touches.
+#include "scenarios/verification/chain.hpp"
+
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
-#include "systems/experiments/chain.hpp"
-#include "systems/experiments/names.hpp"
+#include "scenarios/verification/names.hpp"
 
 #include <cstdio>
 
@@ -31,24 +33,29 @@ struct Chain {
     double radius = 0.01, step = 0.01;
 
     void describe(auto& option) {
-        option("kind", kind, "", "pulse: the first bead is thrown at the others; wave: a standing wave between held ends",
+        option("kind", kind, "",
+               "pulse: the first bead is thrown at the others; wave: a standing wave between held "
+               "ends",
                {"pulse", "wave"});
         option("law", law, "", "of contact", law_names);
         option("beads", beads, "", "that move", within(1, 10000));
         option("radius", radius, "m", "", above(0));
-        option("step", step, "", "time step; pulse: over the time unit (m^2/(K^2 v0))^(1/5); wave: over sqrt(m/k)",
+        option("step", step, "",
+               "time step; pulse: over the time unit (m^2/(K^2 v0))^(1/5); wave: over sqrt(m/k)",
                Range{.low = 0, .high = 1, .low_accepted = false});
         material.describe(option, "", "of the beads");
         option.group("pulse");
         option("speed", pulse.speed, "m/s", "of the first bead", above(0));
         option("front", pulse.front, "", "share of the chain at which the pulse is timed first",
                Range{.low = 0, .high = 1, .low_accepted = false});
-        option("rear", pulse.rear, "", "and last", Range{.low = 0, .high = 1, .low_accepted = false, .high_accepted = false});
+        option("rear", pulse.rear, "", "and last",
+               Range{.low = 0, .high = 1, .low_accepted = false, .high_accepted = false});
         option.group("wave");
         option("mode", wave.mode, "", "half waves in the chain", within(1, 10000));
         option("overlap", wave.overlap, "", "of neighbours over a radius, before the wave",
                Range{.low = 0, .high = 0.5, .low_accepted = false});
-        option("amplitude", wave.amplitude, "", "over the overlap", Range{.low = 0, .high = 0.4, .low_accepted = false});
+        option("amplitude", wave.amplitude, "", "over the overlap",
+               Range{.low = 0, .high = 0.4, .low_accepted = false});
         option("periods", wave.periods, "", "", above(0.1));
     }
 };
@@ -62,13 +69,16 @@ Summary pulse_results(const Chain& s, const Common& common) {
     pulse.material = s.material.material;
     const ChainPulseResult r = measure(pulse);
     std::vector<std::vector<double>> rows;
-    for (std::size_t i = 0; i < r.arrival.size(); ++i) rows.push_back({static_cast<double>(i), r.arrival[i] * r.time_unit});
+    for (std::size_t i = 0; i < r.arrival.size(); ++i)
+        rows.push_back({static_cast<double>(i), r.arrival[i] * r.time_unit});
     write_csv(common.out / "arrival.csv", {"contact", "time_of_largest_force_s"}, rows);
     Summary t;
     t.add("pulse_speed_beads_per_time_unit", r.pulse_speed);
     t.add("largest_force_over_unit", r.largest_force);
     t.add("largest_bead_velocity_over_v0", r.largest_velocity);
-    if (is_hertz(pulse.law)) t.add("pulse_speed_over_sixth_root_of_force", r.pulse_speed / std::pow(r.largest_force, 1.0 / 6));
+    if (is_hertz(pulse.law))
+        t.add("pulse_speed_over_sixth_root_of_force",
+              r.pulse_speed / std::pow(r.largest_force, 1.0 / 6));
     t.add("time_unit_s", r.time_unit);
     t.add("momentum_change", r.momentum_change);
     t.add("steps", r.steps);
@@ -101,10 +111,13 @@ void run(const Chain& settings, const Common& common) {
         std::puts(explain_step(named<LawName>(law_names, settings.law), Grains::spheres).c_str());
         return;
     }
-    const Summary results = settings.kind == "pulse" ? pulse_results(settings, common) : wave_results(settings);
+    const Summary results =
+        settings.kind == "pulse" ? pulse_results(settings, common) : wave_results(settings);
     report_results(common, results);
 }
 
 } // namespace
 
-int main(int argc, char** argv) { return run_scenario<Chain>(argc, argv, "chain", "waves in a straight chain of beads", run); }
+int main(int argc, char** argv) {
+    return run_scenario<Chain>(argc, argv, "chain", "waves in a straight chain of beads", run);
+}

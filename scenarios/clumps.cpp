@@ -1,8 +1,8 @@
-// A library of clumps: random rocks, or one rock from an STL or OBJ file, filled with spheres, with a
-// report of how well each clump stands for its solid.
+// A library of clumps: random rocks, or one rock from an STL or OBJ file, filled with spheres, with
+// a report of how well each clump stands for its solid.
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
-#include "systems/build/make_library.hpp"
+#include "scenarios/rocks/make_library.hpp"
 
 #include <fmt/format.h>
 
@@ -21,7 +21,8 @@ struct Clumps {
     void describe(auto& option) {
         option("count", library.count, "", "number of random rocks", within(1, 10000));
         option("spheres", spheres, "", "balls of a clump", within(4, 1000));
-        option("least_radius", library.fill.fit.min_radius, "sieve", "of a ball", within(0.02, 0.4));
+        option("least_radius", library.fill.fit.min_radius, "sieve", "of a ball",
+               within(0.02, 0.4));
         option("method", method, "", "of filling", {"fitted", "level_set"});
         option("restarts", restarts, "", "fits of each rock; the best is kept", within(1, 100));
         option.group("rocks");

@@ -1,11 +1,13 @@
-// A ball with a sensor flies into others: what its recording tells of them. The analytic check of sensor fusion, after
-// Liu, Huang, Qiu and Shen (2018), J. Comput. Civ. Eng. 32: two balls centre to centre, off centre, and many.
+// A ball with a sensor flies into others: what its recording tells of them. The analytic check of
+// sensor fusion, after Liu, Huang, Qiu and Shen (2018), J. Comput. Civ. Eng. 32: two balls centre
+// to centre, off centre, and many.
+#include "scenarios/verification/collide.hpp"
+
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
-#include "systems/experiments/collide.hpp"
-#include "systems/experiments/names.hpp"
+#include "scenarios/verification/names.hpp"
 
 #include <cstdio>
 
@@ -34,7 +36,8 @@ struct Game {
         option.group("balls");
         option("balls", collide.balls, "", "with the one that flies", within(2, 1000));
         option("radius", collide.radius, "m", "of each", above(0));
-        option("offset", collide.offset, "", "radii, of the path from the middle of the ball that is hit", within(-1.9, 1.9));
+        option("offset", collide.offset, "",
+               "radii, of the path from the middle of the ball that is hit", within(-1.9, 1.9));
         option("speed", collide.speed, "m/s", "of the first ball", above(0));
         option("gap", collide.gap, "m", "that it flies before it meets them", above(0));
         option("after", collide.after, "s", "run after the first touch", above(0));
@@ -44,20 +47,29 @@ struct Game {
         material.describe(option, "", "of the balls");
         option.group("model");
         option("model_speed", collide.model_speed, "", "of the true speed", above(0));
-        option("model_offset", collide.model_offset, "", "radii, besides the offset", within(-1.9, 1.9));
-        option("model_restitution", collide.model_restitution, "", "below 0: the true one", within(-1, 1));
+        option("model_offset", collide.model_offset, "", "radii, besides the offset",
+               within(-1.9, 1.9));
+        option("model_restitution", collide.model_restitution, "", "below 0: the true one",
+               within(-1, 1));
         option.group("sensor");
         option("filter", filter, "", "what turns measurements into corrections", filter_names);
-        option("sampling_rate", collide.sampling_rate, "Hz", "of the first ball's sensor", above(0));
-        option("position_noise", collide.position_noise, "m", "deviation; below 0: not measured", at_least(-1));
+        option("sampling_rate", collide.sampling_rate, "Hz", "of the first ball's sensor",
+               above(0));
+        option("position_noise", collide.position_noise, "m", "deviation; below 0: not measured",
+               at_least(-1));
         option("velocity_noise", collide.velocity_noise, "m/s", "likewise", at_least(-1));
-        option("position_deviation", collide.filter.position, "m", "of the model's first ball at the start", above(0));
+        option("position_deviation", collide.filter.position, "m",
+               "of the model's first ball at the start", above(0));
         option("velocity_deviation", collide.filter.velocity, "m/s", "likewise", above(0));
-        option("acceleration_density", collide.filter.acceleration_density, "(m/s2)2/Hz", "that the model may miss", at_least(0));
-        option("gate", collide.filter.gate, "", "probability with which a right measurement is let in; 1: all", within(0.5, 1));
-        option("injection_steps", collide.injection_steps, "", "in which a correction of position enters; 1: it jumps", at_least(1));
+        option("acceleration_density", collide.filter.acceleration_density, "(m/s2)2/Hz",
+               "that the model may miss", at_least(0));
+        option("gate", collide.filter.gate, "",
+               "probability with which a right measurement is let in; 1: all", within(0.5, 1));
+        option("injection_steps", collide.injection_steps, "",
+               "in which a correction of position enters; 1: it jumps", at_least(1));
         option.group("accuracy");
-        option("steps_per_contact", collide.steps_per_contact, "", "time steps in the undamped contact time", above(1));
+        option("steps_per_contact", collide.steps_per_contact, "",
+               "time steps in the undamped contact time", above(1));
     }
     Game() {
         collide.filter.velocity = 0.2;
@@ -81,8 +93,12 @@ void run(const Game& game, const Common& common) {
     const CollideResult r = measure(s);
     std::vector<std::vector<double>> rows;
     for (std::size_t k = 0; k < r.truth.size(); ++k)
-        rows.push_back({static_cast<double>(k), r.truth[k].x(), r.truth[k].y(), r.free[k].x(), r.free[k].y(), r.fused[k].x(), r.fused[k].y()});
-    write_csv(common.out / "velocities.csv", {"ball", "true_x_m_per_s", "true_y_m_per_s", "free_x_m_per_s", "free_y_m_per_s", "fused_x_m_per_s", "fused_y_m_per_s"}, rows);
+        rows.push_back({static_cast<double>(k), r.truth[k].x(), r.truth[k].y(), r.free[k].x(),
+                        r.free[k].y(), r.fused[k].x(), r.fused[k].y()});
+    write_csv(common.out / "velocities.csv",
+              {"ball", "true_x_m_per_s", "true_y_m_per_s", "free_x_m_per_s", "free_y_m_per_s",
+               "fused_x_m_per_s", "fused_y_m_per_s"},
+              rows);
     Summary t;
     t.add("free_error_of_others_m_per_s", r.free_error);
     t.add("fused_error_of_others_m_per_s", r.fused_error);
@@ -102,5 +118,7 @@ void run(const Game& game, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Game>(argc, argv, "collide", "a ball with a sensor flies into others: what its recording tells of them", run);
+    return run_scenario<Game>(
+        argc, argv, "collide",
+        "a ball with a sensor flies into others: what its recording tells of them", run);
 }

@@ -1,9 +1,11 @@
-// A crystal of equal spheres: elastic moduli under pressure, or the largest stable step of its lattice.
+// A crystal of equal spheres: elastic moduli under pressure, or the largest stable step of its
+// lattice.
+#include "scenarios/verification/crystal.hpp"
+
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
-#include "systems/experiments/crystal.hpp"
-#include "systems/experiments/names.hpp"
+#include "scenarios/verification/names.hpp"
 
 #include <algorithm>
 #include <cstdio>
@@ -30,13 +32,15 @@ struct Settings {
     double friction = 10, shear_ratio = 2.0 / 7;
 
     void describe(auto& option) {
-        option("what", what, "", "moduli, or the limit of stability (linear springs)", {"moduli", "stability"});
+        option("what", what, "", "moduli, or the limit of stability (linear springs)",
+               {"moduli", "stability"});
         option("lattice", lattice, "", "simple cubic, body- or face-centred", lattice_names);
         option.group("moduli");
         option("law", law, "", "of contact", law_names);
         option("spacing", crystal.spacing, "m", "of the centres of neighbours", above(0));
         option("pressure", crystal.pressure, "Pa", "", above(0));
-        option("strain", crystal.strain, "", "to either side, well below overlap over spacing", above(0));
+        option("strain", crystal.strain, "", "to either side, well below overlap over spacing",
+               above(0));
         option("friction", friction, "", "Coulomb coefficient", at_least(0));
         material.describe(option, "", "of the spheres");
         option.group("stability");
@@ -72,7 +76,8 @@ Summary stability(const Settings& s) {
     const auto limit = [&](std::vector<Neighbour> around) {
         return measure(StabilityLimit{.around = std::move(around), .shear_ratio = s.shear_ratio});
     };
-    const double together = limit(in_phase(lattice)), against = limit(zone_boundary(lattice)), alone = limit(held(lattice));
+    const double together = limit(in_phase(lattice)), against = limit(zone_boundary(lattice)),
+                 alone = limit(held(lattice));
     Summary t; // the limits are over sqrt(m / kn)
     t.add("limit_all_spin_alike", together);
     t.add("limit_zone_boundary", against);
@@ -94,5 +99,6 @@ void run(const Settings& settings, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Settings>(argc, argv, "crystal", "moduli and stability of a crystal of equal spheres", run);
+    return run_scenario<Settings>(argc, argv, "crystal",
+                                  "moduli and stability of a crystal of equal spheres", run);
 }

@@ -1,10 +1,11 @@
-// A drum mixes two kinds of spheres: case 2 of Dosta et al. (2024), Comput. Phys. Commun. 296:109066. 30 000
-// spheres of M1 (radius 1 mm) lie on 8 000 of M2 (radius 2 mm) in a drum of radius 0.1 m and depth 0.06 m about
-// the y axis, which turns at 2 rad/s; its wall goes up where x > 0. Hertz-Mindlin contacts, no rolling
-// resistance, no global damping. The paper's initial state (Zenodo 8252892) is not at hand: the layers are
-// poured here from shaken lattices, one above the other, in the drum at rest, hardened and brought to rest, so
-// that the seam between them is this bed's own. The wall is a polygon of the circle's area whose surface moves
-// and whose shape stays; the drum turns at full speed from time 0 on.
+// A drum mixes two kinds of spheres: case 2 of Dosta et al. (2024), Comput. Phys. Commun.
+// 296:109066. 30 000 spheres of M1 (radius 1 mm) lie on 8 000 of M2 (radius 2 mm) in a drum of
+// radius 0.1 m and depth 0.06 m about the y axis, which turns at 2 rad/s; its wall goes up where x
+// > 0. Hertz-Mindlin contacts, no rolling resistance, no global damping. The paper's initial state
+// (Zenodo 8252892) is not at hand: the layers are poured here from shaken lattices, one above the
+// other, in the drum at rest, hardened and brought to rest, so that the seam between them is this
+// bed's own. The wall is a polygon of the circle's area whose surface moves and whose shape stays;
+// the drum turns at full speed from time 0 on.
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
@@ -12,12 +13,12 @@
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
+#include "scenarios/bulk/bulk_run.hpp"
+#include "scenarios/specimens/lattice.hpp"
+#include "scenarios/specimens/memory_estimate.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/vessels.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/lattice.hpp"
-#include "systems/build/memory_estimate.hpp"
-#include "systems/build/scene.hpp"
-#include "systems/build/vessels.hpp"
-#include "systems/procedure/bulk_run.hpp"
 
 #include <fmt/format.h>
 
@@ -32,7 +33,8 @@ struct DrumTest {
     unsigned small_spheres = 30000, large_spheres = 8000;
     double small_radius = 0.001, large_radius = 0.002, speed = 2;
     Drum drum;
-    BulkSettings bulk{.duration = 5, .sample_interval = 0.02, .bed = {.step = 1.2e-6, .longest_rest = 0.03}};
+    BulkSettings bulk{
+        .duration = 5, .sample_interval = 0.02, .bed = {.step = 1.2e-6, .longest_rest = 0.03}};
 
     void describe(auto& option) {
         option.group("drum");
@@ -64,7 +66,8 @@ World make_world_of(const DrumTest& t, std::uint64_t seed) {
         };
         double top = floor;
         for (const Vec3& site :
-             lattice_sites({Vec3(-R, -half, floor), Vec3(R, half, R), pitch, 0.02, seed + material}, count, inside)) {
+             lattice_sites({Vec3(-R, -half, floor), Vec3(R, half, R), pitch, 0.02, seed + material},
+                           count, inside)) {
             const EntityId id = add_sphere(world, site, radius, material);
             world.column<Bodies, Velocity>()[id] =
                 shake * Random(seed, 1000000000 + made++).direction(); // rows are ids yet
@@ -95,7 +98,8 @@ Zones zones_of(const World& world, std::uint32_t material) {
     const auto motion = world.column<Bodies, MotionOf>();
     const auto kind = world.column<Bodies, MaterialOf>();
     const auto position = world.column<Bodies, Position>();
-    for (const Row b : rows_by_id(world.column<Bodies, BodyId>())) { // in id order: sums have the same bits
+    for (const Row b :
+         rows_by_id(world.column<Bodies, BodyId>())) { // in id order: sums have the same bits
         if (motion[b] != static_cast<std::uint32_t>(Motion::free) || kind[b] != material) continue;
         const Vec3& x = position[b];
         if (x.x() > 0 && x.z() > 0) ++n.first;
@@ -126,13 +130,15 @@ BulkCase make_case(const DrumTest& t, std::uint64_t seed) {
     };
     c.sample = [](World& world, Series& series) {
         const Zones m1 = zones_of(world, 0), m2 = zones_of(world, 1);
-        series.add({world.resource<Clock>().time(), m1.first, m2.first, m1.second, m2.second, m1.x, m1.z, m2.x, m2.z});
+        series.add({world.resource<Clock>().time(), m1.first, m2.first, m1.second, m2.second, m1.x,
+                    m1.z, m2.x, m2.z});
     };
     c.description = [](const Series& series) {
         return fmt::format("{:.0f} of M1 in zone 2", series.column("zone2_m1").back());
     };
     c.colour = [](const World& world, Row row) {
-        return world.column<Bodies, MaterialOf>()[row] == 0 ? Colour{230, 160, 40} : Colour{60, 90, 150};
+        return world.column<Bodies, MaterialOf>()[row] == 0 ? Colour{230, 160, 40}
+                                                            : Colour{60, 90, 150};
     };
     return c;
 }
@@ -142,7 +148,8 @@ struct Turn {
 };
 
 /// Where a curve turns round by more than `swing`: trough, peak, trough ... The first is a trough.
-std::vector<Turn> turning_points(const std::vector<double>& time, const std::vector<double>& value, double swing) {
+std::vector<Turn> turning_points(const std::vector<double>& time, const std::vector<double>& value,
+                                 double swing) {
     std::vector<Turn> turns;
     Turn extreme{time[0], value[0]};
     bool falling = true; // what lies on the left has gone to the right first
@@ -164,9 +171,9 @@ void report(const DrumTest& t, BulkRun& run) {
     const auto &time = series.column("time"), &zone2 = series.column("zone2_m1");
     Summary summary;
     const auto turns = turning_points(time, zone2, 0.05 * t.small_spheres);
-    // What stands in zone 2 at first goes up with the wall a little and comes back as the first peak. LIGGGHTS from
-    // the paper's initial state (open re-run of the case, peclet-examples 5d9e7d2, MIT): heights of peaks, times of
-    // troughs of M1 in zone 2
+    // What stands in zone 2 at first goes up with the wall a little and comes back as the first
+    // peak. LIGGGHTS from the paper's initial state (open re-run of the case, peclet-examples
+    // 5d9e7d2, MIT): heights of peaks, times of troughs of M1 in zone 2
     struct Mark {
         const char* name;
         bool trough;
@@ -189,17 +196,20 @@ void report(const DrumTest& t, BulkRun& run) {
     for (const char* column : {"zone1_m1", "zone1_m2", "zone2_m1", "zone2_m2"})
         summary.add(fmt::format("{}_at_end", column), series.column(column).back());
     summary.add("contact_time_over_step",
-                hertz_contact_time(t.small_radius, 2500, t.bulk.bed.stiffness * 1e9, 1) / t.bulk.bed.step);
+                hertz_contact_time(t.small_radius, 2500, t.bulk.bed.stiffness * 1e9, 1) /
+                    t.bulk.bed.step);
     std::vector<Curve> second{{.label = "M1", .x = time, .y = zone2},
                               {.label = "M2", .x = time, .y = series.column("zone2_m2")}};
     for (const Curve& curve : run.reference()) second.push_back(curve);
-    run.report(summary,
-               {{.title = "x < 0, z < 0 (zone 2)", .x_label = "time (s)", .y_label = "spheres", .curves = second},
-                {.title = "x > 0, z > 0 (zone 1)",
-                 .x_label = "time (s)",
-                 .y_label = "spheres",
-                 .curves = {{.label = "M1", .x = time, .y = series.column("zone1_m1")},
-                            {.label = "M2", .x = time, .y = series.column("zone1_m2")}}}});
+    run.report(summary, {{.title = "x < 0, z < 0 (zone 2)",
+                          .x_label = "time (s)",
+                          .y_label = "spheres",
+                          .curves = second},
+                         {.title = "x > 0, z > 0 (zone 1)",
+                          .x_label = "time (s)",
+                          .y_label = "spheres",
+                          .curves = {{.label = "M1", .x = time, .y = series.column("zone1_m1")},
+                                     {.label = "M2", .x = time, .y = series.column("zone1_m2")}}}});
 }
 
 void run(const DrumTest& t, const Common& common) {
@@ -211,6 +221,6 @@ void run(const DrumTest& t, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<DrumTest>(argc, argv, "drum", "a drum mixes two kinds of spheres (Dosta et al. 2024, case 2)",
-                                  run);
+    return run_scenario<DrumTest>(
+        argc, argv, "drum", "a drum mixes two kinds of spheres (Dosta et al. 2024, case 2)", run);
 }

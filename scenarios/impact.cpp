@@ -1,8 +1,9 @@
-// One impact of a sphere on a sphere or a surface: what comes out of it, beside Hertz's or the linear closed form.
+// One impact of a sphere on a sphere or a surface: what comes out of it, beside Hertz's or the
+// linear closed form.
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
-#include "systems/experiments/names.hpp"
+#include "scenarios/verification/names.hpp"
 
 #include <cstdio>
 
@@ -33,9 +34,12 @@ Material wall() {
 struct Shot {
     Impact impact;
     MaterialOptions sphere{alumina()}, partner{wall()};
-    std::string target = "plane", law = "hertz_mindlin_viscous", tension = "allowed", history = "rescaled";
-    double friction = 0.092, restitution = 0.98, angle = 20, rolling_friction = 0, twisting_friction = 0;
-    double spin_x = 0, spin_y = 0, spin_z = 0, partner_spin_x = 0, partner_spin_y = 0, partner_spin_z = 0;
+    std::string target = "plane", law = "hertz_mindlin_viscous", tension = "allowed",
+                history = "rescaled";
+    double friction = 0.092, restitution = 0.98, angle = 20, rolling_friction = 0,
+           twisting_friction = 0;
+    double spin_x = 0, spin_y = 0, spin_z = 0, partner_spin_x = 0, partner_spin_y = 0,
+           partner_spin_z = 0;
 
     Shot() {
         impact.radius = impact.partner_radius = 2.5e-3;
@@ -48,8 +52,10 @@ struct Shot {
         option("radius", impact.radius, "m", "of the sphere", above(0));
         option("partner_radius", impact.partner_radius, "m", "of a partner sphere", above(0));
         option("speed", impact.speed, "m/s", "relative", above(0));
-        option("angle", angle, "degrees", "between velocity and normal", Range{.low = 0, .high = 90, .high_accepted = false});
-        option("partner_share", impact.partner_share, "", "of the speed that a partner sphere has", within(0, 1));
+        option("angle", angle, "degrees", "between velocity and normal",
+               Range{.low = 0, .high = 90, .high_accepted = false});
+        option("partner_share", impact.partner_share, "", "of the speed that a partner sphere has",
+               within(0, 1));
         option("spin_x", spin_x, "rad/s", "of the sphere; it flies along x, z is normal");
         option("spin_y", spin_y, "rad/s", "likewise");
         option("spin_z", spin_z, "rad/s", "likewise");
@@ -60,17 +66,21 @@ struct Shot {
         option("friction", friction, "", "Coulomb coefficient of the pair", at_least(0));
         option("restitution", restitution, "", "of the pair", within(0, 1));
         option("rolling_friction", rolling_friction, "", "of the pair; rolling laws", at_least(0));
-        option("twisting_friction", twisting_friction, "", "of the pair; rolling laws", at_least(0));
+        option("twisting_friction", twisting_friction, "", "of the pair; rolling laws",
+               at_least(0));
         option("tension", tension, "", "whether a dashpot may pull at the end", tension_names);
-        option("shear_history", history, "", "how the tangential spring follows its stiffness; Hertz", shear_history_names);
-        option("shear_dashpot", impact.policy.shear_dashpot, "", "restitution damps the tangential spring too");
+        option("shear_history", history, "",
+               "how the tangential spring follows its stiffness; Hertz", shear_history_names);
+        option("shear_dashpot", impact.policy.shear_dashpot, "",
+               "restitution damps the tangential spring too");
         option("local_damping", impact.local_damping, "", "fraction of force",
                Range{.low = 0, .high = 1, .high_accepted = false});
         option.group("materials");
         sphere.describe(option, "", "of the sphere");
         partner.describe(option, "partner_", "of the partner");
         option.group("accuracy");
-        option("steps_per_contact", impact.steps_per_contact, "", "time steps in the undamped contact time", above(1));
+        option("steps_per_contact", impact.steps_per_contact, "",
+               "time steps in the undamped contact time", above(1));
         option("phase", impact.phase, "", "of a step, from the first touch to the first force",
                Range{.low = 0, .high = 1, .high_accepted = false});
     }
@@ -144,5 +154,6 @@ void run(const Shot& settings, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Shot>(argc, argv, "impact", "one impact of a sphere on a sphere or a surface", run);
+    return run_scenario<Shot>(argc, argv, "impact",
+                              "one impact of a sphere on a sphere or a surface", run);
 }

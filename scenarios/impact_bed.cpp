@@ -1,12 +1,13 @@
-// A steel ball strikes a bed of spheres: case 3 of Dosta et al. (2024), Comput. Phys. Commun. 296:109066. Ball of
-// 20 mm at 5 m/s, its centre 0.06 m high; bed of 25 000, 50 000 or 100 000 spheres of 2 mm in a box of 0.10 x
-// 0.06 m, open at the top. Hertz-Mindlin contacts, no rolling resistance, no global damping. The paper's initial
-// states (Zenodo 8252892) are not at hand: the bed is poured here from a shaken lattice, hardened and brought to
-// rest. Its height is this bed's own and is written beside that at which the ball of the reference curves meets
-// theirs (about 0.031 and 0.132 m above the floor for 25 000 and 100 000: loose beds, or heaped, 0.53 to 0.56 of
+// A steel ball strikes a bed of spheres: case 3 of Dosta et al. (2024), Comput. Phys. Commun.
+// 296:109066. Ball of 20 mm at 5 m/s, its centre 0.06 m high; bed of 25 000, 50 000 or 100 000
+// spheres of 2 mm in a box of 0.10 x 0.06 m, open at the top. Hertz-Mindlin contacts, no rolling
+// resistance, no global damping. The paper's initial states (Zenodo 8252892) are not at hand: the
+// bed is poured here from a shaken lattice, hardened and brought to rest. Its height is this bed's
+// own and is written beside that at which the ball of the reference curves meets theirs (about
+// 0.031 and 0.132 m above the floor for 25 000 and 100 000: loose beds, or heaped, 0.53 to 0.56 of
 // solids);
-// --fill-friction-factor makes a bed looser. In the shallow beds the ball is stopped by spheres that it squeezes
-// against the floor, by a third of their radius and more.
+// --fill-friction-factor makes a bed looser. In the shallow beds the ball is stopped by spheres
+// that it squeezes against the floor, by a third of their radius and more.
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
@@ -15,11 +16,11 @@
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
+#include "scenarios/bulk/bulk_run.hpp"
+#include "scenarios/specimens/lattice.hpp"
+#include "scenarios/specimens/memory_estimate.hpp"
+#include "scenarios/specimens/scene.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/lattice.hpp"
-#include "systems/build/memory_estimate.hpp"
-#include "systems/build/scene.hpp"
-#include "systems/procedure/bulk_run.hpp"
 
 #include <fmt/format.h>
 
@@ -33,11 +34,13 @@ using namespace bris;
 struct ImpactTest {
     unsigned spheres = 25000;
     double diameter = 0.002, ball_diameter = 0.02, speed = 5, length = 0.10, width = 0.06;
-    BulkSettings bulk{.duration = 0.1, .sample_interval = 5e-4, .bed = {.step = 1e-6, .longest_rest = 0.03}};
+    BulkSettings bulk{
+        .duration = 0.1, .sample_interval = 5e-4, .bed = {.step = 1e-6, .longest_rest = 0.03}};
 
     void describe(auto& option) {
         option.group("impact");
-        option("spheres", spheres, "", "of the bed: 25 000, 50 000 or 100 000 in the paper", within(10, 5e6));
+        option("spheres", spheres, "", "of the bed: 25 000, 50 000 or 100 000 in the paper",
+               within(10, 5e6));
         option("diameter", diameter, "m", "of the spheres", within(1e-4, 0.02));
         option("ball_diameter", ball_diameter, "m", "of the steel ball", within(1e-3, 0.05));
         option("speed", speed, "m/s", "of the ball, downwards, at time 0", within(0, 100));
@@ -66,7 +69,8 @@ World make_world_of(const ImpactTest& t, std::uint64_t seed) {
     const auto everywhere = [&](const Vec3& x) {
         return (x - low).head(2).minCoeff() > 1.05 * r && (high - x).head(2).minCoeff() > 1.05 * r;
     };
-    for (const Vec3& site : lattice_sites({low, high, 1.1 * t.diameter, 0.02, seed}, t.spheres, everywhere)) {
+    for (const Vec3& site :
+         lattice_sites({low, high, 1.1 * t.diameter, 0.02, seed}, t.spheres, everywhere)) {
         const EntityId id = add_sphere(world, site, r, materials.m1);
         world.column<Bodies, Velocity>()[id] =
             shake * Random(seed, 1000000000 + made++).direction(); // rows are ids yet
@@ -74,8 +78,9 @@ World make_world_of(const ImpactTest& t, std::uint64_t seed) {
     auto& limits = world.resource<Limits>();
     limits.low = low - Vec3::Constant(0.01);
     limits.high = Vec3(0.3, 0.3, 1);
-    limits.low.head(2).setConstant(-0.3); // grains may splash out over the box's height: its walls have no rim
-    limits.overlap = 0.9;                 // grains squeezed between ball and floor
+    limits.low.head(2).setConstant(
+        -0.3);            // grains may splash out over the box's height: its walls have no rim
+    limits.overlap = 0.9; // grains squeezed between ball and floor
     world.add_resource<Gravity>();
     world.add_resource<BedState>();
     add_lists(world, LawName::hertz_mindlin_viscous);
@@ -89,7 +94,8 @@ double surface(const World& world, double reach) {
     const auto radius = world.column<Bodies, BoundingRadius>();
     const auto id = world.column<Bodies, BodyId>();
     for (Row b = 0; b < id.size(); ++b)
-        if (id[b] > ball && position[b].head(2).norm() < reach) top = std::max(top, position[b].z() + radius[b]);
+        if (id[b] > ball && position[b].head(2).norm() < reach)
+            top = std::max(top, position[b].z() + radius[b]);
     return top;
 }
 
@@ -109,9 +115,11 @@ void let_go(World& world, const ImpactTest& t) {
     const Row row = row_of_body(world, ball);
     const double dt = world.resource<Clock>().dt, r = t.ball_diameter / 2;
     const double top = surface(world, r + t.diameter);
-    require(top < drop - r,
-            fmt::format("impact_bed: expected a bed below the ball at {:.4f} m, found its surface at {:.4f} m",
-                        drop - r, top));
+    require(
+        top < drop - r,
+        fmt::format(
+            "impact_bed: expected a bed below the ball at {:.4f} m, found its surface at {:.4f} m",
+            drop - r, top));
     world.column<Bodies, MotionOf>()[row] = static_cast<std::uint32_t>(Motion::free);
     world.column<Bodies, Position>()[row] = Vec3(0, 0, drop);
     world.column<Bodies, Velocity>()[row] =
@@ -129,10 +137,12 @@ struct BedHeight {
 };
 
 BulkCase make_case(const ImpactTest& t, std::uint64_t seed) {
-    BulkCase c{.world = make_world_of(t, seed), .columns = {{"displacement", "m"}, {"velocity", "m/s"}}};
+    BulkCase c{.world = make_world_of(t, seed),
+               .columns = {{"displacement", "m"}, {"velocity", "m/s"}}};
     c.world.add_resource<BedHeight>();
     c.begin = [=](World& world) {
-        world.resource<BedHeight>() = {bed_height(world), surface(world, t.ball_diameter / 2) - box_floor};
+        world.resource<BedHeight>() = {bed_height(world),
+                                       surface(world, t.ball_diameter / 2) - box_floor};
         let_go(world, t);
     };
     c.sample = [](World& world, Series& series) {
@@ -152,8 +162,9 @@ BulkCase make_case(const ImpactTest& t, std::uint64_t seed) {
     return c;
 }
 
-// Open re-runs from the paper's initial states (peclet-examples 897965c, MIT): least displacement (m) by LIGGGHTS
-// and MUSEN; of the curves, points by MUSEN. In the shallow beds the end is chaotic.
+// Open re-runs from the paper's initial states (peclet-examples 897965c, MIT): least displacement
+// (m) by LIGGGHTS and MUSEN; of the curves, points by MUSEN. In the shallow beds the end is
+// chaotic.
 struct Reference {
     unsigned spheres;
     double liggghts, musen;
@@ -164,13 +175,15 @@ const std::array<Reference, 3> references{{
      -0.13891,
      -0.13802,
      {0, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.07, 0.08, 0.09, 0.1},
-     {0, -0.050491, -0.101962, -0.138024, -0.120219, -0.101400, -0.083562, -0.066707, -0.050835, -0.035944, -0.022034}},
+     {0, -0.050491, -0.101962, -0.138024, -0.120219, -0.101400, -0.083562, -0.066707, -0.050835,
+      -0.035944, -0.022034}},
     {50000, -0.13859, -0.13895, {}, {}},
     {100000,
      -0.09088,
      -0.09053,
      {0, 0.005, 0.01, 0.02, 0.03, 0.04, 0.05, 0.06, 0.08, 0.1},
-     {0, -0.022796, -0.040800, -0.067976, -0.081290, -0.088188, -0.090506, -0.090491, -0.090488, -0.090488}},
+     {0, -0.022796, -0.040800, -0.067976, -0.081290, -0.088188, -0.090506, -0.090491, -0.090488,
+      -0.090488}},
 }};
 
 void report(const ImpactTest& t, BulkRun& run) {
@@ -180,24 +193,31 @@ void report(const ImpactTest& t, BulkRun& run) {
     const BedHeight& height = run.world().resource<BedHeight>();
     Summary summary;
     summary.add("least_displacement_m", *least);
-    summary.add("time_of_least_displacement_s", time[static_cast<std::size_t>(least - depth.begin())]);
+    summary.add("time_of_least_displacement_s",
+                time[static_cast<std::size_t>(least - depth.begin())]);
     summary.add("final_displacement_m", depth.back());
     summary.add("final_speed_m_per_s", std::abs(series.column("velocity").back()));
     summary.add("bed_mean_height_m", height.mean);
     summary.add("bed_height_below_ball_m", height.top);
     const double volume = t.spheres * pi / 6 * std::pow(t.diameter, 3);
     summary.add("bed_solid_fraction", volume / (t.length * t.width * height.mean));
-    summary.add("depth_below_bed_m", box_floor + height.top - (drop + *least - t.ball_diameter / 2));
+    summary.add("depth_below_bed_m",
+                box_floor + height.top - (drop + *least - t.ball_diameter / 2));
     summary.add("contact_time_over_step",
-                hertz_contact_time(t.diameter / 2, 2500, t.bulk.bed.stiffness * 1e9, 1) / t.bulk.bed.step);
-    std::vector<Curve> curves{{.label = fmt::format("{} spheres", t.spheres), .x = time, .y = depth}};
+                hertz_contact_time(t.diameter / 2, 2500, t.bulk.bed.stiffness * 1e9, 1) /
+                    t.bulk.bed.step);
+    std::vector<Curve> curves{
+        {.label = fmt::format("{} spheres", t.spheres), .x = time, .y = depth}};
     for (const Reference& r : references) {
         if (r.spheres != t.spheres || t.diameter != 0.002) continue;
         summary.add("reference_least_displacement_liggghts_m", r.liggghts);
         summary.add("reference_least_displacement_musen_m", r.musen);
         summary.add("least_displacement_error", *least / (0.5 * (r.liggghts + r.musen)) - 1);
         if (!r.time.empty())
-            curves.push_back({.label = "MUSEN", .x = r.time, .y = r.displacement, .style = Curve::Style::points});
+            curves.push_back({.label = "MUSEN",
+                              .x = r.time,
+                              .y = r.displacement,
+                              .style = Curve::Style::points});
     }
     for (const Curve& curve : run.reference()) curves.push_back(curve);
     run.report(summary, {{.title = "the ball in the bed",
@@ -218,6 +238,7 @@ void run(const ImpactTest& t, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<ImpactTest>(argc, argv, "impact_bed",
-                                    "a steel ball strikes a bed of spheres (Dosta et al. 2024, case 3)", run);
+    return run_scenario<ImpactTest>(
+        argc, argv, "impact_bed",
+        "a steel ball strikes a bed of spheres (Dosta et al. 2024, case 3)", run);
 }

@@ -1,21 +1,24 @@
-// SMART computing while the test goes on: records of a test machine and of SmartRocks come in as a stream, and at every
-// stage the model says what friction and stiffness are and where all rocks have gone.
+// SMART computing while the test goes on: records of a test machine and of SmartRocks come in as a
+// stream, and at every stage the model says what friction and stiffness are and where all rocks
+// have gone.
+#include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
+#include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "engine/signal/attitude.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
+#include "scenarios/assimilation/kept_run.hpp"
+#include "scenarios/assimilation/learning_results.hpp"
+#include "scenarios/assimilation/live_model.hpp"
+#include "scenarios/assimilation/live_test.hpp"
+#include "scenarios/assimilation/misfit.hpp"
+#include "scenarios/assimilation/run_models.hpp"
+#include "scenarios/recordings/recorded_stream.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
 #include "systems/output/frames.hpp"
-#include "systems/output/plot.hpp"
-#include "systems/procedure/kept_run.hpp"
-#include "systems/procedure/learning_results.hpp"
-#include "systems/procedure/live_model.hpp"
-#include "systems/procedure/live_test.hpp"
-#include "systems/procedure/recorded_stream.hpp"
-#include "systems/procedure/run_models.hpp"
-#include "systems/procedure/triaxial_results.hpp"
 
 #include <fmt/format.h>
 
@@ -30,8 +33,8 @@ namespace {
 
 struct Live {
     Triaxial triaxial;
-    std::filesystem::path recordings = std::filesystem::path(BRIS_ASSETS) / "smartrock";
-    std::filesystem::path stream = std::filesystem::path(BRIS_ASSETS) / "smartrock" / "55kPa";
+    std::filesystem::path recordings = assets_folder() / "smartrock";
+    std::filesystem::path stream = assets_folder() / "smartrock" / "55kPa";
     RockBelief model{0.5, 1};
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     LiveSettings live;
@@ -45,21 +48,42 @@ struct Live {
     }
     void describe(auto& option) {
         option.group("stream");
-        option("stream", stream, "", "records as they come, JSON objects or CSV, a line each: -, a file that grows, a pipe, or a folder with recordings.csv and test.csv to be replayed");
-        option("recordings", recordings, "", "a folder with rock_NN.txt and sensor_poses.csv: what is known of the sensor rocks beforehand");
-        option("patience", live.patience, "s", "without a record of the test machine, after which the stream has ended and the model goes on alone", above(0));
-        option("lateness", live.lateness, "", "axial strain, by which the model waits for records that come late", at_least(0));
-        option("speed", live.speed, "", "of a replay by the records' times; 1: as it was, 0: as fast as can be", at_least(0));
-        option("stage_time", stage_time, "s", "that the test took for 0.01 % of strain, in a folder to be replayed whose test.csv has no t", above(0));
-        option("rest", live.intake.rest, "s", "at the beginning, in which the rocks lie still", above(0));
-        option("interval", live.intake.interval, "", "axial strain between samples that are used", above(0));
+        option("stream", stream, "",
+               "records as they come, JSON objects or CSV, a line each: -, a file that grows, a "
+               "pipe, or a folder with recordings.csv and test.csv to be replayed");
+        option("recordings", recordings, "",
+               "a folder with rock_NN.txt and sensor_poses.csv: what is known of the sensor rocks "
+               "beforehand");
+        option("patience", live.patience, "s",
+               "without a record of the test machine, after which the stream has ended and the "
+               "model goes on alone",
+               above(0));
+        option("lateness", live.lateness, "",
+               "axial strain, by which the model waits for records that come late", at_least(0));
+        option("speed", live.speed, "",
+               "of a replay by the records' times; 1: as it was, 0: as fast as can be",
+               at_least(0));
+        option("stage_time", stage_time, "s",
+               "that the test took for 0.01 % of strain, in a folder to be replayed whose test.csv "
+               "has no t",
+               above(0));
+        option("rest", live.intake.rest, "s", "at the beginning, in which the rocks lie still",
+               above(0));
+        option("interval", live.intake.interval, "", "axial strain between samples that are used",
+               above(0));
         option("use_displacement", live.intake.displacement, "", "ux uy uz, where sent");
-        option("use_attitude", live.intake.attitude, "", "qw qx qy qz, where sent, else tilt by gravity");
+        option("use_attitude", live.intake.attitude, "",
+               "qw qx qy qz, where sent, else tilt by gravity");
         option.group("model");
-        option("model_friction", model.friction, "", "of rocks, before anything is measured", above(0));
-        option("model_stiffness", model.stiffness, "", "of contacts, of --clump-stiffness, likewise", above(0));
+        option("model_friction", model.friction, "", "of rocks, before anything is measured",
+               above(0));
+        option("model_stiffness", model.stiffness, "",
+               "of contacts, of --clump-stiffness, likewise", above(0));
         option("compare", compare, "", "with the model alone, which is run after the test");
-        option("catch_up", catch_up, "", "stages that the second generation goes on for each one of the test, until it is where the test is", within(2, 10000));
+        option("catch_up", catch_up, "",
+               "stages that the second generation goes on for each one of the test, until it is "
+               "where the test is",
+               within(2, 10000));
         learning.describe(option);
         triaxial.describe(option);
     }
@@ -73,14 +97,18 @@ std::filesystem::path prepare_stream(const Live& s, const Common& common) {
     const bool goes_on = !common.resume.empty() && std::filesystem::is_directory(common.resume);
     if (!goes_on && std::filesystem::exists(log)) { // it may be all that is left of a test
         auto kept = log.string() + ".before";
-        for (int k = 2; std::filesystem::exists(kept); ++k) kept = fmt::format("{}.before.{}", log.string(), k);
+        for (int k = 2; std::filesystem::exists(kept); ++k)
+            kept = fmt::format("{}.before.{}", log.string(), k);
         std::filesystem::rename(log, kept);
     }
-    if (goes_on && !std::filesystem::equivalent(common.resume, common.out) && std::filesystem::exists(common.resume / log_name))
-        std::filesystem::copy_file(common.resume / log_name, log, std::filesystem::copy_options::overwrite_existing);
+    if (goes_on && !std::filesystem::equivalent(common.resume, common.out) &&
+        std::filesystem::exists(common.resume / log_name))
+        std::filesystem::copy_file(common.resume / log_name, log,
+                                   std::filesystem::copy_options::overwrite_existing);
     if (!std::filesystem::is_directory(s.stream)) return s.stream;
     std::string text;
-    for (const std::string& line : stream_of(s.stream, s.stage_time, s.live.intake.rest)) text += line + "\n";
+    for (const std::string& line : stream_of(s.stream, s.stage_time, s.live.intake.rest))
+        text += line + "\n";
     write_whole(common.out / "replay.ndjson", text);
     return common.out / "replay.ndjson";
 }
@@ -88,12 +116,17 @@ std::filesystem::path prepare_stream(const Live& s, const Common& common) {
 class LiveRun {
 public:
     LiveRun(const Live& settings, const Common& common)
-        : s_(settings), common_(common), scene_(make_scene(s_.triaxial, common.seed)), test_settings_(s_.triaxial.test), progress_(progress_of_models(common)) {
+        : s_(settings), common_(common), scene_(make_scene(s_.triaxial, common.seed)),
+          test_settings_(s_.triaxial.test), progress_(progress_of_models(common)) {
         test_settings_.confining_pressure = s_.triaxial.confining_pressure.front();
-        infos_ = infos_of_test(s_.recordings, test_settings_.confining_pressure, read_sensor_infos(s_.recordings));
+        infos_ = infos_of_test(s_.recordings, test_settings_.confining_pressure,
+                               read_sensor_infos(s_.recordings));
         require(infos_.size() == scene_.poses.size(),
-                fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as the model has, {}, found {}", scene_.poses.size(), infos_.size()));
-        if (s_.stream != "-" && !std::filesystem::exists(s_.stream)) throw OutputError(fmt::format("cannot read '{}'", s_.stream.string()));
+                fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as "
+                            "the model has, {}, found {}",
+                            scene_.poses.size(), infos_.size()));
+        if (s_.stream != "-" && !std::filesystem::exists(s_.stream))
+            throw OutputError(fmt::format("cannot read '{}'", s_.stream.string()));
         source_ = prepare_stream(s_, common);
     }
     void run();
@@ -124,23 +157,33 @@ private:
     std::size_t records_ = 0;
 };
 
-const std::vector<RunFile::Column> columns{{"axial_strain"}, {"q", "Pa"}, {"volumetric_strain"}, {"friction"}, {"friction_deviation"},
-                                           {"stiffness_ratio"}, {"stiffness_ratio_deviation"}};
+const std::vector<RunFile::Column> columns{
+    {"axial_strain"},       {"q", "Pa"},         {"volumetric_strain"},        {"friction"},
+    {"friction_deviation"}, {"stiffness_ratio"}, {"stiffness_ratio_deviation"}};
 
-/// A row of the run file for each stage; every 0.1 % of strain: a line, and the table of all stages so far.
+/// A row of the run file for each stage; every 0.1 % of strain: a line, and the table of all stages
+/// so far.
 void LiveRun::tell(double latest) {
     const TriaxialPoint& now = model_->state().points.back();
     rows_.push_back({now.axial_strain, now.deviatoric_stress, now.volumetric_strain});
-    for (const NamedValue& v : describe(model_->belief())) rows_.back().push_back(std::get<double>(v.value));
+    for (const NamedValue& v : describe(model_->belief()))
+        rows_.back().push_back(std::get<double>(v.value));
     frames_->file().add_row("stages", rows_.back());
     rows_.back().push_back(latest); // not of the test: no two runs have the same
-    const auto every = static_cast<std::size_t>(std::llround(std::max(1.0, 1e-3 / test_settings_.stage_strain)));
+    const auto every =
+        static_cast<std::size_t>(std::llround(std::max(1.0, 1e-3 / test_settings_.stage_strain)));
     if ((rows_.size() - 1) % every != 0 && !model_->done()) return;
-    write_csv(common_.out / "live.csv", {"axial_strain", "q_Pa", "volumetric_strain", "friction", "friction_deviation", "stiffness_ratio", "stiffness_ratio_deviation", "latency_s"}, rows_, {}, 6);
+    write_csv(common_.out / "live.csv",
+              {"axial_strain", "q_Pa", "volumetric_strain", "friction", "friction_deviation",
+               "stiffness_ratio", "stiffness_ratio_deviation", "latency_s"},
+              rows_, {}, 6);
     if (common_.quiet) return;
     progress_.pause();
-    fmt::print("{:6.2f} %  q {:6.1f} kPa  friction {:.3f} +- {:.3f}  stiffness {:.2f} +- {:.2f}{}\n", 100 * now.axial_strain, 1e-3 * now.deviatoric_stress, rows_.back()[3], rows_.back()[4],
-               rows_.back()[5], rows_.back()[6], std::isnan(latest) ? "  (nothing heard)" : fmt::format("  {:.3f} s behind", latest));
+    fmt::print(
+        "{:6.2f} %  q {:6.1f} kPa  friction {:.3f} +- {:.3f}  stiffness {:.2f} +- {:.2f}{}\n",
+        100 * now.axial_strain, 1e-3 * now.deviatoric_stress, rows_.back()[3], rows_.back()[4],
+        rows_.back()[5], rows_.back()[6],
+        std::isnan(latest) ? "  (nothing heard)" : fmt::format("  {:.3f} s behind", latest));
     std::fflush(stdout);
 }
 
@@ -149,7 +192,8 @@ void LiveRun::write_frame() {
     const ModelRun& run = model_->state();
     if ((run.points.size() - 1) % s_.triaxial.frame_stages != 0 && !model_->done()) return;
     std::map<std::int64_t, std::size_t> place;
-    for (std::size_t k = 0; k < run.rocks.size(); ++k) place[static_cast<std::int64_t>(run.rocks[k])] = k;
+    for (std::size_t k = 0; k < run.rocks.size(); ++k)
+        place[static_cast<std::int64_t>(run.rocks[k])] = k;
     BodyFrame frame = first_frame_;
     frame.time = run.points.back().axial_strain;
     for (std::size_t b = 0; b < frame.ids.size(); ++b) {
@@ -159,7 +203,8 @@ void LiveRun::write_frame() {
         frame.positions[b] = start.position + run.displacement.back()[found->second];
         const Quat q = exponential_map(run.rotation.back()[found->second]) * start.orientation;
         const double numbers[] = {q.w(), q.x(), q.y(), q.z()};
-        for (std::size_t i = 0; i < 4; ++i) frame.orientations[4 * b + i] = static_cast<float>(numbers[i]);
+        for (std::size_t i = 0; i < 4; ++i)
+            frame.orientations[4 * b + i] = static_cast<float>(numbers[i]);
     }
     frames_->add(frame);
 }
@@ -174,7 +219,8 @@ void LiveRun::follow() {
         model_->next_stage(so_far);
         const auto ages = test_->ages();
         records_ += ages.size();
-        if (!ages.empty()) latencies_.push_back(ages.back()); // the machine's record that the answer waited for
+        if (!ages.empty())
+            latencies_.push_back(ages.back()); // the machine's record that the answer waited for
         tell(ages.empty() ? std::nan("") : ages.back());
         write_frame();
         model_->go_on(); // the stage that the test is in now, while nobody waits
@@ -183,17 +229,24 @@ void LiveRun::follow() {
 
 /// All that needs no record: the specimen, and the first worlds.
 void LiveRun::prepare() {
-    specimen_ = make_specimen(scene_, test_settings_, common_, [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
+    specimen_ = make_specimen(
+        scene_, test_settings_, common_,
+        [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
     progress_.pause();
     Simulation at_start = make_simulation(scene_, 1, common_.serial);
     at_start.restore(specimen_);
     first_frame_ = frame_of_bodies(at_start.world());
     first_frame_.corners.clear(); // the membrane of the test is not known rock by rock
-    frames_.emplace(common_.out / "live_triaxial.vtkhdf", common_.settings); // a run that goes on takes its log first, and writes it anew
+    frames_.emplace(common_.out / "live_triaxial.vtkhdf",
+                    common_.settings); // a run that goes on takes its log first, and writes it anew
     frames_->file().add_track("stages", columns);
     frames_->file().flush(); // can be read from now on
-    model_.emplace(LiveModelSettings{s_.model, s_.learning, test_settings_.stage_strain, test_settings_.final_axial_strain, s_.catch_up},
-                   [this](const std::vector<ModelArm>& arms) { return begin_models(scene_, test_settings_, specimen_, arms, common_, progress_); });
+    model_.emplace(LiveModelSettings{s_.model, s_.learning, test_settings_.stage_strain,
+                                     test_settings_.final_axial_strain, s_.catch_up},
+                   [this](const std::vector<ModelArm>& arms) {
+                       return begin_models(scene_, test_settings_, specimen_, arms, common_,
+                                           progress_);
+                   });
 }
 
 void LiveRun::run() {
@@ -203,14 +256,20 @@ void LiveRun::run() {
     live.intake.interval = std::max(live.intake.interval, test_settings_.stage_strain);
     test_.emplace(source_, common_.out / log_name, infos_, live);
     progress_.pause();
-    if (!common_.quiet) fmt::print("ready; {}\n", s_.stream == "-" ? "listening" : "following " + s_.stream.string());
+    if (!common_.quiet)
+        fmt::print("ready; {}\n",
+                   s_.stream == "-" ? "listening" : "following " + s_.stream.string());
     try {
         follow();
     } catch (const Interrupted&) {
         model_->keep();
         throw;
     }
-    if (s_.compare) free_ = try_models(scene_, test_settings_, specimen_, {{.name = "DEM only", .rocks = s_.model}}, test_settings_.final_axial_strain, common_, progress_).front();
+    if (s_.compare)
+        free_ =
+            try_models(scene_, test_settings_, specimen_, {{.name = "DEM only", .rocks = s_.model}},
+                       test_settings_.final_axial_strain, common_, progress_)
+                .front();
     progress_.pause();
     if (!free_ || free_->stopped.empty()) return;
     fmt::print("not compared: {}\n", free_->stopped);
@@ -219,16 +278,26 @@ void LiveRun::run() {
 
 void LiveRun::draw(const RecordedTest& measured) const {
     std::vector<Plot> panels;
-    const auto panel = [&](const char* title, const char* label, double scale, double TriaxialPoint::* value) {
-        Plot plot{.title = title, .x_label = "axial strain (%)", .y_label = label,
-                  .curves = {curve_of("measured", measured.measured, scale, value, Curve::Style::points), curve_of("known then", model_->state().points, scale, value)}};
-        if (free_) plot.curves.push_back(curve_of("DEM only", free_->points, scale, value, Curve::Style::dashed));
+    const auto panel = [&](const char* title, const char* label, double scale,
+                           double TriaxialPoint::*value) {
+        Plot plot{
+            .title = title,
+            .x_label = "axial strain (%)",
+            .y_label = label,
+            .curves = {curve_of("measured", measured.measured, scale, value, Curve::Style::points),
+                       curve_of("known then", model_->state().points, scale, value)}};
+        if (free_)
+            plot.curves.push_back(
+                curve_of("DEM only", free_->points, scale, value, Curve::Style::dashed));
         panels.push_back(std::move(plot));
     };
     panel("Deviatoric stress", "q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress);
     panel("Volumetric strain", "volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain);
-    Plot friction{.title = "What the test tells of its rocks", .x_label = "axial strain (%)", .y_label = "friction"};
-    for (const auto& [label, sign] : {std::pair{"friction", 0.0}, std::pair{"one deviation", 1.0}, std::pair{"", -1.0}}) {
+    Plot friction{.title = "What the test tells of its rocks",
+                  .x_label = "axial strain (%)",
+                  .y_label = "friction"};
+    for (const auto& [label, sign] :
+         {std::pair{"friction", 0.0}, std::pair{"one deviation", 1.0}, std::pair{"", -1.0}}) {
         Curve curve{.label = label, .style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
         for (const auto& row : rows_) {
             curve.x.push_back(100 * row[0]);
@@ -243,7 +312,10 @@ void LiveRun::draw(const RecordedTest& measured) const {
 void LiveRun::report() {
     const RecordedTest measured = test_->so_far();
     constexpr double drift = 1e-3, turn = 0.1; // m and rad, that rocks of the model may be off by
-    const std::string found = fmt::format("{}\n{}", test_->report(), observability(measured.recordings, test_settings_.final_axial_strain / 1e-4 * s_.stage_time, drift, turn));
+    const std::string found = fmt::format(
+        "{}\n{}", test_->report(),
+        observability(measured.recordings, test_settings_.final_axial_strain / 1e-4 * s_.stage_time,
+                      drift, turn));
     write_whole(common_.out / "intake.txt", found);
     frames_->file().add_meta({{"intake", found}});
     frames_->file().close();
@@ -262,11 +334,16 @@ void LiveRun::report() {
     add("worlds_alone", model_->forecast());
     if (free_) add("DEM_only", *free_);
     summary.add("caught_up_at_axial_strain", model_->caught_up_at());
-    if (model_->lost_second_at() > 0) summary.add("second_generation_lost_at_axial_strain", model_->lost_second_at());
+    if (model_->lost_second_at() > 0)
+        summary.add("second_generation_lost_at_axial_strain", model_->lost_second_at());
     summary.add("sensors_refused", measured.refused());
     summary.add("records", records_);
     std::ranges::sort(latencies_);
-    const auto latency = [&](double share) { return latencies_.empty() ? std::nan("") : latencies_[static_cast<std::size_t>(share * static_cast<double>(latencies_.size() - 1))]; };
+    const auto latency = [&](double share) {
+        return latencies_.empty() ? std::nan("")
+                                  : latencies_[static_cast<std::size_t>(
+                                        share * static_cast<double>(latencies_.size() - 1))];
+    };
     summary.add("latency_median_s", latency(0.5));
     summary.add("latency_95_percent_s", latency(0.95));
     summary.add("latency_largest_s", latency(1));
@@ -274,26 +351,36 @@ void LiveRun::report() {
     fmt::print("{}results in {}\n", found, common_.out.string());
 }
 
-/// Both generations stand side by side until the second one has caught up; each world's motions are kept twice, by the run and by who learns from
-/// it, and those of the answers are two runs more.
+/// Both generations stand side by side until the second one has caught up; each world's motions are
+/// kept twice, by the run and by who learns from it, and those of the answers are two runs more.
 void require_memory_for_worlds(const Live& s, std::uint64_t limit) {
     const unsigned worlds = 2 * s.learning.worlds;
     const double stages = 1 + s.triaxial.test.final_axial_strain / s.triaxial.test.stage_strain;
-    const double first = s.learning.first_strain / s.triaxial.test.stage_strain, side_by_side = std::min(stages, 2 + first * s.catch_up / (s.catch_up - 1.0));
-    require_memory_for(s.triaxial, worlds, limit, 2 * s.learning.worlds * (stages + side_by_side) + 2 * stages);
+    const double first = s.learning.first_strain / s.triaxial.test.stage_strain,
+                 side_by_side = std::min(stages, 2 + first * s.catch_up / (s.catch_up - 1.0));
+    require_memory_for(s.triaxial, worlds, limit,
+                       2 * s.learning.worlds * (stages + side_by_side) + 2 * stages);
 }
 
 void run(const Live& given, const Common& common) {
     Live s = given;
-    require(s.triaxial.confining_pressure.size() == 1, "--confining-pressure: expected one, found several");
+    require(s.triaxial.confining_pressure.size() == 1,
+            "--confining-pressure: expected one, found several");
     const std::string folder = folder_of(s.triaxial.confining_pressure.front());
-    const bool is_replay = std::filesystem::is_directory(s.stream) && s.stream.filename().string().ends_with("kPa");
-    require(!is_replay || s.stream.filename() == folder, fmt::format("--stream: expected a test at {}, as --confining-pressure says, found '{}'", folder, s.stream.string()));
+    const bool is_replay =
+        std::filesystem::is_directory(s.stream) && s.stream.filename().string().ends_with("kPa");
+    require(!is_replay || s.stream.filename() == folder,
+            fmt::format("--stream: expected a test at {}, as --confining-pressure says, found '{}'",
+                        folder, s.stream.string()));
     check_test(s.triaxial);
     require_memory_for_worlds(s, common.memory_limit);
-    if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(s.recordings / "sensor_poses.csv")) s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
+    if (s.triaxial.sensor_poses.empty() &&
+        std::filesystem::exists(s.recordings / "sensor_poses.csv"))
+        s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
     if (common.explain) {
-        fmt::print("{}", make_simulation(make_scene(s.triaxial, common.seed), 1, common.serial).schedule().explain());
+        fmt::print("{}", make_simulation(make_scene(s.triaxial, common.seed), 1, common.serial)
+                             .schedule()
+                             .explain());
         return;
     }
     LiveRun live(s, common);
@@ -307,5 +394,8 @@ void run(const Live& given, const Common& common) {
 } // namespace bris
 
 int main(int argc, char** argv) {
-    return bris::run_scenario<bris::Live>(argc, argv, "live_triaxial", "a triaxial test and its SmartRocks followed as their records come in, and what they tell of all rocks", bris::run);
+    return bris::run_scenario<bris::Live>(argc, argv, "live_triaxial",
+                                          "a triaxial test and its SmartRocks followed as their "
+                                          "records come in, and what they tell of all rocks",
+                                          bris::run);
 }

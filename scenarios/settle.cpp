@@ -1,22 +1,22 @@
 // Spheres settle in a box under gravity: the bed on which speed is measured, and the shortest way
 // to see a whole run, from options to pictures.
+#include "engine/checkpoint_keeper.hpp"
 #include "engine/errors.hpp"
+#include "engine/io/plot.hpp"
+#include "engine/io/series.hpp"
 #include "engine/memory.hpp"
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
+#include "scenarios/specimens/check_scene.hpp"
+#include "scenarios/specimens/memory_estimate.hpp"
+#include "scenarios/specimens/relax.hpp"
+#include "scenarios/specimens/sphere_bed.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/check_scene.hpp"
-#include "systems/build/memory_estimate.hpp"
-#include "systems/build/sphere_bed.hpp"
 #include "systems/contact/stable_step.hpp"
-#include "systems/output/checkpoint_keeper.hpp"
 #include "systems/output/frames.hpp"
-#include "systems/output/plot.hpp"
 #include "systems/output/porosity.hpp"
 #include "systems/output/quantities.hpp"
-#include "systems/output/series.hpp"
-#include "systems/procedure/relax.hpp"
 #include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
 
@@ -44,13 +44,17 @@ struct Settle {
         option("normal_stiffness", bed.normal_stiffness, "N/m",
                "of a contact; the tangential one is 2/7 of it", above(0));
         option("friction", bed.friction, "", "Coulomb coefficient", at_least(0));
-        option("damping_rate", bed.damping_rate, "1/s", "of the normal dashpot; half of it, tangential",
-               at_least(0));
+        option("damping_rate", bed.damping_rate, "1/s",
+               "of the normal dashpot; half of it, tangential", at_least(0));
         option("density", bed.density, "kg/m3", "of the spheres", above(0));
         option("step", bed.step, "s", "time step", above(0));
         option("duration", duration, "s", "simulated", above(0));
-        option("sleep", sleep, "", "share of its weight up to which forces on a sphere may be out of balance when it falls asleep, twice that when it wakes; 0: none sleeps", at_least(0));
-        option("start_overlap", bed.start_overlap, "", "of the mean diameter, by which neighbours overlap at the start", within(0, 1));
+        option("sleep", sleep, "",
+               "share of its weight up to which forces on a sphere may be out of balance when it "
+               "falls asleep, twice that when it wakes; 0: none sleeps",
+               at_least(0));
+        option("start_overlap", bed.start_overlap, "",
+               "of the mean diameter, by which neighbours overlap at the start", within(0, 1));
         option("relax", relax, "", "let a start with deep overlaps come to rest first");
     }
 };
@@ -61,14 +65,16 @@ constexpr LawName law = LawName::linear_viscous;
 
 void relax_start(World& world, unsigned threads) {
     const Relaxed r = relax(world, law, {.threads = threads});
-    fmt::print("relaxed in {} steps: largest overlap from {:.3g} to {:.3g} of a diameter, kinetic energy up to {:.3g} of {:.3g} J stored\n",
+    fmt::print("relaxed in {} steps: largest overlap from {:.3g} to {:.3g} of a diameter, kinetic "
+               "energy up to {:.3g} of {:.3g} J stored\n",
                r.steps, r.first_overlap, r.overlap, r.peak_energy, r.stored_energy);
     if (!r.done) throw SimulationError(r.left);
 }
 
 /// The bed, checked; a resumed one need not start well.
 World make_scene(const Settle& settings, const Common& common) {
-    require_memory("spheres", settings.bed.spheres, bytes_of_spheres(settings.bed.spheres), common.memory_limit);
+    require_memory("spheres", settings.bed.spheres, bytes_of_spheres(settings.bed.spheres),
+                   common.memory_limit);
     SphereBed bed = settings.bed;
     bed.seed = common.seed;
     World world = make_sphere_bed(bed);
@@ -76,7 +82,8 @@ World make_scene(const Settle& settings, const Common& common) {
     const bool starts = common.resume.empty() && !common.explain;
     if (starts && settings.relax) relax_start(world, common.threads);
     add_lists(world, law);
-    if (settings.sleep > 0) add_sleep(world, {.acceleration = settings.sleep * world.resource<Gravity>().value.norm()});
+    if (settings.sleep > 0)
+        add_sleep(world, {.acceleration = settings.sleep * world.resource<Gravity>().value.norm()});
     if (starts) check_overlaps(world);
     return world;
 }
@@ -100,8 +107,8 @@ public:
     Settling(const Settle& settings, const Common& common)
         : settings_(settings), common_(common), total_(steps_of(settings)),
           sample_every_(std::max<std::uint64_t>(1, total_ / samples)),
-          simulation_(make_scene(settings, common), steps(law),
-                      common.threads, {.serial = common.serial}),
+          simulation_(make_scene(settings, common), steps(law), common.threads,
+                      {.serial = common.serial}),
           keeper_({common.out / "settle.ckpt.h5", common.scenario, common.settings,
                    [this](Archive& archive) { series_.save(archive); }}) {
         simulation_.on_restore(forget_lists);

@@ -1,24 +1,25 @@
-// A silo empties through its orifice: case 1 of Dosta et al. (2024), Comput. Phys. Commun. 296:109066. 100 000
-// spheres of 4 mm in a barrel of radius 0.1 m on a cone of 45 degrees; Hertz-Mindlin contacts, no rolling
-// resistance, no global damping. The paper's initial states (Zenodo 8252892) are not at hand: the bed is poured
-// here from a shaken lattice onto a plate that closes the orifice, hardened and brought to rest (see
-// bulk_bed.hpp), so its density and its surface are this bed's own; the plate goes away at once at time 0. Wall
-// facets are a polygon of the circle's area.
+// A silo empties through its orifice: case 1 of Dosta et al. (2024), Comput. Phys. Commun.
+// 296:109066. 100 000 spheres of 4 mm in a barrel of radius 0.1 m on a cone of 45 degrees;
+// Hertz-Mindlin contacts, no rolling resistance, no global damping. The paper's initial states
+// (Zenodo 8252892) are not at hand: the bed is poured here from a shaken lattice onto a plate that
+// closes the orifice, hardened and brought to rest (see bulk_bed.hpp), so its density and its
+// surface are this bed's own; the plate goes away at once at time 0. Wall facets are a polygon of
+// the circle's area.
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
-#include "engine/linear_fit.hpp"
+#include "engine/estimation/linear_fit.hpp"
 #include "engine/memory.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
+#include "scenarios/bulk/bulk_run.hpp"
+#include "scenarios/specimens/lattice.hpp"
+#include "scenarios/specimens/memory_estimate.hpp"
+#include "scenarios/specimens/retire.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/vessels.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/lattice.hpp"
-#include "systems/build/memory_estimate.hpp"
-#include "systems/build/retire.hpp"
-#include "systems/build/scene.hpp"
-#include "systems/build/vessels.hpp"
-#include "systems/procedure/bulk_run.hpp"
 
 #include <fmt/format.h>
 
@@ -35,7 +36,8 @@ struct SiloTest {
     double diameter = 0.004;
     std::vector<double> window{0.5, 3.5};
     double other_rate = 0;
-    BulkSettings bulk{.duration = 5, .sample_interval = 0.02, .bed = {.step = 3e-6, .longest_rest = 0.05}};
+    BulkSettings bulk{
+        .duration = 5, .sample_interval = 0.02, .bed = {.step = 3e-6, .longest_rest = 0.05}};
 
     void describe(auto& option) {
         option.group("silo");
@@ -44,9 +46,10 @@ struct SiloTest {
         option("spheres", spheres, "", "how many", within(10, 5e6));
         option("diameter", diameter, "m", "of the spheres", within(1e-4, 0.02));
         option("sectors", sectors, "", "facets around", within(8, 720));
-        option("window", window, "s", "from,to: of the straight line through the curve", at_least(0));
-        option("other_rate", other_rate, "1/s", "of the other orifice, for the ratio of large to small; 0: not known",
+        option("window", window, "s", "from,to: of the straight line through the curve",
                at_least(0));
+        option("other_rate", other_rate, "1/s",
+               "of the other orifice, for the ratio of large to small; 0: not known", at_least(0));
         bulk.describe(option);
     }
 };
@@ -84,7 +87,8 @@ World make_world_of(const SiloTest& t, std::uint64_t seed) {
     World world = make_world(Grains::spheres);
     const BulkMaterials materials = add_bulk_materials(world);
     const Silo silo = silo_of(t);
-    (void)add_silo(world, silo, materials.steel); // bodies 0 and 1: they keep their ids when spheres retire
+    (void)add_silo(world, silo,
+                   materials.steel); // bodies 0 and 1: they keep their ids when spheres retire
     const double r = t.diameter / 2, clear = r + 0.002 * silo.radius;
     const auto inside = [&](const Vec3& x) {
         const double out = std::hypot(x.x(), x.y()),
@@ -94,10 +98,12 @@ World make_world_of(const SiloTest& t, std::uint64_t seed) {
     const Vec3 low(-silo.radius, -silo.radius, silo.lip), high(silo.radius, silo.radius, silo.top);
     const auto material = t.material == "M1" ? materials.m1 : materials.m2;
     EntityId made = 0;
-    for (const Vec3& site : lattice_sites({low, high, 1.1 * t.diameter, 0.02, seed}, t.spheres, inside)) {
+    for (const Vec3& site :
+         lattice_sites({low, high, 1.1 * t.diameter, 0.02, seed}, t.spheres, inside)) {
         const EntityId id = add_sphere(world, site, r, material);
         world.column<Bodies, Velocity>()[id] =
-            shake * Random(seed, std::uint64_t{1000000000} + made++).direction(); // rows are ids yet
+            shake *
+            Random(seed, std::uint64_t{1000000000} + made++).direction(); // rows are ids yet
     }
     auto& limits = world.resource<Limits>();
     limits.low = Vec3(-0.3, -0.3, silo.lip - 0.3); // a sphere is retired long before
@@ -128,7 +134,8 @@ Counted count(const World& world, double lip) {
 }
 
 BulkCase make_case(const SiloTest& t, std::uint64_t seed) {
-    BulkCase c{.world = make_world_of(t, seed), .columns = {{"above", ""}, {"out", ""}, {"in_scene", ""}}};
+    BulkCase c{.world = make_world_of(t, seed),
+               .columns = {{"above", ""}, {"out", ""}, {"in_scene", ""}}};
     const double lip = silo_of(t).lip, all = t.spheres;
     constexpr EntityId plate = 1;
     c.begin = [=](World& world) { take_away(world, plate, Vec3(0, 0, -10)); };
@@ -136,10 +143,11 @@ BulkCase make_case(const SiloTest& t, std::uint64_t seed) {
         const Counted now = count(world, lip);
         auto& outflow = world.resource<Outflow>();
         if (now.above + now.below + outflow.retired != all)
-            throw SimulationError(
-                fmt::format("silo: expected {} spheres, found {} above the lip, {} below and {} retired", all,
-                            now.above, now.below, outflow.retired));
-        series.add({world.resource<Clock>().time(), now.above, now.below + outflow.retired, now.above + now.below});
+            throw SimulationError(fmt::format(
+                "silo: expected {} spheres, found {} above the lip, {} below and {} retired", all,
+                now.above, now.below, outflow.retired));
+        series.add({world.resource<Clock>().time(), now.above, now.below + outflow.retired,
+                    now.above + now.below});
         if (now.gone.empty()) return;
         outflow.retired += static_cast<double>(now.gone.size());
         (void)retire_bodies(world, now.gone); // wall and plate come first and keep their ids
@@ -154,25 +162,30 @@ BulkCase make_case(const SiloTest& t, std::uint64_t seed) {
     return c;
 }
 
-// spheres above the lip, large orifice, M1: LIGGGHTS from the paper's initial state, and mean rates (open re-runs
-// of the case, peclet-examples 897965c, MIT)
+// spheres above the lip, large orifice, M1: LIGGGHTS from the paper's initial state, and mean rates
+// (open re-runs of the case, peclet-examples 897965c, MIT)
 const std::vector<double> reference_time{0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.3};
-const std::vector<double> reference_above{100000, 88542, 76015, 63550, 51271, 39070, 27007, 15080, 3953, 96};
+const std::vector<double> reference_above{100000, 88542, 76015, 63550, 51271,
+                                          39070,  27007, 15080, 3953,  96};
 constexpr double reference_large = 24504, reference_small = 7737; // 1/s: LIGGGHTS; MUSEN
-constexpr double paper_rate = 23200, paper_ratio = 3.10;          // 1/s +-5 %, +-0.06: mean of eight codes
+constexpr double paper_rate = 23200, paper_ratio = 3.10; // 1/s +-5 %, +-0.06: mean of eight codes
 
 /// Rate of Beverloo, Leniger and van de Velde (1961), 1/s: C = 0.58, k = 1.4, share of solids 0.6.
 double beverloo_rate(const SiloTest& t, double orifice_radius) {
-    const double open = 2 * orifice_radius - 1.4 * t.diameter, volume = pi / 6 * std::pow(t.diameter, 3);
+    const double open = 2 * orifice_radius - 1.4 * t.diameter,
+                 volume = pi / 6 * std::pow(t.diameter, 3);
     return 0.58 * 0.6 / volume * std::sqrt(9.81) * std::pow(open, 2.5);
 }
 
 void add_rates(Summary& summary, const SiloTest& t, const Series& series) {
     const auto &time = series.column("time"), &above = series.column("above");
     // not the last few, whose head is gone
-    const auto last = std::ranges::find_if(above, [&](double n) { return n < 0.02 * t.spheres; }) - above.begin();
+    const auto last =
+        std::ranges::find_if(above, [&](double n) { return n < 0.02 * t.spheres; }) - above.begin();
     const double from = t.window[0],
-                 to = std::min(t.window[1], time[static_cast<std::size_t>(std::max<std::ptrdiff_t>(last, 1) - 1)]),
+                 to = std::min(
+                     t.window[1],
+                     time[static_cast<std::size_t>(std::max<std::ptrdiff_t>(last, 1) - 1)]),
                  middle = 0.5 * (from + to);
     const auto points = std::ranges::count_if(time, [&](double x) { return x >= from && x <= to; });
     if (points < 8) return; // too short a run
@@ -188,10 +201,12 @@ void add_rates(Summary& summary, const SiloTest& t, const Series& series) {
         const double reference = t.orifice == "large" ? reference_large : reference_small;
         summary.add("reference_rate_per_s", reference);
         summary.add("rate_error", -fit.slope / reference - 1);
-        if (t.orifice == "large") summary.add("rate_error_to_mean_of_paper", -fit.slope / paper_rate - 1);
+        if (t.orifice == "large")
+            summary.add("rate_error_to_mean_of_paper", -fit.slope / paper_rate - 1);
     }
     if (t.other_rate > 0) {
-        const double ratio = t.orifice == "large" ? -fit.slope / t.other_rate : -t.other_rate / fit.slope;
+        const double ratio =
+            t.orifice == "large" ? -fit.slope / t.other_rate : -t.other_rate / fit.slope;
         summary.add("ratio_large_to_small", ratio);
         summary.add("ratio_error_to_paper", ratio / paper_ratio - 1);
     }
@@ -199,46 +214,53 @@ void add_rates(Summary& summary, const SiloTest& t, const Series& series) {
 
 void report(const SiloTest& t, BulkRun& run) {
     const Series& series = run.series();
-    const auto &time = series.column("time"), &above = series.column("above"), &out = series.column("out");
+    const auto &time = series.column("time"), &above = series.column("above"),
+               &out = series.column("out");
     Summary summary;
     add_rates(summary, t, series);
     const auto almost = std::ranges::find_if(above, [&](double n) { return n < 0.01 * t.spheres; });
-    summary.add("time_to_one_percent_left_s", almost == above.end()
-                                                  ? std::numeric_limits<double>::quiet_NaN()
-                                                  : time[static_cast<std::size_t>(almost - above.begin())]);
+    summary.add("time_to_one_percent_left_s",
+                almost == above.end() ? std::numeric_limits<double>::quiet_NaN()
+                                      : time[static_cast<std::size_t>(almost - above.begin())]);
     summary.add("spheres_above", above.back());
     summary.add("spheres_out", out.back());
     summary.add("contact_time_over_step",
                 hertz_contact_time(t.diameter / 2, t.material == "M1" ? 2500 : 2000,
                                    t.bulk.bed.stiffness * (t.material == "M1" ? 1e9 : 0.5e9), 1) /
                     t.bulk.bed.step);
-    std::vector<Curve> curves{{.label = fmt::format("{} orifice, {}", t.orifice, t.material), .x = time, .y = above}};
+    std::vector<Curve> curves{
+        {.label = fmt::format("{} orifice, {}", t.orifice, t.material), .x = time, .y = above}};
     if (t.orifice == "large" && t.material == "M1" && t.spheres == 100000)
-        curves.push_back(
-            {.label = "LIGGGHTS", .x = reference_time, .y = reference_above, .style = Curve::Style::points});
+        curves.push_back({.label = "LIGGGHTS",
+                          .x = reference_time,
+                          .y = reference_above,
+                          .style = Curve::Style::points});
     for (const Curve& curve : run.reference()) curves.push_back(curve);
     std::vector<double> middle, rate;
     for (std::size_t k = 5; k < time.size(); k += 5) {
         middle.push_back(0.5 * (time[k] + time[k - 5]));
         rate.push_back((above[k - 5] - above[k]) / (time[k] - time[k - 5]));
     }
-    run.report(summary,
-               {{.title = "spheres above the orifice", .x_label = "time (s)", .y_label = "number", .curves = curves},
-                {.title = "the rate does not feel the head",
-                 .x_label = "time (s)",
-                 .y_label = "discharge rate (1/s)",
-                 .curves = {{.x = middle, .y = rate}}}});
+    run.report(summary, {{.title = "spheres above the orifice",
+                          .x_label = "time (s)",
+                          .y_label = "number",
+                          .curves = curves},
+                         {.title = "the rate does not feel the head",
+                          .x_label = "time (s)",
+                          .y_label = "discharge rate (1/s)",
+                          .curves = {{.x = middle, .y = rate}}}});
 }
 
 void run(const SiloTest& t, const Common& common) {
     require_memory("spheres", t.spheres, bytes_of_spheres(t.spheres), common.memory_limit);
-    require(t.window.size() == 2 && t.window[0] < t.window[1], "--window: expected two times, the second one later");
+    require(t.window.size() == 2 && t.window[0] < t.window[1],
+            "--window: expected two times, the second one later");
     run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<SiloTest>(argc, argv, "silo", "a silo empties through its orifice (Dosta et al. 2024, case 1)",
-                                  run);
+    return run_scenario<SiloTest>(
+        argc, argv, "silo", "a silo empties through its orifice (Dosta et al. 2024, case 1)", run);
 }

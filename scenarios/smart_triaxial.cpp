@@ -1,20 +1,23 @@
-// SMART computing of a triaxial test: what a test machine and SmartRocks recorded, and the model of it, which learns the
-// friction and stiffness of its rocks from them while the test goes on; beside it the model alone.
+// SMART computing of a triaxial test: what a test machine and SmartRocks recorded, and the model of
+// it, which learns the friction and stiffness of its rocks from them while the test goes on; beside
+// it the model alone.
+#include "engine/assets.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
+#include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
+#include "scenarios/assimilation/generations.hpp"
+#include "scenarios/assimilation/kept_run.hpp"
+#include "scenarios/assimilation/learning_results.hpp"
+#include "scenarios/assimilation/misfit.hpp"
+#include "scenarios/assimilation/run_models.hpp"
+#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
 #include "systems/output/frames.hpp"
 #include "systems/output/picture.hpp"
-#include "systems/output/plot.hpp"
-#include "systems/procedure/generations.hpp"
-#include "systems/procedure/kept_run.hpp"
-#include "systems/procedure/learning_results.hpp"
-#include "systems/procedure/recorded_test.hpp"
-#include "systems/procedure/run_models.hpp"
-#include "systems/procedure/triaxial_results.hpp"
 
 #include <fmt/format.h>
 
@@ -27,7 +30,7 @@ namespace {
 
 struct Smart {
     Triaxial triaxial;
-    std::filesystem::path recordings = std::filesystem::path(BRIS_ASSETS) / "smartrock";
+    std::filesystem::path recordings = assets_folder() / "smartrock";
     RockBelief model{0.5, 1};
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     Corrections corrections;
@@ -41,26 +44,43 @@ struct Smart {
     }
     void describe(auto& option) {
         option.group("recordings");
-        option("recordings", recordings, "", "a folder: rock_NN.txt, sensor_poses.csv, and for each pressure recordings.csv (or recordings.h5) and test.csv in a folder as 55kPa");
-        option("columns", intake.columns, "", "a file that says how recordings.csv is written, where not as by this project: names, units, signs, delimiter");
+        option("recordings", recordings, "",
+               "a folder: rock_NN.txt, sensor_poses.csv, and for each pressure recordings.csv (or "
+               "recordings.h5) and test.csv in a folder as 55kPa");
+        option("columns", intake.columns, "",
+               "a file that says how recordings.csv is written, where not as by this project: "
+               "names, units, signs, delimiter");
         option("machine_columns", intake.machine_columns, "", "the same of test.csv");
-        option("rest", intake.rest, "s", "at their beginning, in which the rocks lie still", above(0));
-        option("use_displacement", intake.displacement, "", "ux uy uz, where recorded, else what an inertial sensor knows of it: nothing");
-        option("use_attitude", intake.attitude, "", "qw qx qy qz, where recorded, else tilt by gravity");
+        option("rest", intake.rest, "s", "at their beginning, in which the rocks lie still",
+               above(0));
+        option("use_displacement", intake.displacement, "",
+               "ux uy uz, where recorded, else what an inertial sensor knows of it: nothing");
+        option("use_attitude", intake.attitude, "",
+               "qw qx qy qz, where recorded, else tilt by gravity");
         option.group("model");
-        option("model_friction", model.friction, "", "of rocks, before anything is measured", above(0));
-        option("model_stiffness", model.stiffness, "", "of contacts, of --clump-stiffness, likewise", above(0));
+        option("model_friction", model.friction, "", "of rocks, before anything is measured",
+               above(0));
+        option("model_stiffness", model.stiffness, "",
+               "of contacts, of --clump-stiffness, likewise", above(0));
         learning.describe(option);
-        option("change", change, "", "of friction or stiffness, from which on the model is told of it", above(0));
+        option("change", change, "",
+               "of friction or stiffness, from which on the model is told of it", above(0));
         option.group("corrections of sensor rocks");
-        option("pull_stiffness", corrections.pull.stiffness, "N/m", "of critically damped springs that pull them; 0: their poses are compared, not corrected", at_least(0));
-        option("largest_pull", corrections.pull.largest_force, "N", "of spring and dashpot together", at_least(0));
-        option("largest_work_share", corrections.largest_work_share, "", "that they may do of the work of platens and membrane, from one analysis to the next; 0: no limit",
+        option("pull_stiffness", corrections.pull.stiffness, "N/m",
+               "of critically damped springs that pull them; 0: their poses are compared, not "
+               "corrected",
+               at_least(0));
+        option("largest_pull", corrections.pull.largest_force, "N",
+               "of spring and dashpot together", at_least(0));
+        option("largest_work_share", corrections.largest_work_share, "",
+               "that they may do of the work of platens and membrane, from one analysis to the "
+               "next; 0: no limit",
                within(0, 1));
         option("interval", intake.interval, "", "axial strain between samples", above(0));
         option("drift", drift, "m", "that rocks of the model may be off by, at the end", above(0));
         option("turn", turn, "rad", "likewise", above(0));
-        option("stage_time", stage_time, "s", "that the real test took for 0.01 % of strain", above(0));
+        option("stage_time", stage_time, "s", "that the real test took for 0.01 % of strain",
+               above(0));
         triaxial.describe(option);
     }
 };
@@ -77,9 +97,14 @@ struct Computed {
 class Computation {
 public:
     Computation(const Smart& settings, const Common& common, std::vector<RecordedTest> tests)
-        : s_(settings), common_(common), tests_(std::move(tests)), scene_(make_scene(s_.triaxial, common.seed)), progress_(progress_of_models(common)), done_(tests_.size()) {
+        : s_(settings), common_(common), tests_(std::move(tests)),
+          scene_(make_scene(s_.triaxial, common.seed)), progress_(progress_of_models(common)),
+          done_(tests_.size()) {
         const std::size_t recorded = tests_.front().recordings.size();
-        require(recorded == scene_.poses.size(), fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as the model has, {}, found {}", scene_.poses.size(), recorded));
+        require(recorded == scene_.poses.size(),
+                fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as "
+                            "the model has, {}, found {}",
+                            scene_.poses.size(), recorded));
     }
     void run();
     void report();
@@ -93,7 +118,8 @@ private:
     void prepare();
     void learn();
     void run_arms();
-    void show(std::size_t test, const World& world, const TriaxialPoint& point, std::unique_ptr<FrameWriter>& frames);
+    void show(std::size_t test, const World& world, const TriaxialPoint& point,
+              std::unique_ptr<FrameWriter>& frames);
     std::unique_ptr<FrameWriter> make_frames(const RecordedTest& test) const;
     void draw() const;
 
@@ -109,26 +135,33 @@ private:
 
 void Computation::prepare() {
     const auto began = this_instant();
-    specimen_ = make_specimen(scene_, settings_at(tests_.front().pressure), common_, [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
+    specimen_ = make_specimen(
+        scene_, settings_at(tests_.front().pressure), common_,
+        [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
     progress_.pause();
     preparation_wall_ = seconds_since(began);
 }
 
-// The tests are of one specimen, which errs alike at all pressures (correlation 0.9): to know three of them is no surer than
-// one. So each is learned from what was known before them all; the model of it begins with what the one before taught.
+// The tests are of one specimen, which errs alike at all pressures (correlation 0.9): to know three
+// of them is no surer than one. So each is learned from what was known before them all; the model
+// of it begins with what the one before taught.
 void Computation::learn() {
     const auto began = this_instant();
     const Gaussian prior = prior_of(s_.model, s_.learning);
     RockBelief now = s_.model;
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         done_[k].before = now;
-        done_[k].learned = learn_in_two_generations(prior, measured_test(tests_[k]), s_.learning, s_.learning.final_strain,
-                                                    [&](const std::vector<ModelArm>& arms, double strain) {
-                                                        return try_models(scene_, settings_at(tests_[k].pressure), specimen_, arms, strain, common_, progress_);
-                                                    });
+        done_[k].learned = learn_in_two_generations(
+            prior, measured_test(tests_[k]), s_.learning, s_.learning.final_strain,
+            [&](const std::vector<ModelArm>& arms, double strain) {
+                return try_models(scene_, settings_at(tests_[k].pressure), specimen_, arms, strain,
+                                  common_, progress_);
+            });
         if (!done_[k].learned.known.empty()) now = mean_of(done_[k].learned.known.back().belief);
-        fmt::print("{}: friction {:.3f}, stiffness {:.2f}\n", folder_of(tests_[k].pressure), now.friction, now.stiffness);
-        write_known(common_.out / folder_of(tests_[k].pressure) / "learned.csv", done_[k].learned.known);
+        fmt::print("{}: friction {:.3f}, stiffness {:.2f}\n", folder_of(tests_[k].pressure),
+                   now.friction, now.stiffness);
+        write_known(common_.out / folder_of(tests_[k].pressure) / "learned.csv",
+                    done_[k].learned.known);
     }
     learning_wall_ = seconds_since(began);
 }
@@ -136,12 +169,16 @@ void Computation::learn() {
 std::unique_ptr<FrameWriter> Computation::make_frames(const RecordedTest& test) const {
     auto settings = common_.settings;
     settings.emplace_back("intake", intake_report(test));
-    return std::make_unique<FrameWriter>(common_.out / folder_of(test.pressure) / "smart_triaxial.vtkhdf", settings);
+    return std::make_unique<FrameWriter>(
+        common_.out / folder_of(test.pressure) / "smart_triaxial.vtkhdf", settings);
 }
 
-void Computation::show(std::size_t test, const World& world, const TriaxialPoint& point, std::unique_ptr<FrameWriter>& frames) {
-    const auto stage = static_cast<std::size_t>(std::llround(point.axial_strain / s_.triaxial.test.stage_strain));
-    const auto stages = static_cast<std::size_t>(std::llround(s_.triaxial.test.final_axial_strain / s_.triaxial.test.stage_strain));
+void Computation::show(std::size_t test, const World& world, const TriaxialPoint& point,
+                       std::unique_ptr<FrameWriter>& frames) {
+    const auto stage =
+        static_cast<std::size_t>(std::llround(point.axial_strain / s_.triaxial.test.stage_strain));
+    const auto stages = static_cast<std::size_t>(
+        std::llround(s_.triaxial.test.final_axial_strain / s_.triaxial.test.stage_strain));
     const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
     if (stage % s_.triaxial.frame_stages != 0 && !shown) return;
     if (!frames) frames = make_frames(tests_[test]);
@@ -150,7 +187,9 @@ void Computation::show(std::size_t test, const World& world, const TriaxialPoint
     if (!shown) return;
     const auto& sensors = world.resource<Specimen>().smart_rocks;
     frame.ids.assign(sensors.begin(), sensors.end());
-    View view = view_of_bodies(world, frame, [&](std::size_t place) { return stone_colour(static_cast<std::uint32_t>(3 * place)); });
+    View view = view_of_bodies(world, frame, [&](std::size_t place) {
+        return stone_colour(static_cast<std::uint32_t>(3 * place));
+    });
     view.caption = fmt::format("{:.1f} %", 100 * point.axial_strain);
     done_[test].views.push_back(std::move(view));
 }
@@ -158,8 +197,10 @@ void Computation::show(std::size_t test, const World& world, const TriaxialPoint
 /// What is known at the end of learning, too, however uncertain it is: nothing better comes.
 void tell_the_last(ModelArm& arm, const std::vector<KnownAt>& known) {
     if (known.empty()) return;
-    const RockBelief told = arm.learned.empty() ? arm.rocks : arm.learned.back().rocks, last = mean_of(known.back().belief);
-    if (told.friction != last.friction || told.stiffness != last.stiffness) arm.learned.push_back({known.back().strain, last});
+    const RockBelief told = arm.learned.empty() ? arm.rocks : arm.learned.back().rocks,
+                     last = mean_of(known.back().belief);
+    if (told.friction != last.friction || told.stiffness != last.stiffness)
+        arm.learned.push_back({known.back().strain, last});
 }
 
 void Computation::run_arms() {
@@ -167,12 +208,18 @@ void Computation::run_arms() {
     std::vector<ModelArm> fused(tests_.size());
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         const RockBelief& first = done_[k].before;
-        fused[k] = {.name = "fused", .rocks = first, .learned = schedule_of(done_[k].learned.known, first, s_.change), .catch_up = true, .corrections = s_.corrections};
+        fused[k] = {.name = "fused",
+                    .rocks = first,
+                    .learned = schedule_of(done_[k].learned.known, first, s_.change),
+                    .catch_up = true,
+                    .corrections = s_.corrections};
         tell_the_last(fused[k], done_[k].learned.known);
         fused[k].corrections.position_noise = fused[k].corrections.attitude_noise = 0;
         for (const Recording& r : tests_[k].recordings) { // of the worst of them
-            fused[k].corrections.position_noise = std::max(fused[k].corrections.position_noise, r.info.displacement_noise);
-            fused[k].corrections.attitude_noise = std::max(fused[k].corrections.attitude_noise, r.info.attitude_noise);
+            fused[k].corrections.position_noise =
+                std::max(fused[k].corrections.position_noise, r.info.displacement_noise);
+            fused[k].corrections.attitude_noise =
+                std::max(fused[k].corrections.attitude_noise, r.info.attitude_noise);
         }
         if (s_.corrections.pull.stiffness > 0) fused[k].ways = tests_[k].ways;
     }
@@ -182,10 +229,12 @@ void Computation::run_arms() {
         std::optional<KeptRun> kept;
         if (keep) kept.emplace(common_, settings, specimen_, arm);
         try {
-            return run_model(scene_, settings, specimen_, arm, common_.seed, watch, kept ? &*kept : nullptr);
+            return run_model(scene_, settings, specimen_, arm, common_.seed, watch,
+                             kept ? &*kept : nullptr);
         } catch (const SimulationError& error) { // the others go on
             ModelRun none;
-            none.stopped = fmt::format("{} at {}: {}", arm.name, folder_of(tests_[k].pressure), error.what());
+            none.stopped =
+                fmt::format("{} at {}: {}", arm.name, folder_of(tests_[k].pressure), error.what());
             return none;
         }
     };
@@ -196,8 +245,11 @@ void Computation::run_arms() {
             done_[k].free = run(k, {.name = "DEM only", .rocks = s_.model}, watch, true);
             return;
         }
-        watch.stage = [&, k](const World& world, const TriaxialPoint& point) { show(k, world, point, frames[k]); };
-        done_[k].fused = run(k, fused[k], watch, false); // not kept: its pictures are taken on the way
+        watch.stage = [&, k](const World& world, const TriaxialPoint& point) {
+            show(k, world, point, frames[k]);
+        };
+        done_[k].fused =
+            run(k, fused[k], watch, false); // not kept: its pictures are taken on the way
     });
     progress_.pause();
     arms_wall_ = seconds_since(began);
@@ -221,22 +273,37 @@ std::vector<TriaxialPoint> thinned(const std::vector<TriaxialPoint>& points) {
 void Computation::draw() const {
     std::vector<Plot> panels;
     for (std::size_t k = 0; k < tests_.size(); ++k) {
-        const auto three = [&](const std::string& title, const char* x, const char* y, auto&& curve) {
-            panels.push_back({.title = title, .x_label = x, .y_label = y,
-                              .curves = {curve("measured", thinned(tests_[k].measured), Curve::Style::points)}});
-            if (done_[k].free.stopped.empty()) panels.back().curves.push_back(curve("DEM only", done_[k].free.points, Curve::Style::dashed));
-            if (done_[k].fused.stopped.empty()) panels.back().curves.push_back(curve("fused", done_[k].fused.points, Curve::Style::line));
+        const auto three = [&](const std::string& title, const char* x, const char* y,
+                               auto&& curve) {
+            panels.push_back(
+                {.title = title,
+                 .x_label = x,
+                 .y_label = y,
+                 .curves = {curve("measured", thinned(tests_[k].measured), Curve::Style::points)}});
+            if (done_[k].free.stopped.empty())
+                panels.back().curves.push_back(
+                    curve("DEM only", done_[k].free.points, Curve::Style::dashed));
+            if (done_[k].fused.stopped.empty())
+                panels.back().curves.push_back(
+                    curve("fused", done_[k].fused.points, Curve::Style::line));
         };
         const std::string at = fmt::format(" at {}", folder_of(tests_[k].pressure));
         three(fmt::format("Deviatoric stress{}", at), "axial strain (%)", "q (kPa)",
-              [](const std::string& label, const auto& points, Curve::Style style) { return curve_of(label, points, 1e-3, &TriaxialPoint::deviatoric_stress, style); });
+              [](const std::string& label, const auto& points, Curve::Style style) {
+                  return curve_of(label, points, 1e-3, &TriaxialPoint::deviatoric_stress, style);
+              });
         three(fmt::format("Volumetric strain{}", at), "axial strain (%)", "volumetric strain (%)",
-              [](const std::string& label, const auto& points, Curve::Style style) { return curve_of(label, points, 100, &TriaxialPoint::volumetric_strain, style); });
-        three(fmt::format("Rings at the end{}", at), "radial strain, widening positive (%)", "ring, from below", profile_of);
+              [](const std::string& label, const auto& points, Curve::Style style) {
+                  return curve_of(label, points, 100, &TriaxialPoint::volumetric_strain, style);
+              });
+        three(fmt::format("Rings at the end{}", at), "radial strain, widening positive (%)",
+              "ring, from below", profile_of);
     }
     draw_plots(common_.out / "smart_triaxial.png", panels, 3);
     for (std::size_t k = 0; k < tests_.size(); ++k)
-        if (!done_[k].views.empty()) draw_picture(common_.out / folder_of(tests_[k].pressure) / "smart_rocks.png", done_[k].views, {.azimuth = 0.3, .elevation = 0.15}, 700);
+        if (!done_[k].views.empty())
+            draw_picture(common_.out / folder_of(tests_[k].pressure) / "smart_rocks.png",
+                         done_[k].views, {.azimuth = 0.3, .elevation = 0.15}, 700);
 }
 
 void Computation::report() {
@@ -246,18 +313,24 @@ void Computation::report() {
         const RecordedTest& test = tests_[k];
         const Computed& c = done_[k];
         const std::string at = fmt::format("{}_", folder_of(test.pressure));
-        const auto add = [&](const char* what, const auto& value) { summary.add(fmt::format("{}{}", at, what), value); };
+        const auto add = [&](const char* what, const auto& value) {
+            summary.add(fmt::format("{}{}", at, what), value);
+        };
         const auto both = [&](const char* what, const char* unit, double without, double with) {
             summary.add(fmt::format("{}DEM_only_rmse_{}{}", at, what, unit), without);
             summary.add(fmt::format("{}fused_rmse_{}{}", at, what, unit), with);
             summary.add(fmt::format("{}error_left_{}", at, what), with / without);
         };
         if (!c.learned.known.empty())
-            for (const NamedValue& v : describe(c.learned.known.back().belief)) summary.add(NamedValue(at + v.key, std::get<double>(v.value)));
+            for (const NamedValue& v : describe(c.learned.known.back().belief))
+                summary.add(NamedValue(at + v.key, std::get<double>(v.value)));
         add("sensors_refused", test.refused());
-        for (const auto& [name, run] : {std::pair{"dem_only.csv", &c.free}, std::pair{"fused.csv", &c.fused}})
-            if (run->stopped.empty()) write_curve(common_.out / folder_of(test.pressure) / name, run->points);
-            else stopped += fmt::format("{}{}", stopped.empty() ? "" : "; ", run->stopped);
+        for (const auto& [name, run] :
+             {std::pair{"dem_only.csv", &c.free}, std::pair{"fused.csv", &c.fused}})
+            if (run->stopped.empty())
+                write_curve(common_.out / folder_of(test.pressure) / name, run->points);
+            else
+                stopped += fmt::format("{}{}", stopped.empty() ? "" : "; ", run->stopped);
         if (!c.complete()) continue;
         const Misfit free = misfit_of(c.free, test), fused = misfit_of(c.fused, test);
         both("q", "_Pa", free.q, fused.q);
@@ -266,9 +339,12 @@ void Computation::report() {
         for (const unsigned percent : {2u, 4u}) { // later each specimen goes its own way
             const double until = 0.01 * percent;
             if (test.measured.back().axial_strain <= until + 1e-9) continue;
-            const Misfit free_then = misfit_of(c.free, test, until), fused_then = misfit_of(c.fused, test, until);
-            add(fmt::format("error_left_q_to_{}_percent", percent).c_str(), fused_then.q / free_then.q);
-            add(fmt::format("error_left_volumetric_strain_to_{}_percent", percent).c_str(), fused_then.volumetric_strain / free_then.volumetric_strain);
+            const Misfit free_then = misfit_of(c.free, test, until),
+                         fused_then = misfit_of(c.fused, test, until);
+            add(fmt::format("error_left_q_to_{}_percent", percent).c_str(),
+                fused_then.q / free_then.q);
+            add(fmt::format("error_left_volumetric_strain_to_{}_percent", percent).c_str(),
+                fused_then.volumetric_strain / free_then.volumetric_strain);
         }
         both("sensor_displacement", "_m", free.sensor_displacement, fused.sensor_displacement);
         add("measurements_accepted", c.fused.accepted);
@@ -290,22 +366,34 @@ void run(const Smart& given, const Common& common) {
     check_test(s.triaxial);
     require_memory_for(s.triaxial, common.threads, common.memory_limit);
     const auto infos = read_sensor_infos(s.recordings);
-    if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(s.recordings / "sensor_poses.csv")) s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
+    if (s.triaxial.sensor_poses.empty() &&
+        std::filesystem::exists(s.recordings / "sensor_poses.csv"))
+        s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
     if (common.explain) {
-        fmt::print("{}", make_simulation(make_scene(s.triaxial, common.seed), 1, common.serial).schedule().explain());
+        fmt::print("{}", make_simulation(make_scene(s.triaxial, common.seed), 1, common.serial)
+                             .schedule()
+                             .explain());
         return;
     }
     std::vector<RecordedTest> tests;
     std::string report;
     for (const double pressure : s.triaxial.confining_pressure) {
         tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.intake));
-        std::erase_if(tests.back().measured, [&](const TriaxialPoint& p) { return p.axial_strain > s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain; });
+        std::erase_if(tests.back().measured, [&](const TriaxialPoint& p) {
+            return p.axial_strain >
+                   s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain;
+        });
         report += fmt::format("{}\n{}", folder_of(pressure), intake_report(tests.back()));
         std::filesystem::create_directories(common.out / folder_of(pressure));
     }
-    report += fmt::format("\n{}", observability(tests.front().recordings, s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time, s.drift, s.turn));
+    report +=
+        fmt::format("\n{}", observability(tests.front().recordings,
+                                          s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time,
+                                          s.drift, s.turn));
     write_whole(common.out / "intake.txt", report);
-    for (const RecordedTest& t : tests) fmt::print("{}: {} recordings, {} refused ({})\n", folder_of(t.pressure), t.recordings.size(), t.refused(), (common.out / "intake.txt").string());
+    for (const RecordedTest& t : tests)
+        fmt::print("{}: {} recordings, {} refused ({})\n", folder_of(t.pressure),
+                   t.recordings.size(), t.refused(), (common.out / "intake.txt").string());
     Computation computation(s, common, std::move(tests));
     computation.run();
     computation.report();
@@ -318,5 +406,7 @@ void run(const Smart& given, const Common& common) {
 
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::Smart>(argc, argv, "smart_triaxial",
-                                           "a triaxial test recorded by SmartRocks, and a model that learns from the recordings while it runs", bris::run);
+                                           "a triaxial test recorded by SmartRocks, and a model "
+                                           "that learns from the recordings while it runs",
+                                           bris::run);
 }

@@ -4,7 +4,7 @@
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
-#include "systems/stress/suite.hpp"
+#include "scenarios/stability/suite.hpp"
 
 #include <fmt/format.h>
 
@@ -34,15 +34,19 @@ std::string cell(const std::string& text) {
 void write_rows(const std::filesystem::path& path, const StressRows& rows) {
     std::string text = "case,what,criterion,found,verdict\n";
     for (const StressRow& r : rows)
-        text += fmt::format("{},{},{},{},{}\n", r.id, cell(r.what), cell(r.criterion), cell(r.found), r.pass ? "pass" : "fail");
+        text += fmt::format("{},{},{},{},{}\n", r.id, cell(r.what), cell(r.criterion),
+                            cell(r.found), r.pass ? "pass" : "fail");
     write_whole(path, text);
 }
 
 void run(const Stress& stress, const Common& common) {
-    require(common.resume.empty(), "--resume: expected none, found '" + common.resume.string() + "': the cases are short; run one with --case");
+    require(common.resume.empty(), "--resume: expected none, found '" + common.resume.string() +
+                                       "': the cases are short; run one with --case");
     std::vector<StressCase> cases;
-    if (stress.only.empty()) cases.assign(stress_cases().begin(), stress_cases().end());
-    else cases.push_back(stress_case(stress.only));
+    if (stress.only.empty())
+        cases.assign(stress_cases().begin(), stress_cases().end());
+    else
+        cases.push_back(stress_case(stress.only));
     if (common.explain) {
         for (const StressCase& c : cases) fmt::print("{:4} {}\n", c.id, c.title);
         return;
@@ -54,7 +58,8 @@ void run(const Stress& stress, const Common& common) {
         const auto began = this_instant();
         const StressRows rows = run_case(c, settings);
         const double seconds = seconds_since(began);
-        fmt::print("\n{} {}: {} of {} rows pass, {:.1f} s\n{}", c.id, c.title, rows.size() - failures(rows), rows.size(), seconds, table_of(rows));
+        fmt::print("\n{} {}: {} of {} rows pass, {:.1f} s\n{}", c.id, c.title,
+                   rows.size() - failures(rows), rows.size(), seconds, table_of(rows));
         std::fflush(stdout);
         summary.add(fmt::format("{}_rows", c.id), rows.size());
         summary.add(fmt::format("{}_failures", c.id), failures(rows));
@@ -66,11 +71,14 @@ void run(const Stress& stress, const Common& common) {
     fmt::print("\n");
     write_rows(common.out / "stress.csv", all);
     report_results(common, summary);
-    if (failures(all) > 0) throw SimulationError(fmt::format("{} of {} rows fail, see {}", failures(all), all.size(), (common.out / "stress.csv").string()));
+    if (failures(all) > 0)
+        throw SimulationError(fmt::format("{} of {} rows fail, see {}", failures(all), all.size(),
+                                          (common.out / "stress.csv").string()));
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Stress>(argc, argv, "stress", "what the engine must stand, or must refuse", run);
+    return run_scenario<Stress>(argc, argv, "stress", "what the engine must stand, or must refuse",
+                                run);
 }

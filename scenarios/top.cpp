@@ -1,9 +1,11 @@
-// A rigid body that turns freely, beside Jacobi's solution; or a compound pendulum on its ball, beside its period.
+// A rigid body that turns freely, beside Jacobi's solution; or a compound pendulum on its ball,
+// beside its period.
+#include "scenarios/verification/top.hpp"
+
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
-#include "systems/experiments/names.hpp"
-#include "systems/experiments/top.hpp"
+#include "scenarios/verification/names.hpp"
 
 #include <cstdio>
 
@@ -17,7 +19,9 @@ struct Turning {
     std::string kind = "free";
 
     void describe(auto& option) {
-        option("kind", kind, "", "free: no torque; pendulum: it swings about a ball in a smooth groove", {"free", "pendulum"});
+        option("kind", kind, "",
+               "free: no torque; pendulum: it swings about a ball in a smooth groove",
+               {"free", "pendulum"});
         option.group("free");
         option("inertia_1", top.inertia.x(), "kg m2", "least principal moment", above(0));
         option("inertia_2", top.inertia.y(), "kg m2", "middle one", above(0));
@@ -31,11 +35,13 @@ struct Turning {
         option("arm", pendulum.arm, "m", "from the centre of mass to the ball's centre", above(0));
         option("ball_radius", pendulum.radius, "m", "", above(0));
         option("mass", pendulum.mass, "kg", "", above(0));
-        option("inertia", pendulum.inertia.y(), "kg m2", "about the centre of mass, of the swing", above(0));
+        option("inertia", pendulum.inertia.y(), "kg m2", "about the centre of mass, of the swing",
+               above(0));
         option("amplitude", pendulum.amplitude, "rad", "at the start",
                Range{.low = 0, .high = pi / 4, .low_accepted = false, .high_accepted = false});
         option("gravity", pendulum.gravity, "m/s2", "", above(0));
-        option("stiffness_ratio", pendulum.stiffness_ratio, "", "stiffness of a contact times arm over weight", above(10));
+        option("stiffness_ratio", pendulum.stiffness_ratio, "",
+               "stiffness of a contact times arm over weight", above(10));
         option("step_share", pendulum.step_share, "", "time step over sqrt(m/k)",
                Range{.low = 0, .high = 1, .low_accepted = false});
         option("swings", pendulum.swings, "", "to and fro", within(1, 1000));
@@ -74,12 +80,14 @@ void run(const Turning& settings, const Common& common) {
         std::puts(explain_step(LawName::linear_frictionless, Grains::clumps).c_str());
         return;
     }
-    const Summary results = settings.kind == "free" ? results_of(measure(settings.top)) : results_of(measure(settings.pendulum));
+    const Summary results = settings.kind == "free" ? results_of(measure(settings.top))
+                                                    : results_of(measure(settings.pendulum));
     report_results(common, results);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Turning>(argc, argv, "top", "a rigid body turns freely, or swings as a pendulum", run);
+    return run_scenario<Turning>(argc, argv, "top",
+                                 "a rigid body turns freely, or swings as a pendulum", run);
 }

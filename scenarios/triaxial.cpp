@@ -1,6 +1,9 @@
 // Drained triaxial compression of railway ballast (clumps of 30 spheres) inside a servo membrane of
 // 8 rings x 12 elements, after the TRB report: one specimen, tested at each confining pressure.
 
+#include "scenarios/triaxial/triaxial.hpp"
+
+#include "engine/checkpoint_keeper.hpp"
 #include "engine/clock.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
@@ -8,12 +11,10 @@
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
-#include "systems/output/checkpoint_keeper.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
+#include "scenarios/triaxial/triaxial_scene.hpp"
 #include "systems/output/frames.hpp"
 #include "systems/output/picture.hpp"
-#include "systems/procedure/triaxial.hpp"
-#include "systems/procedure/triaxial_scene.hpp"
-#include "systems/procedure/triaxial_results.hpp"
 
 #include <fmt/format.h>
 
@@ -23,7 +24,6 @@
 namespace bris {
 
 namespace {
-
 
 TriaxialSettings settings_at(const Triaxial& t, double pressure) {
     TriaxialSettings settings = t.test;
@@ -42,9 +42,16 @@ std::vector<NamedValue> settings_of(const Common& common, double pressure) {
 constexpr auto specimen_file = "specimen.ckpt.h5", test_file = "triaxial.ckpt.h5";
 
 /// Settings that do not matter yet while a specimen is made: one specimen serves for many tests.
-const std::initializer_list<std::string_view> of_the_test_alone{
-    "confining_pressure_Pa", "stage_strain", "final_axial_strain", "tolerance", "pressure_tolerance",
-    "friction", "gravity", "move_steps", "mass_scaling", "frame_stages"};
+const std::initializer_list<std::string_view> of_the_test_alone{"confining_pressure_Pa",
+                                                                "stage_strain",
+                                                                "final_axial_strain",
+                                                                "tolerance",
+                                                                "pressure_tolerance",
+                                                                "friction",
+                                                                "gravity",
+                                                                "move_steps",
+                                                                "mass_scaling",
+                                                                "frame_stages"};
 
 /// What the tests of a run share.
 struct Shared {
@@ -52,25 +59,30 @@ struct Shared {
     const Common& common;
     const TriaxialScene& scene;
     Progress& progress;
-    std::mutex files;               ///< HDF5 and gnuplot: one at a time
-    double preparation_wall = 0;    ///< s
+    std::mutex files;            ///< HDF5 and gnuplot: one at a time
+    double preparation_wall = 0; ///< s
     std::uint64_t preparation_steps = 0;
 };
 
 /// One test at one pressure: runs it and keeps what is to be shown of it.
 class Test {
 public:
-    Test(Shared& shared, double pressure, std::filesystem::path out, unsigned threads, const char* checkpoint = test_file)
+    Test(Shared& shared, double pressure, std::filesystem::path out, unsigned threads,
+         const char* checkpoint = test_file)
         : shared_(shared), settings_(settings_at(shared.settings, pressure)), out_(std::move(out)),
-          simulation_(make_simulation(shared.scene, threads, shared.common.serial)), test_(simulation_, settings_),
-          keeper_({out_ / checkpoint, shared.common.scenario, settings_of(shared.common, pressure)}) {
+          simulation_(make_simulation(shared.scene, threads, shared.common.serial)),
+          test_(simulation_, settings_), keeper_({out_ / checkpoint, shared.common.scenario,
+                                                  settings_of(shared.common, pressure)}) {
         std::filesystem::create_directories(out_);
     }
 
-    /// Goes on from a state, or from a checkpoint of this test (`may_differ`: settings that did not matter yet).
+    /// Goes on from a state, or from a checkpoint of this test (`may_differ`: settings that did not
+    /// matter yet).
     void restore(const Archive& state) { simulation_.restore(state); }
-    void resume_from(const std::filesystem::path& file, std::initializer_list<std::string_view> may_differ = {}) {
-        resume(simulation_, file, shared_.common.scenario, settings_of(shared_.common, settings_.confining_pressure), may_differ);
+    void resume_from(const std::filesystem::path& file,
+                     std::initializer_list<std::string_view> may_differ = {}) {
+        resume(simulation_, file, shared_.common.scenario,
+               settings_of(shared_.common, settings_.confining_pressure), may_differ);
     }
 
     /// Makes the specimen, up to where the pressure begins to matter.
@@ -81,8 +93,9 @@ public:
         shared_.preparation_steps = clock().step;
         keeper_.save(simulation_);
         shared_.progress.pause();
-        fmt::print("specimen prepared: core porosity {:.4f}, {} steps, {:.1f} s\n", test_.state().prepared_porosity,
-                   shared_.preparation_steps, shared_.preparation_wall);
+        fmt::print("specimen prepared: core porosity {:.4f}, {} steps, {:.1f} s\n",
+                   test_.state().prepared_porosity, shared_.preparation_steps,
+                   shared_.preparation_wall);
         return simulation_.snapshot();
     }
 
@@ -97,7 +110,8 @@ public:
             }
         } catch (...) { // what there is of the curve is not lost
             const std::lock_guard lock(shared_.files);
-            if (!test_.state().points.empty()) write_curve(out_ / "curve.csv", test_.state().points);
+            if (!test_.state().points.empty())
+                write_curve(out_ / "curve.csv", test_.state().points);
             throw;
         }
         wall_ = seconds_since(began);
@@ -117,7 +131,8 @@ private:
             test_.advance();
         } catch (const SimulationError& error) {
             const std::lock_guard lock(shared_.files);
-            throw SimulationError(fmt::format("{}; state in {}", error.what(), keeper_.save_stopped(simulation_).string()));
+            throw SimulationError(fmt::format("{}; state in {}", error.what(),
+                                              keeper_.save_stopped(simulation_).string()));
         }
         shared_.progress.report(slot, test_.fraction(), test_.description());
         const std::lock_guard lock(shared_.files);
@@ -128,7 +143,9 @@ private:
     void finish();
     /// A file of the whole test, or of the part since it was resumed.
     std::filesystem::path file(const std::string& name, const char* extension) const {
-        return out_ / (first_point_ == 0 ? name + extension : fmt::format("{}_from_stage_{}{}", name, first_point_, extension));
+        return out_ / (first_point_ == 0
+                           ? name + extension
+                           : fmt::format("{}_from_stage_{}{}", name, first_point_, extension));
     }
 
     Shared& shared_;
@@ -149,12 +166,14 @@ void Test::record() {
     if (points.size() <= recorded_) return;
     recorded_ = points.size();
     const std::size_t stage = points.size() - 1;
-    const auto stages = static_cast<std::size_t>(std::llround(settings_.final_axial_strain / settings_.stage_strain));
+    const auto stages = static_cast<std::size_t>(
+        std::llround(settings_.final_axial_strain / settings_.stage_strain));
     const World& world = simulation_.world();
     const std::lock_guard lock(shared_.files);
     if (stage == 0) write_sensor_drift(out_ / "sensor_rocks.csv", world);
     if (!frames_)
-        frames_ = std::make_unique<FrameWriter>(file("triaxial", ".vtkhdf"), settings_of(shared_.common, settings_.confining_pressure));
+        frames_ = std::make_unique<FrameWriter>(
+            file("triaxial", ".vtkhdf"), settings_of(shared_.common, settings_.confining_pressure));
     const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
     if (stage % shared_.settings.frame_stages != 0 && !shown) return;
     const BodyFrame frame = frame_of_bodies(world);
@@ -174,8 +193,10 @@ void Test::finish() {
     keeper_.save(simulation_);
     write_curve(out_ / "curve.csv", test_.state().points);
     frames_.reset();
-    draw_curves(out_ / "curves.png", {{folder_of(settings_.confining_pressure), &test_.state().points}});
-    if (!views_.empty()) draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
+    draw_curves(out_ / "curves.png",
+                {{folder_of(settings_.confining_pressure), &test_.state().points}});
+    if (!views_.empty())
+        draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
     summary().write(out_ / "summary.json");
 }
 
@@ -189,7 +210,8 @@ Summary Test::summary() const {
     summary.add("global_porosity", s.global_porosity);
     summary.add("height_m", s.height);
     summary.add("diameter_m", 2 * shared_.scene.specimen.radius);
-    summary.add("diameter_over_largest_rock", 2 * shared_.scene.specimen.radius / shared_.scene.grading.sieves.front().size);
+    summary.add("diameter_over_largest_rock",
+                2 * shared_.scene.specimen.radius / shared_.scene.grading.sieves.front().size);
     summary.add("sensor_rock_drift_m", s.drift);
     summary.add("sensor_rock_turn_deg", s.turn * 180 / pi);
     summary.add("coordination_number", s.points.back().coordination);
@@ -203,7 +225,8 @@ Summary Test::summary() const {
     }
     summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
     for (const NamedValue& entry : shared_.common.settings)
-        if (entry.key != "confining_pressure_Pa") summary.add(entry); // this test's own stands above
+        if (entry.key != "confining_pressure_Pa")
+            summary.add(entry); // this test's own stands above
     return summary;
 }
 
@@ -212,7 +235,8 @@ void print_table(const std::vector<Summary>& results) {
     for (const Summary& result : results) {
         std::string suffix;
         for (const NamedValue& entry : result.entries()) {
-            if (entry.key == "confining_pressure_Pa") suffix = folder_of(std::get<double>(entry.value));
+            if (entry.key == "confining_pressure_Pa")
+                suffix = folder_of(std::get<double>(entry.value));
             if (entry.key == "stage_strain") break; // settings from here on
             NamedValue named = entry;
             named.key = suffix + " " + entry.key;
@@ -223,16 +247,20 @@ void print_table(const std::vector<Summary>& results) {
 }
 
 void print_specimen(const Triaxial& t, const TriaxialScene& scene) {
-    fmt::print("{}", describe(scene.sample, sieve_back(scene.sample.rocks, scene.clumps, scene.grading, scene.sample.truncated_fraction)));
-    fmt::print("specimen: {} rocks, {} of them sensor rocks, diameter {:.1f} mm, height about {:.0f} mm, D/d_max {:.2f}\n",
-               t.bodies, scene.poses.size(),
-               2e3 * scene.specimen.radius, 1e3 * scene.specimen.height,
+    fmt::print("{}",
+               describe(scene.sample, sieve_back(scene.sample.rocks, scene.clumps, scene.grading,
+                                                 scene.sample.truncated_fraction)));
+    fmt::print("specimen: {} rocks, {} of them sensor rocks, diameter {:.1f} mm, height about "
+               "{:.0f} mm, D/d_max {:.2f}\n",
+               t.bodies, scene.poses.size(), 2e3 * scene.specimen.radius,
+               1e3 * scene.specimen.height,
                2 * scene.specimen.radius / scene.grading.sieves.front().size);
 }
 
 /// The specimen of all tests: made now, or as far as `checkpoint` has it, from there.
 Archive make_specimen(Shared& shared, const std::filesystem::path& checkpoint) {
-    Test first(shared, shared.settings.confining_pressure.front(), shared.common.out, shared.common.threads, specimen_file);
+    Test first(shared, shared.settings.confining_pressure.front(), shared.common.out,
+               shared.common.threads, specimen_file);
     if (!checkpoint.empty()) first.resume_from(checkpoint, of_the_test_alone);
     return first.prepare();
 }
@@ -244,16 +272,20 @@ struct Resume {
         if (std::filesystem::is_directory(path)) {
             directory = path;
             if (std::filesystem::exists(path / specimen_file)) specimen = path / specimen_file;
-            require(!specimen.empty(), fmt::format("--resume: expected {} in '{}', found none", specimen_file, path.string()));
+            require(!specimen.empty(), fmt::format("--resume: expected {} in '{}', found none",
+                                                   specimen_file, path.string()));
         } else if (path.filename() == specimen_file) {
             specimen = path;
         } else if (!path.empty()) {
             test = path;
-            require(tests == 1, fmt::format("--resume: expected one --confining-pressure for one test's checkpoint, found {}; "
-                                            "a run of several goes on from its directory", tests));
+            require(tests == 1, fmt::format("--resume: expected one --confining-pressure for one "
+                                            "test's checkpoint, found {}; "
+                                            "a run of several goes on from its directory",
+                                            tests));
         }
     }
-    /// The checkpoint of the test whose results go into a folder of the run; empty: begins with the specimen.
+    /// The checkpoint of the test whose results go into a folder of the run; empty: begins with the
+    /// specimen.
     std::filesystem::path test_in(const std::filesystem::path& folder) const {
         if (directory.empty()) return test;
         const auto file = directory / folder / test_file;
@@ -285,7 +317,9 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
 }
 
 void run(const Triaxial& t, const Common& common) {
-    require_memory_for(t, std::min(common.threads, static_cast<unsigned>(t.confining_pressure.size())), common.memory_limit);
+    require_memory_for(t,
+                       std::min(common.threads, static_cast<unsigned>(t.confining_pressure.size())),
+                       common.memory_limit);
     const TriaxialScene scene = make_scene(t, common.seed);
     if (common.explain) {
         fmt::print("{}", make_simulation(scene, 1, common.serial).schedule().explain());
@@ -294,9 +328,11 @@ void run(const Triaxial& t, const Common& common) {
     check_test(t);
     print_specimen(t, scene);
     const std::size_t tests = t.confining_pressure.size();
-    const unsigned at_once = std::max(1u, std::min<unsigned>(common.threads, static_cast<unsigned>(tests)));
+    const unsigned at_once =
+        std::max(1u, std::min<unsigned>(common.threads, static_cast<unsigned>(tests)));
     const unsigned threads = std::max(1u, common.threads / at_once);
-    Progress progress(static_cast<unsigned>(tests), common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+    Progress progress(static_cast<unsigned>(tests),
+                      common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
     Shared shared{t, common, scene, progress, {}};
     const Resume from(common.resume, tests);
     const Archive specimen = from.test.empty() ? make_specimen(shared, from.specimen) : Archive{};
@@ -306,8 +342,10 @@ void run(const Triaxial& t, const Common& common) {
         const std::filesystem::path folder = tests == 1 ? "" : folder_of(pressure);
         done[k] = std::make_unique<Test>(shared, pressure, common.out / folder, threads);
         const auto checkpoint = from.test_in(folder);
-        if (checkpoint.empty()) done[k]->restore(specimen);
-        else done[k]->resume_from(checkpoint);
+        if (checkpoint.empty())
+            done[k]->restore(specimen);
+        else
+            done[k]->resume_from(checkpoint);
         done[k]->run(static_cast<unsigned>(k));
     });
     progress.pause();
@@ -320,6 +358,7 @@ void run(const Triaxial& t, const Common& common) {
 } // namespace bris
 
 int main(int argc, char** argv) {
-    return bris::run_scenario<bris::Triaxial>(argc, argv, "triaxial",
-                                              "drained triaxial compression of ballast in a servo membrane", bris::run);
+    return bris::run_scenario<bris::Triaxial>(
+        argc, argv, "triaxial", "drained triaxial compression of ballast in a servo membrane",
+        bris::run);
 }

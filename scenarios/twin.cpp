@@ -1,25 +1,27 @@
-// Twin experiment: a true triaxial test whose sensor rocks are recorded, and a model of it with other parameters that is
-// run without and with the recordings. Does the model then know better what the other rocks do? Beside them a run with
-// the true parameters from a start disturbed by less than a grain of dust: no model can know more than that. The model may also be of
-// rocks of other shapes, in other places, or of another packing.
+// Twin experiment: a true triaxial test whose sensor rocks are recorded, and a model of it with
+// other parameters that is run without and with the recordings. Does the model then know better
+// what the other rocks do? Beside them a run with the true parameters from a start disturbed by
+// less than a grain of dust: no model can know more than that. The model may also be of rocks of
+// other shapes, in other places, or of another packing.
+#include "scenarios/assimilation/twin.hpp"
+
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
+#include "engine/io/plot.hpp"
 #include "engine/random.hpp"
 #include "engine/scenario.hpp"
 #include "engine/signal/attitude.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
-#include "systems/experiments/names.hpp"
-#include "systems/output/plot.hpp"
-#include "systems/procedure/generations.hpp"
-#include "systems/procedure/layouts.hpp"
-#include "systems/procedure/kept_run.hpp"
-#include "systems/procedure/learning_results.hpp"
-#include "systems/procedure/model_specimen.hpp"
-#include "systems/procedure/recorded_test.hpp"
-#include "systems/procedure/run_models.hpp"
-#include "systems/procedure/triaxial_results.hpp"
-#include "systems/procedure/twin.hpp"
+#include "scenarios/assimilation/generations.hpp"
+#include "scenarios/assimilation/kept_run.hpp"
+#include "scenarios/assimilation/layouts.hpp"
+#include "scenarios/assimilation/learning_results.hpp"
+#include "scenarios/assimilation/model_specimen.hpp"
+#include "scenarios/assimilation/run_models.hpp"
+#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
+#include "scenarios/verification/names.hpp"
 
 #include <fmt/format.h>
 
@@ -33,7 +35,9 @@ namespace bris {
 
 namespace {
 
-constexpr std::array<std::string_view, 12> arm_names{"free", "chaos", "jumped", "spread", "pulled", "learned", "both", "load_cell", "sensors_only", "ensemble", "analysed", "null"};
+constexpr std::array<std::string_view, 12> arm_names{
+    "free", "chaos",     "jumped",       "spread",   "pulled",   "learned",
+    "both", "load_cell", "sensors_only", "ensemble", "analysed", "null"};
 
 struct Twin {
     Triaxial triaxial;
@@ -59,37 +63,66 @@ struct Twin {
     }
     void describe(auto& option) {
         option.group("twin");
-        option("arms", arms, "", "none; or of free: told nothing; chaos: the truth from a start disturbed; jumped: sensor rocks put, as in the report; spread: with all "
-               "others along; pulled: by springs of bounded force; learned: friction and stiffness; both: learned and pulled; ensemble: what the worlds that learned foretell together; "
-               "load_cell, sensors_only: that, learned without the sensors, or by them alone; "
-               "analysed: as ensemble, and the recordings of the sensors carried to all rocks; null: the same with q of this specimen and sensors of another, which should help nobody");
-        option("model_friction", model.friction, "", "of rocks in the model; the truth's is --friction", above(0));
-        option("model_stiffness", model.stiffness, "", "of contacts in the model, of the truth's", above(0));
+        option(
+            "arms", arms, "",
+            "none; or of free: told nothing; chaos: the truth from a start disturbed; jumped: "
+            "sensor rocks put, as in the report; spread: with all "
+            "others along; pulled: by springs of bounded force; learned: friction and stiffness; "
+            "both: learned and pulled; ensemble: what the worlds that learned foretell together; "
+            "load_cell, sensors_only: that, learned without the sensors, or by them alone; "
+            "analysed: as ensemble, and the recordings of the sensors carried to all rocks; null: "
+            "the same with q of this specimen and sensors of another, which should help nobody");
+        option("model_friction", model.friction, "",
+               "of rocks in the model; the truth's is --friction", above(0));
+        option("model_stiffness", model.stiffness, "", "of contacts in the model, of the truth's",
+               above(0));
         mismatch.describe(option);
-        option("disturbance", disturbance, "m", "of all places, in the run that shows chaos alone", at_least(0));
+        option("disturbance", disturbance, "m", "of all places, in the run that shows chaos alone",
+               at_least(0));
         learning.describe(option);
-        option("change", change, "", "of friction or stiffness, from which on the model is told of it", above(0));
-        option("catch_up", catch_up, "", "begin again with what was learned, else go on from where the model is");
-        option("layouts", layouts, "", "try other sensor rocks: how many, which, and how often they tell, and what that leaves of the error of rocks without (layouts.csv)");
-        option("record", record, "", "a folder for what the sensors of the truth record, as smart_triaxial reads it; empty: none");
+        option("change", change, "",
+               "of friction or stiffness, from which on the model is told of it", above(0));
+        option("catch_up", catch_up, "",
+               "begin again with what was learned, else go on from where the model is");
+        option("layouts", layouts, "",
+               "try other sensor rocks: how many, which, and how often they tell, and what that "
+               "leaves of the error of rocks without (layouts.csv)");
+        option("record", record, "",
+               "a folder for what the sensors of the truth record, as smart_triaxial reads it; "
+               "empty: none");
         option("record_format", record_format, "", "of these files", {"csv", "hdf5"});
         option("filter", filter, "", "what turns recordings into corrections", filter_names);
-        option("sensor_mode", sensors.mode, "", "what they tell: displacement and attitude without error, or tracked with noise; or an inertial sensor through the intake: tilt alone", sensor_modes);
-        option("imu", sensors.imu, "", "of honest-imu, and of --record", {"lab-grade", "smartrock-like", "cheap"});
+        option("sensor_mode", sensors.mode, "",
+               "what they tell: displacement and attitude without error, or tracked with noise; or "
+               "an inertial sensor through the intake: tilt alone",
+               sensor_modes);
+        option("imu", sensors.imu, "", "of honest-imu, and of --record",
+               {"lab-grade", "smartrock-like", "cheap"});
         option("interval", sensors.interval, "", "axial strain between samples", above(0));
-        option("injection_steps", corrections.injection_steps, "", "in which a correction enters; 1: it jumps, as in the report", at_least(1));
-        option("largest_shift", corrections.largest_shift, "m", "of a sensor rock that is put, in a step; 0: whatever is measured", at_least(0));
+        option("injection_steps", corrections.injection_steps, "",
+               "in which a correction enters; 1: it jumps, as in the report", at_least(1));
+        option("largest_shift", corrections.largest_shift, "m",
+               "of a sensor rock that is put, in a step; 0: whatever is measured", at_least(0));
         option("largest_work_share", corrections.largest_work_share, "",
-               "that corrections may do of the work of platens and membrane, from one to the next: those that cost more are reduced or refused; 0: no limit", within(0, 1));
-        option("pull_stiffness", corrections.pull.stiffness, "N/m", "of critically damped springs that pull sensor rocks", above(0));
-        option("largest_pull", corrections.pull.largest_force, "N", "of spring and dashpot together", at_least(0));
+               "that corrections may do of the work of platens and membrane, from one to the next: "
+               "those that cost more are reduced or refused; 0: no limit",
+               within(0, 1));
+        option("pull_stiffness", corrections.pull.stiffness, "N/m",
+               "of critically damped springs that pull sensor rocks", above(0));
+        option("largest_pull", corrections.pull.largest_force, "N",
+               "of spring and dashpot together", at_least(0));
         option("position_noise", sensors.position_noise, "m", "of tracked displacements", above(0));
         option("attitude_noise", sensors.attitude_noise, "rad", "of tracked attitudes", above(0));
-        option("dropout", sensors.faults.dropout, "", "share of samples that never come", within(0, 0.99));
-        option("outliers", sensors.faults.outliers, "", "share of samples that are 20 mm and half a radian off", within(0, 0.99));
+        option("dropout", sensors.faults.dropout, "", "share of samples that never come",
+               within(0, 0.99));
+        option("outliers", sensors.faults.outliers, "",
+               "share of samples that are 20 mm and half a radian off", within(0, 0.99));
         option("lateness", lateness, "", "axial strain by which samples come late", at_least(0));
-        option("lag", corrections.filter.lag, "", "samples back to which a sensor rock that is put or pulled takes late ones; 0: they are refused");
-        option("drift", corrections.filter.drift, "m2", "that the model may go astray in a unit of strain", at_least(0));
+        option("lag", corrections.filter.lag, "",
+               "samples back to which a sensor rock that is put or pulled takes late ones; 0: they "
+               "are refused");
+        option("drift", corrections.filter.drift, "m2",
+               "that the model may go astray in a unit of strain", at_least(0));
         option("turning", corrections.filter.turning, "rad2", "likewise", at_least(0));
         triaxial.describe(option);
     }
@@ -102,8 +135,10 @@ void visit_errors(const TwinErrors& e, std::size_t shells, auto&& visit) {
     visit("q", "Pa", e.q);
     visit("volumetric_strain", "", e.volumetric_strain);
     visit("ring_radius", "m", e.ring_radius);
-    for (std::size_t s = 0; s < shells; ++s) visit(fmt::format("displacement_{}", shell_names[s]), "m", e.displacement[s]);
-    for (std::size_t s = 0; s < shells; ++s) visit(fmt::format("rotation_{}", shell_names[s]), "rad", e.rotation[s]);
+    for (std::size_t s = 0; s < shells; ++s)
+        visit(fmt::format("displacement_{}", shell_names[s]), "m", e.displacement[s]);
+    for (std::size_t s = 0; s < shells; ++s)
+        visit(fmt::format("rotation_{}", shell_names[s]), "rad", e.rotation[s]);
 }
 
 /// By how much specimens differ in ln q that differ so: as measured, or as it was said.
@@ -117,33 +152,42 @@ std::vector<std::string> names_of_arms(const std::string& list) {
     std::vector<std::string> names;
     if (list == "none") return names; // the truth alone, to be recorded
     std::string all;
-    for (const std::string_view name : arm_names) all += fmt::format("{}{}", all.empty() ? "" : ", ", name);
+    for (const std::string_view name : arm_names)
+        all += fmt::format("{}{}", all.empty() ? "" : ", ", name);
     std::istringstream text(list);
     for (std::string name; std::getline(text, name, ',');) {
-        require(std::ranges::count(arm_names, name) == 1, fmt::format("--arms: expected {}, found '{}'", all, name));
-        require(std::ranges::count(names, name) == 0, fmt::format("--arms: expected each once, found '{}' twice", name));
+        require(std::ranges::count(arm_names, name) == 1,
+                fmt::format("--arms: expected {}, found '{}'", all, name));
+        require(std::ranges::count(names, name) == 0,
+                fmt::format("--arms: expected each once, found '{}' twice", name));
         names.push_back(name);
     }
     return names;
 }
 
 /// From the worlds that learn, not by a run of its own.
-bool is_computed(const std::string& arm) { return arm == "ensemble" || arm == "load_cell" || arm == "sensors_only" || arm == "analysed" || arm == "null"; }
+bool is_computed(const std::string& arm) {
+    return arm == "ensemble" || arm == "load_cell" || arm == "sensors_only" || arm == "analysed" ||
+           arm == "null";
+}
 
 /// By what was recorded of the sensors.
 bool is_corrected(const std::string& arm) {
-    constexpr std::array<std::string_view, 6> corrected{"jumped", "spread", "pulled", "both", "analysed", "null"};
+    constexpr std::array<std::string_view, 6> corrected{"jumped", "spread",   "pulled",
+                                                        "both",   "analysed", "null"};
     return std::ranges::count(corrected, arm) > 0;
 }
 
-bool learns(const std::string& arm) { return arm == "learned" || arm == "both" || is_computed(arm); }
+bool learns(const std::string& arm) {
+    return arm == "learned" || arm == "both" || is_computed(arm);
+}
 
 /// What worlds learned, and foretell together.
 struct Taught {
     Learned learned;
-    ModelRun forecast = {};       // where it is asked for
-    RockScatter scatter = {};     // likewise
-    std::size_t gross = 0;        // displacements that were left out
+    ModelRun forecast = {};   // where it is asked for
+    RockScatter scatter = {}; // likewise
+    std::size_t gross = 0;    // displacements that were left out
     double wall = 0;
 };
 
@@ -151,8 +195,10 @@ struct Taught {
 class Experiment {
 public:
     Experiment(const Twin& settings, const Common& common)
-        : t_(settings), common_(common), learning_(learning_for(t_)), true_{make_scene(t_.triaxial, common.seed), {}}, names_(names_of_arms(t_.arms)),
-          test_(t_.triaxial.test), progress_(progress_of_models(common)) {
+        : t_(settings), common_(common),
+          learning_(learning_for(t_)), true_{make_scene(t_.triaxial, common.seed), {}},
+          names_(names_of_arms(t_.arms)), test_(t_.triaxial.test),
+          progress_(progress_of_models(common)) {
         test_.confining_pressure = t_.triaxial.confining_pressure.front();
     }
     void run();
@@ -171,9 +217,14 @@ private:
     std::vector<TriaxialPoint> measured() const;
     void record(const RecordingSettings& settings) const;
     void make_specimens();
-    const PreparedSpecimen& specimen_of(const std::string& arm) const { return model_ && arm != "truth" && arm != "chaos" ? *model_ : true_; }
-    /// Whose errors are asked for: of another packing only the sensor rocks are where the truth has them.
-    std::size_t shells_of(const std::string& arm) const { return t_.mismatch.packing > 0 && arm != "chaos" ? 1 : shell_names.size(); }
+    const PreparedSpecimen& specimen_of(const std::string& arm) const {
+        return model_ && arm != "truth" && arm != "chaos" ? *model_ : true_;
+    }
+    /// Whose errors are asked for: of another packing only the sensor rocks are where the truth has
+    /// them.
+    std::size_t shells_of(const std::string& arm) const {
+        return t_.mismatch.packing > 0 && arm != "chaos" ? 1 : shell_names.size();
+    }
     void add_starts(Summary& summary) const;
     std::vector<ModelRun> run_all(const std::vector<ModelArm>& arms, double strain);
     ModelRun run_another();
@@ -188,7 +239,7 @@ private:
     Progress progress_;
     ModelRun truth_;
     std::optional<Told> told_, told_of_another_;
-    std::optional<Worlds> first_; // generation, from which all that is learned goes on
+    std::optional<Worlds> first_;          // generation, from which all that is learned goes on
     std::map<std::string, Taught> taught_; // by teaching; "worlds": by all that was measured
     std::vector<ModelArm> arms_;
     std::vector<ModelRun> runs_;
@@ -197,7 +248,8 @@ private:
 // Names of what worlds learn from: arms for whom it is the same share them.
 std::string Experiment::teaching_of(const std::string& arm) const {
     const bool sensors_say_nothing = t_.sensors.mode == "honest-imu" || !learning_.by_sensors;
-    const bool own = arm == "sensors_only" || (!sensors_say_nothing && (arm == "load_cell" || arm == "null"));
+    const bool own =
+        arm == "sensors_only" || (!sensors_say_nothing && (arm == "load_cell" || arm == "null"));
     return own ? arm : "worlds";
 }
 
@@ -226,11 +278,18 @@ ModelArm Experiment::arm_of(const std::string& name) const {
 }
 
 void Experiment::make_specimens() {
-    const auto watch = [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); };
+    const auto watch = [&](double fraction, const std::string& text) {
+        progress_.report(0, fraction, text);
+    };
     true_.state = make_specimen(true_.scene, test_, common_, watch);
-    if (t_.mismatch.any()) model_ = make_model_specimen(t_.triaxial, test_, true_, t_.mismatch, common_, [&](double fraction, const std::string& text) { watch(fraction, "model's " + text); });
+    if (t_.mismatch.any())
+        model_ = make_model_specimen(
+            t_.triaxial, test_, true_, t_.mismatch, common_,
+            [&](double fraction, const std::string& text) { watch(fraction, "model's " + text); });
     progress_.pause();
-    if (t_.mismatch.packing > 0) fmt::print("another packing: only its sensor rocks have rocks of the truth to be compared with; errors of the others are left out\n");
+    if (t_.mismatch.packing > 0)
+        fmt::print("another packing: only its sensor rocks have rocks of the truth to be compared "
+                   "with; errors of the others are left out\n");
 }
 
 std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, double strain) {
@@ -242,9 +301,14 @@ std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, dou
 /// The truth of another specimen, packed around sensor rocks in the same places.
 ModelRun Experiment::run_another() {
     const Common common = common_of_packing(common_, "another", common_.seed + 1000);
-    const PreparedSpecimen another =
-        make_another_packing(t_.triaxial, test_, true_.scene, 0, common, [&](double fraction, const std::string& text) { progress_.report(0, fraction, "another " + text); });
-    ModelRun run = run_models({&another}, test_, {{.name = "another truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain, common, progress_).front();
+    const PreparedSpecimen another = make_another_packing(
+        t_.triaxial, test_, true_.scene, 0, common, [&](double fraction, const std::string& text) {
+            progress_.report(0, fraction, "another " + text);
+        });
+    ModelRun run =
+        run_models({&another}, test_, {{.name = "another truth", .rocks = {test_.friction, 1}}},
+                   test_.final_axial_strain, common, progress_)
+            .front();
     forget_runs(common);
     return run;
 }
@@ -263,11 +327,18 @@ Taught Experiment::teach(const std::string& teaching, const Told& told) {
     }
     const Gaussian prior = prior_of(t_.model, learning);
     const PreparedSpecimen& worlds = specimen_of(teaching);
-    const auto try_them = [&](const std::vector<ModelArm>& arms, double strain) { return try_models(worlds.scene, test_, worlds.state, arms, strain, common_, progress_); };
-    if (!first_) first_ = run_worlds(prior, learning.worlds, "first", learning.first_strain, try_them);
-    const auto foretells = [&](const std::string& arm) { return is_computed(arm) && teaching_of(arm) == teaching; };
+    const auto try_them = [&](const std::vector<ModelArm>& arms, double strain) {
+        return try_models(worlds.scene, test_, worlds.state, arms, strain, common_, progress_);
+    };
+    if (!first_)
+        first_ = run_worlds(prior, learning.worlds, "first", learning.first_strain, try_them);
+    const auto foretells = [&](const std::string& arm) {
+        return is_computed(arm) && teaching_of(arm) == teaching;
+    };
     const bool all_the_way = std::ranges::any_of(names_, foretells);
-    Taught taught{.learned = learn_on(prior, *first_, measured, learning, all_the_way ? test_.final_axial_strain : learning.final_strain, try_them)};
+    Taught taught{.learned = learn_on(
+                      prior, *first_, measured, learning,
+                      all_the_way ? test_.final_axial_strain : learning.final_strain, try_them)};
     if (learning.by_sensors) taught.gross = gross_displacements(taught.learned.second, measured);
     if (all_the_way) {
         taught.forecast = foretold_by(taught.learned, prior);
@@ -281,37 +352,52 @@ Taught Experiment::teach(const std::string& teaching, const Told& told) {
 std::vector<TriaxialPoint> Experiment::measured() const {
     std::vector<TriaxialPoint> points = truth_.points;
     Random random(common_.seed, 999);
-    for (TriaxialPoint& p : points) p.deviatoric_stress *= 1 + t_.learning.force_noise * random.normal();
+    for (TriaxialPoint& p : points)
+        p.deviatoric_stress *= 1 + t_.learning.force_noise * random.normal();
     return points;
 }
 
-/// What the worlds of an arm foretell, and where it is told of sensors, their recordings carried to all rocks.
+/// What the worlds of an arm foretell, and where it is told of sensors, their recordings carried to
+/// all rocks.
 ModelRun Experiment::compute(const ModelArm& arm) {
     const Taught& taught = taught_.at(teaching_of(arm.name));
     if (arm.ways.empty()) return taught.forecast;
-    return analyse(taught.forecast, taught.scatter, {sensor_rocks(truth_), arm.ways, arm.corrections.position_noise, arm.corrections.attitude_noise, t_.lateness});
+    return analyse(taught.forecast, taught.scatter,
+                   {sensor_rocks(truth_), arm.ways, arm.corrections.position_noise,
+                    arm.corrections.attitude_noise, t_.lateness});
 }
 
 void Experiment::record(const RecordingSettings& settings) const {
     const auto recordings = record_sensors(truth_, settings, common_.seed);
     const auto points = measured();
-    if (t_.record_format == "csv") return write_recorded_test(t_.record, test_.confining_pressure, recordings, true_.scene, points);
+    if (t_.record_format == "csv")
+        return write_recorded_test(t_.record, test_.confining_pressure, recordings,
+                                   true_.scene.specimen, true_.scene.poses, points);
     std::vector<double> time;
-    for (const TriaxialPoint& p : points) time.push_back(settings.rest + p.axial_strain / 1e-4 * settings.stage_time);
-    write_recorded_test_hdf5(t_.record, test_.confining_pressure, recordings, true_.scene, points, time);
+    for (const TriaxialPoint& p : points)
+        time.push_back(settings.rest + p.axial_strain / 1e-4 * settings.stage_time);
+    write_recorded_test_hdf5(t_.record, test_.confining_pressure, recordings, true_.scene.specimen,
+                             true_.scene.poses, points, time);
 }
 
 void Experiment::run() {
     make_specimens();
-    truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain).front();
+    truth_ = run_all({{.name = "truth", .rocks = {test_.friction, 1}}}, test_.final_axial_strain)
+                 .front();
     if (!t_.record.empty()) {
-        const RecordingSettings settings{.interval = t_.sensors.interval, .imu = t_.sensors.imu, .displacement_noise = t_.sensors.position_noise, .attitude_noise = t_.sensors.attitude_noise};
+        const RecordingSettings settings{.interval = t_.sensors.interval,
+                                         .imu = t_.sensors.imu,
+                                         .displacement_noise = t_.sensors.position_noise,
+                                         .attitude_noise = t_.sensors.attitude_noise};
         record(settings);
     }
     told_ = told_by_sensors(truth_, t_.sensors, common_.seed);
-    if (std::ranges::count(names_, "null") > 0) told_of_another_ = told_by_sensors(run_another(), t_.sensors, common_.seed);
+    if (std::ranges::count(names_, "null") > 0)
+        told_of_another_ = told_by_sensors(run_another(), t_.sensors, common_.seed);
     for (const std::string& name : names_)
-        if (learns(name) && !taught_.contains(teaching_of(name))) taught_[teaching_of(name)] = teach(teaching_of(name), *(name == "null" ? told_of_another_ : told_));
+        if (learns(name) && !taught_.contains(teaching_of(name)))
+            taught_[teaching_of(name)] =
+                teach(teaching_of(name), *(name == "null" ? told_of_another_ : told_));
     std::vector<ModelArm> to_run;
     for (const std::string& name : names_) {
         arms_.push_back(arm_of(name));
@@ -319,18 +405,26 @@ void Experiment::run() {
     }
     auto runs = run_all(to_run, test_.final_axial_strain);
     auto next = runs.begin();
-    for (const ModelArm& arm : arms_) runs_.push_back(is_computed(arm.name) ? compute(arm) : std::move(*next++));
+    for (const ModelArm& arm : arms_)
+        runs_.push_back(is_computed(arm.name) ? compute(arm) : std::move(*next++));
 }
 
 void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_free) const {
     const std::string& name = arms_[k].name;
-    const auto add = [&](const char* what, const auto& value) { summary.add(fmt::format("{}_{}", name, what), value); };
+    const auto add = [&](const char* what, const auto& value) {
+        summary.add(fmt::format("{}_{}", name, what), value);
+    };
     std::map<std::string, double> free;
-    if (of_free && name != "free") visit_errors(*of_free, shells_of("free"), [&](const std::string& what, const char*, double e) { free[what] = e; });
-    visit_errors(errors_of(runs_[k], truth_), shells_of(name), [&](const std::string& what, const char* unit, double e) {
-        summary.add(fmt::format("{}_rmse_{}{}{}", name, what, *unit ? "_" : "", unit), e);
-        if (free.contains(what)) summary.add(fmt::format("{}_error_left_{}", name, what), e / free.at(what));
-    });
+    if (of_free && name != "free")
+        visit_errors(*of_free, shells_of("free"),
+                     [&](const std::string& what, const char*, double e) { free[what] = e; });
+    visit_errors(
+        errors_of(runs_[k], truth_), shells_of(name),
+        [&](const std::string& what, const char* unit, double e) {
+            summary.add(fmt::format("{}_rmse_{}{}{}", name, what, *unit ? "_" : "", unit), e);
+            if (free.contains(what))
+                summary.add(fmt::format("{}_error_left_{}", name, what), e / free.at(what));
+        });
     add("steps", runs_[k].steps);
     add("wall_time_s", runs_[k].wall_time);
     add_properties(summary, name, runs_[k]);
@@ -351,7 +445,8 @@ void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_f
     add("smoothed_squared_distance", smoothed.squared_distance);
 }
 
-void Experiment::add_properties(Summary& summary, const std::string& name, const ModelRun& run) const {
+void Experiment::add_properties(Summary& summary, const std::string& name,
+                                const ModelRun& run) const {
     const TriaxialProperties properties = properties_of(run.points, test_.confining_pressure);
     summary.add(name + "_secant_modulus_E50_Pa", properties.secant_modulus);
     summary.add(name + "_poisson_ratio_E50", properties.poisson_ratio);
@@ -369,7 +464,9 @@ void Experiment::add_starts(Summary& summary) const {
     summary.add("learning_specimen_scatter", learning_.specimen_scatter);
     const ModelRun* model = first_ ? &first_->runs.front() : nullptr;
     for (std::size_t k = 0; k < arms_.size(); ++k)
-        if (!is_computed(arms_[k].name) && &specimen_of(arms_[k].name) == &*model_ && (model == nullptr || arms_[k].name == "free")) model = &runs_[k];
+        if (!is_computed(arms_[k].name) && &specimen_of(arms_[k].name) == &*model_ &&
+            (model == nullptr || arms_[k].name == "free"))
+            model = &runs_[k];
     if (model == nullptr) return; // no arm runs it
     put("model", *model);
     const StartsApart apart = starts_apart(*model, truth_);
@@ -381,18 +478,23 @@ void Experiment::add_starts(Summary& summary) const {
 }
 
 /// `taught` by another name than "worlds" says so.
-void Experiment::add_learned(Summary& summary, const std::string& name, const Taught& taught) const {
+void Experiment::add_learned(Summary& summary, const std::string& name,
+                             const Taught& taught) const {
     const std::string whose = name == "worlds" ? "" : name + "_";
     const auto& known = taught.learned.known;
     const Gaussian last = known.empty() ? prior_of(t_.model, learning_) : known.back().belief;
-    for (const NamedValue& v : describe(last)) summary.add(NamedValue(whose + v.key, std::get<double>(v.value)));
-    summary.add(whose + "learned_squared_distance_of_truth", squared_distance(last, logarithms_of({test_.friction, 1})));
+    for (const NamedValue& v : describe(last))
+        summary.add(NamedValue(whose + v.key, std::get<double>(v.value)));
+    summary.add(whose + "learned_squared_distance_of_truth",
+                squared_distance(last, logarithms_of({test_.friction, 1})));
     summary.add(whose + "learning_wall_time_s", taught.wall);
     summary.add(whose + "learning_gross_displacements", taught.gross);
-    for (const auto& [what, scatter] : {std::pair{"displacements", &taught.scatter.displacement}, std::pair{"rotations", &taught.scatter.rotation}}) {
+    for (const auto& [what, scatter] : {std::pair{"displacements", &taught.scatter.displacement},
+                                        std::pair{"rotations", &taught.scatter.rotation}}) {
         if (scatter->likeness.length <= 0) continue;
         summary.add(fmt::format("{}likeness_of_{}", whose, what), scatter->likeness.near);
-        summary.add(fmt::format("{}likeness_of_{}_length_m", whose, what), scatter->likeness.length);
+        summary.add(fmt::format("{}likeness_of_{}_length_m", whose, what),
+                    scatter->likeness.length);
     }
     const std::string file = name == "worlds" ? "" : "_" + name;
     write_known(common_.out / fmt::format("learned{}.csv", file), known);
@@ -405,61 +507,88 @@ void Experiment::write_smoothed() const {
         std::vector<std::vector<double>> rows;
         for (std::size_t rock = 0; rock < runs_[k].smoothed.size(); ++rock)
             for (const SmoothedPose& p : runs_[k].smoothed[rock]) {
-                const Vec3 u = p.position - runs_[k].start[rock].position, turn = attitude_error(p.attitude, runs_[k].start[rock].orientation);
-                rows.push_back({static_cast<double>(rock + 1), p.time, u.x(), u.y(), u.z(), turn.x(), turn.y(), turn.z(), p.position_deviation.norm(), p.attitude_deviation.norm()});
+                const Vec3 u = p.position - runs_[k].start[rock].position,
+                           turn = attitude_error(p.attitude, runs_[k].start[rock].orientation);
+                rows.push_back({static_cast<double>(rock + 1), p.time, u.x(), u.y(), u.z(),
+                                turn.x(), turn.y(), turn.z(), p.position_deviation.norm(),
+                                p.attitude_deviation.norm()});
             }
         if (!rows.empty())
             write_csv(common_.out / fmt::format("smoothed_{}.csv", arms_[k].name),
-                      {"sensor", "axial_strain", "ux_m", "uy_m", "uz_m", "turn_x_rad", "turn_y_rad", "turn_z_rad", "deviation_m", "deviation_rad"}, rows, {}, 7);
+                      {"sensor", "axial_strain", "ux_m", "uy_m", "uz_m", "turn_x_rad", "turn_y_rad",
+                       "turn_z_rad", "deviation_m", "deviation_rad"},
+                      rows, {}, 7);
     }
 }
 
 void Experiment::draw() const {
-    const auto panel = [&](const char* title, double scale, double TriaxialPoint::* value) {
-        Plot plot{.title = title, .x_label = "axial strain (%)", .y_label = title, .curves = {curve_of("truth", truth_.points, scale, value)}};
-        for (std::size_t k = 0; k < arms_.size(); ++k) plot.curves.push_back(curve_of(arms_[k].name, runs_[k].points, scale, value));
+    const auto panel = [&](const char* title, double scale, double TriaxialPoint::*value) {
+        Plot plot{.title = title,
+                  .x_label = "axial strain (%)",
+                  .y_label = title,
+                  .curves = {curve_of("truth", truth_.points, scale, value)}};
+        for (std::size_t k = 0; k < arms_.size(); ++k)
+            plot.curves.push_back(curve_of(arms_[k].name, runs_[k].points, scale, value));
         return plot;
     };
-    draw_plots(common_.out / "twin.png", {panel("q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress), panel("volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain)});
+    draw_plots(common_.out / "twin.png",
+               {panel("q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress),
+                panel("volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain)});
 }
 
 void Experiment::report() const {
     Summary summary;
     const auto free = std::ranges::find(names_, "free");
     std::optional<TwinErrors> of_free;
-    if (free != names_.end()) of_free = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
-    for (std::size_t k = 0; k < arms_.size(); ++k) add_arm(summary, k, of_free ? &*of_free : nullptr);
+    if (free != names_.end())
+        of_free = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
+    for (std::size_t k = 0; k < arms_.size(); ++k)
+        add_arm(summary, k, of_free ? &*of_free : nullptr);
     add_properties(summary, "truth", truth_);
     add_starts(summary);
     summary.add("sensors_refused", told_->refused);
     for (const auto& [name, taught] : taught_) add_learned(summary, name, taught);
     write_smoothed();
     for (std::size_t k = 0; k < arms_.size(); ++k)
-        if (!runs_[k].analyses.empty()) write_records(common_.out / fmt::format("analyses_{}.csv", arms_[k].name), runs_[k].analyses, "axial_strain");
+        if (!runs_[k].analyses.empty())
+            write_records(common_.out / fmt::format("analyses_{}.csv", arms_[k].name),
+                          runs_[k].analyses, "axial_strain");
     draw();
     if (t_.layouts && taught_.contains("worlds") && !taught_.at("worlds").forecast.points.empty()) {
         const Taught& worlds = taught_.at("worlds");
         write_layouts(common_.out / "layouts.csv",
                       try_layouts(truth_, worlds.forecast, worlds.scatter,
-                                  {.position_noise = t_.sensors.position_noise, .attitude_noise = t_.sensors.attitude_noise, .seed = common_.seed}));
+                                  {.position_noise = t_.sensors.position_noise,
+                                   .attitude_noise = t_.sensors.attitude_noise,
+                                   .seed = common_.seed}));
     }
     report_results(common_, summary);
 }
 
 void run(const Twin& t, const Common& common) {
-    require(t.triaxial.confining_pressure.size() == 1, "--confining-pressure: expected one, found several");
+    require(t.triaxial.confining_pressure.size() == 1,
+            "--confining-pressure: expected one, found several");
     const bool faulty = t.sensors.faults.dropout > 0 || t.sensors.faults.outliers > 0;
-    require(t.record.empty() || (!faulty && t.lateness == 0), "--record: expected no --dropout, --outliers or --lateness, which it does not record");
-    require(t.sensors.mode != "honest-imu" || !faulty, "--sensor-mode honest-imu: expected no --dropout or --outliers, which are of tracked sensors");
+    require(t.record.empty() || (!faulty && t.lateness == 0),
+            "--record: expected no --dropout, --outliers or --lateness, which it does not record");
+    require(t.sensors.mode != "honest-imu" || !faulty,
+            "--sensor-mode honest-imu: expected no --dropout or --outliers, which are of tracked "
+            "sensors");
     const bool moved = t.mismatch.placement > 0 || t.mismatch.turn > 0;
-    require(t.mismatch.packing == 0 || !moved, "--model-packing: expected no --model-placement or --model-turn, which are off the truth's places");
-    require(t.mismatch.packing == 0 || t.mismatch.packing != common.seed, "--model-packing: expected another seed than --seed");
-    require(t.mismatch.packing == 0 || !t.layouts, "--layouts: expected no --model-packing, whose rocks are not those of the truth");
-    require(t.mismatch.spheres == 0 || t.mismatch.spheres >= 4, fmt::format("--model-spheres: expected 0 or 4 and more, found {}", t.mismatch.spheres));
+    require(t.mismatch.packing == 0 || !moved, "--model-packing: expected no --model-placement or "
+                                               "--model-turn, which are off the truth's places");
+    require(t.mismatch.packing == 0 || t.mismatch.packing != common.seed,
+            "--model-packing: expected another seed than --seed");
+    require(t.mismatch.packing == 0 || !t.layouts,
+            "--layouts: expected no --model-packing, whose rocks are not those of the truth");
+    require(t.mismatch.spheres == 0 || t.mismatch.spheres >= 4,
+            fmt::format("--model-spheres: expected 0 or 4 and more, found {}", t.mismatch.spheres));
     check_test(t.triaxial);
     require_memory_for(t.triaxial, common.threads, common.memory_limit);
     if (common.explain) {
-        fmt::print("{}", make_simulation(make_scene(t.triaxial, common.seed), 1, common.serial).schedule().explain());
+        fmt::print("{}", make_simulation(make_scene(t.triaxial, common.seed), 1, common.serial)
+                             .schedule()
+                             .explain());
         return;
     }
     Experiment experiment(t, common);
@@ -473,5 +602,8 @@ void run(const Twin& t, const Common& common) {
 } // namespace bris
 
 int main(int argc, char** argv) {
-    return bris::run_scenario<bris::Twin>(argc, argv, "twin", "a true triaxial test, recorded, and a model of it without and with the recordings", bris::run);
+    return bris::run_scenario<bris::Twin>(
+        argc, argv, "twin",
+        "a true triaxial test, recorded, and a model of it without and with the recordings",
+        bris::run);
 }

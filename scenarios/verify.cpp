@@ -4,8 +4,8 @@
 #include "engine/progress.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
-#include "systems/verification/cases.hpp"
-#include "systems/verification/table.hpp"
+#include "scenarios/verification/cases.hpp"
+#include "scenarios/verification/table.hpp"
 
 #include <fmt/format.h>
 
@@ -23,14 +23,16 @@ struct Verify {
         std::vector<std::string> names{""};
         for (const VerificationCase& c : verification_cases()) names.emplace_back(c.name);
         option("case", only, "", "one group alone", names);
-        option("list", list, "", "print the groups and the sources of their exact values, run nothing");
+        option("list", list, "",
+               "print the groups and the sources of their exact values, run nothing");
     }
 };
 
 void run(const Verify& settings, const Common& common) {
     require(common.resume.empty(), "--resume: expected none, these runs are short");
     if (settings.list || common.explain) {
-        for (const VerificationCase& c : verification_cases()) fmt::print("{:<16} {}\n", c.name, c.source);
+        for (const VerificationCase& c : verification_cases())
+            fmt::print("{:<16} {}\n", c.name, c.source);
         return;
     }
     std::vector<Check> checks;
@@ -38,7 +40,8 @@ void run(const Verify& settings, const Common& common) {
     const auto cases = verification_cases();
     for (std::size_t k = 0; k < cases.size(); ++k) {
         if (!settings.only.empty() && settings.only != cases[k].name) continue;
-        progress.report(0, static_cast<double>(k) / static_cast<double>(cases.size()), cases[k].name);
+        progress.report(0, static_cast<double>(k) / static_cast<double>(cases.size()),
+                        cases[k].name);
         for (Check& check : verify(cases[k].name)) checks.push_back(std::move(check));
     }
     write_whole(common.out / "verification.csv", csv_of(checks));
@@ -46,7 +49,8 @@ void run(const Verify& settings, const Common& common) {
     add_checks(results, checks);
     fmt::print("{}", table_of(checks));
     report_results(common, results);
-    if (const std::string failing = names_of_failing(checks); !failing.empty()) throw SimulationError("failing: " + failing);
+    if (const std::string failing = names_of_failing(checks); !failing.empty())
+        throw SimulationError("failing: " + failing);
 }
 
 } // namespace

@@ -9,14 +9,14 @@
 
 namespace bris {
 
-using WatchedBodies = Rows<Bodies, const BodyId, const MotionOf, const Travel, const Position, const Velocity,
-                           const Spin, const BoundingRadius>;
+using WatchedBodies = Rows<Bodies, const BodyId, const MotionOf, const Travel, const Position,
+                           const Velocity, const Spin, const BoundingRadius>;
 
-/// Watches every step: positions or spins that are not numbers, bodies faster than the limit, free bodies that
-/// have left the box of the scene, and steps that could carry one surface past another unseen: a free
-/// body's of more than Limits::overlap of its own bounding radius, a driven one's of more than that of
-/// the smallest free body's. Notes the first offender in Health; the simulation then stops with step,
-/// time and a checkpoint.
+/// Watches every step: positions or spins that are not numbers, bodies faster than the limit, free
+/// bodies that have left the box of the scene, and steps that could carry one surface past another
+/// unseen: a free body's of more than Limits::overlap of its own bounding radius, a driven one's of
+/// more than that of the smallest free body's. Notes the first offender in Health; the simulation
+/// then stops with step, time and a checkpoint.
 void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock, Health& health);
 
 /// Overlaps beyond the limit, found by the contact kernels. One system a pair kind.
@@ -26,11 +26,12 @@ void guard_overlap(Rows<typename Pairs::Near, const NearPair, const PairForce> n
                    const Limits& limits, Health& health) {
     for (const Row row : index.too_deep) {
         if (row == no_row || health.bad) continue;
-        const PairNames& who = pairs.template column<PairKey>()[near.template column<NearPair>()[row].pair];
+        const PairNames& who =
+            pairs.template column<PairKey>()[near.template column<NearPair>()[row].pair];
         health.bad = true;
         health.what = "overlap of bodies " + std::to_string(who.owner) + " and " +
-                      std::to_string(who.partner) + ": expected less than " + std::to_string(limits.overlap) +
-                      " radii, found " +
+                      std::to_string(who.partner) + ": expected less than " +
+                      std::to_string(limits.overlap) + " radii, found " +
                       std::to_string(near.template column<PairForce>()[row].overlap) +
                       " m; try a smaller step or a gentler start";
     }

@@ -18,19 +18,25 @@ namespace bris {
 
 namespace {
 
-template <class Pairs> System gather_of(const char* name, LawName law, bool ledger) {
+template <class Pairs>
+System gather_of(const char* name, LawName law, bool ledger) {
     if (has_rolling(law))
-        return required(ledger ? row_local(name, gather_and_book<Pairs, PairTorque>) : row_local(name, gather<Pairs, PairTorque>));
-    return required(ledger && has_springs(law) ? row_local(name, gather_and_book<Pairs>) : row_local(name, gather<Pairs>));
+        return required(ledger ? row_local(name, gather_and_book<Pairs, PairTorque>)
+                               : row_local(name, gather<Pairs, PairTorque>));
+    return required(ledger && has_springs(law) ? row_local(name, gather_and_book<Pairs>)
+                                               : row_local(name, gather<Pairs>));
 }
 
 /// Without friction, it has work to book only with dashpots.
 System gather_of_membrane(LawName law, bool ledger) {
     constexpr auto name = "gather_membrane";
-    return ledger && has_dashpots(law) ? row_local(name, gather_and_book<MembranePairs>) : row_local(name, gather<MembranePairs>);
+    return ledger && has_dashpots(law) ? row_local(name, gather_and_book<MembranePairs>)
+                                       : row_local(name, gather<MembranePairs>);
 }
 
-bool sleep_or_lists_are_due(const World& world) { return lists_are_due(world) || sleep_is_due(world); }
+bool sleep_or_lists_are_due(const World& world) {
+    return lists_are_due(world) || sleep_is_due(world);
+}
 
 } // namespace
 

@@ -58,32 +58,45 @@ std::vector<Include> all_includes(const fs::path& root) {
     return list;
 }
 
-/// "systems/contact/laws/law.hpp" -> "contact", "systems/steps.cpp" -> "steps".
+/// "systems/contact/laws/law.hpp" -> "contact", "systems/steps.cpp" -> "steps",
+/// "scenarios/settle.cpp" -> "settle".
 std::string room(const std::string& path) {
-    const std::string rest = path.substr(std::string("systems/").size());
+    const std::string rest = path.substr(path.find('/') + 1);
     return rest.substr(0, rest.find_first_of("/."));
 }
 
+/// Rooms of systems/ meet only in the list of steps.
 bool may_include_system(const std::string& file, const std::string& target) {
-    if (within(file, "scenarios")) return true;
-    if (!within(file, "systems")) return false;
-    const std::string from = room(file), to = room(target);
-    if (from == to) return true;
-    if (from == "verification") return to == "experiments" || to == "build";
-    if (to == "verification" || to == "experiments" || to == "stress") return false;
-    if (from == "steps" || from == "procedure" || from == "stress") return true;
-    if (from == "experiments") return to != "procedure";
-    return from == "build" && to != "steps" && to != "procedure";
+    return within(file, "scenarios") ||
+           (within(file, "systems") && (room(file) == room(target) || room(file) == "steps"));
+}
+
+/// The rooms of scenarios/, each of which may include those before it; the executables include all.
+constexpr std::array rooms{"rocks", "specimens",    "recordings",   "triaxial",
+                           "bulk",  "assimilation", "verification", "stability"};
+
+bool may_include_room(const std::string& file, const std::string& target) {
+    const auto order = [](const std::string& path) {
+        return std::ranges::find(rooms, room(path)) - rooms.begin();
+    };
+    const auto is_executable = [](const std::string& path) {
+        return std::ranges::count(path, '/') == 1;
+    };
+    if (!within(file, "scenarios") || is_executable(target) || order(target) == rooms.size())
+        return false;
+    return is_executable(file) || order(target) <= order(file);
 }
 
 bool may_include_house(const std::string& file, const std::string& target) {
-    static const std::set<std::string> for_components{"engine/archive.hpp", "engine/clock.hpp", "engine/health.hpp", "engine/entity.hpp", "engine/math.hpp",
-                                                      "engine/component.hpp", "engine/lanes.hpp"};
+    static const std::set<std::string> for_components{
+        "engine/archive.hpp", "engine/clock.hpp",     "engine/health.hpp", "engine/entity.hpp",
+        "engine/math.hpp",    "engine/component.hpp", "engine/lanes.hpp"};
     if (within(target, "engine"))
         return !within(file, "components") || for_components.contains(target);
     if (within(target, "components")) return !within(file, "engine");
     if (within(target, "systems")) return may_include_system(file, target);
-    return false; // tests, scenarios, or a path that does not start at the root
+    if (within(target, "scenarios")) return may_include_room(file, target);
+    return false; // tests, or a path that does not start at the root
 }
 
 struct Library {
@@ -103,10 +116,12 @@ bool may_include_library(const std::string& file, const std::string& target) {
         {{"tbb/", "oneapi/"},
          {"engine/parallel.hpp", "engine/parallel.cpp", "engine/schedule.cpp"}},
         {{"hdf5", "H5"}, {"engine/io/hdf5.cpp"}},
-        {{"nanoflann"}, {"systems/build/nearest_point.cpp"}},
-        {{"openvdb/"}, {"systems/fields/*.cpp", "systems/build/fill_clump.cpp"}},
+        {{"nanoflann"}, {"scenarios/rocks/nearest_point.cpp"}},
+        {{"openvdb/"}, {"systems/fields/*.cpp", "scenarios/rocks/fill_clump.cpp"}},
         {{"CLI/"}, {"engine/options.cpp"}},
-        {{"boost/"}, {"engine/signal/chi_squared.cpp", "engine/signal/moderated_variance.cpp", "engine/io/json_numbers.cpp"}},
+        {{"boost/"},
+         {"engine/estimation/chi_squared.cpp", "engine/estimation/moderated_variance.cpp",
+          "engine/io/json_numbers.cpp"}},
     }};
     return std::none_of(libraries.begin(), libraries.end(), [&](const Library& library) {
         return std::any_of(library.beginnings.begin(), library.beginnings.end(),
@@ -136,20 +151,21 @@ TEST_SUITE("layering") {
     TEST_CASE("the rules tell a forbidden arrow from an allowed one") {
         CHECK(may_include_house("systems/contact/a.cpp", "components/body.hpp"));
         CHECK(may_include_house("systems/steps.cpp", "systems/contact/collide.hpp"));
-        CHECK(may_include_house("systems/procedure/shear.cpp", "systems/steps.hpp"));
-        CHECK(may_include_house("systems/stress/momentum.cpp", "systems/procedure/relax.hpp"));
-        CHECK(may_include_house("systems/build/packing.cpp", "systems/contact/laws/law.hpp"));
         CHECK(may_include_house("components/sphere.hpp", "engine/lanes.hpp"));
-        CHECK(may_include_house("scenarios/settle.cpp", "systems/output/plot.hpp"));
-        CHECK_FALSE(may_include_house("systems/contact/a.cpp", "systems/output/plot.hpp"));
-        CHECK(may_include_house("systems/experiments/impact.cpp", "systems/steps.hpp"));
-        CHECK(may_include_house("systems/verification/cases.cpp", "systems/experiments/impact.hpp"));
-        CHECK_FALSE(may_include_house("systems/build/packing.cpp", "systems/steps.hpp"));
-        CHECK_FALSE(may_include_house("systems/build/packing.cpp", "systems/experiments/impact.hpp"));
-        CHECK_FALSE(may_include_house("systems/procedure/shear.cpp", "systems/verification/cases.hpp"));
-        CHECK_FALSE(may_include_house("systems/experiments/impact.cpp", "systems/procedure/triaxial.hpp"));
-        CHECK_FALSE(may_include_house("systems/verification/cases.cpp", "systems/steps.hpp"));
-        CHECK_FALSE(may_include_house("systems/procedure/relax.cpp", "systems/stress/suite.hpp"));
+        CHECK(may_include_house("scenarios/settle.cpp", "systems/output/frames.hpp"));
+        CHECK(may_include_house("scenarios/settle.cpp", "scenarios/stability/suite.hpp"));
+        CHECK(may_include_house("scenarios/triaxial.cpp", "scenarios/assimilation/misfit.hpp"));
+        CHECK(may_include_house("scenarios/specimens/relax.cpp", "systems/steps.hpp"));
+        CHECK(may_include_house("scenarios/triaxial/shear.cpp",
+                                "scenarios/recordings/triaxial_point.hpp"));
+        CHECK_FALSE(may_include_house("scenarios/recordings/recording.cpp",
+                                      "scenarios/triaxial/triaxial.hpp"));
+        CHECK_FALSE(
+            may_include_house("scenarios/rocks/grading.cpp", "scenarios/specimens/scene.hpp"));
+        CHECK_FALSE(may_include_house("scenarios/triaxial/shear.cpp", "scenarios/triaxial.cpp"));
+        CHECK_FALSE(may_include_house("systems/contact/a.cpp", "systems/output/frames.hpp"));
+        CHECK_FALSE(may_include_house("systems/contact/a.cpp", "systems/steps.hpp"));
+        CHECK_FALSE(may_include_house("systems/steps.cpp", "scenarios/specimens/scene.hpp"));
         CHECK_FALSE(may_include_house("engine/world.cpp", "components/body.hpp"));
         CHECK_FALSE(may_include_house("components/body.hpp", "engine/world.hpp"));
         CHECK_FALSE(may_include_house("systems/guard.cpp", "tests/support.hpp"));

@@ -7,12 +7,12 @@
 #include "components/platen.hpp"
 #include "engine/random.hpp"
 #include "engine/simulation.hpp"
+#include "scenarios/rocks/mass_properties.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/stability/scenes.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/mass_properties.hpp"
-#include "systems/build/scene.hpp"
 #include "systems/output/contacts.hpp"
 #include "systems/steps.hpp"
-#include "systems/stress/scenes.hpp"
 
 #include <cmath>
 #include <utility>
@@ -47,13 +47,15 @@ inline Simulation start(World world, const RunSettings& s) {
 }
 
 /// The square [low, high]^2 at z = 0 as n x n facets of one fixed body, normals up.
-inline EntityId add_facet_floor(World& world, double low, double high, int n, std::uint32_t material) {
+inline EntityId add_facet_floor(World& world, double low, double high, int n,
+                                std::uint32_t material) {
     const EntityId host = add_boundary(world, Vec3::Zero(), material, Motion::fixed, 2 * high);
     const auto at = [&](int i) { return low + (high - low) * i / n; };
     for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i)
-            add_facet(world, host, {{Vec3(at(i), at(j), 0), Vec3(at(i + 1), at(j), 0), Vec3(at(i + 1), at(j + 1), 0),
-                                     Vec3(at(i), at(j + 1), 0)}});
+            add_facet(world, host,
+                      {{Vec3(at(i), at(j), 0), Vec3(at(i + 1), at(j), 0),
+                        Vec3(at(i + 1), at(j + 1), 0), Vec3(at(i), at(j + 1), 0)}});
     return host;
 }
 
@@ -67,12 +69,16 @@ inline EntityId add_triangle_floor(World& world, double low, double high, std::u
 }
 
 /// A box of facets, each side cut into n x n, grains inside.
-inline EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, int n, std::uint32_t material) {
-    const EntityId host = add_boundary(world, Vec3::Zero(), material, Motion::fixed, high.norm() + low.norm());
+inline EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, int n,
+                              std::uint32_t material) {
+    const EntityId host =
+        add_boundary(world, Vec3::Zero(), material, Motion::fixed, high.norm() + low.norm());
     stress::for_sides_of_box(low, high, [&](const Vec3& corner, const Vec3& u, const Vec3& v) {
         for (int j = 0; j < n; ++j)
             for (int i = 0; i < n; ++i) {
-                const auto at = [&](int a, int b) -> Vec3 { return corner + u * a / n + v * b / n; };
+                const auto at = [&](int a, int b) -> Vec3 {
+                    return corner + u * a / n + v * b / n;
+                };
                 add_facet(world, host, {{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)}});
             }
     });
@@ -89,16 +95,18 @@ struct BedSettings {
     std::uint64_t seed = 1;
 };
 
-/// Grains of radius about 1 cm on a lattice, thrown about, in a box that they settle in; friction on.
+/// Grains of radius about 1 cm on a lattice, thrown about, in a box that they settle in; friction
+/// on.
 inline World bed(const BedSettings& s) {
-    const stress::Tumble tumble{.grains = s.grains, .bodies = s.bodies, .seed = s.seed, .walls = s.walls == Walls::planes};
+    const stress::Tumble tumble{
+        .grains = s.grains, .bodies = s.bodies, .seed = s.seed, .walls = s.walls == Walls::planes};
     World world = stress::tumbling(tumble);
     if (s.walls == Walls::facets) add_facet_box(world, Vec3::Zero(), stress::box_of(tumble), 4, 1);
     return world;
 }
 
-/// A specimen without platens' friction: a membrane of `rings` x `sectors` elements about z, driven by
-/// a servo, closed by two planes.
+/// A specimen without platens' friction: a membrane of `rings` x `sectors` elements about z, driven
+/// by a servo, closed by two planes.
 struct TubeSettings {
     unsigned rings = 2, sectors = 8;
     double radius = 0.05, height = 0.1, pressure = 1e4;
@@ -123,6 +131,8 @@ inline void add_tube(World& world, const TubeSettings& s, std::uint32_t material
 }
 
 /// log2 of how much the error shrinks when the step is halved.
-inline double order_of(double coarse_error, double fine_error) { return std::log2(coarse_error / fine_error); }
+inline double order_of(double coarse_error, double fine_error) {
+    return std::log2(coarse_error / fine_error);
+}
 
 } // namespace bris::testing

@@ -174,7 +174,8 @@ Archive read_state(const Hdf5File& file) {
     std::size_t size = 0;
     while (order >> path >> scalar >> size) {
         const auto shape = file.shape("/state/" + path);
-        if (shape.size() != 2) throw OutputError(fmt::format("{}: expected a table, found {}", path, in_words(shape)));
+        if (shape.size() != 2)
+            throw OutputError(fmt::format("{}: expected a table, found {}", path, in_words(shape)));
         Archive::Array array{path,
                              scalar == "real" ? Scalar::real : Scalar::integer,
                              size,
@@ -201,8 +202,11 @@ Checkpoint read_content(const fs::path& path) {
     for (std::string key; std::getline(keys, key);)
         checkpoint.settings.emplace_back(key, file.text_attribute("/settings", key));
     checkpoint.state = read_state(file);
-    if (const auto saved = number("fingerprint"), found = fingerprint(checkpoint.state); found != saved)
-        reject(path, fmt::format("expected the state that was saved, of fingerprint {:016x}, found {:016x}", saved, found));
+    if (const auto saved = number("fingerprint"), found = fingerprint(checkpoint.state);
+        found != saved)
+        reject(path, fmt::format(
+                         "expected the state that was saved, of fingerprint {:016x}, found {:016x}",
+                         saved, found));
     return checkpoint;
 }
 

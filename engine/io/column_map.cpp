@@ -25,7 +25,11 @@ std::size_t outside_quotes(const std::string& text, char sign) {
     return std::string::npos;
 }
 
-std::string unquoted(const std::string& text) { return text.size() > 1 && text.front() == '"' && text.back() == '"' ? text.substr(1, text.size() - 2) : text; }
+std::string unquoted(const std::string& text) {
+    return text.size() > 1 && text.front() == '"' && text.back() == '"'
+               ? text.substr(1, text.size() - 2)
+               : text;
+}
 
 std::string names_of(const auto& items, auto name) {
     std::vector<std::string> names;
@@ -35,7 +39,8 @@ std::string names_of(const auto& items, auto name) {
 
 class ColumnMap {
 public:
-    ColumnMap(const std::filesystem::path& path, const std::vector<KnownColumn>& known) : path_(path), known_(known) {}
+    ColumnMap(const std::filesystem::path& path, const std::vector<KnownColumn>& known)
+        : path_(path), known_(known) {}
 
     CsvForm read() {
         std::istringstream in(read_whole(path_));
@@ -47,11 +52,21 @@ public:
         }
         for (const KnownColumn& column : known_)
             if (column.needed && form_.find(column.name) == nullptr)
-                throw InputError(fmt::format("{}: expected a line for '{}', found none", path_.string(), column.name));
-        if (form_.delimiter == form_.decimal) throw InputError(fmt::format("{}: expected another delimiter than the decimal comma, found comma for both", path_.string()));
-        if (form_.delimiter == form_.comment) throw InputError(fmt::format("{}: expected another comment than the delimiter, found '{}' for both", path_.string(), form_.comment));
-        if (const unsigned names = std::max(form_.header_line, 1u); form_.first_line != 0 && form_.first_line <= names)
-            throw InputError(fmt::format("{}: first_line: expected a line after that of the names, {}, found {}", path_.string(), names, form_.first_line));
+                throw InputError(fmt::format("{}: expected a line for '{}', found none",
+                                             path_.string(), column.name));
+        if (form_.delimiter == form_.decimal)
+            throw InputError(fmt::format(
+                "{}: expected another delimiter than the decimal comma, found comma for both",
+                path_.string()));
+        if (form_.delimiter == form_.comment)
+            throw InputError(
+                fmt::format("{}: expected another comment than the delimiter, found '{}' for both",
+                            path_.string(), form_.comment));
+        if (const unsigned names = std::max(form_.header_line, 1u);
+            form_.first_line != 0 && form_.first_line <= names)
+            throw InputError(
+                fmt::format("{}: first_line: expected a line after that of the names, {}, found {}",
+                            path_.string(), names, form_.first_line));
         return std::move(form_);
     }
 
@@ -63,22 +78,36 @@ private:
     void read_line(const std::string& content, unsigned number) {
         const auto equals = content.find('=');
         if (equals == std::string::npos) refuse("a line `our name = their name, unit`", content);
-        const std::string name(trimmed(content.substr(0, equals))), value(trimmed(content.substr(equals + 1)));
+        const std::string name(trimmed(content.substr(0, equals))),
+            value(trimmed(content.substr(equals + 1)));
         if (value.empty()) refuse(fmt::format("something for '{}'", name), "");
         if (const auto [earlier, first] = seen_.emplace(name, number); !first)
-            throw InputError(fmt::format("{}: {}: expected once, found on line {} already", place_, name, earlier->second));
+            throw InputError(fmt::format("{}: {}: expected once, found on line {} already", place_,
+                                         name, earlier->second));
         const auto column = std::ranges::find(known_, name, &KnownColumn::name);
-        if (column != known_.end()) read_column(*column, value);
-        else if (name == "delimiter") form_.delimiter = one_of(value, {{"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"space", ' '}});
-        else if (name == "decimal") form_.decimal = one_of(value, {{"point", '.'}, {"comma", ','}});
-        else if (name == "comment") form_.comment = one_sign(value);
-        else if (name == "header_line") form_.header_line = line_number(value);
-        else if (name == "first_line") form_.first_line = line_number(value);
-        else refuse(fmt::format("one of delimiter, decimal, comment, header_line, first_line, {}", names_of(known_, &KnownColumn::name)), name);
+        if (column != known_.end())
+            read_column(*column, value);
+        else if (name == "delimiter")
+            form_.delimiter =
+                one_of(value, {{"comma", ','}, {"semicolon", ';'}, {"tab", '\t'}, {"space", ' '}});
+        else if (name == "decimal")
+            form_.decimal = one_of(value, {{"point", '.'}, {"comma", ','}});
+        else if (name == "comment")
+            form_.comment = one_sign(value);
+        else if (name == "header_line")
+            form_.header_line = line_number(value);
+        else if (name == "first_line")
+            form_.first_line = line_number(value);
+        else
+            refuse(fmt::format("one of delimiter, decimal, comment, header_line, first_line, {}",
+                               names_of(known_, &KnownColumn::name)),
+                   name);
     }
 
-    char one_of(const std::string& value, const std::vector<std::pair<std::string, char>>& choices) const {
-        const auto found = std::ranges::find(choices, unquoted(value), &std::pair<std::string, char>::first);
+    char one_of(const std::string& value,
+                const std::vector<std::pair<std::string, char>>& choices) const {
+        const auto found =
+            std::ranges::find(choices, unquoted(value), &std::pair<std::string, char>::first);
         if (found != choices.end()) return found->second;
         refuse("one of " + names_of(choices, &std::pair<std::string, char>::first), value);
     }
@@ -92,28 +121,37 @@ private:
         unsigned line = 0;
         const char* const end = value.data() + value.size();
         const auto [stop, error] = std::from_chars(value.data(), end, line);
-        if (error != std::errc{} || stop != end || line == 0) refuse("the number of a line, from 1", value);
+        if (error != std::errc{} || stop != end || line == 0)
+            refuse("the number of a line, from 1", value);
         return line;
     }
 
     void read_column(const KnownColumn& known, const std::string& value) {
         const auto comma = outside_quotes(value, ',');
         std::string theirs(trimmed(value.substr(0, comma)));
-        const std::string unit(comma == std::string::npos ? "" : trimmed(std::string_view(value).substr(comma + 1)));
+        const std::string unit(
+            comma == std::string::npos ? "" : trimmed(std::string_view(value).substr(comma + 1)));
         const bool turned = theirs.starts_with('-');
         if (turned) theirs = std::string(trimmed(theirs.substr(1)));
-        CsvColumn column{.ours = known.name, .theirs = unquoted(theirs), .unit = unit, .place = place_};
+        CsvColumn column{
+            .ours = known.name, .theirs = unquoted(theirs), .unit = unit, .place = place_};
         if (column.theirs.empty()) refuse("the name of a column", value);
         if (comma != std::string::npos) {
             const auto given = std::ranges::find(known.units, unit, &ColumnUnit::name);
-            if (given == known.units.end() && known.units.empty()) refuse("no unit for " + known.name, unit);
-            if (given == known.units.end()) refuse(fmt::format("for {} one of {}", known.name, names_of(known.units, &ColumnUnit::name)), unit);
+            if (given == known.units.end() && known.units.empty())
+                refuse("no unit for " + known.name, unit);
+            if (given == known.units.end())
+                refuse(fmt::format("for {} one of {}", known.name,
+                                   names_of(known.units, &ColumnUnit::name)),
+                       unit);
             column.scale = given->scale;
             column.offset = given->offset;
         }
         if (turned) column.scale = -column.scale;
         const auto taken = std::ranges::find(form_.columns, column.theirs, &CsvColumn::theirs);
-        if (taken != form_.columns.end()) throw InputError(fmt::format("{}: '{}': expected for one of ours, found for {} and {}", place_, column.theirs, taken->ours, known.name));
+        if (taken != form_.columns.end())
+            throw InputError(fmt::format("{}: '{}': expected for one of ours, found for {} and {}",
+                                         place_, column.theirs, taken->ours, known.name));
         form_.columns.push_back(std::move(column));
     }
 
@@ -126,6 +164,8 @@ private:
 
 } // namespace
 
-CsvForm read_column_map(const std::filesystem::path& path, const std::vector<KnownColumn>& known) { return ColumnMap(path, known).read(); }
+CsvForm read_column_map(const std::filesystem::path& path, const std::vector<KnownColumn>& known) {
+    return ColumnMap(path, known).read();
+}
 
 } // namespace bris

@@ -21,7 +21,8 @@ struct KnownColumn {
     bool needed = false;
 };
 
-/// Reads how a CSV file of someone else is written, a line each, in any order; "#" begins a comment:
+/// Reads how a CSV file of someone else is written, a line each, in any order; "#" begins a
+/// comment:
 ///
 ///     delimiter = semicolon             one of comma, semicolon, tab, space
 ///     decimal = comma                   or point
@@ -31,8 +32,9 @@ struct KnownColumn {
 ///     t  = "Time [ms]", ms              our name = theirs, its unit
 ///     ax = -AccY, mg                    of another axis, and of another sign
 ///
-/// Names with a comma, "#", a blank at an end or a minus before them stand in quotes. Throws InputError with file:line, what was expected and what
-/// was found: names that nobody knows, of ours or of theirs twice, units that do not fit, columns needed that are missing.
+/// Names with a comma, "#", a blank at an end or a minus before them stand in quotes. Throws
+/// InputError with file:line, what was expected and what was found: names that nobody knows, of
+/// ours or of theirs twice, units that do not fit, columns needed that are missing.
 CsvForm read_column_map(const std::filesystem::path& path, const std::vector<KnownColumn>& known);
 
 } // namespace bris

@@ -31,8 +31,10 @@ public:
         for (const CsvColumn& column : form_.columns) {
             const auto found = std::find(cells.begin(), cells.end(), column.theirs);
             if (found == cells.end())
-                throw InputError(fmt::format("{}: expected a column '{}' ({} of {}), found {}", at, column.theirs, column.ours, column.place, header_));
-            if (std::find(found + 1, cells.end(), column.theirs) != cells.end()) refuse_twice(at, column.theirs);
+                throw InputError(fmt::format("{}: expected a column '{}' ({} of {}), found {}", at,
+                                             column.theirs, column.ours, column.place, header_));
+            if (std::find(found + 1, cells.end(), column.theirs) != cells.end())
+                refuse_twice(at, column.theirs);
             table_.names.push_back(column.ours);
             from_.push_back(static_cast<std::size_t>(found - cells.begin()));
         }
@@ -40,21 +42,29 @@ public:
 
     void read_row(std::string_view line, const std::string& at) {
         const auto cells = cells_of(line, form_.delimiter);
-        if (cells.size() != width_) throw InputError(fmt::format("{}: expected {} columns ({}), found {}", at, width_, header_, cells.size()));
+        if (cells.size() != width_)
+            throw InputError(fmt::format("{}: expected {} columns ({}), found {}", at, width_,
+                                         header_, cells.size()));
         std::vector<double> row;
         for (std::size_t i = 0; i < from_.size(); ++i) {
             const auto value = number_in(cells[from_[i]]);
             const CsvColumn* const wanted = form_.columns.empty() ? nullptr : &form_.columns[i];
-            if (!value) throw InputError(fmt::format("{}: column '{}': expected a number, found \"{}\"", at, wanted ? wanted->theirs : table_.names[i], cells[from_[i]]));
+            if (!value)
+                throw InputError(fmt::format("{}: column '{}': expected a number, found \"{}\"", at,
+                                             wanted ? wanted->theirs : table_.names[i],
+                                             cells[from_[i]]));
             row.push_back(wanted ? wanted->scale * *value + wanted->offset : *value);
         }
         table_.rows.push_back(std::move(row));
     }
 
 private:
-    void read_names(const std::vector<std::string_view>& cells, std::string_view line, const std::string& at) {
+    void read_names(const std::vector<std::string_view>& cells, std::string_view line,
+                    const std::string& at) {
         for (const std::string_view cell : cells) {
-            if (cell.empty() || number_of(cell)) throw InputError(fmt::format("{}: expected column names, found \"{}\"", at, trimmed(line)));
+            if (cell.empty() || number_of(cell))
+                throw InputError(
+                    fmt::format("{}: expected column names, found \"{}\"", at, trimmed(line)));
             if (table_.has(std::string(cell))) refuse_twice(at, cell);
             from_.push_back(table_.names.size());
             table_.names.emplace_back(cell);
@@ -63,7 +73,8 @@ private:
 
     std::optional<double> number_in(std::string_view cell) const {
         if (form_.decimal == '.') return number_of(cell);
-        if (cell.find('.') != std::string_view::npos) return {}; // a thousand, or a number of another file
+        if (cell.find('.') != std::string_view::npos)
+            return {}; // a thousand, or a number of another file
         std::string text(cell);
         std::replace(text.begin(), text.end(), form_.decimal, '.');
         return number_of(text);
@@ -79,7 +90,8 @@ private:
 } // namespace
 
 const CsvColumn* CsvForm::find(const std::string& ours) const {
-    const auto found = std::find_if(columns.begin(), columns.end(), [&](const CsvColumn& column) { return column.ours == ours; });
+    const auto found = std::find_if(columns.begin(), columns.end(),
+                                    [&](const CsvColumn& column) { return column.ours == ours; });
     return found == columns.end() ? nullptr : &*found;
 }
 
@@ -100,12 +112,16 @@ std::vector<std::string_view> cells_of(std::string_view line, char delimiter) {
     const bool blanks = delimiter == ' ';
     if (blanks) line = trimmed(line);
     for (std::size_t start = 0; start <= line.size();) {
-        const auto begin = std::min(line.find_first_not_of(delimiter == '\t' ? " " : " \t", start), line.size());
-        const auto quote = begin < line.size() && line[begin] == '"' ? line.find('"', begin + 1) : std::string_view::npos;
+        const auto begin =
+            std::min(line.find_first_not_of(delimiter == '\t' ? " " : " \t", start), line.size());
+        const auto quote = begin < line.size() && line[begin] == '"' ? line.find('"', begin + 1)
+                                                                     : std::string_view::npos;
         const std::size_t from = quote == std::string_view::npos ? start : quote;
-        const std::size_t end = std::min(blanks ? line.find_first_of(" \t", from) : line.find(delimiter, from), line.size());
+        const std::size_t end = std::min(
+            blanks ? line.find_first_of(" \t", from) : line.find(delimiter, from), line.size());
         std::string_view cell = trimmed(line.substr(start, end - start));
-        if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"') cell = trimmed(cell.substr(1, cell.size() - 2));
+        if (cell.size() > 1 && cell.front() == '"' && cell.back() == '"')
+            cell = trimmed(cell.substr(1, cell.size() - 2));
         cells.push_back(cell);
         start = blanks && end < line.size() ? line.find_first_not_of(" \t", end) : end + 1;
     }
@@ -149,10 +165,15 @@ CsvTable read_csv(const std::filesystem::path& path, const CsvForm& form) {
         const std::string_view whole = rest.substr(0, end), line = trimmed(whole);
         rest.remove_prefix(std::min(end + 1, rest.size()));
         const bool named = !table.names.empty();
-        const bool is_header = !named && number == form.header_line; // where it was told to be, whatever it begins with
-        if (line.empty() || (line.front() == form.comment && !is_header) || number < (named ? form.first_line : form.header_line)) continue;
+        const bool is_header =
+            !named &&
+            number == form.header_line; // where it was told to be, whatever it begins with
+        if (line.empty() || (line.front() == form.comment && !is_header) ||
+            number < (named ? form.first_line : form.header_line))
+            continue;
         const std::string at = fmt::format("{}:{}", path.string(), number);
-        const std::string_view cells = form.delimiter == '\t' ? whole : line; // a tab at either end is a cell
+        const std::string_view cells =
+            form.delimiter == '\t' ? whole : line; // a tab at either end is a cell
         if (!named) {
             reader.read_header(cells, at);
         } else {

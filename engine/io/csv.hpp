@@ -21,7 +21,8 @@ struct CsvTable {
     bool has(const std::string& name) const;
 };
 
-/// A column that is wanted of a file, under a name and in a unit of ours: scale * what it has + offset.
+/// A column that is wanted of a file, under a name and in a unit of ours: scale * what it has +
+/// offset.
 struct CsvColumn {
     std::string ours, theirs;
     std::string unit = ""; ///< of theirs, as given; "": ours
@@ -34,8 +35,11 @@ struct CsvForm {
     char delimiter = ','; ///< ' ': blanks and tabs, any number of them
     char comment = '#';   ///< begins lines that are none of the table
     char decimal = '.';
-    unsigned header_line = 0, first_line = 0; ///< of names and of the first numbers, from 1; 0: the first line, and the next
-    std::vector<CsvColumn> columns = {};      ///< those wanted, all others are let be; none: all, as they are named
+    unsigned header_line = 0,
+             first_line =
+                 0; ///< of names and of the first numbers, from 1; 0: the first line, and the next
+    std::vector<CsvColumn> columns =
+        {}; ///< those wanted, all others are let be; none: all, as they are named
 
     const CsvColumn* find(const std::string& ours) const; ///< null: not wanted
 };

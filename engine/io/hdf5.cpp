@@ -18,8 +18,8 @@ namespace {
 
 constexpr std::size_t most_bytes = std::size_t{1} << 38; // 256 GiB in one dataset
 
-/// As Debian builds it the library stands one thread at a time, whatever the files; and it prints its errors unless told
-/// otherwise.
+/// As Debian builds it the library stands one thread at a time, whatever the files; and it prints
+/// its errors unless told otherwise.
 class Alone {
 public:
     Alone() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
@@ -52,12 +52,14 @@ std::string reason() {
     return text.empty() ? "unknown reason" : text;
 }
 
-/// The library locks a file that is written for itself alone. With a lock that is shared, others may read between two
-/// flushes what was flushed, and nobody else can write. At best effort: who reads during a flush may find a file that is
-/// half written and must read it again, and where a lock would have to be waited for, or there is none, all stays as it is.
+/// The library locks a file that is written for itself alone. With a lock that is shared, others
+/// may read between two flushes what was flushed, and nobody else can write. At best effort: who
+/// reads during a flush may find a file that is half written and must read it again, and where a
+/// lock would have to be waited for, or there is none, all stays as it is.
 void let_others_read(hid_t file) {
     void* descriptor = nullptr;
-    if (H5Fget_vfd_handle(file, H5P_DEFAULT, &descriptor) >= 0 && descriptor != nullptr) (void)flock(*static_cast<int*>(descriptor), LOCK_SH | LOCK_NB);
+    if (H5Fget_vfd_handle(file, H5P_DEFAULT, &descriptor) >= 0 && descriptor != nullptr)
+        (void)flock(*static_cast<int*>(descriptor), LOCK_SH | LOCK_NB);
 }
 
 /// A handle that is closed when it goes.
@@ -319,7 +321,8 @@ Hdf5File::Shape Hdf5File::shape(const std::string& dataset) const {
 
 std::string in_words(const Hdf5File::Shape& shape) {
     std::string text;
-    for (const std::uint64_t extent : shape) text += fmt::format("{}{}", text.empty() ? "" : " x ", extent);
+    for (const std::uint64_t extent : shape)
+        text += fmt::format("{}{}", text.empty() ? "" : " x ", extent);
     return text.empty() ? "a scalar" : text;
 }
 

@@ -5,8 +5,8 @@
 
 namespace bris {
 
-/// The numbers of a flat object of JSON, by their names; those that are null are left out. A number may stand in quotes.
-/// Throws InputError, without a place: what was expected and what was found.
+/// The numbers of a flat object of JSON, by their names; those that are null are left out. A number
+/// may stand in quotes. Throws InputError, without a place: what was expected and what was found.
 std::map<std::string, double> json_numbers(const std::string& text);
 
 /// The first of a long text.

@@ -5,25 +5,25 @@
 
 #include <fmt/format.h>
 
-#include <fcntl.h>
-#include <poll.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
 #include <atomic>
 #include <cerrno>
 #include <condition_variable>
 #include <cstring>
 #include <deque>
+#include <fcntl.h>
 #include <mutex>
+#include <poll.h>
+#include <sys/stat.h>
 #include <thread>
+#include <unistd.h>
 
 namespace bris {
 
 namespace {
 
-constexpr auto glance = std::chrono::milliseconds(20); // between looks at a file that grows, or at the wish to stop
+constexpr auto glance =
+    std::chrono::milliseconds(20); // between looks at a file that grows, or at the wish to stop
 
 } // namespace
 
@@ -41,7 +41,9 @@ struct LineSource::Reader {
     Line line{1, {}, {}, true};
 
     Reader(const std::filesystem::path& path, std::size_t most) : capacity(most) {
-        file = path == "-" ? STDIN_FILENO : open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK); // a pipe may have no writer yet
+        file = path == "-" ? STDIN_FILENO
+                           : open(path.c_str(), O_RDONLY | O_CLOEXEC |
+                                                    O_NONBLOCK); // a pipe may have no writer yet
         struct stat about {};
         const bool readable = file >= 0 && fstat(file, &about) == 0 && !S_ISDIR(about.st_mode);
         if (!readable) {
@@ -85,9 +87,12 @@ struct LineSource::Reader {
     }
     void take(std::string_view text) {
         for (const char c : text) {
-            if (c == '\n') put();
-            else if (line.text.size() < longest) line.text += c;
-            else line.whole = false;
+            if (c == '\n')
+                put();
+            else if (line.text.size() < longest)
+                line.text += c;
+            else
+                line.whole = false;
         }
     }
     void put() {
@@ -100,13 +105,16 @@ struct LineSource::Reader {
     }
 };
 
-LineSource::LineSource(const std::filesystem::path& path, std::size_t capacity) : reader_(std::make_unique<Reader>(path, capacity)) {}
+LineSource::LineSource(const std::filesystem::path& path, std::size_t capacity)
+    : reader_(std::make_unique<Reader>(path, capacity)) {}
 LineSource::~LineSource() = default;
 
 std::optional<LineSource::Line> LineSource::next(double patience) {
     const Instant began = this_instant();
     std::unique_lock lock(reader_->mutex);
-    while (reader_->queue.empty() && !reader_->ended && !interrupted() && seconds_since(began) < patience) reader_->came.wait_for(lock, glance);
+    while (reader_->queue.empty() && !reader_->ended && !interrupted() &&
+           seconds_since(began) < patience)
+        reader_->came.wait_for(lock, glance);
     if (reader_->queue.empty()) return {};
     Line line = std::move(reader_->queue.front());
     reader_->queue.pop_front();

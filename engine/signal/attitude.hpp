@@ -12,7 +12,9 @@ inline Vec3 rotation_vector(const Quat& q) {
 }
 
 /// The small rotation, in the axes of the world, that leads from `estimate` to `truth`.
-inline Vec3 attitude_error(const Quat& truth, const Quat& estimate) { return rotation_vector(truth * estimate.conjugate()); }
+inline Vec3 attitude_error(const Quat& truth, const Quat& estimate) {
+    return rotation_vector(truth * estimate.conjugate());
+}
 
 /// The matrix of v x.
 inline Mat3 cross_matrix(const Vec3& v) {
@@ -21,7 +23,8 @@ inline Mat3 cross_matrix(const Vec3& v) {
     return m;
 }
 
-/// Mean of the rotations on the way: int_0^1 exp([v x] s) ds (the left Jacobian of the exponential map). To v^5.
+/// Mean of the rotations on the way: int_0^1 exp([v x] s) ds (the left Jacobian of the exponential
+/// map). To v^5.
 inline Mat3 mean_rotation(const Vec3& v) {
     const Mat3 k = cross_matrix(v), k2 = k * k;
     return Mat3::Identity() + k / 2 + k2 / 6 + k2 * k / 24 + k2 * k2 / 120;

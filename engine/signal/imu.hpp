@@ -1,7 +1,7 @@
 #pragma once
 
+#include "engine/estimation/inertial_filter.hpp"
 #include "engine/random.hpp"
-#include "engine/signal/inertial_filter.hpp"
 
 #include <array>
 #include <cstdint>
@@ -10,26 +10,28 @@
 
 namespace bris {
 
-/// What is built into an inertial sensor: a triple of accelerometers and one of gyroscopes. Densities are those of the
-/// mean over a time T, which scatters by density / sqrt(T).
+/// What is built into an inertial sensor: a triple of accelerometers and one of gyroscopes.
+/// Densities are those of the mean over a time T, which scatters by density / sqrt(T).
 struct ImuModel {
-    double rate = 200;                          ///< Hz
-    double bandwidth = 0;                       ///< Hz, of a first-order low pass before sampling; 0: none
-    double force_range = 0, rate_range = 0;     ///< m/s2 and rad/s, largest; 0: no limit
-    unsigned bits = 0;                          ///< of a sample over the range; 0: not rounded
+    double rate = 200;    ///< Hz
+    double bandwidth = 0; ///< Hz, of a first-order low pass before sampling; 0: none
+    double force_range = 0, rate_range = 0; ///< m/s2 and rad/s, largest; 0: no limit
+    unsigned bits = 0;                      ///< of a sample over the range; 0: not rounded
     InertialNoise noise;
-    double force_bias = 0, rate_bias = 0;       ///< m/s2 and rad/s, deviation from switch-on to switch-on
-    double scale_error = 0, misalignment = 0;   ///< of 1, and rad: deviations from device to device
-    Vec3 arm = Vec3::Zero();                    ///< m, from the body's centre, in its axes
-    Quat mounting = Quat::Identity();           ///< from the sensor's axes to the body's
-    double clock_offset = 0, clock_drift = 0;   ///< s, and s a second: of its time stamps
-    double loss = 0;                            ///< share of samples that never arrive
+    double force_bias = 0, rate_bias = 0; ///< m/s2 and rad/s, deviation from switch-on to switch-on
+    double scale_error = 0, misalignment = 0; ///< of 1, and rad: deviations from device to device
+    Vec3 arm = Vec3::Zero();                  ///< m, from the body's centre, in its axes
+    Quat mounting = Quat::Identity();         ///< from the sensor's axes to the body's
+    double clock_offset = 0, clock_drift = 0; ///< s, and s a second: of its time stamps
+    double loss = 0;                          ///< share of samples that never arrive
 };
 
-/// Figures of classes of devices: "ideal" (no error at all), "lab-grade", "smartrock-like" and "cheap". Noise of common
-/// devices: 60-300 micro-g and 4-10 mdeg/s per root hertz, biases after calibration at rest. Throws InputError.
+/// Figures of classes of devices: "ideal" (no error at all), "lab-grade", "smartrock-like" and
+/// "cheap". Noise of common devices: 60-300 micro-g and 4-10 mdeg/s per root hertz, biases after
+/// calibration at rest. Throws InputError.
 ImuModel imu_preset(std::string_view name);
-inline constexpr std::array<std::string_view, 4> imu_presets{"ideal", "lab-grade", "smartrock-like", "cheap"};
+inline constexpr std::array<std::string_view, 4> imu_presets{"ideal", "lab-grade", "smartrock-like",
+                                                             "cheap"};
 
 /// How a body really moves at one time: world frame.
 struct TrueMotion {
@@ -46,9 +48,9 @@ struct ImuSample {
     bool saturated = false, lost = false;
 };
 
-/// One device, with biases, scales and misalignments of its own, drawn from (seed, id): the same numbers whatever else
-/// is drawn elsewhere. Order of effects: lever arm, axes, scale and misalignment, low pass, bias and its walk, noise,
-/// range, rounding, time stamp, loss.
+/// One device, with biases, scales and misalignments of its own, drawn from (seed, id): the same
+/// numbers whatever else is drawn elsewhere. Order of effects: lever arm, axes, scale and
+/// misalignment, low pass, bias and its walk, noise, range, rounding, time stamp, loss.
 class Imu {
 public:
     Imu(const ImuModel& model, const Vec3& gravity, std::uint64_t seed, std::uint64_t id);
@@ -58,7 +60,9 @@ public:
     Vec3 rate_bias() const { return rate_bias_; }
 
 private:
-    Vec3 scatter(double deviation) { return deviation * Vec3(random_.normal(), random_.normal(), random_.normal()); }
+    Vec3 scatter(double deviation) {
+        return deviation * Vec3(random_.normal(), random_.normal(), random_.normal());
+    }
     Mat3 distortion();
     Vec3 passed(Vec3& memory, const Vec3& value) const;
     Vec3 digits(const Vec3& value, double range, bool& saturated) const;

@@ -7,8 +7,8 @@
 
 namespace bris {
 
-/// The value in the middle, of an even number the upper of two; half of the values may be wrong without moving it far.
-/// At least one value.
+/// The value in the middle, of an even number the upper of two; half of the values may be wrong
+/// without moving it far. At least one value.
 inline double median(std::vector<double> values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
@@ -27,6 +27,8 @@ inline Vec3 median(const std::vector<Vec3>& values) {
 }
 
 /// Standard deviation of normal numbers whose absolute values have that median.
-inline double deviation_of_median(double median_of_absolutes) { return 1.4826 * median_of_absolutes; }
+inline double deviation_of_median(double median_of_absolutes) {
+    return 1.4826 * median_of_absolutes;
+}
 
 } // namespace bris

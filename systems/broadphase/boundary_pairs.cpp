@@ -11,11 +11,12 @@ namespace bris::detail {
 
 namespace {
 
-// candidates of every free body with every boundary part (plane, facet, sector of a membrane) out of
-// `parts_around` it that `near_body` and `near_sphere` let through, ordered by (host id, sphere, part id)
+// candidates of every free body with every boundary part (plane, facet, sector of a membrane) out
+// of `parts_around` it that `near_body` and `near_sphere` let through, ordered by (host id, sphere,
+// part id)
 template <class Pairs, class PartsAround, class NearBody, class NearSphere>
-void find_pairs(World& world, std::span<const EntityId> part, std::span<const Row> host, PartsAround&& parts_around,
-                NearBody&& near_body, NearSphere&& near_sphere) {
+void find_pairs(World& world, std::span<const EntityId> part, std::span<const Row> host,
+                PartsAround&& parts_around, NearBody&& near_body, NearSphere&& near_sphere) {
     Table& bodies = world.table<Bodies>();
     const auto motion = bodies.column<MotionOf>();
     const auto run = bodies.column<SpheresOf>();
@@ -33,7 +34,8 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
             const std::uint32_t law = materials.pair(material[b], material[host[e]]);
             for (Row k = run[b].first; k < run[b].first + run[b].count; ++k)
                 if (near_sphere(centre_of(place[k]), place[k].radius, e))
-                    list.push_back({{id[b], id[host[e]], k - run[b].first, part[e]}, {k, e, host[e], law}});
+                    list.push_back(
+                        {{id[b], id[host[e]], k - run[b].first, part[e]}, {k, e, host[e], law}});
         }
         std::sort(list.begin() + static_cast<std::ptrdiff_t>(begin), list.end(),
                   [](const Candidate& x, const Candidate& y) { return x.names < y.names; });
@@ -74,11 +76,14 @@ public:
 private:
     static constexpr int cells_along = 32; // the longest side: some thousand cells around a vessel
 
-    Eigen::Array3i cell(const Eigen::Vector3d& x) const { return ((x - all_.min()) / side_).array().cast<int>(); }
+    Eigen::Array3i cell(const Eigen::Vector3d& x) const {
+        return ((x - all_.min()) / side_).array().cast<int>();
+    }
     std::size_t number(const Eigen::Array3i& c) const {
         return static_cast<std::size_t>((c[2] * n_[1] + c[1]) * n_[0] + c[0]);
     }
-    template <class Visit> void for_cells(const std::vector<Eigen::AlignedBox3d>& boxes, Visit&& visit) const {
+    template <class Visit>
+    void for_cells(const std::vector<Eigen::AlignedBox3d>& boxes, Visit&& visit) const {
         for (Row e = 0; e < boxes.size(); ++e) {
             const Eigen::Array3i low = cell(boxes[e].min()), high = cell(boxes[e].max());
             for (int k = low[2]; k <= high[2]; ++k)
@@ -99,7 +104,8 @@ double largest_reach(const Table& bodies, double skin) {
     const auto motion = bodies.column<MotionOf>();
     double largest = 0;
     for (Row b = 0; b < bodies.size(); ++b)
-        if (run[b].count > 0 && motion[b] == static_cast<std::uint32_t>(Motion::free)) largest = std::max(largest, radius[b]);
+        if (run[b].count > 0 && motion[b] == static_cast<std::uint32_t>(Motion::free))
+            largest = std::max(largest, radius[b]);
     return largest + skin;
 }
 
@@ -173,9 +179,12 @@ void find_membrane_pairs(World& world, double skin) {
     const auto all = all_rows(sector.size());
     find_pairs<MembranePairs>(
         world, sector, host, [&](Row) -> const std::vector<Row>& { return all; },
-        [&](Row b, Row s) { return position[b].dot(membrane.outward[s]) + radius[b] + skin > least[s]; },
+        [&](Row b, Row s) {
+            return position[b].dot(membrane.outward[s]) + radius[b] + skin > least[s];
+        },
         [&](const Vec3& x, double r, Row s) {
-            return surface.nearest(static_cast<int>(s), x.dot(membrane.outward[s]), x.z()).distance < r + skin;
+            return surface.nearest(static_cast<int>(s), x.dot(membrane.outward[s]), x.z())
+                       .distance < r + skin;
         });
 }
 

@@ -6,7 +6,8 @@
 namespace bris::detail {
 
 /// History of a pair table (Spring or Roll) by name, kept while the table is made anew.
-template <class History> class Kept {
+template <class History>
+class Kept {
 public:
     /// Takes what is worth keeping; `bodies`: number of body ids.
     Kept(const Table& table, std::size_t bodies) {
@@ -24,8 +25,8 @@ public:
             if (History::keep(values[r])) kept_[next[names[r].owner]++] = {names[r], values[r]};
     }
 
-    /// History of the pair of that name, or zero. `cursor` starts at first(owner) and is moved on by
-    /// calls in ascending order.
+    /// History of the pair of that name, or zero. `cursor` starts at first(owner) and is moved on
+    /// by calls in ascending order.
     typename History::Value find(const PairNames& names, Row& cursor) const {
         const Row end = first_[names.owner + 1];
         while (cursor < end && kept_[cursor].names < names) ++cursor;
@@ -44,7 +45,8 @@ private:
 };
 
 /// Gives the new rows of a table what was kept of the old ones.
-template <class History> void give_back(Table& table, const Kept<History>& kept, const std::vector<Row>& first) {
+template <class History>
+void give_back(Table& table, const Kept<History>& kept, const std::vector<Row>& first) {
     if (!table.has<History>()) return;
     const auto names = table.column<PairKey>();
     const auto values = table.column<History>();
@@ -59,7 +61,8 @@ template <class History> void give_back(Table& table, const Kept<History>& kept,
 
 /// Makes the rows of a pair table from candidates collected body by body, springs carried over.
 template <class Pairs>
-void replace_pairs(World& world, const ChunkLists<Candidate>& found, const std::vector<Row>& first) {
+void replace_pairs(World& world, const ChunkLists<Candidate>& found,
+                   const std::vector<Row>& first) {
     Table& table = world.table<Pairs>();
     const Kept<Spring> springs(table, world.table<Bodies>().size());
     const Kept<Roll> rolls(table, world.table<Bodies>().size());

@@ -9,13 +9,15 @@ namespace bris::detail {
 
 /// Lists of unknown length made by chunks in parallel, then laid end to end: the same whatever the
 /// number of threads.
-template <class T> class ChunkLists {
+template <class T>
+class ChunkLists {
 public:
     static constexpr std::size_t rows_per_chunk = 128;
 
     /// Calls body(list, row) for each row, the rows of a chunk in order into the chunk's own list.
     /// `first[row]` becomes the place of the row's first entry; first[n] is the total.
-    template <class Body> void collect(std::size_t n, std::vector<Row>& first, Body&& body) {
+    template <class Body>
+    void collect(std::size_t n, std::vector<Row>& first, Body&& body) {
         lists_.resize((n + rows_per_chunk - 1) / rows_per_chunk);
         first.resize(n + 1);
         for_chunks(n, rows_per_chunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
@@ -38,7 +40,8 @@ public:
     }
     std::size_t size() const { return starts_.empty() ? 0 : starts_.back() + lists_.back().size(); }
     /// Calls body(place, entry) for every entry, in parallel.
-    template <class Body> void lay_out(Body&& body) const {
+    template <class Body>
+    void lay_out(Body&& body) const {
         for_chunks(lists_.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {
             std::size_t place = starts_[chunk];
             for (const T& entry : lists_[chunk]) body(place++, entry);

@@ -14,16 +14,17 @@ namespace bris {
 /// last prune, or the scene was changed by hand.
 bool lists_are_due(const World& world);
 
-/// True in steps that begin with what contacts read placed anew: with new lists, or velocities changed by hand.
+/// True in steps that begin with what contacts read placed anew: with new lists, or velocities
+/// changed by hand.
 bool places_are_due(const World& world);
 void note_places(ListState& state);
 
-/// Rarely: orders rows along a Morton curve, finds the candidate pairs within the outer skin, carries
-/// every spring over. The one place where rows change.
+/// Rarely: orders rows along a Morton curve, finds the candidate pairs within the outer skin,
+/// carries every spring over. The one place where rows change.
 void refresh_pairs(World& world);
 
-/// Now and then: the short lists, pairs within the inner skin; which spheres are listed; who is near
-/// whom. Writes what is Derived, and clears the springs of pairs that are apart.
+/// Now and then: the short lists, pairs within the inner skin; which spheres are listed; who is
+/// near whom. Writes what is Derived, and clears the springs of pairs that are apart.
 void prune_pairs(World& world);
 
 /// Adds what the lists need to a scene whose bodies, spheres and boundaries are all there.
@@ -52,7 +53,8 @@ struct Candidate {
 };
 
 /// Where the candidates of each body row begin.
-template <class Pairs> struct Candidates {
+template <class Pairs>
+struct Candidates {
     static constexpr auto name = "candidates";
     std::vector<Row> first; ///< bodies + 1
 };

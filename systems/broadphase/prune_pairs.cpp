@@ -11,9 +11,10 @@ namespace bris {
 
 namespace {
 
-// pairs of one kind within the inner skin, body by body; springs of the others are let go. `near_bits`
-// says by bits which of up to lane_count candidates are
-template <class Pairs, class Near> void list_near(World& world, Near&& near_bits) {
+// pairs of one kind within the inner skin, body by body; springs of the others are let go.
+// `near_bits` says by bits which of up to lane_count candidates are
+template <class Pairs, class Near>
+void list_near(World& world, Near&& near_bits) {
     Table& pairs = world.table<Pairs>();
     const auto rows = pairs.column<PairRows>();
     const auto& candidates = world.resource<detail::Candidates<Pairs>>().first;
@@ -21,26 +22,30 @@ template <class Pairs, class Near> void list_near(World& world, Near&& near_bits
     RollRow* roll = pairs.has<Roll>() ? pairs.column<Roll>().data() : nullptr;
     auto& index = world.resource<NearIndex<Pairs>>();
     detail::ChunkLists<NearEntry> found;
-    found.collect(candidates.size() - 1, index.owned_first, [&](std::vector<NearEntry>& list, Row b) {
-        for (Row first = candidates[b], last = candidates[b + 1]; first < last; first += lane_count) {
-            const unsigned count = std::min<unsigned>(lane_count, last - first), now = near_bits(&rows[first], count);
-            for (Row p = first; spring != nullptr && p < first + count; ++p)
-                if (((now >> (p - first)) & 1) == 0 && Spring::keep(spring[p])) {
-                    spring[p] = {};
-                    if (roll != nullptr) roll[p] = {};
-                }
-            for (unsigned rest = now; rest != 0; rest &= rest - 1) {
-                const Row p = first + static_cast<Row>(__builtin_ctz(rest));
-                list.push_back({rows[p].sphere, rows[p].other, p, rows[p].law});
-            }
-        }
-    });
+    found.collect(candidates.size() - 1, index.owned_first,
+                  [&](std::vector<NearEntry>& list, Row b) {
+                      for (Row first = candidates[b], last = candidates[b + 1]; first < last;
+                           first += lane_count) {
+                          const unsigned count = std::min<unsigned>(lane_count, last - first),
+                                         now = near_bits(&rows[first], count);
+                          for (Row p = first; spring != nullptr && p < first + count; ++p)
+                              if (((now >> (p - first)) & 1) == 0 && Spring::keep(spring[p])) {
+                                  spring[p] = {};
+                                  if (roll != nullptr) roll[p] = {};
+                              }
+                          for (unsigned rest = now; rest != 0; rest &= rest - 1) {
+                              const Row p = first + static_cast<Row>(__builtin_ctz(rest));
+                              list.push_back({rows[p].sphere, rows[p].other, p, rows[p].law});
+                          }
+                      }
+                  });
     Table& near = world.table<typename Pairs::Near>();
     const std::size_t count = found.size(), padded = (count + 7) / 8 * 8;
     near.resize(padded);
     const auto entry = near.template column<NearPair>();
     found.lay_out([&](std::size_t place, const NearEntry& e) { entry[place] = e; });
-    for (std::size_t k = count; k < padded; ++k) entry[k] = entry[0]; // lanes past the end read valid rows
+    for (std::size_t k = count; k < padded; ++k)
+        entry[k] = entry[0]; // lanes past the end read valid rows
     // all are taken to have touched, so that the next step clears what does not
     index.touching.assign((count + index.group - 1) / index.group, index.group == 1 ? 1 : 0xff);
     if (index.group > 1 && count % index.group != 0)
@@ -51,7 +56,8 @@ template <class Pairs, class Near> void list_near(World& world, Near&& near_bits
     index.awake.clear();
 }
 
-template <class Pairs, class Gap> void make_short_list(World& world, double skin, Gap&& gap) {
+template <class Pairs, class Gap>
+void make_short_list(World& world, double skin, Gap&& gap) {
     list_near<Pairs>(world, [&](const PairPlaces* rows, unsigned count) {
         unsigned now = 0;
         for (unsigned k = 0; k < count; ++k) now |= (gap(rows[k]) < skin ? 1u : 0u) << k;
@@ -63,14 +69,19 @@ template <class Pairs, class Gap> void make_short_list(World& world, double skin
 void list_near_spheres(World& world, double skin) {
     const auto place = world.column<Spheres, SpherePlace>();
     list_near<SpherePairs>(world, [&](const PairPlaces* rows, unsigned count) {
-        const auto row = [&](int q) -> const PairPlaces& { return rows[std::min(static_cast<unsigned>(q), count - 1)]; };
+        const auto row = [&](int q) -> const PairPlaces& {
+            return rows[std::min(static_cast<unsigned>(q), count - 1)];
+        };
         return near_lanes([&](int q) -> const PlaceRow& { return place[row(q).sphere]; },
-                          [&](int q) -> const PlaceRow& { return place[row(q).other]; }, skin) & ((1u << count) - 1);
+                          [&](int q) -> const PlaceRow& { return place[row(q).other]; }, skin) &
+               ((1u << count) - 1);
     });
 }
 
-// who is a partner in which near rows; owners come by row, so each list is put in order of their ids
-template <class Pairs> void make_incidence(World& world) {
+// who is a partner in which near rows; owners come by row, so each list is put in order of their
+// ids
+template <class Pairs>
+void make_incidence(World& world) {
     auto& index = world.resource<NearIndex<Pairs>>();
     const auto entry = world.column<typename Pairs::Near, NearPair>();
     const auto rows = world.column<Pairs, PairRows>();
@@ -78,7 +89,8 @@ template <class Pairs> void make_incidence(World& world) {
     const std::size_t bodies = world.table<Bodies>().size();
     index.incident_first.assign(bodies + 1, 0);
     const std::size_t count = index.size();
-    for (std::size_t k = 0; k < count; ++k) ++index.incident_first[rows[entry[k].pair].partner_body + 1];
+    for (std::size_t k = 0; k < count; ++k)
+        ++index.incident_first[rows[entry[k].pair].partner_body + 1];
     for (std::size_t b = 0; b < bodies; ++b) index.incident_first[b + 1] += index.incident_first[b];
     index.incident.resize(count);
     std::vector<Row> next(index.incident_first.begin(), index.incident_first.end());
@@ -88,18 +100,23 @@ template <class Pairs> void make_incidence(World& world) {
     index.contact_end.resize(bodies); // of nobody yet
     for (Row b = 0; b < bodies; ++b) index.contact_end[b] = index.first_contact(b);
     for_chunks(bodies, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
-        std::vector<std::uint64_t> keys; // id of the owner, then row: those of one owner are in order already
+        std::vector<std::uint64_t>
+            keys; // id of the owner, then row: those of one owner are in order already
         for (std::size_t b = begin; b < end; ++b) {
-            const std::span<Row> mine(index.incident.data() + index.incident_first[b], index.incident_first[b + 1] - index.incident_first[b]);
+            const std::span<Row> mine(index.incident.data() + index.incident_first[b],
+                                      index.incident_first[b + 1] - index.incident_first[b]);
             keys.clear();
-            for (const Row k : mine) keys.push_back(std::uint64_t{names[entry[k].pair].owner} << 32 | k);
+            for (const Row k : mine)
+                keys.push_back(std::uint64_t{names[entry[k].pair].owner} << 32 | k);
             std::sort(keys.begin(), keys.end());
-            std::ranges::transform(keys, mine.begin(), [](std::uint64_t key) { return static_cast<Row>(key); });
+            std::ranges::transform(keys, mine.begin(),
+                                   [](std::uint64_t key) { return static_cast<Row>(key); });
         }
     });
 }
 
-template <class Pairs> void mark_owners(World& world, std::span<Row> slot) {
+template <class Pairs>
+void mark_owners(World& world, std::span<Row> slot) {
     const auto entry = world.column<typename Pairs::Near, NearPair>();
     const std::size_t count = world.resource<NearIndex<Pairs>>().size();
     for (std::size_t k = 0; k < count; ++k) slot[entry[k].owner] = 0;
@@ -154,7 +171,8 @@ void list_spheres(World& world) {
     }
 }
 
-template <class Pairs> void use_slots(World& world, bool partners_too) {
+template <class Pairs>
+void use_slots(World& world, bool partners_too) {
     const auto slot = world.column<Spheres, ListedSlot>();
     for (NearEntry& e : world.column<typename Pairs::Near, NearPair>()) {
         e.owner = slot[e.owner];
@@ -177,7 +195,8 @@ void prune_pairs(World& world) {
         const auto shape = world.column<Planes, LocalPlane>();
         make_short_list<PlanePairs>(world, skin, [&](const PairPlaces& p) {
             const PlaneShape& plane = shape[p.other];
-            return (detail::centre_of(place[p.sphere]) - position[p.partner_body] - plane.point).dot(plane.normal) -
+            return (detail::centre_of(place[p.sphere]) - position[p.partner_body] - plane.point)
+                       .dot(plane.normal) -
                    place[p.sphere].radius;
         });
         make_incidence<PlanePairs>(world);
@@ -208,11 +227,13 @@ void prune_pairs(World& world) {
             const double out = x.dot(membrane.outward[p.other]);
             const auto sector = static_cast<int>(p.other);
             const double reach = place[p.sphere].radius + skin;
-            if (out + reach <= surface.least_radius(sector, x.z())) return skin; // most, and dearer to know exactly
+            if (out + reach <= surface.least_radius(sector, x.z()))
+                return skin; // most, and dearer to know exactly
             return surface.nearest(sector, out, x.z()).distance - place[p.sphere].radius;
         });
         make_incidence<MembranePairs>(world);
-        std::ranges::copy(world.column<Elements, ElementRadius>(), world.column<Elements, PrunedRadius>().begin());
+        std::ranges::copy(world.column<Elements, ElementRadius>(),
+                          world.column<Elements, PrunedRadius>().begin());
     }
     list_spheres(world);
     use_slots<SpherePairs>(world, true);

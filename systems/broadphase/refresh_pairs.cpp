@@ -35,7 +35,8 @@ void find_runs(World& world) {
         const auto row = world.column<Facets, HostRow>();
         for (std::size_t i = 0; i < host.size(); ++i) row[i] = row_of[host[i]];
     }
-    if (world.has<Elements>()) world.resource<Membrane>().body_row = row_of[world.resource<Membrane>().body];
+    if (world.has<Elements>())
+        world.resource<Membrane>().body_row = row_of[world.resource<Membrane>().body];
 }
 
 // bodies along a Morton curve, spheres with them; driven bodies too, they are few
@@ -71,12 +72,14 @@ private:
     const Quat* orientation_;
 };
 
-template <class Since> double travel_of_membrane(const World& world) {
+template <class Since>
+double travel_of_membrane(const World& world) {
     if (!world.has<Elements>()) return 0;
     const auto radius = world.column<Elements, ElementRadius>();
     const auto since = world.column<Elements, Since>();
     double largest = 0;
-    for (std::size_t e = 0; e < radius.size(); ++e) largest = std::max(largest, std::abs(radius[e] - since[e]));
+    for (std::size_t e = 0; e < radius.size(); ++e)
+        largest = std::max(largest, std::abs(radius[e] - since[e]));
     return largest;
 }
 
@@ -88,7 +91,8 @@ double largest_travel(const World& world) {
     double largest = 0;
     for (Row b = 0; b < bodies.size(); ++b) {
         const Pose now = poses[b];
-        largest = std::max(largest, travel_bound(now.position, now.orientation, from[b], radius[b]));
+        largest =
+            std::max(largest, travel_bound(now.position, now.orientation, from[b], radius[b]));
     }
     return std::max(largest, travel_of_membrane<RefreshedRadius>(world));
 }
@@ -105,35 +109,42 @@ void choose_skins(World& world, ListSettings& settings) {
             ++count;
         }
     const double mean = count > 0 ? sum / count : 1;
-    // beyond it the candidates grow faster than their life: of clumps, whose bounds hold many spheres, sooner
+    // beyond it the candidates grow faster than their life: of clumps, whose bounds hold many
+    // spheres, sooner
     const double most = world.table<Bodies>().has<SphereInertia>() ? 1.2 : 0.3;
-    if (!(settings.largest_skin > 0)) settings.largest_skin = std::max(most * mean, settings.outer_skin);
+    if (!(settings.largest_skin > 0))
+        settings.largest_skin = std::max(most * mean, settings.outer_skin);
     if (!(settings.inner_skin > 0)) settings.inner_skin = 0.02 * mean;
     if (!(settings.outer_skin > 0)) settings.outer_skin = 5 * settings.inner_skin;
 }
 
-/// By which a skin is to change where making its list costs a/skin and carrying it b*skin: these are equal at the least of their
-/// sum. Bounded, since counts scatter from one list to the next.
+/// By which a skin is to change where making its list costs a/skin and carrying it b*skin: these
+/// are equal at the least of their sum. Bounded, since counts scatter from one list to the next.
 double change_of_skin(double making, double carrying) {
     constexpr double most = 1.5;
     if (!(carrying > 0)) return making > 0 ? most : 1;
     return std::clamp(std::sqrt(making / carrying), 1 / most, most);
 }
 
-// Skins follow the counts of work, in units of one near pair's test; measured on beds of spheres and of clumps. Any skin gives the same bits.
+// Skins follow the counts of work, in units of one near pair's test; measured on beds of spheres
+// and of clumps. Any skin gives the same bits.
 
 void tune_inner_skin(const World& world, ListSettings& settings, const ListState& state) {
     const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_prune);
     const auto& index = world.resource<NearIndex<SpherePairs>>();
     if (!settings.tune || state.prunes == 0 || steps == 0 || index.size() == 0) return;
     std::size_t touching = 0;
-    for (const std::uint8_t flags : index.touching) touching += static_cast<std::size_t>(std::popcount(flags));
+    for (const std::uint8_t flags : index.touching)
+        touching += static_cast<std::size_t>(std::popcount(flags));
     const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
     const auto spheres = static_cast<double>(world.table<Listed>().size());
     const double making = (8 * pairs + 10 * spheres) / steps;
-    const double carrying = 3 * static_cast<double>(index.size() - std::min(touching, index.size()));
-    settings.inner_skin = std::min(settings.inner_skin * change_of_skin(making, carrying), settings.largest_skin / 2);
-    settings.outer_skin = std::clamp(settings.outer_skin, 2 * settings.inner_skin, settings.largest_skin);
+    const double carrying =
+        3 * static_cast<double>(index.size() - std::min(touching, index.size()));
+    settings.inner_skin =
+        std::min(settings.inner_skin * change_of_skin(making, carrying), settings.largest_skin / 2);
+    settings.outer_skin =
+        std::clamp(settings.outer_skin, 2 * settings.inner_skin, settings.largest_skin);
 }
 
 /// When the candidates have served.
@@ -142,8 +153,10 @@ void tune_outer_skin(const World& world, ListSettings& settings, const ListState
     const auto prunes = static_cast<double>(state.prunes - state.prunes_at_refresh);
     if (!settings.tune || near == 0 || prunes == 0) return;
     const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
-    const double refreshing = 60 * pairs, pruning = 8 * (pairs - static_cast<double>(near)) * prunes; // in the life of the candidates
-    settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(refreshing, pruning), 2 * settings.inner_skin, settings.largest_skin);
+    const double refreshing = 60 * pairs, pruning = 8 * (pairs - static_cast<double>(near)) *
+                                                    prunes; // in the life of the candidates
+    settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(refreshing, pruning),
+                                     2 * settings.inner_skin, settings.largest_skin);
 }
 
 /// Brings SpherePlace up to date.
@@ -172,13 +185,16 @@ bool lists_are_due(const World& world) {
     if (world.resource<ListState>().stale) return true;
     const auto travel = world.column<Bodies, Travel>();
     Lane most{};
-    for_lane_rows(0, static_cast<Row>(travel.size()), [&](LaneRows rows) { most = max(load(travel.data(), rows), most); });
+    for_lane_rows(0, static_cast<Row>(travel.size()),
+                  [&](LaneRows rows) { most = max(load(travel.data(), rows), most); });
     double largest = travel_of_membrane<PrunedRadius>(world);
     for (std::size_t k = 0; k < lane_count; ++k) largest = std::max(largest, most[k]);
     return !(2 * largest <= world.resource<ListSettings>().inner_skin);
 }
 
-bool places_are_due(const World& world) { return world.resource<ListState>().unseen || lists_are_due(world); }
+bool places_are_due(const World& world) {
+    return world.resource<ListState>().unseen || lists_are_due(world);
+}
 void note_places(ListState& state) { state.unseen = false; }
 void show_velocities(World& world) { world.resource<ListState>().unseen = true; }
 
@@ -188,7 +204,8 @@ void refresh_pairs(World& world) {
     if (!state.stale) {
         tune_inner_skin(world, settings, state);
         const double gone = 2 * largest_travel(world);
-        if (gone + settings.inner_skin <= state.candidate_skin) return locate_spheres(world); // the candidates still serve
+        if (gone + settings.inner_skin <= state.candidate_skin)
+            return locate_spheres(world); // the candidates still serve
         tune_outer_skin(world, settings, state);
     }
     find_runs(world);
@@ -209,7 +226,8 @@ void refresh_pairs(World& world) {
     if (world.has<FacetPairs>()) detail::find_facet_pairs(world, settings.outer_skin);
     if (world.has<MembranePairs>()) {
         detail::find_membrane_pairs(world, settings.outer_skin);
-        std::ranges::copy(world.column<Elements, ElementRadius>(), world.column<Elements, RefreshedRadius>().begin());
+        std::ranges::copy(world.column<Elements, ElementRadius>(),
+                          world.column<Elements, RefreshedRadius>().begin());
     }
     state.stale = false;
     state.candidate_skin = settings.outer_skin;
@@ -230,7 +248,8 @@ void forget_lists(World& world) {
 
 namespace {
 
-template <class Pairs> void add_pair_tables(World& world, LawName law) {
+template <class Pairs>
+void add_pair_tables(World& world, LawName law) {
     Table& pairs = world.table<Pairs>();
     pairs.add<PairKey>();
     pairs.add<PairRows>();
@@ -267,7 +286,8 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     if (world.has<Planes>()) add_pair_tables<PlanePairs>(world, law);
     if (world.has<Facets>()) add_pair_tables<FacetPairs>(world, law);
     if (world.has<Elements>()) {
-        add_pair_tables<MembranePairs>(world, LawName::linear_frictionless); // whatever the law between grains
+        add_pair_tables<MembranePairs>(
+            world, LawName::linear_frictionless); // whatever the law between grains
         world.table<NearMembrane>().add<FootOf>();
         world.add_resource<MembraneBands>();
     }

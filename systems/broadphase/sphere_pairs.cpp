@@ -15,7 +15,8 @@ public:
         Vec3 high = Vec3::Zero();
         bool first = true;
         for (const Row r : rows) {
-            // what is not a finite number stands in some cell: the guard stops the run after this step
+            // what is not a finite number stands in some cell: the guard stops the run after this
+            // step
             if (!positions[r].allFinite()) continue;
             if (first) low_ = high = positions[r];
             first = false;
@@ -34,7 +35,9 @@ public:
             if (cells <= 8.0 * static_cast<double>(rows.size()) + 1000) break;
         }
         first_.assign(static_cast<std::size_t>(n_[0]) * static_cast<std::size_t>(n_[1]) *
-                              static_cast<std::size_t>(n_[2]) + 1, 0);
+                              static_cast<std::size_t>(n_[2]) +
+                          1,
+                      0);
         for (const Row r : rows) ++first_[cell(at(positions[r])) + 1];
         for (std::size_t c = 1; c < first_.size(); ++c) first_[c] += first_[c - 1];
         items_.resize(rows.size());
@@ -42,13 +45,16 @@ public:
         for (const Row r : rows) items_[next[cell(at(positions[r]))]++] = r;
     }
 
-    /// Calls body(row) for everything in the cells that a cube of half side `reach` around a point meets.
-    template <class Body> void around(const Vec3& x, double reach, Body&& body) const {
+    /// Calls body(row) for everything in the cells that a cube of half side `reach` around a point
+    /// meets.
+    template <class Body>
+    void around(const Vec3& x, double reach, Body&& body) const {
         const Vec3 half = Vec3::Constant(reach);
         const auto low = at(x - half), high = at(x + half);
         for (int k = low[2]; k <= high[2]; ++k)
             for (int j = low[1]; j <= high[1]; ++j)
-                for (Row i = first_[cell({low[0], j, k})]; i < first_[cell({high[0], j, k}) + 1]; ++i)
+                for (Row i = first_[cell({low[0], j, k})]; i < first_[cell({high[0], j, k}) + 1];
+                     ++i)
                     body(items_[i]);
     }
 
@@ -71,26 +77,35 @@ private:
     std::vector<Row> first_, items_;
 };
 
-/// Bodies in grids by size, each with cells for its own: one large body among small ones does not widen their
-/// cells, or the pairs to look at would grow as the cube of the ratio.
+/// Bodies in grids by size, each with cells for its own: one large body among small ones does not
+/// widen their cells, or the pairs to look at would grow as the cube of the ratio.
 class SizeGrids {
 public:
-    SizeGrids(std::span<const Vec3> positions, std::span<const double> radii, std::vector<Row> rows, double skin, double widest_ratio) : skin_(skin) {
+    SizeGrids(std::span<const Vec3> positions, std::span<const double> radii, std::vector<Row> rows,
+              double skin, double widest_ratio)
+        : skin_(skin) {
         while (!rows.empty()) {
             double largest = 0;
             for (const Row r : rows) largest = std::max(largest, radii[r]);
-            const auto smaller = std::partition(rows.begin(), rows.end(), [&](Row r) { return radii[r] >= largest / widest_ratio; });
-            grids_.push_back({largest, CellGrid(positions, {rows.begin(), smaller}, 2 * largest + skin)});
+            const auto smaller = std::partition(rows.begin(), rows.end(), [&](Row r) {
+                return radii[r] >= largest / widest_ratio;
+            });
+            grids_.push_back(
+                {largest, CellGrid(positions, {rows.begin(), smaller}, 2 * largest + skin)});
             rows.erase(rows.begin(), smaller);
         }
     }
     /// Calls body(row) for everything that may be within the skin of a sphere, and more.
-    template <class Body> void around(const Vec3& x, double radius, Body&& body) const {
+    template <class Body>
+    void around(const Vec3& x, double radius, Body&& body) const {
         for (const Sized& g : grids_) g.grid.around(x, radius + g.largest + skin_, body);
     }
 
 private:
-    struct Sized { double largest; CellGrid grid; };
+    struct Sized {
+        double largest;
+        CellGrid grid;
+    };
     std::vector<Sized> grids_;
     double skin_;
 };
@@ -118,8 +133,12 @@ template <class Visit>
 void visit_near(const PlaceRow& one, const PlaceRow* place, Row count, double skin, Visit&& visit) {
     for (Row first = 0; first < count; first += lane_count) {
         const Row here = std::min<Row>(lane_count, count - first);
-        const unsigned now = near_lanes([&](int) -> const PlaceRow& { return one; },
-                                        [&](int q) -> const PlaceRow& { return place[first + std::min(static_cast<Row>(q), here - 1)]; }, skin);
+        const unsigned now =
+            near_lanes([&](int) -> const PlaceRow& { return one; },
+                       [&](int q) -> const PlaceRow& {
+                           return place[first + std::min(static_cast<Row>(q), here - 1)];
+                       },
+                       skin);
         for (unsigned rest = now & ((1u << here) - 1); rest != 0; rest &= rest - 1)
             visit(first + static_cast<Row>(__builtin_ctz(rest)));
     }
@@ -131,10 +150,11 @@ void near_spheres(const Scene& s, Row a, Row b, Cluster& found) {
     found.place.clear();
     const Vec3& x = s.position[b];
     const SphereRun& run = s.run[a];
-    visit_near({x.x(), x.y(), x.z(), s.radius[b]}, &s.place[run.first], run.count, s.skin, [&](Row k) {
-        found.row.push_back(run.first + k);
-        found.place.push_back(s.place[run.first + k]);
-    });
+    visit_near({x.x(), x.y(), x.z(), s.radius[b]}, &s.place[run.first], run.count, s.skin,
+               [&](Row k) {
+                   found.row.push_back(run.first + k);
+                   found.place.push_back(s.place[run.first + k]);
+               });
 }
 
 struct Scratch {
@@ -148,24 +168,35 @@ void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector
     near_spheres(s, b, a, scratch.other);
     const std::uint32_t law = s.materials.pair(s.material[a], s.material[b]);
     for (std::size_t k = 0; k < own.row.size(); ++k)
-        visit_near(own.place[k], other.place.data(), static_cast<Row>(other.row.size()), s.skin, [&](Row m) {
-            const Row i = own.row[k], j = other.row[m];
-            list.push_back({{s.id[a], s.id[b], i - s.run[a].first, j - s.run[b].first}, {i, j, b, law}});
-        });
+        visit_near(own.place[k], other.place.data(), static_cast<Row>(other.row.size()), s.skin,
+                   [&](Row m) {
+                       const Row i = own.row[k], j = other.row[m];
+                       list.push_back({{s.id[a], s.id[b], i - s.run[a].first, j - s.run[b].first},
+                                       {i, j, b, law}});
+                   });
 }
 
 } // namespace
 
 void find_sphere_pairs(World& world, double skin) {
     Table& bodies = world.table<Bodies>();
-    const Scene s{bodies.column<Position>(), bodies.column<BoundingRadius>(), bodies.column<BodyId>(),
-                  bodies.column<MotionOf>(), bodies.column<MaterialOf>(), bodies.column<SpheresOf>(),
-                  world.column<Spheres, SpherePlace>(), world.resource<Materials>(), skin};
+    const Scene s{bodies.column<Position>(),
+                  bodies.column<BoundingRadius>(),
+                  bodies.column<BodyId>(),
+                  bodies.column<MotionOf>(),
+                  bodies.column<MaterialOf>(),
+                  bodies.column<SpheresOf>(),
+                  world.column<Spheres, SpherePlace>(),
+                  world.resource<Materials>(),
+                  skin};
     std::vector<Row> rows;
     for (Row b = 0; b < bodies.size(); ++b)
         if (s.run[b].count > 0) rows.push_back(b);
-    const SizeGrids grids(s.position, s.radius, std::move(rows), skin, world.resource<ListSettings>().widest_ratio);
-    const auto free_body = [&](Row b) { return s.motion[b] == static_cast<std::uint32_t>(Motion::free); };
+    const SizeGrids grids(s.position, s.radius, std::move(rows), skin,
+                          world.resource<ListSettings>().widest_ratio);
+    const auto free_body = [&](Row b) {
+        return s.motion[b] == static_cast<std::uint32_t>(Motion::free);
+    };
 
     ChunkLists<Candidate> found;
     std::vector<Row> first;
@@ -177,9 +208,11 @@ void find_sphere_pairs(World& world, double skin) {
         grids.around(s.position[a], s.radius[a], [&](Row b) {
             if (s.id[b] <= s.id[a] || (!free_body(a) && !free_body(b))) return;
             const double reach = s.radius[a] + s.radius[b] + skin;
-            if ((s.position[a] - s.position[b]).squaredNorm() < reach * reach) mine.partners.push_back(b);
+            if ((s.position[a] - s.position[b]).squaredNorm() < reach * reach)
+                mine.partners.push_back(b);
         });
-        std::sort(mine.partners.begin(), mine.partners.end(), [&](Row x, Row y) { return s.id[x] < s.id[y]; });
+        std::sort(mine.partners.begin(), mine.partners.end(),
+                  [&](Row x, Row y) { return s.id[x] < s.id[y]; });
         for (const Row b : mine.partners) pairs_of_bodies(s, a, b, mine, list);
     });
     replace_pairs<SpherePairs>(world, found, first);

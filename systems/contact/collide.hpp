@@ -1,13 +1,14 @@
 #pragma once
 
-#include "engine/system.hpp"
 #include "components/material.hpp"
+#include "engine/system.hpp"
 
 namespace bris {
 
 /// What the systems of a step are to do besides.
 struct StepChoices {
-    bool ledger = false; ///< book the work that friction, dashpots and rolling take, for each near pair
+    bool ledger =
+        false; ///< book the work that friction, dashpots and rolling take, for each near pair
     PatchStiffness patch = PatchStiffness::per_sphere; ///< as the scene's ContactPolicy
 };
 
@@ -15,8 +16,8 @@ struct StepChoices {
 /// pair writes only itself. Reads packed rows.
 System collide_spheres(LawName law, const StepChoices& choices);
 
-/// The same for spheres against facets: contacts are reduced to one for each feature of a body (face
-/// before edge before vertex).
+/// The same for spheres against facets: contacts are reduced to one for each feature of a body
+/// (face before edge before vertex).
 System collide_facets(LawName law, const StepChoices& choices);
 
 /// The same for spheres against planes.

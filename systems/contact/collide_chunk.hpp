@@ -7,17 +7,19 @@
 
 namespace bris::detail {
 
-/// Near rows whose bodies, springs and records fill a cache of a megabyte: where there are no more, nothing is far away.
+/// Near rows whose bodies, springs and records fill a cache of a megabyte: where there are no more,
+/// nothing is far away.
 inline constexpr std::size_t near_rows_in_cache = 8192;
 
-/// Forces of some near rows: those that touch are listed first, then handed to the law lane_count at a time. A Geometry
-/// knows the surfaces:
+/// Forces of some near rows: those that touch are listed first, then handed to the law lane_count
+/// at a time. A Geometry knows the surfaces:
 ///   unsigned touching(near)         bit q: near pair q of lane_count touches
 ///   void call_for_places(near)      asks for what touching() will read of these eight
 ///   void call_for(to, rows)         asks for what the tile after next will read
 ///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes that are too deep
 template <class Law, class Geometry, class Pairs>
-void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index, std::size_t chunk, std::size_t first, std::size_t last) {
+void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index,
+                   std::size_t chunk, std::size_t first, std::size_t last) {
     alignas(64) std::array<Row, near_rows_per_chunk + 8> touching;
     std::size_t count = 0;
     Sleepers<Pairs> sleepers(to, index);
@@ -39,19 +41,22 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
     const bool far = index.size() > near_rows_in_cache;
     for (std::size_t k = 0; k < 8; ++k) touching[count + k] = touching[count - 1];
     for (std::size_t k = 0; k < count; k += lane_count) {
-        if (far && k + 3 * lane_count <= count) geometry.call_for(to, &touching[k + 2 * lane_count]);
+        if (far && k + 3 * lane_count <= count)
+            geometry.call_for(to, &touching[k + 2 * lane_count]);
         const int here = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
         const unsigned deep = geometry.template collide<Law>(to, &touching[k], here);
-        if (deep != 0 && index.too_deep[chunk] == no_row) index.too_deep[chunk] = touching[k + static_cast<std::size_t>(__builtin_ctz(deep))];
+        if (deep != 0 && index.too_deep[chunk] == no_row)
+            index.too_deep[chunk] = touching[k + static_cast<std::size_t>(__builtin_ctz(deep))];
     }
     sleepers.put_springs_back();
 }
 
 template <class Law, class Geometry, class Pairs>
 void collide_all(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index) {
-    for_chunks(index.size(), near_rows_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
-        collide_chunk<Law>(to, geometry, index, chunk, first, last);
-    });
+    for_chunks(index.size(), near_rows_per_chunk,
+               [&](std::size_t chunk, std::size_t first, std::size_t last) {
+                   collide_chunk<Law>(to, geometry, index, chunk, first, last);
+               });
     index.look.clear();
 }
 

@@ -17,7 +17,8 @@ using detail::Feature;
 using detail::Nearest;
 using detail::TileTarget;
 
-constexpr std::size_t usual_run = 64; // near facets of one body and one sphere; more take memory of their own
+constexpr std::size_t usual_run =
+    64; // near facets of one body and one sphere; more take memory of their own
 
 /// A facet in reach of a sphere.
 struct Reached : Nearest {
@@ -33,21 +34,26 @@ struct Surfaces {
 };
 
 /// Those of near rows [first, last), one sphere against one body, that are in reach.
-std::span<Reached> reached_of(const Surfaces& s, const TileTarget& to, std::size_t first, std::size_t last, std::span<Reached> room) {
+std::span<Reached> reached_of(const Surfaces& s, const TileTarget& to, std::size_t first,
+                              std::size_t last, std::span<Reached> room) {
     const PlaceRow& p = s.movers.place[to.near[first].owner];
     const Vec3 centre(p.x, p.y, p.z);
     std::size_t count = 0;
     for (std::size_t row = first; row < last; ++row) {
         const Nearest n = detail::nearest_on_mesh_facet(s.facets[to.near[row].other], centre);
-        if (n.distance < p.radius && n.distance != 0) room[count++] = {n, static_cast<Row>(row), false};
+        if (n.distance < p.radius && n.distance != 0)
+            room[count++] = {n, static_cast<Row>(row), false};
     }
     return room.first(count);
 }
 
-bool lies_in(const Vec3& point, const Vec3& of_plane, const Vec3& normal, double close) { return std::abs((point - of_plane).dot(normal)) <= close; }
+bool lies_in(const Vec3& point, const Vec3& of_plane, const Vec3& normal, double close) {
+    return std::abs((point - of_plane).dot(normal)) <= close;
+}
 
 // an edge or vertex counts once for a body, and not at all where a face of the body already carries
-bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Reached> run, std::size_t k, double radius) {
+bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Reached> run,
+                 std::size_t k, double radius) {
     const Reached& mine = run[k];
     const double close = 1e-9 * radius;
     for (std::size_t j = 0; j < run.size(); ++j) {
@@ -55,8 +61,10 @@ bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Reache
         const double apart = (mine.point - run[j].point).norm();
         if (run[j].feature == Feature::face) {
             const FacetPlaceRow& face = s.facets[to.near[run[j].row].other];
-            if (apart <= radius && lies_in(mine.point, face.corners[0], face.normal, close)) return true;
-        } else if (apart <= close && (run[j].feature > mine.feature || (run[j].feature == mine.feature && j < k))) {
+            if (apart <= radius && lies_in(mine.point, face.corners[0], face.normal, close))
+                return true;
+        } else if (apart <= close &&
+                   (run[j].feature > mine.feature || (run[j].feature == mine.feature && j < k))) {
             return true;
         }
     }
@@ -66,14 +74,18 @@ bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Reache
 // two faces on one plane share the points of their seam: the first carries
 bool is_seam(std::span<const Reached> run, std::size_t k, double radius) {
     for (std::size_t j = 0; j < k; ++j)
-        if (run[j].feature == Feature::face && (run[k].point - run[j].point).norm() <= 1e-9 * radius) return true;
+        if (run[j].feature == Feature::face &&
+            (run[k].point - run[j].point).norm() <= 1e-9 * radius)
+            return true;
     return false;
 }
 
-// of a straight edge that is cut, the far piece is in reach with its end only, and the near one carries
+// of a straight edge that is cut, the far piece is in reach with its end only, and the near one
+// carries
 bool is_further_along(std::span<const Reached> run, const Reached& mine, double radius) {
     for (const Reached& other : run)
-        if (other.counts && other.distance < mine.distance && (mine.point - other.point).norm() <= radius &&
+        if (other.counts && other.distance < mine.distance &&
+            (mine.point - other.point).norm() <= radius &&
             lies_in(mine.point, other.point, other.normal, 1e-9 * radius))
             return true;
     return false;
@@ -81,14 +93,17 @@ bool is_further_along(std::span<const Reached> run, const Reached& mine, double 
 
 void choose(const Surfaces& s, const TileTarget& to, std::span<Reached> run, double radius) {
     for (std::size_t k = 0; k < run.size(); ++k)
-        run[k].counts = run[k].feature == Feature::face ? !is_seam(run, k, radius) : !is_shadowed(s, to, run, k, radius);
+        run[k].counts = run[k].feature == Feature::face ? !is_seam(run, k, radius)
+                                                        : !is_shadowed(s, to, run, k, radius);
     for (Reached& r : run)
-        if (r.counts && r.feature != Feature::face && is_further_along(run, r, radius)) r.counts = false;
+        if (r.counts && r.feature != Feature::face && is_further_along(run, r, radius))
+            r.counts = false;
 }
 
 // A sphere that slides from one facet to the next takes its spring along: where a contact has begun
-// and another of the run counts no more, though still in reach, the spring goes over, to the nearest.
-// Only springs tell which contacts there were, and what is in reach is listed, so lists leave no trace.
+// and another of the run counts no more, though still in reach, the spring goes over, to the
+// nearest. Only springs tell which contacts there were, and what is in reach is listed, so lists
+// leave no trace.
 void hand_over_springs(const TileTarget& to, std::span<const Reached> run) {
     const auto pair_of = [&](const Reached& r) { return to.near[r.row].pair; };
     for (const Reached& left : run) {
@@ -96,7 +111,8 @@ void hand_over_springs(const TileTarget& to, std::span<const Reached> run) {
         const Reached* heir = nullptr;
         for (const Reached& r : run)
             if (r.counts && !Spring::keep(to.spring[pair_of(r)]) &&
-                (heir == nullptr || (r.point - left.point).squaredNorm() < (heir->point - left.point).squaredNorm()))
+                (heir == nullptr ||
+                 (r.point - left.point).squaredNorm() < (heir->point - left.point).squaredNorm()))
                 heir = &r;
         if (heir == nullptr) return;
         to.spring[pair_of(*heir)] = std::exchange(to.spring[pair_of(left)], {});
@@ -106,11 +122,13 @@ void hand_over_springs(const TileTarget& to, std::span<const Reached> run) {
 
 // near rows [first, last) are one sphere against the facets of one body
 template <class Law>
-void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index, std::size_t first, std::size_t last,
-                              detail::ScalarTile<Law>& tile, Row& too_deep) {
+void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index,
+                              std::size_t first, std::size_t last, detail::ScalarTile<Law>& tile,
+                              Row& too_deep) {
     std::array<Reached, usual_run> few;
     std::vector<Reached> many(last - first > usual_run ? last - first : 0);
-    const std::span<Reached> run = reached_of(s, to, first, last, many.empty() ? std::span<Reached>(few) : many);
+    const std::span<Reached> run =
+        reached_of(s, to, first, last, many.empty() ? std::span<Reached>(few) : many);
     const double radius = s.movers.place[to.near[first].owner].radius;
     choose(s, to, run, radius);
     if (to.spring != nullptr) hand_over_springs(to, run);
@@ -148,20 +166,28 @@ void collide_chunk(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs
     tile.flush();
 }
 
-template <class Law> void run_chunks(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index) {
+template <class Law>
+void run_chunks(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index) {
     for_chunks(index.size(), near_rows_per_chunk,
                [&](std::size_t chunk, std::size_t first, std::size_t last) {
                    collide_chunk<Law>(s, to, index, chunk, first, last);
                });
 }
 
-template <class Law, class Near, class Pairs> struct Collide;
-template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
-    static void facets(Rows<NearFacets, const NearPair, PairForce, Near...> near, detail::ListedSpheres listed,
-                       detail::MovingBodies<Law> bodies, Rows<Facets, const FacetPlace> places,
-                       Rows<FacetPairs, const PairKey, Pairs...> pairs, NearIndex<FacetPairs>& index, const Materials& materials,
+template <class Law, class Near, class Pairs>
+struct Collide;
+template <class Law, class... Near, class... Pairs>
+struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
+    static void facets(Rows<NearFacets, const NearPair, PairForce, Near...> near,
+                       detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
+                       Rows<Facets, const FacetPlace> places,
+                       Rows<FacetPairs, const PairKey, Pairs...> pairs,
+                       NearIndex<FacetPairs>& index, const Materials& materials,
                        const Limits& limits, const Clock& clock) {
-        run_chunks<Law>({{listed, bodies, index}, places.template column<FacetPlace>(), pairs.template column<PairKey>(), limits.overlap},
+        run_chunks<Law>({{listed, bodies, index},
+                         places.template column<FacetPlace>(),
+                         pairs.template column<PairKey>(),
+                         limits.overlap},
                         detail::target_of<Law>(near, pairs, materials, clock), index);
     }
 };

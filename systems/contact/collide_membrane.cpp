@@ -24,10 +24,12 @@ struct Band {
 constexpr int lowest_ring = -2;
 
 void lay_out_bands(const MembraneSurface& surface, MembraneBands& bands) {
-    bands.radii.resize(static_cast<std::size_t>((surface.rings + 1 - lowest_ring) * surface.sectors)); // the same every step
+    bands.radii.resize(static_cast<std::size_t>((surface.rings + 1 - lowest_ring) *
+                                                surface.sectors)); // the same every step
     std::size_t k = 0;
     for (int here = lowest_ring; here <= surface.rings; ++here)
-        for (int sector = 0; sector < surface.sectors; ++sector) bands.radii[k++] = surface.radii_around(here, sector);
+        for (int sector = 0; sector < surface.sectors; ++sector)
+            bands.radii[k++] = surface.radii_around(here, sector);
 }
 
 /// Centres of lane_count near rows against the bands of their sectors.
@@ -44,9 +46,13 @@ Found find_touching(const Band& band, const NearEntry* near) {
     f.radius = c[3];
     f.here = floor(c[2] * (1 / height) - 0.5);
     // what is not a number finds some band, and does not touch it
-    const Lane row = min(max(f.here, lanes(lowest_ring)), lanes(band.surface.rings)) - static_cast<double>(lowest_ring);
+    const Lane row = min(max(f.here, lanes(lowest_ring)), lanes(band.surface.rings)) -
+                     static_cast<double>(lowest_ring);
     const auto radii = transpose(load_rows([&](int q) {
-        return band.radii[static_cast<int>(row[q]) * band.surface.sectors + static_cast<int>(near[q].other)].data();
+        return band
+            .radii[static_cast<int>(row[q]) * band.surface.sectors +
+                   static_cast<int>(near[q].other)]
+            .data();
     }));
     for (int q = 0; q < lane_count; ++q) {
         f.outward_x[q] = band.surface.outward[near[q].other].x();
@@ -62,25 +68,28 @@ Found find_touching(const Band& band, const NearEntry* near) {
 }
 
 template <class Law>
-void add_touching(const Found& f, unsigned touching, const Band& band, const TileTarget& to, Row first,
-                  detail::ScalarTile<Law>& tile, Row& too_deep) {
+void add_touching(const Found& f, unsigned touching, const Band& band, const TileTarget& to,
+                  Row first, detail::ScalarTile<Law>& tile, Row& too_deep) {
     for (; touching != 0; touching &= touching - 1) {
         const int k = __builtin_ctz(touching);
         const Row row = first + static_cast<Row>(k);
         const double distance = f.nearest.distance[k], radial = f.nearest.radial[k];
         if (f.radius[k] - distance > band.deepest * f.radius[k]) too_deep = row;
-        const Foot foot = band.surface.foot(static_cast<int>(f.here[k] + f.nearest.strip[k]),
-                                            static_cast<int>(to.near[row].other), f.nearest.share[k]);
+        const Foot foot =
+            band.surface.foot(static_cast<int>(f.here[k] + f.nearest.strip[k]),
+                              static_cast<int>(to.near[row].other), f.nearest.share[k]);
         band.foot[row] = foot;
-        const double speed = (1 - foot.share) * band.speed[foot.lower] + foot.share * band.speed[foot.upper];
+        const double speed =
+            (1 - foot.share) * band.speed[foot.lower] + foot.share * band.speed[foot.upper];
         const Vec3 outward(f.outward_x[k], f.outward_y[k], 0);
-        tile.add(row, Vec3(radial * outward.x(), radial * outward.y(), f.nearest.axial[k]), distance, speed * outward, Vec3::Zero());
+        tile.add(row, Vec3(radial * outward.x(), radial * outward.y(), f.nearest.axial[k]),
+                 distance, speed * outward, Vec3::Zero());
     }
 }
 
 template <class Law>
-void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePairs>& index, std::size_t chunk,
-                   std::size_t first, std::size_t last) {
+void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePairs>& index,
+                   std::size_t chunk, std::size_t first, std::size_t last) {
     detail::ScalarTile<Law> tile(to, band.movers);
     for (std::size_t group = first; group < last; group += 8) {
         const unsigned valid = last - group < 8 ? (1u << (last - group)) - 1 : 0xff;
@@ -100,30 +109,41 @@ void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePai
 
 // a membrane has no friction, whatever the law between grains
 template <class Law, class... Work>
-void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf, Work...> near, detail::ListedSpheres listed,
-             detail::MovingBodies<Law> bodies, Rows<Elements, const ElementRadius, const ElementSpeed> elements,
-             NearIndex<MembranePairs>& index, MembraneBands& bands, const Membrane& membrane, const Materials& materials,
-             const Limits& limits, const Clock& clock) {
-    const TileTarget to = detail::target_of<Law>(near, Rows<MembranePairs>({}, 0, {}), materials, clock);
+void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf, Work...> near,
+             detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
+             Rows<Elements, const ElementRadius, const ElementSpeed> elements,
+             NearIndex<MembranePairs>& index, MembraneBands& bands, const Membrane& membrane,
+             const Materials& materials, const Limits& limits, const Clock& clock) {
+    const TileTarget to =
+        detail::target_of<Law>(near, Rows<MembranePairs>({}, 0, {}), materials, clock);
     const MembraneSurface surface(membrane, elements.column<ElementRadius>());
     lay_out_bands(surface, bands);
-    const Band band{surface, bands.radii.data(), {listed, bodies, index}, elements.column<ElementSpeed>(),
-                    near.template column<FootOf>(), limits.overlap};
-    for_chunks(index.size(), near_rows_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
-        collide_chunk<Law>(to, band, index, chunk, first, last);
-    });
+    const Band band{surface,
+                    bands.radii.data(),
+                    {listed, bodies, index},
+                    elements.column<ElementSpeed>(),
+                    near.template column<FootOf>(),
+                    limits.overlap};
+    for_chunks(index.size(), near_rows_per_chunk,
+               [&](std::size_t chunk, std::size_t first, std::size_t last) {
+                   collide_chunk<Law>(to, band, index, chunk, first, last);
+               });
 }
 
 } // namespace
 
 System collide_membrane(LawName law, const StepChoices& choices) {
     constexpr auto name = "collide_membrane";
-    if (!has_dashpots(law)) return is_hertz(law) ? system(name, collide<HertzFrictionless>) : system(name, collide<LinearFrictionless>);
+    if (!has_dashpots(law))
+        return is_hertz(law) ? system(name, collide<HertzFrictionless>)
+                             : system(name, collide<LinearFrictionless>);
     const auto damped = [&]<class Normal>() {
         using Damped = Law<Normal, Dashpots, Frictionless>;
-        return choices.ledger ? system(name, collide<Damped, PairWork>) : system(name, collide<Damped>);
+        return choices.ledger ? system(name, collide<Damped, PairWork>)
+                              : system(name, collide<Damped>);
     };
-    return is_hertz(law) ? damped.template operator()<HertzNormal>() : damped.template operator()<LinearNormal>();
+    return is_hertz(law) ? damped.template operator()<HertzNormal>()
+                         : damped.template operator()<LinearNormal>();
 }
 
 } // namespace bris

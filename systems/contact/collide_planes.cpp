@@ -15,7 +15,8 @@ using detail::TileTarget;
 Vec3Lanes vector(const FourLanes& a) { return {a[0], a[1], a[2]}; }
 
 /// Planes, one a lane: numbers from + 0 to + 3 of their rows.
-template <class PlaneOf> FourLanes four_of(PlaneOf&& plane, std::ptrdiff_t from) {
+template <class PlaneOf>
+FourLanes four_of(PlaneOf&& plane, std::ptrdiff_t from) {
     static_assert(sizeof(PlanePlaceRow) == 15 * sizeof(double));
     return transpose(load_rows([&](int q) { return plane(q).point.data() + from; }));
 }
@@ -42,20 +43,28 @@ struct PlaneGeometry {
     template <class Law>
     unsigned collide(const TileTarget& to, const Row* rows, int count) const {
         std::array<std::size_t, lane_count> slot, own; // the latter: bodies
-        for (std::size_t q = 0; q < lane_count; ++q) own[q] = movers.body_of(slot[q] = to.near[rows[q]].owner);
+        for (std::size_t q = 0; q < lane_count; ++q)
+            own[q] = movers.body_of(slot[q] = to.near[rows[q]].owner);
         const auto rows_of = [](const auto* table, const auto& bodies, auto member) {
-            return transpose(load_rows([&](int q) { return &(table[bodies[static_cast<std::size_t>(q)]].*member); }));
+            return transpose(load_rows(
+                [&](int q) { return &(table[bodies[static_cast<std::size_t>(q)]].*member); }));
         };
-        const auto plane = [&](int q) -> const PlanePlaceRow& { return planes[to.near[rows[q]].other]; };
+        const auto plane = [&](int q) -> const PlanePlaceRow& {
+            return planes[to.near[rows[q]].other];
+        };
         const auto a = rows_of(movers.place, slot, &PlaceRow::x);
-        const auto p0 = four_of(plane, 0), p4 = four_of(plane, 4), p8 = four_of(plane, 8), p11 = four_of(plane, 11);
-        const Vec3Lanes foot{p0[0], p0[1], p0[2]}, normal{p0[3], p4[0], p4[1]}, drift{p4[2], p4[3], p8[0]}, turning{p8[1], p8[2], p8[3]}, pivot{p11[1], p11[2], p11[3]};
+        const auto p0 = four_of(plane, 0), p4 = four_of(plane, 4), p8 = four_of(plane, 8),
+                   p11 = four_of(plane, 11);
+        const Vec3Lanes foot{p0[0], p0[1], p0[2]}, normal{p0[3], p4[0], p4[1]},
+            drift{p4[2], p4[3], p8[0]}, turning{p8[1], p8[2], p8[3]}, pivot{p11[1], p11[2], p11[3]};
         const Vec3Lanes centre = vector(a);
-        const Lane distance = dot(centre - foot, normal), overlap = a[3] - distance, arm = a[3] - 0.5 * overlap;
+        const Lane distance = dot(centre - foot, normal), overlap = a[3] - distance,
+                   arm = a[3] - 0.5 * overlap;
         const Vec3Lanes point = centre - arm * normal; // in the middle of the overlap
         const auto v = rows_of(movers.motion, own, &MotionRow::vx);
         const Vec3Lanes spin = vector(rows_of(movers.motion, own, &MotionRow::spin_x));
-        Vec3Lanes u = vector(v) - (drift + cross(turning, centre - distance * normal - pivot)), middle = centre; // of the body
+        Vec3Lanes u = vector(v) - (drift + cross(turning, centre - distance * normal - pivot)),
+                  middle = centre; // of the body
         if (movers.centre != nullptr) {
             middle = vector(rows_of(movers.centre, own, &CentreRow::x));
             u = u + cross(spin, centre - middle);
@@ -68,7 +77,8 @@ struct PlaneGeometry {
             c.ux = u.x, c.uy = u.y, c.uz = u.z;
         }
         if constexpr (Law::has_dashpots) {
-            const Vec3Lanes kick = vector(rows_of(movers.kick, own, &KickRow::vx)), more = vector(rows_of(movers.kick, own, &KickRow::spin_x));
+            const Vec3Lanes kick = vector(rows_of(movers.kick, own, &KickRow::vx)),
+                            more = vector(rows_of(movers.kick, own, &KickRow::spin_x));
             const Vec3Lanes now = u + kick + cross(more, point - middle);
             c.vx = now.x, c.vy = now.y, c.vz = now.z;
         }
@@ -81,13 +91,19 @@ struct PlaneGeometry {
     }
 };
 
-template <class Law, class Near, class Pairs> struct Collide;
-template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
-    static void planes(Rows<NearPlanes, const NearPair, PairForce, Near...> near, detail::ListedSpheres listed,
-                       detail::MovingBodies<Law> bodies, Rows<Planes, const PlanePlace> places, Rows<PlanePairs, Pairs...> pairs,
-                       NearIndex<PlanePairs>& index, const Materials& materials, const Limits& limits, const Clock& clock) {
-        detail::collide_all<Law>(detail::target_of<Law>(near, pairs, materials, clock),
-                                 PlaneGeometry{{listed, bodies, index}, places.column<PlanePlace>(), limits.overlap}, index);
+template <class Law, class Near, class Pairs>
+struct Collide;
+template <class Law, class... Near, class... Pairs>
+struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
+    static void planes(Rows<NearPlanes, const NearPair, PairForce, Near...> near,
+                       detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
+                       Rows<Planes, const PlanePlace> places, Rows<PlanePairs, Pairs...> pairs,
+                       NearIndex<PlanePairs>& index, const Materials& materials,
+                       const Limits& limits, const Clock& clock) {
+        detail::collide_all<Law>(
+            detail::target_of<Law>(near, pairs, materials, clock),
+            PlaneGeometry{{listed, bodies, index}, places.column<PlanePlace>(), limits.overlap},
+            index);
     }
 };
 

@@ -35,14 +35,16 @@ struct SphereGeometry {
 
     template <class Law>
     unsigned collide(const TileTarget& to, const Row* rows, int count) const {
-        std::array<std::size_t, lane_count> own_sphere, other_sphere, own, other; // the latter: bodies
+        std::array<std::size_t, lane_count> own_sphere, other_sphere, own,
+            other; // the latter: bodies
         for (std::size_t q = 0; q < lane_count; ++q) {
             const NearEntry& e = to.near[rows[q]];
             own[q] = movers.body_of(own_sphere[q] = e.owner);
             other[q] = movers.body_of(other_sphere[q] = e.other);
         }
         const auto rows_of = [](const auto* table, const auto& bodies, auto member) {
-            return load_rows([&](int q) { return &(table[bodies[static_cast<std::size_t>(q)]].*member); });
+            return load_rows(
+                [&](int q) { return &(table[bodies[static_cast<std::size_t>(q)]].*member); });
         };
         const auto a = transpose(rows_of(movers.place, own_sphere, &PlaceRow::x));
         const auto b = transpose(rows_of(movers.place, other_sphere, &PlaceRow::x));
@@ -78,15 +80,21 @@ struct SphereGeometry {
         const Lane half = 0.5 * c.overlap, arm_a = a[3] - half, arm_b = b[3] - half;
         const Lane px = b[0] + c.nx * arm_b, py = b[1] + c.ny * arm_b, pz = b[2] + c.nz * arm_b;
         if constexpr (Law::has_dashpots) {
-            const auto ka = rows_of(movers.kick, own, &KickRow::vx), kb = rows_of(movers.kick, other, &KickRow::vx);
+            const auto ka = rows_of(movers.kick, own, &KickRow::vx),
+                       kb = rows_of(movers.kick, other, &KickRow::vx);
             const auto k = transpose({ka[0] - kb[0], ka[1] - kb[1], ka[2] - kb[2], ka[3] - kb[3]});
-            const auto ta = transpose(rows_of(movers.kick, own, &KickRow::spin_x)), tb = transpose(rows_of(movers.kick, other, &KickRow::spin_x));
+            const auto ta = transpose(rows_of(movers.kick, own, &KickRow::spin_x)),
+                       tb = transpose(rows_of(movers.kick, other, &KickRow::spin_x));
             const Lane ax = px - xa[0], ay = py - xa[1], az = pz - xa[2];
             const Lane bx = px - xb[0], by = py - xb[1], bz = pz - xb[2];
-            const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1], wz = arm_a * wa[2] + arm_b * wb[2];
-            c.vx = u[0] - (wy * c.nz - wz * c.ny) + k[0] + (ta[1] * az - ta[2] * ay) - (tb[1] * bz - tb[2] * by);
-            c.vy = u[1] - (wz * c.nx - wx * c.nz) + k[1] + (ta[2] * ax - ta[0] * az) - (tb[2] * bx - tb[0] * bz);
-            c.vz = u[2] - (wx * c.ny - wy * c.nx) + k[2] + (ta[0] * ay - ta[1] * ax) - (tb[0] * by - tb[1] * bx);
+            const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1],
+                       wz = arm_a * wa[2] + arm_b * wb[2];
+            c.vx = u[0] - (wy * c.nz - wz * c.ny) + k[0] + (ta[1] * az - ta[2] * ay) -
+                   (tb[1] * bz - tb[2] * by);
+            c.vy = u[1] - (wz * c.nx - wx * c.nz) + k[1] + (ta[2] * ax - ta[0] * az) -
+                   (tb[2] * bx - tb[0] * bz);
+            c.vz = u[2] - (wx * c.ny - wy * c.nx) + k[2] + (ta[0] * ay - ta[1] * ax) -
+                   (tb[0] * by - tb[1] * bx);
         }
         if constexpr (Law::has_rolling) {
             c.wx = wa[0] - wb[0];
@@ -110,19 +118,24 @@ struct SphereGeometry {
             c.ux = u[0] - approach * mx - (wy * mz - wz * my);
             c.uy = u[1] - approach * my - (wz * mx - wx * mz);
             c.uz = u[2] - approach * mz - (wx * my - wy * mx);
-            c.twist = 0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
+            c.twist =
+                0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
         }
         detail::apply_law<Law>(to, rows, count, c, px, py, pz);
         return bits(c.overlap > (0.5 * deepest) * reach);
     }
 };
 
-template <class Law, class Near, class Pairs> struct Collide;
-template <class Law, class... Near, class... Pairs> struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
-    static void spheres(Rows<NearSpheres, const NearPair, PairForce, Near...> near, detail::ListedSpheres listed,
-                        detail::MovingBodies<Law> bodies, Rows<SpherePairs, Pairs...> pairs, NearIndex<SpherePairs>& index,
+template <class Law, class Near, class Pairs>
+struct Collide;
+template <class Law, class... Near, class... Pairs>
+struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
+    static void spheres(Rows<NearSpheres, const NearPair, PairForce, Near...> near,
+                        detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
+                        Rows<SpherePairs, Pairs...> pairs, NearIndex<SpherePairs>& index,
                         const Materials& materials, const Limits& limits, const Clock& clock) {
-        detail::collide_all<Law>(detail::target_of<Law>(near, pairs, materials, clock), SphereGeometry{{listed, bodies, index}, limits.overlap}, index);
+        detail::collide_all<Law>(detail::target_of<Law>(near, pairs, materials, clock),
+                                 SphereGeometry{{listed, bodies, index}, limits.overlap}, index);
     }
 };
 

@@ -15,7 +15,8 @@ namespace detail {
 struct Wrench {
     Quad force{}, turned_torque{};
 
-    /// `as_partner`: of an entry of NearIndex::contact, 0 for the owner. Without a branch: it would be foreseen wrongly at every body.
+    /// `as_partner`: of an entry of NearIndex::contact, 0 for the owner. Without a branch: it would
+    /// be foreseen wrongly at every body.
     [[gnu::always_inline]] void add(const ForceRow& record, Row as_partner, Quad centre) {
         const Quad f = flipped(load(&record.fx), as_partner), arm = load(&record.px) - centre;
         force += f;
@@ -36,11 +37,14 @@ struct Records {
     const WorkRow* work;
 };
 /// Where the work that pairs take is booked.
-struct WorkAccounts { double *friction, *viscous, *rolling; };
+struct WorkAccounts {
+    double *friction, *viscous, *rolling;
+};
 
 /// Couples and work of a body's records, which few laws have.
 template <class Pairs>
-void gather_more(Row b, Vec3& torque, const Records& records, const NearIndex<Pairs>& index, const WorkAccounts& accounts) {
+void gather_more(Row b, Vec3& torque, const Records& records, const NearIndex<Pairs>& index,
+                 const WorkAccounts& accounts) {
     Vec3 couple = Vec3::Zero();
     WorkRow work{};
     index.for_contacts_of(b, [&](Row k, bool as_partner) {
@@ -62,44 +66,51 @@ void gather_more(Row b, Vec3& torque, const Records& records, const NearIndex<Pa
 
 /// Sums the records of each body; where there is a ledger, the work of the pairs that it owns too.
 template <class Pairs>
-void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torque, const Records& records,
-                 const NearIndex<Pairs>& index, const WorkAccounts& accounts) {
-    const Row *contact = index.contact.data(), *owned = index.owned_first.data(), *incident = index.incident_first.data(),
-              *end = index.contact_end.data();
+void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torque,
+                 const Records& records, const NearIndex<Pairs>& index,
+                 const WorkAccounts& accounts) {
+    const Row *contact = index.contact.data(), *owned = index.owned_first.data(),
+              *incident = index.incident_first.data(), *end = index.contact_end.data();
     const bool more = records.torque != nullptr || records.work != nullptr;
     for (Row b = bodies.first; b < bodies.last; ++b) {
         const Row first = incident[b] + owned[b], last = end[b];
         if (first == last) continue;
-        // records lie where the owners' pairs lie: the first few of a body to come are called for in time
+        // records lie where the owners' pairs lie: the first few of a body to come are called for
+        // in time
         if (const Row coming = b + 16; coming < bodies.last)
             for (Row k = 0; k < index.look_ahead; ++k)
-                prefetch(&records.force[contact[incident[coming] + owned[coming] + k] & ~index.as_partner]);
+                prefetch(&records.force[contact[incident[coming] + owned[coming] + k] &
+                                        ~index.as_partner]);
         const Vec3& x = position[b];
         const Quad centre{x[0], x[1], x[2], 0};
         Wrench sum;
         for (Row k = first; k < last; ++k)
-            sum.add(records.force[contact[k] & ~index.as_partner], contact[k] & index.as_partner, centre);
+            sum.add(records.force[contact[k] & ~index.as_partner], contact[k] & index.as_partner,
+                    centre);
         add_to(force[b], sum.force);
-        add_to(torque[b], __builtin_shufflevector(sum.turned_torque, sum.turned_torque, 1, 2, 0, 3));
+        add_to(torque[b],
+               __builtin_shufflevector(sum.turned_torque, sum.turned_torque, 1, 2, 0, 3));
         if (more) gather_more(b, torque[b], records, index, accounts);
     }
 }
 
 template <class Pairs, class BodyRows, class NearRows>
-void gather_all(const BodyRows& bodies, const NearRows& near, const NearIndex<Pairs>& index, const TorqueRow* couple,
-                const WorkRow* work, const WorkAccounts& accounts) {
+void gather_all(const BodyRows& bodies, const NearRows& near, const NearIndex<Pairs>& index,
+                const TorqueRow* couple, const WorkRow* work, const WorkAccounts& accounts) {
     if (index.size() == 0) return;
-    gather_rows(RowRange{bodies.first(), bodies.last()}, bodies.template column<Position>(), bodies.template column<Force>(),
-                bodies.template column<Torque>(), {near.template column<PairForce>(), couple, work}, index, accounts);
+    gather_rows(RowRange{bodies.first(), bodies.last()}, bodies.template column<Position>(),
+                bodies.template column<Force>(), bodies.template column<Torque>(),
+                {near.template column<PairForce>(), couple, work}, index, accounts);
 }
 
 } // namespace detail
 
 /// Adds the forces of the pairs of one kind to their bodies, boundaries included, and their torques
-/// about the centre of mass. Each body sums its own records, in the order of its contacts. `More`: PairTorque, of
-/// laws with resistance to rolling.
+/// about the centre of mass. Each body sums its own records, in the order of its contacts. `More`:
+/// PairTorque, of laws with resistance to rolling.
 template <class Pairs, class... More>
-void gather(Rows<Bodies, const Position, Force, Torque> bodies, Rows<typename Pairs::Near, const PairForce, const More...> near,
+void gather(Rows<Bodies, const Position, Force, Torque> bodies,
+            Rows<typename Pairs::Near, const PairForce, const More...> near,
             const NearIndex<Pairs>& index) {
     const TorqueRow* couple = nullptr;
     if constexpr (sizeof...(More) > 0) couple = near.template column<PairTorque>();
@@ -108,12 +119,15 @@ void gather(Rows<Bodies, const Position, Force, Torque> bodies, Rows<typename Pa
 
 /// The same, and adds the work that the pairs took in this step to their owners.
 template <class Pairs, class... More>
-void gather_and_book(Rows<Bodies, const Position, Force, Torque, FrictionWork, ViscousWork, RollingWork> bodies,
-                     Rows<typename Pairs::Near, const PairForce, const PairWork, const More...> near, const NearIndex<Pairs>& index) {
+void gather_and_book(
+    Rows<Bodies, const Position, Force, Torque, FrictionWork, ViscousWork, RollingWork> bodies,
+    Rows<typename Pairs::Near, const PairForce, const PairWork, const More...> near,
+    const NearIndex<Pairs>& index) {
     const TorqueRow* couple = nullptr;
     if constexpr (sizeof...(More) > 0) couple = near.template column<PairTorque>();
     detail::gather_all<Pairs>(bodies, near, index, couple, near.template column<PairWork>(),
-                              {bodies.template column<FrictionWork>(), bodies.template column<ViscousWork>(),
+                              {bodies.template column<FrictionWork>(),
+                               bodies.template column<ViscousWork>(),
                                bodies.template column<RollingWork>()});
 }
 

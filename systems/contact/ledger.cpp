@@ -20,7 +20,8 @@ void add_ledger(World& world) {
             world.table<typename Pairs::Near>().template add<PairWork>();
     });
     // a membrane has no friction, but it may have dashpots
-    if (world.has<MembranePairs>() && has_dashpots(world.resource<ContactLaw>().law)) world.table<NearMembrane>().add<PairWork>();
+    if (world.has<MembranePairs>() && has_dashpots(world.resource<ContactLaw>().law))
+        world.table<NearMembrane>().add<PairWork>();
 }
 
 } // namespace bris

@@ -14,8 +14,10 @@ namespace bris {
 namespace detail {
 
 /// Lists the touching near rows of one body.
-template <class Pairs> void list_contacts_of(Row body, NearIndex<Pairs>& index) {
-    Row at = index.first_contact(body); // moves on over what touches, without branches nobody could foresee
+template <class Pairs>
+void list_contacts_of(Row body, NearIndex<Pairs>& index) {
+    Row at = index.first_contact(
+        body); // moves on over what touches, without branches nobody could foresee
     for (Row k = index.incident_first[body]; k < index.incident_first[body + 1]; ++k) {
         index.contact[at] = index.incident[k] | index.as_partner;
         at += index.touches(index.incident[k]) ? 1u : 0u;
@@ -29,26 +31,33 @@ template <class Pairs> void list_contacts_of(Row body, NearIndex<Pairs>& index) 
 
 } // namespace detail
 
-/// Brings the contacts of every body up to date. Most near rows do not touch, so bodies should not look
-/// at them in every step; and pairs come and go rarely, so only the bodies of those are listed anew.
+/// Brings the contacts of every body up to date. Most near rows do not touch, so bodies should not
+/// look at them in every step; and pairs come and go rarely, so only the bodies of those are listed
+/// anew.
 template <class Pairs>
-void list_contacts(Rows<typename Pairs::Near, const NearPair> near, Rows<Pairs, const PairRows> pairs,
-                   Rows<Listed, const ListedBody> listed, NearIndex<Pairs>& index) {
+void list_contacts(Rows<typename Pairs::Near, const NearPair> near,
+                   Rows<Pairs, const PairRows> pairs, Rows<Listed, const ListedBody> listed,
+                   NearIndex<Pairs>& index) {
     const NearEntry* entry = near.template column<NearPair>();
     const std::size_t groups = index.touching.size();
     std::size_t changed = 0;
-    for (std::size_t g = 0; g < groups; ++g) changed += index.touching[g] != index.listed[g] ? 1u : 0u;
+    for (std::size_t g = 0; g < groups; ++g)
+        changed += index.touching[g] != index.listed[g] ? 1u : 0u;
     if (changed == 0) return;
     if (changed > groups / 32 + 1) {
-        for_chunks(index.contact_end.size(), 256, [&](std::size_t, std::size_t first, std::size_t last) {
-            for (auto b = static_cast<Row>(first); b < last; ++b) detail::list_contacts_of(b, index);
-        });
+        for_chunks(index.contact_end.size(), 256,
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                       for (auto b = static_cast<Row>(first); b < last; ++b)
+                           detail::list_contacts_of(b, index);
+                   });
     } else {
         for (std::size_t g = 0; g < groups; ++g)
             for (unsigned rest = index.touching[g] ^ index.listed[g]; rest != 0; rest &= rest - 1) {
-                const NearEntry& e = entry[g * index.group + static_cast<unsigned>(__builtin_ctz(rest))];
+                const NearEntry& e =
+                    entry[g * index.group + static_cast<unsigned>(__builtin_ctz(rest))];
                 detail::list_contacts_of(listed.template column<ListedBody>()[e.owner], index);
-                detail::list_contacts_of(pairs.template column<PairRows>()[e.pair].partner_body, index);
+                detail::list_contacts_of(pairs.template column<PairRows>()[e.pair].partner_body,
+                                         index);
             }
     }
     index.listed = index.touching;

@@ -30,14 +30,17 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     const auto velocity = bodies.column<Velocity>();
     const auto momentum = bodies.column<AngularMomentum>();
     const auto spin = bodies.column<Spin>();
-    const auto work = bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
+    const auto work =
+        bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
     auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the rows
     std::erase_if(rows, [&](Row b) { return motion[b] != free_motion; });
 
-    // contacts come at any time: as many of the stiffest kind as hold a rock are always counted. That of boundaries among themselves
-    // counts too: a third more than rocks meet, without which preparation ends in other packings of the same porosity (half as strong again)
+    // contacts come at any time: as many of the stiffest kind as hold a rock are always counted.
+    // That of boundaries among themselves counts too: a third more than rocks meet, without which
+    // preparation ends in other packings of the same porosity (half as strong again)
     double one = 0, true_mass = 0, stiffness_sum = 0;
-    for (const LawRow& law : world.resource<Materials>().linear_pairs) one = std::max({one, law.kn, law.ks});
+    for (const LawRow& law : world.resource<Materials>().linear_pairs)
+        one = std::max({one, law.kn, law.ks});
     require(one > 0, "mass scaling: expected materials with a normal stiffness, found none");
     const auto radius = bodies.column<BoundingRadius>();
     for (const Row b : rows) {
@@ -62,7 +65,8 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
         // velocities and spins stay: the kinetic energy does not
         const double turning = i * inertia[b].x() / inertial_inertia[b].x();
         if (!work.empty())
-            work[b] += 0.5 * (m - inertial[b]) * velocity[b].squaredNorm() + 0.5 * (turning - 1) * momentum[b].dot(spin[b]);
+            work[b] += 0.5 * (m - inertial[b]) * velocity[b].squaredNorm() +
+                       0.5 * (turning - 1) * momentum[b].dot(spin[b]);
         momentum[b] *= turning;
         inertial[b] = m;
         inertial_inertia[b] = i * inertia[b];

@@ -1,27 +1,30 @@
 #pragma once
 
-#include "systems/contact/tile.hpp"
-
 #include "engine/math.hpp"
+#include "systems/contact/tile.hpp"
 
 namespace bris::detail {
 
-/// Collects contacts found one by one (spheres against facets and membrane) and hands them to the law
-/// lane_count at a time.
-template <class Law> class ScalarTile {
+/// Collects contacts found one by one (spheres against facets and membrane) and hands them to the
+/// law lane_count at a time.
+template <class Law>
+class ScalarTile {
 public:
     ScalarTile(const TileTarget& to, const Movers& movers) : to_(to), movers_(movers) {}
 
     /// A sphere touches a surface at `distance` from its centre along `normal` (unit, from the
-    /// surface to the sphere); the surface moves with `velocity` at the contact point, and turns with `turning`.
-    void add(Row near_row, const Vec3& normal, double distance, const Vec3& velocity, const Vec3& turning) {
+    /// surface to the sphere); the surface moves with `velocity` at the contact point, and turns
+    /// with `turning`.
+    void add(Row near_row, const Vec3& normal, double distance, const Vec3& velocity,
+             const Vec3& turning) {
         const Row slot = to_.near[near_row].owner;
         const PlaceRow& p = movers_.place[slot];
         const std::size_t owner = movers_.body_of(slot);
         const MotionRow& body = movers_.motion[owner];
         const auto k = static_cast<std::size_t>(count_++);
         const double overlap = p.radius - distance, arm = p.radius - 0.5 * overlap;
-        const Vec3 centre(p.x, p.y, p.z), spin(body.spin_x, body.spin_y, body.spin_z), point = centre - arm * normal;
+        const Vec3 centre(p.x, p.y, p.z), spin(body.spin_x, body.spin_y, body.spin_z),
+            point = centre - arm * normal;
         Vec3 u = Vec3(body.vx, body.vy, body.vz) - velocity, middle = centre; // of the body
         if (movers_.centre != nullptr) {
             const CentreRow& x = movers_.centre[owner];
@@ -56,9 +59,11 @@ public:
             rows_[k] = rows_[0];
             for (auto& field : values_) field[k] = field[0];
         }
-        const auto lane = [&](std::size_t i) { return *reinterpret_cast<const Lane*>(values_[i].data()); };
-        ContactLanes c{lane(normal_at),       lane(normal_at + 1), lane(normal_at + 2), lane(overlap_at),
-                       lane(inverse_mass_at), lane(radius_at)};
+        const auto lane = [&](std::size_t i) {
+            return *reinterpret_cast<const Lane*>(values_[i].data());
+        };
+        ContactLanes c{lane(normal_at),  lane(normal_at + 1),   lane(normal_at + 2),
+                       lane(overlap_at), lane(inverse_mass_at), lane(radius_at)};
         c.closing = lane(closing_at);
         if constexpr (Law::has_history) {
             c.ux = lane(sliding_at);
@@ -76,15 +81,25 @@ public:
             c.wy = lane(spin_at + 1);
             c.wz = lane(spin_at + 2);
         }
-        apply_law<Law>(to_, rows_.data(), count_, c, lane(point_at), lane(point_at + 1), lane(point_at + 2));
+        apply_law<Law>(to_, rows_.data(), count_, c, lane(point_at), lane(point_at + 1),
+                       lane(point_at + 2));
         count_ = 0;
     }
 
 private:
     // rows of values_: vectors take three
     enum : std::size_t {
-        normal_at = 0, point_at = 3, sliding_at = 6, velocity_at = 9, spin_at = 12,
-        overlap_at = 15, inverse_mass_at, radius_at, closing_at, twist_at, fields
+        normal_at = 0,
+        point_at = 3,
+        sliding_at = 6,
+        velocity_at = 9,
+        spin_at = 12,
+        overlap_at = 15,
+        inverse_mass_at,
+        radius_at,
+        closing_at,
+        twist_at,
+        fields
     };
     void put(std::size_t lane, std::size_t at, const Vec3& v) {
         for (int i = 0; i < 3; ++i) values_[at + static_cast<std::size_t>(i)][lane] = v[i];

@@ -10,7 +10,8 @@ namespace bris {
 namespace {
 
 // overlaps of a patch, in share[k] for the rows k that `belongs` lets through, become shares
-template <class Belongs> void normalise(double* share, Row first, Row last, Belongs&& belongs) {
+template <class Belongs>
+void normalise(double* share, Row first, Row last, Belongs&& belongs) {
     double sum = 0;
     for (Row k = first; k < last; ++k)
         if (belongs(k)) sum += share[k];
@@ -19,16 +20,20 @@ template <class Belongs> void normalise(double* share, Row first, Row last, Belo
 }
 
 // calls share_rows(first, last) with the near rows of every owner
-template <class Pairs, class ShareRows> void for_owners(const NearIndex<Pairs>& index, ShareRows&& share_rows) {
+template <class Pairs, class ShareRows>
+void for_owners(const NearIndex<Pairs>& index, ShareRows&& share_rows) {
     if (index.size() == 0) return;
-    for_chunks(index.owned_first.size() - 1, 64, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b) share_rows(index.owned_first[b], index.owned_first[b + 1]);
-    });
+    for_chunks(index.owned_first.size() - 1, 64,
+               [&](std::size_t, std::size_t begin, std::size_t end) {
+                   for (std::size_t b = begin; b < end; ++b)
+                       share_rows(index.owned_first[b], index.owned_first[b + 1]);
+               });
 }
 
 } // namespace
 
-void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near, Rows<Listed, const Place, const ListedBody> listed,
+void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near,
+                          Rows<Listed, const Place, const ListedBody> listed,
                           const NearIndex<SpherePairs>& index) {
     const NearEntry* entry = near.column<NearPair>();
     const PlaceRow* place = listed.column<Place>();
@@ -48,8 +53,10 @@ void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near, Ro
     });
 }
 
-void share_plane_patches(Rows<NearPlanes, const NearPair, PatchShare> near, Rows<Listed, const Place, const ListedBody> listed,
-                         Rows<Planes, const PlanePlace> planes, const NearIndex<PlanePairs>& index) {
+void share_plane_patches(Rows<NearPlanes, const NearPair, PatchShare> near,
+                         Rows<Listed, const Place, const ListedBody> listed,
+                         Rows<Planes, const PlanePlace> planes,
+                         const NearIndex<PlanePairs>& index) {
     const NearEntry* entry = near.column<NearPair>();
     const PlaceRow* place = listed.column<Place>();
     const PlanePlaceRow* plane = planes.column<PlanePlace>();
@@ -62,7 +69,8 @@ void share_plane_patches(Rows<NearPlanes, const NearPair, PatchShare> near, Rows
             share[k] = std::max(0.0, a.radius - (Vec3(a.x, a.y, a.z) - p.point).dot(p.normal));
         }
         if (first == last) return;
-        for (Row p = 0; p < count; ++p) normalise(share, first, last, [&](Row k) { return entry[k].other == p; });
+        for (Row p = 0; p < count; ++p)
+            normalise(share, first, last, [&](Row k) { return entry[k].other == p; });
     });
 }
 

@@ -8,14 +8,17 @@
 
 namespace bris {
 
-/// Shares the stiffness of each patch, the touching spheres of one clump and one partner, among its pairs in
-/// proportion to their overlaps: a pair enters and leaves with nothing, and n equal pairs have 1/n each. Such a force
-/// has no exact potential; what that costs is seen in the energy ledger.
-void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near, Rows<Listed, const Place, const ListedBody> listed,
+/// Shares the stiffness of each patch, the touching spheres of one clump and one partner, among its
+/// pairs in proportion to their overlaps: a pair enters and leaves with nothing, and n equal pairs
+/// have 1/n each. Such a force has no exact potential; what that costs is seen in the energy
+/// ledger.
+void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near,
+                          Rows<Listed, const Place, const ListedBody> listed,
                           const NearIndex<SpherePairs>& index);
 
 /// The same for the spheres of one clump and one plane.
-void share_plane_patches(Rows<NearPlanes, const NearPair, PatchShare> near, Rows<Listed, const Place, const ListedBody> listed,
+void share_plane_patches(Rows<NearPlanes, const NearPair, PatchShare> near,
+                         Rows<Listed, const Place, const ListedBody> listed,
                          Rows<Planes, const PlanePlace> planes, const NearIndex<PlanePairs>& index);
 
 } // namespace bris

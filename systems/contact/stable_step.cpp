@@ -21,14 +21,22 @@ using Mat6 = Eigen::Matrix<double, 6, 6>;
 
 /// A touching contact as one of its bodies has it.
 struct Touch {
-    double normal, shear, rolling;       ///< tangent stiffnesses, N/m, N m/rad
+    double normal, shear, rolling;        ///< tangent stiffnesses, N/m, N m/rad
     double normal_damping, shear_damping; ///< N s/m
-    Vec3 arm, direction;                 ///< from the body's centre of mass to the point; of the normal
+    Vec3 arm, direction; ///< from the body's centre of mass to the point; of the normal
     bool between_free_bodies;
 };
 
-Touch touch_of(LawName name, const LawRow& law, const Elasticity& e, double inverse_mass, double rolling_ratio, double radius) {
-    Touch t{e.normal, e.shear, has_rolling(name) ? rolling_ratio * e.shear * radius * radius : 0, 0, 0, Vec3::Zero(), Vec3::UnitZ(), false};
+Touch touch_of(LawName name, const LawRow& law, const Elasticity& e, double inverse_mass,
+               double rolling_ratio, double radius) {
+    Touch t{e.normal,
+            e.shear,
+            has_rolling(name) ? rolling_ratio * e.shear * radius * radius : 0,
+            0,
+            0,
+            Vec3::Zero(),
+            Vec3::UnitZ(),
+            false};
     if (!has_dashpots(name) || !(inverse_mass > 0)) return t;
     const double mass = 1 / inverse_mass;
     t.normal_damping = law.normal_rate * mass + law.normal_ratio * std::sqrt(e.normal * mass);
@@ -36,8 +44,10 @@ Touch touch_of(LawName name, const LawRow& law, const Elasticity& e, double inve
     return t;
 }
 
-/// Calls visit(body, touch) for the contacts of every body, in the order of the force sums: the same bits always.
-template <class Pairs, class Visit> void visit_touches(const World& world, Visit&& visit) {
+/// Calls visit(body, touch) for the contacts of every body, in the order of the force sums: the
+/// same bits always.
+template <class Pairs, class Visit>
+void visit_touches(const World& world, Visit&& visit) {
     if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
     if (index.size() == 0) return; // nothing is near, or no step has been taken
@@ -47,12 +57,14 @@ template <class Pairs, class Visit> void visit_touches(const World& world, Visit
     const auto position = world.column<Bodies, Position>();
     const auto mass = world.column<Bodies, InertialMass>();
     const auto motion = world.column<Bodies, MotionOf>();
-    const auto place = world.column<Listed, Place>(); // a step on: a difference of one step's motion
+    const auto place =
+        world.column<Listed, Place>(); // a step on: a difference of one step's motion
     const auto body = world.column<Listed, ListedBody>();
     const LawName law = world.resource<ContactLaw>().law;
     const auto& materials = world.resource<Materials>();
     const Table& near = world.table<typename Pairs::Near>();
-    const double* share = near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
+    const double* share =
+        near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
     const auto inverse_mass = [&](Row b) { return motion[b] == free_motion ? 1 / mass[b] : 0; };
     for (Row b = 0; b < position.size(); ++b)
         index.for_contacts_of(b, [&](Row k, bool) {
@@ -63,19 +75,23 @@ template <class Pairs, class Visit> void visit_touches(const World& world, Visit
             const double radius = effective_radius<Pairs>(entry[k], place);
             const LawRow& row = materials.pairs(law)[pair.law];
             Elasticity e = elasticity(row, is_hertz(law), force[k].overlap, radius);
-            if (share != nullptr) e = {share[k] * e.normal, share[k] * e.shear, share[k] * e.energy};
-            Touch t = touch_of(law, row, e, inverse_mass(owner) + inverse_mass(pair.partner_body), materials.policy.rolling_stiffness_ratio, radius);
+            if (share != nullptr)
+                e = {share[k] * e.normal, share[k] * e.shear, share[k] * e.energy};
+            Touch t = touch_of(law, row, e, inverse_mass(owner) + inverse_mass(pair.partner_body),
+                               materials.policy.rolling_stiffness_ratio, radius);
             t.arm = point - position[b];
             // the contact point lies on the normal through the centre of the owner's sphere
             t.direction = (Vec3(p.x, p.y, p.z) - point).normalized();
-            t.between_free_bodies = motion[owner] == free_motion && motion[pair.partner_body] == free_motion;
+            t.between_free_bodies =
+                motion[owner] == free_motion && motion[pair.partner_body] == free_motion;
             visit(b, t);
         });
 }
 
 /// What a contact opposes to translation and rotation of its body.
 Mat6 block(const Touch& t, double normal, double shear, double rolling) {
-    const Mat3 along = t.direction * t.direction.transpose(), contact = normal * along + shear * (Mat3::Identity() - along);
+    const Mat3 along = t.direction * t.direction.transpose(),
+               contact = normal * along + shear * (Mat3::Identity() - along);
     Mat3 cross; // arm x
     cross << 0, -t.arm.z(), t.arm.y(), t.arm.z(), 0, -t.arm.x(), -t.arm.y(), t.arm.x(), 0;
     Eigen::Matrix<double, 3, 6> motion; // of the contact point: v - arm x w
@@ -99,27 +115,34 @@ double largest_eigenvalue(Mat6 m) {
     return std::exp((log_scale + std::log(m.norm())) / (1 << squarings));
 }
 
-/// Root of the inverse masses of a body: a block between two of them has squares of frequencies as eigenvalues.
+/// Root of the inverse masses of a body: a block between two of them has squares of frequencies as
+/// eigenvalues.
 Mat6 inverse_root(const Table& bodies, Row b) {
     Mat6 root = Mat6::Zero();
     root.topLeftCorner<3, 3>() = Mat3::Identity() / std::sqrt(bodies.column<InertialMass>()[b]);
     if (bodies.has<SphereInertia>()) {
-        root.bottomRightCorner<3, 3>() = Mat3::Identity() / std::sqrt(bodies.column<SphereInertia>()[b]);
+        root.bottomRightCorner<3, 3>() =
+            Mat3::Identity() / std::sqrt(bodies.column<SphereInertia>()[b]);
     } else {
         const Mat3 axes = bodies.column<Orientation>()[b].toRotationMatrix();
-        root.bottomRightCorner<3, 3>() = axes * bodies.column<InertialInertia>()[b].cwiseSqrt().cwiseInverse().asDiagonal() * axes.transpose();
+        root.bottomRightCorner<3, 3>() =
+            axes * bodies.column<InertialInertia>()[b].cwiseSqrt().cwiseInverse().asDiagonal() *
+            axes.transpose();
     }
     return root;
 }
 
-/// 2/omega of a damped mode, s: central differences with the dashpot's velocity predicted from the step before.
+/// 2/omega of a damped mode, s: central differences with the dashpot's velocity predicted from the
+/// step before.
 double limit(double omega2, double rate) {
     constexpr double margin = 0.999; // at 2/omega itself a mode grows, if slowly
-    return omega2 > 0 ? margin * 2 * (std::sqrt(omega2 + 0.25 * rate * rate) - 0.5 * rate) / omega2 : std::numeric_limits<double>::infinity();
+    return omega2 > 0 ? margin * 2 * (std::sqrt(omega2 + 0.25 * rate * rate) - 0.5 * rate) / omega2
+                      : std::numeric_limits<double>::infinity();
 }
 
-/// Overlap of a body that hits another like it at `speed`, m (Hertz), or half a percent of its radius where that is
-/// more: beds lie deeper than that only under loads that the estimate from touching contacts sees.
+/// Overlap of a body that hits another like it at `speed`, m (Hertz), or half a percent of its
+/// radius where that is more: beds lie deeper than that only under loads that the estimate from
+/// touching contacts sees.
 double impact_overlap(const LawRow& k, double mass, double radius, double speed) {
     const double coefficient = 4.0 / 3 * k.kn * std::sqrt(radius);
     return std::max(0.005 * radius, std::pow(5 * mass * speed * speed / (4 * coefficient), 0.4));
@@ -127,7 +150,8 @@ double impact_overlap(const LawRow& k, double mass, double radius, double speed)
 
 /// Least principal moment of a body as it moves.
 double least_inertia(const Table& bodies, Row b) {
-    return bodies.has<SphereInertia>() ? bodies.column<SphereInertia>()[b] : bodies.column<InertialInertia>()[b].minCoeff();
+    return bodies.has<SphereInertia>() ? bodies.column<SphereInertia>()[b]
+                                       : bodies.column<InertialInertia>()[b].minCoeff();
 }
 
 } // namespace
@@ -137,7 +161,8 @@ std::vector<BodyStiffness> body_stiffness(const World& world) {
     for_each_kind_of_pair([&]<class Pairs>() {
         visit_touches<Pairs>(world, [&](Row b, const Touch& t) {
             all[b].translation += std::max(t.normal, t.shear);
-            all[b].rotation += t.normal * t.arm.cross(t.direction).squaredNorm() + t.shear * t.arm.squaredNorm() + t.rolling;
+            all[b].rotation += t.normal * t.arm.cross(t.direction).squaredNorm() +
+                               t.shear * t.arm.squaredNorm() + t.rolling;
         });
     });
     return all;
@@ -149,17 +174,20 @@ double stable_step(const World& world) {
     if (has_dashpots(world.resource<ContactLaw>().law)) damping = stiffness;
     for_each_kind_of_pair([&]<class Pairs>() {
         visit_touches<Pairs>(world, [&](Row b, const Touch& t) {
-            const double both = t.between_free_bodies ? 2 : 1; // (x + y)^2 <= 2 x^2 + 2 y^2: the partner moves too
+            const double both =
+                t.between_free_bodies ? 2 : 1; // (x + y)^2 <= 2 x^2 + 2 y^2: the partner moves too
             stiffness[b] += both * block(t, t.normal, t.shear, t.rolling);
-            if (!damping.empty()) damping[b] += both * block(t, t.normal_damping, t.shear_damping, 0);
+            if (!damping.empty())
+                damping[b] += both * block(t, t.normal_damping, t.shear_damping, 0);
         });
     });
     double step = std::numeric_limits<double>::infinity();
     for (Row b = 0; b < bodies.size(); ++b) {
         if (bodies.column<MotionOf>()[b] != free_motion) continue;
         const Mat6 root = inverse_root(bodies, b);
-        step = std::min(step, limit(largest_eigenvalue(root * stiffness[b] * root),
-                                    damping.empty() ? 0 : largest_eigenvalue(root * damping[b] * root)));
+        step = std::min(step,
+                        limit(largest_eigenvalue(root * stiffness[b] * root),
+                              damping.empty() ? 0 : largest_eigenvalue(root * damping[b] * root)));
     }
     return step;
 }
@@ -178,10 +206,13 @@ double stable_step_of_first_contact(const World& world) {
         if (!(true_mass[b] > 0)) continue; // boundaries; held rocks will be free some day
         for (const LawRow& row : materials.pairs(law)) {
             if (!(row.kn > 0)) continue; // of boundaries among themselves
-            const double overlap = is_hertz(law) ? impact_overlap(row, mass[b], radius[b], 2 * fastest) : 0;
-            const Touch t = touch_of(law, row, elasticity(row, is_hertz(law), overlap, radius[b]), 1 / mass[b],
-                                     materials.policy.rolling_stiffness_ratio, radius[b]);
-            const double largest = std::max(t.normal, t.shear), damping = std::max(t.normal_damping, t.shear_damping);
+            const double overlap =
+                is_hertz(law) ? impact_overlap(row, mass[b], radius[b], 2 * fastest) : 0;
+            const Touch t =
+                touch_of(law, row, elasticity(row, is_hertz(law), overlap, radius[b]), 1 / mass[b],
+                         materials.policy.rolling_stiffness_ratio, radius[b]);
+            const double largest = std::max(t.normal, t.shear),
+                         damping = std::max(t.normal_damping, t.shear_damping);
             // the normal of a single sphere passes through its centre
             const double turning = radius[b] * radius[b] / least_inertia(bodies, b);
             const double omega2 = largest / mass[b] + (spheres ? t.shear : largest) * turning;

@@ -13,8 +13,8 @@
 
 namespace bris::detail {
 
-/// What the kernels of all pair kinds share: where coefficients, springs and records are. Null: the law, or the
-/// scene, has none.
+/// What the kernels of all pair kinds share: where coefficients, springs and records are. Null: the
+/// law, or the scene, has none.
 struct TileTarget {
     const NearEntry* near;
     SpringRow* spring;
@@ -38,25 +38,38 @@ struct TileTarget {
     }
 };
 
-template <class C, class K, class... Cs> auto* column_or_null(const Rows<K, Cs...>& rows) {
-    using Value = std::conditional_t<std::is_const_v<C>, const typename C::Value, typename C::Value>;
-    if constexpr ((std::is_same_v<Cs, C> || ...)) return rows.template column<std::remove_const_t<C>>();
-    else return static_cast<Value*>(nullptr);
+template <class C, class K, class... Cs>
+auto* column_or_null(const Rows<K, Cs...>& rows) {
+    using Value =
+        std::conditional_t<std::is_const_v<C>, const typename C::Value, typename C::Value>;
+    if constexpr ((std::is_same_v<Cs, C> || ...))
+        return rows.template column<std::remove_const_t<C>>();
+    else
+        return static_cast<Value*>(nullptr);
 }
 
 template <class Law, class NearRows, class PairRowsOf>
-TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const Materials& materials, const Clock& clock) {
+TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const Materials& materials,
+                     const Clock& clock) {
     WorkRow* work = column_or_null<PairWork>(near);
     const auto& laws = Law::Normal::varying ? materials.hertz_pairs : materials.linear_pairs;
-    return {near.template column<NearPair>(),  column_or_null<Spring>(pairs),    column_or_null<Roll>(pairs),
-            near.template column<PairForce>(), column_or_null<PairTorque>(near), work, column_or_null<const PatchShare>(near),
-            laws.data(),                       materials.rolling_pairs.data(),   laws.size() == 1,
+    return {near.template column<NearPair>(),
+            column_or_null<Spring>(pairs),
+            column_or_null<Roll>(pairs),
+            near.template column<PairForce>(),
+            column_or_null<PairTorque>(near),
+            work,
+            column_or_null<const PatchShare>(near),
+            laws.data(),
+            materials.rolling_pairs.data(),
+            laws.size() == 1,
             {materials.policy, clock.dt, work != nullptr}};
 }
 
 using ListedSpheres = Rows<Listed, const Place, const ListedBody>;
 template <class Law>
-using MovingBodies = std::conditional_t<Law::has_dashpots, Rows<Bodies, const RigidMotion, const CentreOf, const Kick>,
+using MovingBodies = std::conditional_t<Law::has_dashpots,
+                                        Rows<Bodies, const RigidMotion, const CentreOf, const Kick>,
                                         Rows<Bodies, const RigidMotion, const CentreOf>>;
 
 /// What contacts read of spheres, by slot, and of their bodies.
@@ -68,8 +81,11 @@ struct Movers {
     const KickRow* kick;     ///< null if the law has no dashpots
     template <class MovingRows, class Pairs>
     Movers(const ListedSpheres& listed, const MovingRows& bodies, const NearIndex<Pairs>& index)
-        : place(listed.column<Place>()), body(index.centred ? nullptr : listed.column<ListedBody>()), motion(bodies.template column<RigidMotion>()),
-          centre(index.centred ? nullptr : bodies.template column<CentreOf>()), kick(kick_of(bodies)) {}
+        : place(listed.column<Place>()),
+          body(index.centred ? nullptr : listed.column<ListedBody>()),
+          motion(bodies.template column<RigidMotion>()),
+          centre(index.centred ? nullptr : bodies.template column<CentreOf>()),
+          kick(kick_of(bodies)) {}
     std::size_t body_of(std::size_t slot) const { return body == nullptr ? slot : body[slot]; }
     /// What contacts read of these spheres beside their places.
     void call_for(const std::array<std::size_t, lane_count>& slots) const {
@@ -83,27 +99,34 @@ struct Movers {
     }
 
 private:
-    template <class... Cs> static const KickRow* kick_of(const Rows<Bodies, Cs...>& bodies) {
-        if constexpr ((std::is_same_v<Cs, const Kick> || ...)) return bodies.template column<Kick>();
-        else return nullptr;
+    template <class... Cs>
+    static const KickRow* kick_of(const Rows<Bodies, Cs...>& bodies) {
+        if constexpr ((std::is_same_v<Cs, const Kick> || ...))
+            return bodies.template column<Kick>();
+        else
+            return nullptr;
     }
 };
 
 inline CoefficientLanes coefficients(const TileTarget& to, const Row* rows) {
     if (to.one_law) {
         const LawRow& k = to.laws[0];
-        return {lanes(k.kn),         lanes(k.ks),           lanes(k.friction),   lanes(k.normal_rate),
-                lanes(k.shear_rate), lanes(k.normal_ratio), lanes(k.shear_ratio)};
+        return {lanes(k.kn),          lanes(k.ks),         lanes(k.friction),
+                lanes(k.normal_rate), lanes(k.shear_rate), lanes(k.normal_ratio),
+                lanes(k.shear_ratio)};
     }
-    const auto first = transpose(load_rows([&](int q) { return &to.laws[to.near[rows[q]].law].kn; }));
-    const auto rest = transpose(load_rows([&](int q) { return &to.laws[to.near[rows[q]].law].shear_rate; }));
+    const auto first =
+        transpose(load_rows([&](int q) { return &to.laws[to.near[rows[q]].law].kn; }));
+    const auto rest =
+        transpose(load_rows([&](int q) { return &to.laws[to.near[rows[q]].law].shear_rate; }));
     return {first[0], first[1], first[2], first[3], rest[0], rest[1], rest[2]};
 }
 
-/// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid rows),
-/// and writes their springs and records.
+/// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid
+/// rows), and writes their springs and records.
 template <class Law>
-[[gnu::always_inline]] inline void apply_law(const TileTarget& to, const Row* rows, int count, ContactLanes& c, Lane px, Lane py, Lane pz) {
+[[gnu::always_inline]] inline void apply_law(const TileTarget& to, const Row* rows, int count,
+                                             ContactLanes& c, Lane px, Lane py, Lane pz) {
     if (to.share != nullptr)
         for (int q = 0; q < lane_count; ++q) c.share[q] = to.share[rows[q]];
     std::array<std::size_t, lane_count> pair;
@@ -119,7 +142,8 @@ template <class Law>
     if constexpr (Law::has_rolling) {
         const auto stored = transpose(load_rows([&](int q) { return &to.roll[pair_of(q)].x; }));
         roll = {stored[0], stored[1], stored[2], stored[3]};
-        const auto k = transpose(load_rows([&](int q) { return &to.rolling_laws[to.near[rows[q]].law].rolling_friction; }));
+        const auto k = transpose(load_rows(
+            [&](int q) { return &to.rolling_laws[to.near[rows[q]].law].rolling_friction; }));
         rolling = {k[0], k[1], k[2], k[3]};
     }
     const ForceLanes f = Law::force(c, coefficients(to, rows), rolling, to.step, spring, roll);
@@ -127,21 +151,28 @@ template <class Law>
         store_rows(transpose({spring.x, spring.y, spring.z, spring.stiffness}), count,
                    [&](int q) { return &to.spring[pair_of(q)].x; });
     if constexpr (Law::has_rolling) {
-        store_rows(transpose({roll.x, roll.y, roll.z, roll.twist}), count, [&](int q) { return &to.roll[pair_of(q)].x; });
-        store_rows(transpose({f.torque_x, f.torque_y, f.torque_z, Lane{}}), count, [&](int q) { return &to.torque[rows[q]].x; });
+        store_rows(transpose({roll.x, roll.y, roll.z, roll.twist}), count,
+                   [&](int q) { return &to.roll[pair_of(q)].x; });
+        store_rows(transpose({f.torque_x, f.torque_y, f.torque_z, Lane{}}), count,
+                   [&](int q) { return &to.torque[rows[q]].x; });
     }
-    store_rows(transpose({f.x, f.y, f.z, c.overlap}), count, [&](int q) { return &to.force[rows[q]].fx; });
-    store_rows(transpose({px, py, pz, f.normal}), count, [&](int q) { return &to.force[rows[q]].px; });
+    store_rows(transpose({f.x, f.y, f.z, c.overlap}), count,
+               [&](int q) { return &to.force[rows[q]].fx; });
+    store_rows(transpose({px, py, pz, f.normal}), count,
+               [&](int q) { return &to.force[rows[q]].px; });
     if (to.work != nullptr)
         store_rows(transpose({f.work.friction, f.work.viscous, f.work.rolling, Lane{}}), count,
                    [&](int q) { return &to.work[rows[q]].friction; });
 }
 
-/// Which of a group of eight pairs are to be looked at, and which springs are not to move on: those of pairs that sleep.
-template <class Pairs> class Sleepers {
+/// Which of a group of eight pairs are to be looked at, and which springs are not to move on: those
+/// of pairs that sleep.
+template <class Pairs>
+class Sleepers {
 public:
     Sleepers(const TileTarget& to, const NearIndex<Pairs>& index)
-        : to_(to), awake_(index.awake.empty() ? nullptr : index.awake.data()), look_(index.look.empty() ? awake_ : index.look.data()) {}
+        : to_(to), awake_(index.awake.empty() ? nullptr : index.awake.data()),
+          look_(index.look.empty() ? awake_ : index.look.data()) {}
 
     bool skips(std::size_t group) const { return look_ != nullptr && look_[group / 8] == 0; }
     /// Of the pairs that touch `now`, and touched before: those that count as touching.
@@ -153,7 +184,8 @@ public:
     unsigned asked(std::size_t group, unsigned touching) {
         if (look_ == nullptr) return touching;
         touching &= look_[group / 8];
-        for (unsigned rest = touching & ~unsigned{awake_[group / 8]}; rest != 0; rest &= rest - 1) keep(to_.near[group + static_cast<std::size_t>(__builtin_ctz(rest))].pair);
+        for (unsigned rest = touching & ~unsigned{awake_[group / 8]}; rest != 0; rest &= rest - 1)
+            keep(to_.near[group + static_cast<std::size_t>(__builtin_ctz(rest))].pair);
         return touching;
     }
     void put_springs_back() {
@@ -164,8 +196,15 @@ public:
     }
 
 private:
-    struct Kept { Row pair; SpringRow spring; RollRow roll; };
-    void keep(Row pair) { kept_.push_back({pair, to_.spring == nullptr ? SpringRow{} : to_.spring[pair], to_.roll == nullptr ? RollRow{} : to_.roll[pair]}); }
+    struct Kept {
+        Row pair;
+        SpringRow spring;
+        RollRow roll;
+    };
+    void keep(Row pair) {
+        kept_.push_back({pair, to_.spring == nullptr ? SpringRow{} : to_.spring[pair],
+                         to_.roll == nullptr ? RollRow{} : to_.roll[pair]});
+    }
     const TileTarget& to_;
     const std::uint8_t *awake_, *look_;
     std::vector<Kept> kept_;

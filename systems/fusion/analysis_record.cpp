@@ -6,9 +6,11 @@
 
 namespace bris {
 
-void save_records(Archive& archive, const std::string& path, const std::vector<AnalysisRecord>& records) {
+void save_records(Archive& archive, const std::string& path,
+                  const std::vector<AnalysisRecord>& records) {
     std::vector<double> numbers;
-    for (const AnalysisRecord& r : records) AnalysisRecord::visit(r, [&](const char*, double number) { numbers.push_back(number); });
+    for (const AnalysisRecord& r : records)
+        AnalysisRecord::visit(r, [&](const char*, double number) { numbers.push_back(number); });
     archive.put(path, std::span<const double>(numbers));
 }
 
@@ -16,11 +18,13 @@ std::vector<AnalysisRecord> load_records(const Archive& archive, const std::stri
     const auto numbers = archive.get<double>(path);
     std::vector<AnalysisRecord> records;
     for (auto next = numbers.begin(); next != numbers.end();)
-        AnalysisRecord::visit(records.emplace_back(), [&](const char*, double& number) { number = *next++; });
+        AnalysisRecord::visit(records.emplace_back(),
+                              [&](const char*, double& number) { number = *next++; });
     return records;
 }
 
-void write_records(const std::filesystem::path& csv, const std::vector<AnalysisRecord>& records, const std::string& time) {
+void write_records(const std::filesystem::path& csv, const std::vector<AnalysisRecord>& records,
+                   const std::string& time) {
     std::vector<std::string> names;
     const AnalysisRecord any;
     AnalysisRecord::visit(any, [&](const char* name, double) { names.emplace_back(name); });
@@ -29,7 +33,8 @@ void write_records(const std::filesystem::path& csv, const std::vector<AnalysisR
     for (AnalysisRecord r : records) {
         ++r.sensor; // from 1, as the files of sensors are
         rows.emplace_back();
-        AnalysisRecord::visit(r, [&](const char*, double number) { rows.back().push_back(number); });
+        AnalysisRecord::visit(r,
+                              [&](const char*, double number) { rows.back().push_back(number); });
     }
     write_csv(csv, names, rows, {}, 6);
 }

@@ -21,7 +21,8 @@ struct Contact {
 };
 
 /// All of one kind.
-template <class Pairs> class ContactsOf {
+template <class Pairs>
+class ContactsOf {
 public:
     explicit ContactsOf(const World& world) : laws_(world.resource<Materials>().linear_pairs) {
         if (!world.has<Pairs>() || world.resource<NearIndex<Pairs>>().size() == 0) return;
@@ -33,13 +34,15 @@ public:
         body_ = world.column<Listed, ListedBody>();
     }
     /// In the order of the force sums: whatever the rows, the same.
-    template <class Visit> void visit(Row body, Visit&& visit) const {
+    template <class Visit>
+    void visit(Row body, Visit&& visit) const {
         if (index_ == nullptr) return;
         index_->for_contacts_of(body, [&](Row k, bool as_partner) {
             const ForceRow& f = force_[k];
             const PlaceRow& sphere = place_[near_[k].owner];
             const LawRow& law = laws_[near_[k].law];
-            Contact c{as_partner ? body_[near_[k].owner] : rows_[near_[k].pair].partner_body, Vec3(f.px, f.py, f.pz), Vec3::Zero(), law.kn, law.ks};
+            Contact c{as_partner ? body_[near_[k].owner] : rows_[near_[k].pair].partner_body,
+                      Vec3(f.px, f.py, f.pz), Vec3::Zero(), law.kn, law.ks};
             c.normal = (Vec3(sphere.x, sphere.y, sphere.z) - c.point).normalized();
             const double slip = (Vec3(f.fx, f.fy, f.fz) - f.normal_force * c.normal).norm();
             if (slip >= 0.99 * law.friction * f.normal_force) c.ks = 0;
@@ -60,7 +63,8 @@ private:
 } // namespace
 
 std::vector<Joint> joints_of(const World& world, std::vector<Row>& bodies, Others others) {
-    const std::tuple kinds{ContactsOf<SpherePairs>(world), ContactsOf<FacetPairs>(world), ContactsOf<PlanePairs>(world), ContactsOf<MembranePairs>(world)};
+    const std::tuple kinds{ContactsOf<SpherePairs>(world), ContactsOf<FacetPairs>(world),
+                           ContactsOf<PlanePairs>(world), ContactsOf<MembranePairs>(world)};
     const auto motion = world.column<Bodies, MotionOf>();
     const auto position = world.column<Bodies, Position>();
     constexpr std::uint32_t not_yet = that_stays - 1;
@@ -71,13 +75,16 @@ std::vector<Joint> joints_of(const World& world, std::vector<Row>& bodies, Other
         const Row body = bodies[i];
         const auto reach = [&](const Contact& c) {
             std::uint32_t& other = number[c.partner];
-            if (motion[c.partner] != static_cast<std::uint32_t>(Motion::free) || (other == not_yet && others == Others::stay)) {
+            if (motion[c.partner] != static_cast<std::uint32_t>(Motion::free) ||
+                (other == not_yet && others == Others::stay)) {
                 other = that_stays;
             } else if (other == not_yet) {
                 other = static_cast<std::uint32_t>(bodies.size());
                 bodies.push_back(c.partner);
             }
-            if (other < i || other == that_stays) joints.push_back({i, other, c.point - position[body], c.point - position[c.partner], c.normal, c.kn, c.ks});
+            if (other < i || other == that_stays)
+                joints.push_back({i, other, c.point - position[body], c.point - position[c.partner],
+                                  c.normal, c.kn, c.ks});
         };
         std::apply([&](const auto&... kind) { (kind.visit(body, reach), ...); }, kinds);
     }

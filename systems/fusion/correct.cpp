@@ -4,7 +4,8 @@
 
 namespace bris {
 
-void book_corrections(Rows<Bodies, const Guided, const Force, const Torque, const Correction, FusionWork> bodies) {
+void book_corrections(
+    Rows<Bodies, const Guided, const Force, const Torque, const Correction, FusionWork> bodies) {
     const Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
     const CorrectionRow* correction = bodies.column<Correction>();
     double* work = bodies.column<FusionWork>();
@@ -19,7 +20,8 @@ void turn_corrections(Rows<Bodies, const Guided, const Correction, Orientation> 
     const CorrectionRow* correction = bodies.column<Correction>();
     Quat* orientation = bodies.column<Orientation>();
     for_guided(bodies, [&](Row b) {
-        if (correction[b].steps > 0) orientation[b] = (exponential_map(correction[b].turn) * orientation[b]).normalized();
+        if (correction[b].steps > 0)
+            orientation[b] = (exponential_map(correction[b].turn) * orientation[b]).normalized();
     });
 }
 
@@ -39,7 +41,8 @@ void shift_corrections(Rows<Bodies, Correction, const Pull, Guided, Position> bo
     });
 }
 
-void tell_corrections(Rows<Bodies, const Guided, const Correction, RigidMotion> bodies, const Clock& clock) {
+void tell_corrections(Rows<Bodies, const Guided, const Correction, RigidMotion> bodies,
+                      const Clock& clock) {
     const CorrectionRow* correction = bodies.column<Correction>();
     MotionRow* motion = bodies.column<RigidMotion>();
     for_guided(bodies, [&](Row b) {
@@ -55,7 +58,8 @@ void tell_corrections(Rows<Bodies, const Guided, const Correction, RigidMotion> 
     });
 }
 
-void give_correction(CorrectionRow& row, std::uint32_t& guided, const Vec3& shift, const Vec3& turn, unsigned steps) {
+void give_correction(CorrectionRow& row, std::uint32_t& guided, const Vec3& shift, const Vec3& turn,
+                     unsigned steps) {
     row.shift = shift / steps;
     row.turn = turn / steps;
     row.steps = steps;

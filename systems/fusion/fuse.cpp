@@ -18,38 +18,57 @@ namespace bris {
 namespace {
 
 double end_of_step(const Clock& clock) { return clock.time() + clock.dt; }
-double now_of(const Fusion& fusion, const Clock& clock) { return fusion.by_strain ? fusion.strain : end_of_step(clock); }
+double now_of(const Fusion& fusion, const Clock& clock) {
+    return fusion.by_strain ? fusion.strain : end_of_step(clock);
+}
 // times are sums of steps: a sample within a millionth of a step of its end has come
 bool has_come(double time, const Fusion& fusion, const Clock& clock) {
-    return fusion.by_strain ? time <= fusion.strain * (1 + 1e-9) : time <= end_of_step(clock) + 1e-6 * clock.dt;
+    return fusion.by_strain ? time <= fusion.strain * (1 + 1e-9)
+                            : time <= end_of_step(clock) + 1e-6 * clock.dt;
 }
 bool note_is_due(const Fusion& fusion, const Clock& clock) {
-    return fusion.note_every > 0 && has_come(static_cast<double>(fusion.notes) * fusion.note_every, fusion, clock);
+    return fusion.note_every > 0 &&
+           has_come(static_cast<double>(fusion.notes) * fusion.note_every, fusion, clock);
 }
 /// Of a time before this step, or passed by another analysis.
-bool is_late(const TimedMeasurement& m, const SensorFilter& filter, const Fusion& fusion, const Clock& clock) {
+bool is_late(const TimedMeasurement& m, const SensorFilter& filter, const Fusion& fusion,
+             const Clock& clock) {
     const double since = fusion.by_strain ? m.arrives * (1 - 1e-9) : clock.time() - 1e-6 * clock.dt;
     return filter.has_passed(m.time) || (m.arrives > m.time && m.time < since);
 }
 
 Vec3 momentum_of(double inertia, const Vec3& spin) { return inertia * spin; }
-Vec3 momentum_of(const Vec3& inertia, const Quat& q, const Vec3& spin) { return q * Vec3(inertia.cwiseProduct(q.conjugate() * spin)); }
+Vec3 momentum_of(const Vec3& inertia, const Quat& q, const Vec3& spin) {
+    return q * Vec3(inertia.cwiseProduct(q.conjugate() * spin));
+}
 
-template <class BodyRows> Row row_of(const BodyRows& bodies, EntityId body) {
+template <class BodyRows>
+Row row_of(const BodyRows& bodies, EntityId body) {
     const EntityId* id = bodies.template column<BodyId>();
     return static_cast<Row>(std::find(id, id + bodies.size(), body) - id);
 }
 
 Analysis sum_of(const Analysis& a, const Analysis& b) { // turns: small ones
-    return {a.shift + b.shift, a.velocity + b.velocity, a.turn + b.turn, a.spin + b.spin, a.accepted + b.accepted, a.refused + b.refused,
+    return {a.shift + b.shift,
+            a.velocity + b.velocity,
+            a.turn + b.turn,
+            a.spin + b.spin,
+            a.accepted + b.accepted,
+            a.refused + b.refused,
             std::max(a.largest_distance, b.largest_distance)};
 }
 
-Analysis scaled(double share, const Analysis& a) { return {.shift = share * a.shift, .velocity = share * a.velocity, .turn = share * a.turn, .spin = share * a.spin}; }
+Analysis scaled(double share, const Analysis& a) {
+    return {.shift = share * a.shift,
+            .velocity = share * a.velocity,
+            .turn = share * a.turn,
+            .spin = share * a.spin};
+}
 
 /// Where a body is to be pulled. In a test by stages it rests there.
 PullTarget target_of(const RigidState& now, const Analysis& wanted, const Fusion& fusion) {
-    PullTarget t{now.position + wanted.shift, Vec3::Zero(), exponential_map(wanted.turn) * now.orientation, Vec3::Zero()};
+    PullTarget t{now.position + wanted.shift, Vec3::Zero(),
+                 exponential_map(wanted.turn) * now.orientation, Vec3::Zero()};
     if (fusion.by_strain) return t;
     t.velocity = now.velocity + wanted.velocity;
     t.spin = now.spin + wanted.spin;
@@ -68,7 +87,9 @@ RigidState state_at(double earlier, const RigidState& now, const Analysis& to_co
 
 bool is_same(const auto& a, const auto& b) { return a == b || (!a.allFinite() && !b.allFinite()); }
 bool is_same(const Measured& a, const Measured& b) {
-    return is_same(a.position, b.position) && is_same(a.velocity, b.velocity) && is_same(a.spin, b.spin) && is_same(a.up, b.up) && is_same(a.attitude.coeffs(), b.attitude.coeffs());
+    return is_same(a.position, b.position) && is_same(a.velocity, b.velocity) &&
+           is_same(a.spin, b.spin) && is_same(a.up, b.up) &&
+           is_same(a.attitude.coeffs(), b.attitude.coeffs());
 }
 
 /// Marks samples that have come before: a second time they tell nothing new.
@@ -76,13 +97,16 @@ void mark_repeated(std::vector<TimedMeasurement>& samples) {
     std::map<double, std::vector<std::size_t>> at_time;
     for (std::size_t k = 0; k < samples.size(); ++k) {
         auto& before = at_time[samples[k].time];
-        samples[k].again = std::ranges::any_of(before, [&](std::size_t j) { return is_same(samples[j].what, samples[k].what); });
+        samples[k].again = std::ranges::any_of(
+            before, [&](std::size_t j) { return is_same(samples[j].what, samples[k].what); });
         before.push_back(k);
     }
 }
 
-/// What a sensor tells of its body. At the end of a stage all is at rest: so says the test, and only beside a sensor that is let in.
-template <class Analyse> Measured told_by_sensor(const Measured& what, const Fusion& fusion, Analyse&& analyse) {
+/// What a sensor tells of its body. At the end of a stage all is at rest: so says the test, and
+/// only beside a sensor that is let in.
+template <class Analyse>
+Measured told_by_sensor(const Measured& what, const Fusion& fusion, Analyse&& analyse) {
     if (!fusion.by_strain) return what;
     Measured own = what;
     own.velocity = own.spin = Measured().velocity;
@@ -90,8 +114,10 @@ template <class Analyse> Measured told_by_sensor(const Measured& what, const Fus
     return own.is_empty() || (heard.accepted == 0 && heard.refused > 0) ? own : what;
 }
 
-/// Takes the samples of a sensor that have come: adds what they say to the correction to come. False: there were none, or they came too late.
-bool take_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& samples, std::uint64_t& next, std::uint64_t& too_late, const RigidState& now,
+/// Takes the samples of a sensor that have come: adds what they say to the correction to come.
+/// False: there were none, or they came too late.
+bool take_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& samples,
+                  std::uint64_t& next, std::uint64_t& too_late, const RigidState& now,
                   Analysis& to_come, const Fusion& fusion, const Clock& clock) {
     bool taken = false;
     for (; next < samples.size() && has_come(samples[next].arrives, fusion, clock); ++next) {
@@ -103,25 +129,34 @@ bool take_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& sam
         if (!is_late(m, filter, fusion, clock)) {
             const double earlier = fusion.by_strain ? 0 : end_of_step(clock) - m.time;
             const BodyForecast forecast{m.time, state_at(earlier, now, to_come)};
-            const Measured what = told_by_sensor(m.what, fusion, [&](const Measured& own) { return SensorFilter(filter).analyse(forecast, own); });
+            const Measured what = told_by_sensor(m.what, fusion, [&](const Measured& own) {
+                return SensorFilter(filter).analyse(forecast, own);
+            });
             to_come = sum_of(to_come, filter.analyse(forecast, what));
             taken = true;
             continue;
         }
         filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
-        const Measured what = told_by_sensor(m.what, fusion, [&](const Measured& own) { return SensorFilter(filter).analyse_late(m.time, own).value_or(Analysis{}); });
+        const Measured what = told_by_sensor(m.what, fusion, [&](const Measured& own) {
+            return SensorFilter(filter).analyse_late(m.time, own).value_or(Analysis{});
+        });
         const auto late = filter.analyse_late(m.time, what);
-        if (late) to_come = sum_of(to_come, *late);
-        else ++too_late;
+        if (late)
+            to_come = sum_of(to_come, *late);
+        else
+            ++too_late;
         taken = taken || late;
     }
     return taken;
 }
 
-RigidState state_of(const Vec3& position, const Vec3& velocity, const Vec3& acceleration, const Quat& orientation, const Vec3& spin, const Clock& clock) {
+RigidState state_of(const Vec3& position, const Vec3& velocity, const Vec3& acceleration,
+                    const Quat& orientation, const Vec3& spin, const Clock& clock) {
     return {position, velocity + 0.5 * clock.dt * acceleration, orientation, spin};
 }
-Analysis under_way_of(const CorrectionRow& c) { return {.shift = c.steps * c.shift, .turn = c.steps * c.turn}; }
+Analysis under_way_of(const CorrectionRow& c) {
+    return {.shift = c.steps * c.shift, .turn = c.steps * c.turn};
+}
 
 /// Whether a sample that has come is let in, by what its body does now.
 bool is_heard(const World& world, Row s) {
@@ -131,39 +166,62 @@ bool is_heard(const World& world, Row s) {
     const Row b = rows_by_id(bodies.column<BodyId>())[world.column<Sensors, SensorHost>()[s]];
     Quat orientation = Quat::Identity();
     if (bodies.has<Orientation>()) orientation = bodies.column<Orientation>()[b];
-    const RigidState now = state_of(bodies.column<Position>()[b], bodies.column<Velocity>()[b], bodies.column<Acceleration>()[b], orientation, bodies.column<Spin>()[b], clock);
+    const RigidState now =
+        state_of(bodies.column<Position>()[b], bodies.column<Velocity>()[b],
+                 bodies.column<Acceleration>()[b], orientation, bodies.column<Spin>()[b], clock);
     Analysis to_come = under_way_of(bodies.column<Correction>()[b]);
     SensorFilter filter = fusion.filters[s];
     std::uint64_t next = world.column<Sensors, NextSample>()[s], too_late = 0;
-    (void)take_samples(filter, world.resource<Replay>().samples[s], next, too_late, now, to_come, fusion, clock);
+    (void)take_samples(filter, world.resource<Replay>().samples[s], next, too_late, now, to_come,
+                       fusion, clock);
     return to_come.accepted > 0;
 }
 
 /// Share of a correction that keeps within the limit of a step; 0: it is too small to be given.
-double share_in_step(const Analysis& wanted, double radius, const Fusion& fusion, const Clock& clock) {
+double share_in_step(const Analysis& wanted, double radius, const Fusion& fusion,
+                     const Clock& clock) {
     // no point of the body goes farther in a step, and so changes no overlap by more
-    const double way = (wanted.shift.norm() + radius * wanted.turn.norm()) / fusion.injection_steps + clock.dt * (wanted.velocity.norm() + radius * wanted.spin.norm());
+    const double way =
+        (wanted.shift.norm() + radius * wanted.turn.norm()) / fusion.injection_steps +
+        clock.dt * (wanted.velocity.norm() + radius * wanted.spin.norm());
     if (fusion.largest_shift <= 0 || way <= fusion.largest_shift) return 1;
     const double share = fusion.largest_shift / way;
     return share < least_share ? 0 : share;
 }
 
-AnalysisRecord record_of(const SensorFilter& filter, double time, Row sensor, double share, double work, const WorkAccount& account) {
+AnalysisRecord record_of(const SensorFilter& filter, double time, Row sensor, double share,
+                         double work, const WorkAccount& account) {
     const Weighed &place = filter.place(), &attitude = filter.attitude();
     const double axis = 1 / std::sqrt(3.0);
-    return {.time = time, .sensor = static_cast<double>(sensor), .shift_off = place.innovation.norm(), .turn_off = attitude.innovation.norm(),
-            .shift_distance = place.squared_distance, .turn_distance = attitude.squared_distance, .shift_gain = place.gain.mean(), .turn_gain = attitude.gain.mean(),
-            .shift_deviation = axis * place.deviation.norm(), .turn_deviation = axis * attitude.deviation.norm(), .share = share, .work = work,
-            .work_allowed = account.allowed, .work_expected = account.expected};
+    return {.time = time,
+            .sensor = static_cast<double>(sensor),
+            .shift_off = place.innovation.norm(),
+            .turn_off = attitude.innovation.norm(),
+            .shift_distance = place.squared_distance,
+            .turn_distance = attitude.squared_distance,
+            .shift_gain = place.gain.mean(),
+            .turn_gain = attitude.gain.mean(),
+            .shift_deviation = axis * place.deviation.norm(),
+            .turn_deviation = axis * attitude.deviation.norm(),
+            .share = share,
+            .work = work,
+            .work_allowed = account.allowed,
+            .work_expected = account.expected};
 }
 
 /// Gives a body the velocity and spin of a correction at once, and books what that does.
-template <class BodyRows> void change_motion(const BodyRows& bodies, Row b, const RigidState& now, const Analysis& given, const Vec3& dL, double dt) {
+template <class BodyRows>
+void change_motion(const BodyRows& bodies, Row b, const RigidState& now, const Analysis& given,
+                   const Vec3& dL, double dt) {
     const Vec3 &dv = given.velocity, &dw = given.spin;
     const PullRow& pull = bodies.template column<Pull>()[b];
     double& work = bodies.template column<FusionWork>()[b];
-    work += bodies.template column<InertialMass>()[b] * dv.dot(now.velocity + 0.5 * dv) + dL.dot(now.spin + 0.5 * dw);
-    work -= 0.5 * dt * (pull.force.dot(dv) + pull.torque.dot(dw)); // of the step that is over, to be booked with the velocity that it had
+    work += bodies.template column<InertialMass>()[b] * dv.dot(now.velocity + 0.5 * dv) +
+            dL.dot(now.spin + 0.5 * dw);
+    work -= 0.5 * dt *
+            (pull.force.dot(dv) +
+             pull.torque.dot(
+                 dw)); // of the step that is over, to be booked with the velocity that it had
     bodies.template column<Velocity>()[b] += dv;
     bodies.template column<Spin>()[b] += dw;
     bodies.template column<StepSpin>()[b] += dw;
@@ -171,37 +229,53 @@ template <class BodyRows> void change_motion(const BodyRows& bodies, Row b, cons
 }
 
 template <class BodyRows, class OrientationOf, class MomentumOf, class CountLastTurn>
-void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock, OrientationOf&& orientation_of,
+void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListState& lists,
+          const Replay& replay, const Clock& clock, OrientationOf&& orientation_of,
           MomentumOf&& momentum, CountLastTurn&& count_last_turn) {
     const bool notes = note_is_due(fusion, clock);
     for (Row s = sensors.first(); s < sensors.last(); ++s) {
         std::uint64_t& next = sensors.column<NextSample>()[s];
         const auto& samples = replay.samples[s];
-        if (!notes && (next >= samples.size() || !has_come(samples[next].arrives, fusion, clock))) continue;
+        if (!notes && (next >= samples.size() || !has_come(samples[next].arrives, fusion, clock)))
+            continue;
         const Row b = row_of(bodies, sensors.column<SensorHost>()[s]);
-        const Vec3 &velocity = bodies.template column<Velocity>()[b], &spin = bodies.template column<Spin>()[b];
+        const Vec3 &velocity = bodies.template column<Velocity>()[b],
+                   &spin = bodies.template column<Spin>()[b];
         CorrectionRow& correction = bodies.template column<Correction>()[b];
-        const RigidState now = state_of(bodies.template column<Position>()[b], velocity, bodies.template column<Acceleration>()[b], orientation_of(b), spin, clock);
+        const RigidState now =
+            state_of(bodies.template column<Position>()[b], velocity,
+                     bodies.template column<Acceleration>()[b], orientation_of(b), spin, clock);
         const Analysis under_way = under_way_of(correction);
         Analysis to_come = under_way;
         SensorFilter& filter = fusion.filters[s];
-        const bool taken = take_samples(filter, samples, next, sensors.column<TooLate>()[s], now, to_come, fusion, clock), heard = to_come.accepted > 0;
+        const bool taken = take_samples(filter, samples, next, sensors.column<TooLate>()[s], now,
+                                        to_come, fusion, clock),
+                   heard = to_come.accepted > 0;
         sensors.column<Accepted>()[s] += to_come.accepted;
         sensors.column<Refused>()[s] += to_come.refused;
         double& largest = sensors.column<LargestInnovation>()[s];
         largest = std::max(largest, to_come.largest_distance);
-        if (taken && !heard) { // what is refused moves nothing, nor does it stretch what is under way
+        if (taken &&
+            !heard) { // what is refused moves nothing, nor does it stretch what is under way
             if (filter.remembers()) filter.leave(sum_of(to_come, scaled(-1, under_way)));
             to_come = under_way;
-            fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0, bodies.template column<FusionWork>()[b], fusion.account));
+            fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0,
+                                               bodies.template column<FusionWork>()[b],
+                                               fusion.account));
         }
         if (notes) filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
         if (!heard) continue;
         const bool pulls = fusion.pull.stiffness > 0;
-        const double share = pulls ? fusion.account.gain : share_in_step(to_come, bodies.template column<BoundingRadius>()[b], fusion, clock);
-        fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, share, bodies.template column<FusionWork>()[b], fusion.account));
+        const double share =
+            pulls ? fusion.account.gain
+                  : share_in_step(to_come, bodies.template column<BoundingRadius>()[b], fusion,
+                                  clock);
+        fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, share,
+                                           bodies.template column<FusionWork>()[b],
+                                           fusion.account));
         if (pulls && share < 1) ++(share > 0 ? fusion.account.reduced : fusion.account.withheld);
-        if (!pulls && share < 1) ++(share > 0 ? sensors.column<Reduced>() : sensors.column<Withheld>())[s];
+        if (!pulls && share < 1)
+            ++(share > 0 ? sensors.column<Reduced>() : sensors.column<Withheld>())[s];
         if (share == 0) { // nothing is given, and the filter knows it
             filter.leave(sum_of(to_come, scaled(-1, under_way)));
             if (pulls) release_pull(bodies.template column<Pull>()[b]);
@@ -222,10 +296,13 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
             count_last_turn(b, target);
             give_pull(bodies.template column<Pull>()[b], guided, target, fusion.pull, share);
         } else {
-            give_correction(correction, guided, to_come.shift, to_come.turn, fusion.injection_steps);
+            give_correction(correction, guided, to_come.shift, to_come.turn,
+                            fusion.injection_steps);
         }
     }
-    if (notes) fusion.notes = static_cast<std::uint64_t>(now_of(fusion, clock) / fusion.note_every * (1 + 1e-9)) + 1;
+    if (notes)
+        fusion.notes =
+            static_cast<std::uint64_t>(now_of(fusion, clock) / fusion.note_every * (1 + 1e-9)) + 1;
 }
 
 } // namespace
@@ -234,20 +311,26 @@ void Fusion::save(Archive& archive) const {
     put_fields(archive, "fusion/strain", std::tie(strain, notes));
     account.save(archive, "fusion/account");
     save_records(archive, "fusion/records", records);
-    for (std::size_t k = 0; k < filters.size(); ++k) filters[k].save(archive, fmt::format("fusion/{}", k));
+    for (std::size_t k = 0; k < filters.size(); ++k)
+        filters[k].save(archive, fmt::format("fusion/{}", k));
 }
 
 void Fusion::load(const Archive& archive) {
     get_fields(archive, "fusion/strain", std::tie(strain, notes));
     account.load(archive, "fusion/account");
     records = load_records(archive, "fusion/records");
-    for (std::size_t k = 0; k < filters.size(); ++k) filters[k].load(archive, fmt::format("fusion/{}", k));
+    for (std::size_t k = 0; k < filters.size(); ++k)
+        filters[k].load(archive, fmt::format("fusion/{}", k));
 }
 
-void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<std::vector<TimedMeasurement>> samples, const FilterSettings& settings,
+void add_sensors(World& world, const std::vector<EntityId>& hosts,
+                 std::vector<std::vector<TimedMeasurement>> samples, const FilterSettings& settings,
                  unsigned injection_steps) {
-    require(hosts.size() == samples.size(), fmt::format("sensors: expected a recording for each of {} hosts, found {}", hosts.size(), samples.size()));
-    require(std::set(hosts.begin(), hosts.end()).size() == hosts.size(), "sensors: expected one for each host, found two");
+    require(hosts.size() == samples.size(),
+            fmt::format("sensors: expected a recording for each of {} hosts, found {}",
+                        hosts.size(), samples.size()));
+    require(std::set(hosts.begin(), hosts.end()).size() == hosts.size(),
+            "sensors: expected one for each host, found two");
     require(injection_steps > 0, "sensors: expected one step or more for a correction, found 0");
     Table& table = world.table<Sensors>();
     table.add<SensorId>();
@@ -261,8 +344,10 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts, std::vector<s
     table.add<LargestInnovation>();
     table.resize(hosts.size());
     for (Row s = 0; s < hosts.size(); ++s) {
-        require(std::ranges::is_sorted(samples[s], {}, &TimedMeasurement::arrives), fmt::format("sensor {}: expected samples in the order of arrival", s));
-        const bool causal = std::ranges::all_of(samples[s], [](const TimedMeasurement& m) { return m.arrives >= m.time; });
+        require(std::ranges::is_sorted(samples[s], {}, &TimedMeasurement::arrives),
+                fmt::format("sensor {}: expected samples in the order of arrival", s));
+        const bool causal = std::ranges::all_of(
+            samples[s], [](const TimedMeasurement& m) { return m.arrives >= m.time; });
         require(causal, fmt::format("sensor {}: expected samples to arrive after their time", s));
         mark_repeated(samples[s]);
         table.column<SensorId>()[s] = s;
@@ -284,36 +369,47 @@ bool fusion_is_due(const World& world) {
     const Clock& clock = world.resource<Clock>();
     const auto next = world.column<Sensors, NextSample>();
     for (std::size_t s = 0; s < samples.size(); ++s)
-        if (next[s] < samples[s].size() && has_come(samples[s][next[s]].arrives, fusion, clock)) return true;
+        if (next[s] < samples[s].size() && has_come(samples[s][next[s]].arrives, fusion, clock))
+            return true;
     return note_is_due(fusion, clock);
 }
 
 bool dismiss_samples(World& world) {
     for (Row s = 0; s < world.table<Sensors>().size(); ++s)
         if (is_heard(world, s)) return false;
-    const System fuse = world.table<Bodies>().has<Orientation>() ? system("fuse_clumps", fuse_clumps) : system("fuse_spheres", fuse_spheres);
+    const System fuse = world.table<Bodies>().has<Orientation>()
+                            ? system("fuse_clumps", fuse_clumps)
+                            : system("fuse_spheres", fuse_spheres);
     fuse.bind(world)({});
     return true;
 }
 
-void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock) {
+void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion,
+                  ListState& lists, const Replay& replay, const Clock& clock) {
     const double* inertia = bodies.column<SphereInertia>();
-    fuse(sensors, bodies, fusion, lists, replay, clock, [](Row) { return Quat::Identity(); }, [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], spin); },
-         [&](Row b, PullTarget& target) {
-             const Vec3& spin = bodies.column<StepSpin>()[b];
-             target.attitude = exponential_map(-clock.dt * target.spin) * target.attitude * exponential_map(clock.dt * spin);
-         });
+    fuse(
+        sensors, bodies, fusion, lists, replay, clock, [](Row) { return Quat::Identity(); },
+        [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], spin); },
+        [&](Row b, PullTarget& target) {
+            const Vec3& spin = bodies.column<StepSpin>()[b];
+            target.attitude = exponential_map(-clock.dt * target.spin) * target.attitude *
+                              exponential_map(clock.dt * spin);
+        });
 }
 
-void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const InertialInertia> bodies, Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock) {
+void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const InertialInertia> bodies,
+                 Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock) {
     const Quat* orientation = bodies.column<Orientation>();
     const Vec3* inertia = bodies.column<InertialInertia>();
-    fuse(sensors, bodies, fusion, lists, replay, clock, [&](Row b) { return orientation[b]; },
-         [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], orientation[b], spin); }, [](Row, PullTarget&) {});
+    fuse(
+        sensors, bodies, fusion, lists, replay, clock, [&](Row b) { return orientation[b]; },
+        [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], orientation[b], spin); },
+        [](Row, PullTarget&) {});
 }
 
 double fusion_work(const World& world) {
-    return sum_by_id(rows_by_id(world.column<Bodies, BodyId>()), world.column<Bodies, FusionWork>());
+    return sum_by_id(rows_by_id(world.column<Bodies, BodyId>()),
+                     world.column<Bodies, FusionWork>());
 }
 
 } // namespace bris

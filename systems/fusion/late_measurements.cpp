@@ -1,6 +1,5 @@
+#include "engine/estimation/smoother.hpp"
 #include "systems/fusion/sensor_filter.hpp"
-
-#include "engine/signal/smoother.hpp"
 
 #include <algorithm>
 
@@ -13,23 +12,33 @@ constexpr double same_time = 1e-9; // times and strains are sums of steps
 RigidState between(const RigidState& a, const RigidState& b, double share) {
     return {.position = a.position + share * (b.position - a.position),
             .velocity = a.velocity + share * (b.velocity - a.velocity),
-            .orientation = (exponential_map(share * attitude_error(b.orientation, a.orientation)) * a.orientation).normalized(),
+            .orientation = (exponential_map(share * attitude_error(b.orientation, a.orientation)) *
+                            a.orientation)
+                               .normalized(),
             .spin = a.spin + share * (b.spin - a.spin)};
 }
 
 /// Calls visit(number) for all numbers of a part of a snapshot, to read or to write.
-void visit_numbers(auto& s, auto&& visit) requires requires { s.spin; s.orientation; } {
+void visit_numbers(auto& s, auto&& visit) requires requires {
+    s.spin;
+    s.orientation;
+}
+{
     for (auto* v : {&s.position, &s.velocity, &s.spin})
         for (int k = 0; k < 3; ++k) visit((*v)[k]);
     for (int k = 0; k < 4; ++k) visit(s.orientation.coeffs()[k]);
 }
-void visit_numbers(auto& m, auto&& visit) requires requires { m.up; } {
+void visit_numbers(auto& m, auto&& visit) requires requires { m.up; }
+{
     for (auto* v : {&m.position, &m.velocity, &m.spin, &m.up})
         for (int k = 0; k < 3; ++k) visit((*v)[k]);
     for (int k = 0; k < 4; ++k) visit(m.attitude.coeffs()[k]);
-    for (auto* d : {&m.position_deviation, &m.velocity_deviation, &m.spin_deviation, &m.attitude_deviation}) visit(*d);
+    for (auto* d :
+         {&m.position_deviation, &m.velocity_deviation, &m.spin_deviation, &m.attitude_deviation})
+        visit(*d);
 }
-void visit_numbers(auto& snapshot, auto&& visit) requires requires { snapshot.given; } {
+void visit_numbers(auto& snapshot, auto&& visit) requires requires { snapshot.given; }
+{
     visit(snapshot.forecast.time);
     visit_numbers(snapshot.forecast.state, visit);
     visit_numbers(snapshot.measured, visit);
@@ -39,19 +48,25 @@ void visit_numbers(auto& snapshot, auto&& visit) requires requires { snapshot.gi
 }
 
 bool is_same(const RigidState& a, const RigidState& b) {
-    return a.position == b.position && a.velocity == b.velocity && a.orientation.coeffs() == b.orientation.coeffs() && a.spin == b.spin;
+    return a.position == b.position && a.velocity == b.velocity &&
+           a.orientation.coeffs() == b.orientation.coeffs() && a.spin == b.spin;
 }
 
 } // namespace
 
-// Where a body is `later`, had it gone on from `estimate` and not from `given`: what it went meanwhile is known.
-RigidState SensorFilter::carried(const RigidState& estimate, const RigidState& given, const RigidState& later, double dt) {
+// Where a body is `later`, had it gone on from `estimate` and not from `given`: what it went
+// meanwhile is known.
+RigidState SensorFilter::carried(const RigidState& estimate, const RigidState& given,
+                                 const RigidState& later, double dt) {
     if (is_same(estimate, given)) return later;
     const Vec3 dv = estimate.velocity - given.velocity, dw = estimate.spin - given.spin;
     RigidState s = later;
     s.position += estimate.position - given.position + dt * dv;
     s.velocity += dv;
-    s.orientation = (exponential_map(attitude_error(later.orientation, given.orientation) + dt * dw) * estimate.orientation).normalized();
+    s.orientation =
+        (exponential_map(attitude_error(later.orientation, given.orientation) + dt * dw) *
+         estimate.orientation)
+            .normalized();
     s.spin += dw;
     return s;
 }
@@ -88,12 +103,15 @@ Analysis SensorFilter::analyse_again(std::size_t k) {
 
 std::optional<Analysis> SensorFilter::analyse_late(double time, const Measured& measured) {
     const double same = same_time * std::abs(time);
-    const auto after = std::upper_bound(window_.begin(), window_.end(), time + same, [](double t, const Snapshot& s) { return t < s.forecast.time; });
+    const auto after =
+        std::upper_bound(window_.begin(), window_.end(), time + same,
+                         [](double t, const Snapshot& s) { return t < s.forecast.time; });
     if (after == window_.begin()) return {};
     auto k = static_cast<std::size_t>(after - window_.begin());
     Snapshot& before = window_[k - 1];
     Analysis a;
-    if (before.measured.is_empty() && before.forecast.time >= time - same) { // the motion was noted at this very time
+    if (before.measured.is_empty() &&
+        before.forecast.time >= time - same) { // the motion was noted at this very time
         before.measured = measured;
         go_back_to(before);
         a = observe(measured);
@@ -103,7 +121,9 @@ std::optional<Analysis> SensorFilter::analyse_late(double time, const Measured& 
         Snapshot late{{std::max(time, before.forecast.time), before.given}, measured, {}, {}, {}};
         if (after != window_.end()) {
             const double gap = after->forecast.time - before.forecast.time;
-            late.forecast.state = between(before.given, after->forecast.state, gap > 0 ? (late.forecast.time - before.forecast.time) / gap : 0);
+            late.forecast.state =
+                between(before.given, after->forecast.state,
+                        gap > 0 ? (late.forecast.time - before.forecast.time) / gap : 0);
         }
         late.given = late.forecast.state;
         window_.insert(after, late);
@@ -127,7 +147,8 @@ std::optional<Analysis> SensorFilter::analyse_late(double time, const Measured& 
 Transition SensorFilter::transition(double dt, const Vec3& spin) const {
     Transition t{Matrix::Identity(12, 12), Matrix::Zero(12, 12)};
     if (dt > 0) {
-        const Transition free = InertialFilter::free_motion(dt, spin, settings_.acceleration_density, settings_.angular_acceleration_density);
+        const Transition free = InertialFilter::free_motion(
+            dt, spin, settings_.acceleration_density, settings_.angular_acceleration_density);
         t = {free.F.topLeftCorner<12, 12>(), free.Q.topLeftCorner<12, 12>()};
     }
     t.Q.diagonal().head<3>().array() += settings_.drift * dt;
@@ -154,25 +175,29 @@ std::vector<SmoothedPose> SensorFilter::smoothed() const {
         const Analysis known = difference(s.estimate, forecasts.back());
         step.corrected = Gaussian(12);
         step.corrected.mean << known.shift, known.velocity, known.turn, known.spin;
-        step.corrected.root = s.root.topLeftCorner<12, 12>(); // of a lower triangle: that of the first twelve
+        step.corrected.root =
+            s.root.topLeftCorner<12, 12>(); // of a lower triangle: that of the first twelve
         steps.push_back(std::move(step));
     }
     const std::vector<Gaussian> errors = smooth(steps);
     std::vector<SmoothedPose> poses;
     for (std::size_t k = 0; k < errors.size(); ++k) {
         const Vector deviation = errors[k].covariance().diagonal().cwiseSqrt();
-        poses.push_back({.time = window_[k].forecast.time,
-                         .position = forecasts[k].position + errors[k].mean.head<3>(),
-                         .attitude = (exponential_map(errors[k].mean.segment<3>(6)) * forecasts[k].orientation).normalized(),
-                         .position_deviation = deviation.head<3>(),
-                         .attitude_deviation = deviation.segment<3>(6)});
+        poses.push_back(
+            {.time = window_[k].forecast.time,
+             .position = forecasts[k].position + errors[k].mean.head<3>(),
+             .attitude = (exponential_map(errors[k].mean.segment<3>(6)) * forecasts[k].orientation)
+                             .normalized(),
+             .position_deviation = deviation.head<3>(),
+             .attitude_deviation = deviation.segment<3>(6)});
     }
     return poses;
 }
 
 void SensorFilter::save_window(Archive& archive, const std::string& path) const {
     std::vector<double> numbers;
-    for (const Snapshot& s : window_) visit_numbers(s, [&](double number) { numbers.push_back(number); });
+    for (const Snapshot& s : window_)
+        visit_numbers(s, [&](double number) { numbers.push_back(number); });
     archive.put(path, std::span<const double>(numbers));
 }
 
@@ -180,7 +205,11 @@ void SensorFilter::load_window(const Archive& archive, const std::string& path) 
     const auto numbers = archive.get<double>(path);
     window_.clear();
     for (auto next = numbers.begin(); next != numbers.end();) {
-        window_.push_back({.forecast = {}, .measured = {}, .estimate = {}, .given = {}, .root = filter_.error().root});
+        window_.push_back({.forecast = {},
+                           .measured = {},
+                           .estimate = {},
+                           .given = {},
+                           .root = filter_.error().root});
         visit_numbers(window_.back(), [&](double& number) { number = *next++; });
     }
 }

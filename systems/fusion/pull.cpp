@@ -12,9 +12,12 @@ namespace {
 
 constexpr double largest_angle = 0.5; // w dt of a spring
 
-Vec3 at_most(const Vec3& v, double largest) { return v.norm() > largest ? Vec3(largest / v.norm() * v) : v; }
+Vec3 at_most(const Vec3& v, double largest) {
+    return v.norm() > largest ? Vec3(largest / v.norm() * v) : v;
+}
 
-/// What a step of critically damped motion begins with, in axes along which masses (kg or kg m2) are known.
+/// What a step of critically damped motion begins with, in axes along which masses (kg or kg m2)
+/// are known.
 struct Approach {
     Vec3 way;      ///< m or rad, to go
     Vec3 momentum; ///< half a step back, beside that of where it should be
@@ -23,15 +26,20 @@ struct Approach {
 };
 
 Vec3 critically_damped(const Approach& a, double stiffness, double largest, double dt) {
-    const double k = std::min(stiffness, a.mass.minCoeff() * largest_angle * largest_angle / (dt * dt));
+    const double k =
+        std::min(stiffness, a.mass.minCoeff() * largest_angle * largest_angle / (dt * dt));
     const Vec3 spring = at_most(k * a.way, largest), dashpot = 2 * (k * a.mass).cwiseSqrt();
-    const Vec3 velocity = (a.momentum + 0.5 * dt * (a.others + spring)).cwiseQuotient(a.mass + 0.5 * dt * dashpot);
+    const Vec3 velocity =
+        (a.momentum + 0.5 * dt * (a.others + spring)).cwiseQuotient(a.mass + 0.5 * dt * dashpot);
     return at_most(spring - dashpot.cwiseProduct(velocity), largest);
 }
 
 /// All that spheres and clumps have in common; `torque` of a row is all that differs.
-template <class BodyRows, class TorqueOf> void pull_guided(const BodyRows& bodies, const Clock& clock, TorqueOf&& torque_of) {
-    const Vec3 *position = bodies.template column<Position>(), *velocity = bodies.template column<Velocity>(), *spin = bodies.template column<StepSpin>();
+template <class BodyRows, class TorqueOf>
+void pull_guided(const BodyRows& bodies, const Clock& clock, TorqueOf&& torque_of) {
+    const Vec3 *position = bodies.template column<Position>(),
+               *velocity = bodies.template column<Velocity>(),
+               *spin = bodies.template column<StepSpin>();
     const double* mass = bodies.template column<InertialMass>();
     PullRow* pull = bodies.template column<Pull>();
     Vec3 *force = bodies.template column<Force>(), *torque = bodies.template column<Torque>();
@@ -43,12 +51,15 @@ template <class BodyRows, class TorqueOf> void pull_guided(const BodyRows& bodie
             p.force = p.torque = Vec3::Zero();
         } else if (p.held == 0) {
             const double m = mass[b];
-            const Approach approach{p.place - position[b], m * (velocity[b] - p.velocity), force[b], Vec3::Constant(m)};
+            const Approach approach{p.place - position[b], m * (velocity[b] - p.velocity), force[b],
+                                    Vec3::Constant(m)};
             p.force = critically_damped(approach, p.stiffness, p.largest_force, clock.dt);
             p.torque = torque_of(b, p);
             p.place += clock.dt * p.velocity;
         }
-        work[b] += 0.5 * clock.dt * ((force_before + p.force).dot(velocity[b]) + (torque_before + p.torque).dot(spin[b]));
+        work[b] +=
+            0.5 * clock.dt *
+            ((force_before + p.force).dot(velocity[b]) + (torque_before + p.torque).dot(spin[b]));
         force[b] += p.force;
         torque[b] += p.torque;
     });
@@ -56,35 +67,50 @@ template <class BodyRows, class TorqueOf> void pull_guided(const BodyRows& bodie
 
 } // namespace
 
-void pull_spheres(Rows<Bodies, const Guided, const Position, const Velocity, const InertialMass, const AngularMomentum, const StepSpin, const SphereInertia, Pull, Force, Torque,
-                       FusionWork> bodies,
+void pull_spheres(Rows<Bodies, const Guided, const Position, const Velocity, const InertialMass,
+                       const AngularMomentum, const StepSpin, const SphereInertia, Pull, Force,
+                       Torque, FusionWork>
+                      bodies,
                   const Clock& clock) {
-    const Vec3 *momentum = bodies.column<AngularMomentum>(), *spin = bodies.column<StepSpin>(), *torque = bodies.column<Torque>();
+    const Vec3 *momentum = bodies.column<AngularMomentum>(), *spin = bodies.column<StepSpin>(),
+               *torque = bodies.column<Torque>();
     const double* inertia = bodies.column<SphereInertia>();
     pull_guided(bodies, clock, [&](Row b, PullRow& p) -> Vec3 {
-        // What is to go is known by how it has turned in the step before. It leads, in the world's axes, from where it is to where
-        // it should be: target = attitude * body, so exp(dt s) target = (exp(dt s) attitude exp(-dt w)) exp(dt w) body.
-        p.attitude = (exponential_map(clock.dt * p.spin) * p.attitude * exponential_map(-clock.dt * spin[b])).normalized();
-        const Approach approach{rotation_vector(p.attitude), momentum[b] - inertia[b] * p.spin, torque[b], Vec3::Constant(inertia[b])};
+        // What is to go is known by how it has turned in the step before. It leads, in the world's
+        // axes, from where it is to where it should be: target = attitude * body, so exp(dt s)
+        // target = (exp(dt s) attitude exp(-dt w)) exp(dt w) body.
+        p.attitude =
+            (exponential_map(clock.dt * p.spin) * p.attitude * exponential_map(-clock.dt * spin[b]))
+                .normalized();
+        const Approach approach{rotation_vector(p.attitude), momentum[b] - inertia[b] * p.spin,
+                                torque[b], Vec3::Constant(inertia[b])};
         return critically_damped(approach, p.turn_stiffness, p.largest_torque, clock.dt);
     });
 }
 
-void pull_clumps(Rows<Bodies, const Guided, const Position, const Velocity, const InertialMass, const AngularMomentum, const StepSpin, const Orientation, const InertialInertia, Pull,
-                      Force, Torque, FusionWork> bodies,
+void pull_clumps(Rows<Bodies, const Guided, const Position, const Velocity, const InertialMass,
+                      const AngularMomentum, const StepSpin, const Orientation,
+                      const InertialInertia, Pull, Force, Torque, FusionWork>
+                     bodies,
                  const Clock& clock) {
-    const Vec3 *momentum = bodies.column<AngularMomentum>(), *torque = bodies.column<Torque>(), *inertia = bodies.column<InertialInertia>();
+    const Vec3 *momentum = bodies.column<AngularMomentum>(), *torque = bodies.column<Torque>(),
+               *inertia = bodies.column<InertialInertia>();
     const Quat* orientation = bodies.column<Orientation>();
     pull_guided(bodies, clock, [&](Row b, PullRow& p) -> Vec3 {
         const Quat to_body = orientation[b].conjugate();
-        const Vec3 spin = to_body * p.spin, way = to_body * attitude_error(p.attitude, orientation[b]), others = to_body * torque[b];
-        const Approach approach{way, to_body * momentum[b] - inertia[b].cwiseProduct(spin), others, inertia[b]};
+        const Vec3 spin = to_body * p.spin,
+                   way = to_body * attitude_error(p.attitude, orientation[b]),
+                   others = to_body * torque[b];
+        const Approach approach{way, to_body * momentum[b] - inertia[b].cwiseProduct(spin), others,
+                                inertia[b]};
         p.attitude = (exponential_map(clock.dt * p.spin) * p.attitude).normalized();
-        return orientation[b] * critically_damped(approach, p.turn_stiffness, p.largest_torque, clock.dt);
+        return orientation[b] *
+               critically_damped(approach, p.turn_stiffness, p.largest_torque, clock.dt);
     });
 }
 
-void give_pull(PullRow& row, std::uint32_t& guided, const PullTarget& target, const PullSettings& settings, double gain) {
+void give_pull(PullRow& row, std::uint32_t& guided, const PullTarget& target,
+               const PullSettings& settings, double gain) {
     row.place = target.place;
     row.velocity = target.velocity;
     row.attitude = target.attitude;

@@ -1,7 +1,7 @@
 #include "systems/fusion/sensor_filter.hpp"
 
-#include "engine/signal/chi_squared.hpp"
-#include "engine/signal/constant_velocity.hpp"
+#include "engine/estimation/chi_squared.hpp"
+#include "engine/estimation/constant_velocity.hpp"
 
 #include <limits>
 
@@ -18,12 +18,17 @@ bool is_unit(const auto& v) { return std::abs(v.norm() - 1) < 1e-3; }
 
 } // namespace
 
-Measured::Measured() : position(Vec3::Constant(unknown)), velocity(position), spin(position), up(position), attitude(unknown, unknown, unknown, unknown) {}
+Measured::Measured()
+    : position(Vec3::Constant(unknown)), velocity(position), spin(position), up(position),
+      attitude(unknown, unknown, unknown, unknown) {}
 
-Weighed::Weighed() : innovation(Vec3::Constant(unknown)), gain(innovation), deviation(innovation), squared_distance(unknown) {}
+Weighed::Weighed()
+    : innovation(Vec3::Constant(unknown)), gain(innovation), deviation(innovation),
+      squared_distance(unknown) {}
 
 bool Measured::is_empty() const {
-    return !position.allFinite() && !velocity.allFinite() && !spin.allFinite() && !up.allFinite() && !attitude.coeffs().allFinite();
+    return !position.allFinite() && !velocity.allFinite() && !spin.allFinite() && !up.allFinite() &&
+           !attitude.coeffs().allFinite();
 }
 
 SensorFilter::SensorFilter(const FilterSettings& settings) : settings_(settings) {
@@ -33,13 +38,17 @@ SensorFilter::SensorFilter(const FilterSettings& settings) : settings_(settings)
 }
 
 Analysis SensorFilter::analyse(const BodyForecast& forecast, const Measured& measured) {
-    const double dt = begun_ ? forecast.time - last_time_ : 0; // deviations at the start are those at the first sample
+    const double dt = begun_ ? forecast.time - last_time_
+                             : 0; // deviations at the start are those at the first sample
     begun_ = true;
     last_time_ = forecast.time;
     if (settings_.kind == FilterKind::printed) return analyse_as_printed(forecast, measured, dt);
-    move_on(dt, window_.empty() ? forecast.state : carried(window_.back().estimate, window_.back().given, forecast.state, dt));
+    move_on(dt, window_.empty()
+                    ? forecast.state
+                    : carried(window_.back().estimate, window_.back().given, forecast.state, dt));
     const Analysis seen = observe(measured);
-    if (remembers()) remember({forecast, measured, filter_.state, filter_.state, filter_.error().root});
+    if (remembers())
+        remember({forecast, measured, filter_.state, filter_.state, filter_.error().root});
     Analysis a = difference(filter_.state, forecast.state);
     a.accepted = seen.accepted;
     a.refused = seen.refused;
@@ -54,9 +63,11 @@ Analysis SensorFilter::difference(const RigidState& a, const RigidState& b) {
             .spin = a.spin - b.spin};
 }
 
-// The simulation has moved the body on; what it may have missed meanwhile adds to what was not known before.
+// The simulation has moved the body on; what it may have missed meanwhile adds to what was not
+// known before.
 void SensorFilter::move_on(double dt, const RigidState& forecast) {
-    if (dt > 0) filter_.advance(dt, settings_.acceleration_density, settings_.angular_acceleration_density);
+    if (dt > 0)
+        filter_.advance(dt, settings_.acceleration_density, settings_.angular_acceleration_density);
     Matrix walk = Matrix::Zero(12, 12);
     walk.diagonal().head<3>().setConstant(settings_.drift * dt);
     walk.diagonal().segment<3>(6).setConstant(settings_.turning * dt);
@@ -69,11 +80,13 @@ Mat3 SensorFilter::covariance_of(InertialFilter::Part part) const {
 }
 
 // `before`: covariance of what was observed. One that was refused weighs nothing.
-Weighed SensorFilter::weighed(const Verdict& verdict, InertialFilter::Part part, const Mat3& before, double noise) const {
+Weighed SensorFilter::weighed(const Verdict& verdict, InertialFilter::Part part, const Mat3& before,
+                              double noise) const {
     Weighed w;
     w.innovation = verdict.innovation;
     w.squared_distance = verdict.squared_distance;
-    w.gain = verdict.accepted ? Vec3((before * (before + square(noise)).inverse()).diagonal()) : Vec3(Vec3::Zero());
+    w.gain = verdict.accepted ? Vec3((before * (before + square(noise)).inverse()).diagonal())
+                              : Vec3(Vec3::Zero());
     w.deviation = covariance_of(part).diagonal().cwiseSqrt();
     return w;
 }
@@ -88,11 +101,13 @@ Analysis SensorFilter::observe(const Measured& measured) {
     };
     if (measured.position.allFinite()) {
         const Mat3 before = covariance_of(InertialFilter::position);
-        const Verdict v = filter_.observe_position(measured.position, square(measured.position_deviation));
+        const Verdict v =
+            filter_.observe_position(measured.position, square(measured.position_deviation));
         take(v);
         place_ = weighed(v, InertialFilter::position, before, measured.position_deviation);
     }
-    if (measured.velocity.allFinite()) take(filter_.observe_velocity(measured.velocity, square(measured.velocity_deviation)));
+    if (measured.velocity.allFinite())
+        take(filter_.observe_velocity(measured.velocity, square(measured.velocity_deviation)));
     const auto take_attitude = [&](const Quat& q, bool is_one) {
         if (!is_one) return take(Verdict{});
         const Mat3 before = covariance_of(InertialFilter::rotation);
@@ -100,12 +115,15 @@ Analysis SensorFilter::observe(const Measured& measured) {
         take(v);
         attitude_ = weighed(v, InertialFilter::rotation, before, measured.attitude_deviation);
     };
-    if (measured.attitude.coeffs().allFinite()) take_attitude(measured.attitude, is_unit(measured.attitude));
+    if (measured.attitude.coeffs().allFinite())
+        take_attitude(measured.attitude, is_unit(measured.attitude));
     if (measured.up.allFinite()) { // turned no further than upwards is off: yaw stays the model's
         const Quat now = filter_.state.orientation;
-        take_attitude(Quat::FromTwoVectors(now * measured.up, Vec3::UnitZ()) * now, is_unit(measured.up));
+        take_attitude(Quat::FromTwoVectors(now * measured.up, Vec3::UnitZ()) * now,
+                      is_unit(measured.up));
     }
-    if (measured.spin.allFinite()) take(filter_.observe_spin(measured.spin, square(measured.spin_deviation)));
+    if (measured.spin.allFinite())
+        take(filter_.observe_spin(measured.spin, square(measured.spin_deviation)));
     return a;
 }
 
@@ -127,7 +145,8 @@ void SensorFilter::leave(const Analysis& part) {
 }
 
 // Steps 3 to 6 of the report. It needs all six numbers at once, and knows no gate.
-Analysis SensorFilter::analyse_as_printed(const BodyForecast& forecast, const Measured& measured, double dt) {
+Analysis SensorFilter::analyse_as_printed(const BodyForecast& forecast, const Measured& measured,
+                                          double dt) {
     Analysis a;
     place_ = attitude_ = {};
     if (!measured.position.allFinite() || !measured.velocity.allFinite()) return a;
@@ -135,7 +154,8 @@ Analysis SensorFilter::analyse_as_printed(const BodyForecast& forecast, const Me
     printed_.A = t.F;
     printed_.Q = t.Q;
     printed_.R = Matrix::Zero(6, 6);
-    printed_.R.diagonal() << Vec3::Constant(measured.position_deviation * measured.position_deviation),
+    printed_.R.diagonal() << Vec3::Constant(measured.position_deviation *
+                                            measured.position_deviation),
         Vec3::Constant(measured.velocity_deviation * measured.velocity_deviation);
     Vector simulated(6), seen(6);
     simulated << forecast.state.position, forecast.state.velocity;
@@ -151,12 +171,16 @@ Analysis SensorFilter::analyse_as_printed(const BodyForecast& forecast, const Me
     printed_.r = measured.spin_deviation * measured.spin_deviation * Matrix::Identity(3, 3);
     a.spin = printed_.fuse_spin(forecast.state.spin, measured.spin) - Vector(forecast.state.spin);
     ++a.accepted;
-    attitude_.gain = printed_.spin_gain.diagonal(); // it corrects spin, by which attitude is to follow
+    attitude_.gain =
+        printed_.spin_gain.diagonal(); // it corrects spin, by which attitude is to follow
     return a;
 }
 
 void SensorFilter::save(Archive& archive, const std::string& path) const {
-    const auto put = [&](const std::string& name, const Matrix& m) { archive.put(path + name, std::span<const double>(m.data(), static_cast<std::size_t>(m.size()))); };
+    const auto put = [&](const std::string& name, const Matrix& m) {
+        archive.put(path + name,
+                    std::span<const double>(m.data(), static_cast<std::size_t>(m.size())));
+    };
     put("/root", filter_.error().root);
     put("/COV", printed_.COV);
     put("/cov", printed_.cov);

@@ -24,7 +24,9 @@ std::vector<Row> corrected_bodies(const World& world) {
     std::ranges::sort(ids);
     std::vector<Row> bodies;
     for (const EntityId id : ids)
-        if (motion[row[id]] == static_cast<std::uint32_t>(Motion::free) && correction[row[id]].steps > 0) bodies.push_back(row[id]);
+        if (motion[row[id]] == static_cast<std::uint32_t>(Motion::free) &&
+            correction[row[id]].steps > 0)
+            bodies.push_back(row[id]);
     return bodies;
 }
 
@@ -36,7 +38,8 @@ double spread_corrections(World& world, const SpreadSettings& settings) {
     const std::size_t corrected = bodies.size();
     SpringNetwork network{{}, joints_of(world, bodies, Others::join)};
     double mean_stiffness = 0;
-    for (const Joint& j : network.joints) mean_stiffness += j.kn / static_cast<double>(network.joints.size());
+    for (const Joint& j : network.joints)
+        mean_stiffness += j.kn / static_cast<double>(network.joints.size());
     if (network.joints.empty()) mean_stiffness = 1; // any will do
 
     const auto correction = world.column<Bodies, Correction>();
@@ -55,11 +58,13 @@ double spread_corrections(World& world, const SpreadSettings& settings) {
             hold.wanted *= settings.hold / both;
             hold.stiffness *= both;
             steps = std::max(steps, c.steps);
-        } else hold.stiffness *= settings.float_free;
+        } else
+            hold.stiffness *= settings.float_free;
     }
     const auto u = motion_of_least_energy(network, settings.tolerance);
     for (std::size_t i = 0; i < bodies.size(); ++i)
-        give_correction(correction[bodies[i]], guided[bodies[i]], u[i].head<3>(), u[i].tail<3>(), static_cast<unsigned>(steps));
+        give_correction(correction[bodies[i]], guided[bodies[i]], u[i].head<3>(), u[i].tail<3>(),
+                        static_cast<unsigned>(steps));
     return energy_of_joints(network, u);
 }
 

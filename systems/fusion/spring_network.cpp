@@ -24,7 +24,9 @@ Rows3x6 motion_at(const Vec3& r) {
     return m;
 }
 
-Mat3 stiffness_of(const Joint& j) { return j.ks * Mat3::Identity() + (j.kn - j.ks) * j.normal * j.normal.transpose(); }
+Mat3 stiffness_of(const Joint& j) {
+    return j.ks * Mat3::Identity() + (j.kn - j.ks) * j.normal * j.normal.transpose();
+}
 
 Vec3 stretch_of(const Joint& j, const Motions& motion) {
     Vec3 stretch = motion_at(j.arm) * motion[j.body];
@@ -43,7 +45,8 @@ Motions forces_of_joints(const SpringNetwork& network, const Motions& motion) {
     return forces;
 }
 
-// v -= m x and v -= m^T x, column by column: as Eigen's products, which are not vectorised here, they take twice as long
+// v -= m x and v -= m^T x, column by column: as Eigen's products, which are not vectorised here,
+// they take twice as long
 void subtract_product(Vector6& v, const Mat6& m, const Vector6& x) {
     Vector6 rest = v;
     for (Eigen::Index k = 0; k < 6; ++k) rest -= m.col(k) * x[k];
@@ -61,16 +64,20 @@ double dot(const Motions& a, const Motions& b) {
     return sum.sum();
 }
 
-/// The stiffness A of joints and holds in blocks of 6 x 6: D_i of each body, B_ik of each two that are joined (k < i). They
-/// are kept divided by an incomplete factor of A that has no more blocks than A: E_i = D_i - sum B_ik E_k^-1 B_ik^T =
-/// G_i G_i^T. E is positive, since what is taken from D_i for a body joined before is never more than the joint gave it.
-/// In v = G^T u the matrix is W + W^T - R, with W = 1 + L, L_ik = G_i^-1 B_ik G_k^-T and R_i = 1 - sum L_ik L_ik^T.
+/// The stiffness A of joints and holds in blocks of 6 x 6: D_i of each body, B_ik of each two that
+/// are joined (k < i). They are kept divided by an incomplete factor of A that has no more blocks
+/// than A: E_i = D_i - sum B_ik E_k^-1 B_ik^T = G_i G_i^T. E is positive, since what is taken from
+/// D_i for a body joined before is never more than the joint gave it. In v = G^T u the matrix is W
+/// + W^T - R, with W = 1 + L, L_ik = G_i^-1 B_ik G_k^-T and R_i = 1 - sum L_ik L_ik^T.
 class DividedStiffness {
 public:
-    explicit DividedStiffness(const SpringNetwork& network) : back_(network.holds.size()) { divide(assemble(network)); }
+    explicit DividedStiffness(const SpringNetwork& network) : back_(network.holds.size()) {
+        divide(assemble(network));
+    }
     Motions divided(Motions forces) const; ///< W^-1 G^-1 f
     Motions undivided(Motions y) const;    ///< G^-T W^-T y
-    /// product = W^-1 (W + W^T - R) W^-T y = W^-T y + W^-1 (y - R W^-T y): the factor alone is gone through (Eisenstat 1981).
+    /// product = W^-1 (W + W^T - R) W^-T y = W^-T y + W^-1 (y - R W^-T y): the factor alone is gone
+    /// through (Eisenstat 1981).
     void multiply(const Motions& y, Motions& product);
 
 private:
@@ -136,16 +143,19 @@ void DividedStiffness::divide(std::vector<Mat6> diagonal) {
 
 void DividedStiffness::solve_forward(Motions& v) const {
     for (std::size_t i = 0; i < v.size(); ++i)
-        for (std::size_t b = first_[i]; b < first_[i + 1]; ++b) subtract_product(v[i], blocks_[b].L, v[blocks_[b].column]);
+        for (std::size_t b = first_[i]; b < first_[i + 1]; ++b)
+            subtract_product(v[i], blocks_[b].L, v[blocks_[b].column]);
 }
 
 void DividedStiffness::solve_backward(Motions& v) const {
     for (std::size_t i = v.size(); i-- > 0;)
-        for (std::size_t b = first_[i]; b < first_[i + 1]; ++b) subtract_transposed_product(v[blocks_[b].column], blocks_[b].L, v[i]);
+        for (std::size_t b = first_[i]; b < first_[i + 1]; ++b)
+            subtract_transposed_product(v[blocks_[b].column], blocks_[b].L, v[i]);
 }
 
 Motions DividedStiffness::divided(Motions forces) const {
-    for (std::size_t i = 0; i < forces.size(); ++i) forces[i] = (inverse_root_[i] * forces[i]).eval();
+    for (std::size_t i = 0; i < forces.size(); ++i)
+        forces[i] = (inverse_root_[i] * forces[i]).eval();
     solve_forward(forces);
     return forces;
 }
@@ -170,9 +180,11 @@ void DividedStiffness::multiply(const Motions& y, Motions& product) {
 std::vector<Vector6> motion_of_least_energy(const SpringNetwork& network, double tolerance) {
     const std::size_t n = network.holds.size();
     Motions motion;
-    for (const Hold& h : network.holds) motion.push_back(h.wanted); // from there on only joints resist
+    for (const Hold& h : network.holds)
+        motion.push_back(h.wanted); // from there on only joints resist
     DividedStiffness stiffness(network);
-    Motions y(n, Vector6::Zero()), missing = stiffness.divided(forces_of_joints(network, motion)), direction = missing, product(n);
+    Motions y(n, Vector6::Zero()), missing = stiffness.divided(forces_of_joints(network, motion)),
+                                   direction = missing, product(n);
     double square = dot(missing, missing);
     const double end = tolerance * tolerance * square;
     for (std::size_t iteration = 0; !(square <= end); ++iteration) { // conjugate gradients
@@ -184,7 +196,8 @@ std::vector<Vector6> motion_of_least_energy(const SpringNetwork& network, double
             missing[i] -= step * product[i];
         }
         const double before = std::exchange(square, dot(missing, missing));
-        for (std::size_t i = 0; i < n; ++i) direction[i] = missing[i] + square / before * direction[i];
+        for (std::size_t i = 0; i < n; ++i)
+            direction[i] = missing[i] + square / before * direction[i];
     }
     y = stiffness.undivided(std::move(y));
     for (std::size_t i = 0; i < n; ++i) motion[i] += y[i];

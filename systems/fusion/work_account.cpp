@@ -18,7 +18,10 @@ namespace bris {
 namespace {
 
 /// Of all boundaries: platens and membrane, which does less than none where it is pushed outwards.
-double work_of_boundaries(const World& world) { return sum_by_id(rows_by_id(world.column<Bodies, BodyId>()), world.column<Bodies, BoundaryWork>()); }
+double work_of_boundaries(const World& world) {
+    return sum_by_id(rows_by_id(world.column<Bodies, BodyId>()),
+                     world.column<Bodies, BoundaryWork>());
+}
 
 std::vector<double> work_of_corrections(const World& world) {
     const auto row = rows_by_id(world.column<Bodies, BodyId>());
@@ -37,7 +40,8 @@ double spent(const std::vector<double>& now, const WorkAccount& account) {
     return sum;
 }
 
-// A share of 0.005, the default of twin, over a ratio of a half is just the least share: roundings do not decide.
+// A share of 0.005, the default of twin, over a ratio of a half is just the least share: roundings
+// do not decide.
 double if_enough(double share) { return share < least_share * (1 - 1e-9) ? 0 : share; }
 
 /// Of a correction, such that all keep within what is allowed.
@@ -49,7 +53,11 @@ double share_to_give(const WorkAccount& account) {
 } // namespace
 
 void open_account(World& world, double largest_share) {
-    require(largest_share >= 0 && largest_share <= 1, fmt::format("work of the fusion: expected a share of 0 to 1 of that of the boundaries, found {}", largest_share));
+    require(
+        largest_share >= 0 && largest_share <= 1,
+        fmt::format(
+            "work of the fusion: expected a share of 0 to 1 of that of the boundaries, found {}",
+            largest_share));
     WorkAccount& account = world.resource<Fusion>().account;
     account.largest_share = largest_share;
     if (largest_share == 0) return;
@@ -63,11 +71,15 @@ void begin_analysis(World& world) {
     WorkAccount& a = fusion.account;
     if (a.largest_share == 0) return;
     const bool pulls = fusion.pull.stiffness > 0;
-    const double boundaries = work_of_boundaries(world), done = std::max(0.0, boundaries - a.boundaries);
+    const double boundaries = work_of_boundaries(world),
+                 done = std::max(0.0, boundaries - a.boundaries);
     auto booked = work_of_corrections(world);
     const double cost = spent(booked, a), basis = pulls ? a.gain * done : a.basis;
-    if (basis > 0) a.ratio = std::max(cost / basis, 0.5 * a.ratio);
-    else if (a.allowed > 0) a.ratio *= 0.5; // they were too dear, and will be tried again; while something is owed nothing is tried, nor forgotten
+    if (basis > 0)
+        a.ratio = std::max(cost / basis, 0.5 * a.ratio);
+    else if (a.allowed > 0)
+        a.ratio *= 0.5; // they were too dear, and will be tried again; while something is owed
+                        // nothing is tried, nor forgotten
     a.owed = std::max(0.0, a.owed + cost - a.income);
     a.income = a.largest_share * done;
     a.allowed = std::max(0.0, a.income - a.owed);
@@ -99,7 +111,8 @@ void limit_corrections(World& world, std::size_t first_record, double energy) {
         ++(share > 0 ? account.reduced : account.withheld);
         const auto s = static_cast<Row>(r.sensor);
         const CorrectionRow& c = correction[row[world.column<Sensors, SensorHost>()[s]]];
-        fusion.filters[s].leave({.shift = (1 - share) * c.steps * c.shift, .turn = (1 - share) * c.steps * c.turn});
+        fusion.filters[s].leave(
+            {.shift = (1 - share) * c.steps * c.shift, .turn = (1 - share) * c.steps * c.turn});
         r.share *= share;
     }
     if (share == 1) return;
@@ -112,24 +125,31 @@ void limit_corrections(World& world, std::size_t first_record, double energy) {
 
 void hold_pulls(World& world) {
     const WorkAccount& account = world.resource<Fusion>().account;
-    const bool too_dear = account.largest_share > 0 && !std::isnan(account.allowed) && spent(work_of_corrections(world), account) > account.allowed;
+    const bool too_dear = account.largest_share > 0 && !std::isnan(account.allowed) &&
+                          spent(work_of_corrections(world), account) > account.allowed;
     const auto row = rows_by_id(world.column<Bodies, BodyId>());
     const auto pull = world.column<Bodies, Pull>();
     for (const EntityId host : world.column<Sensors, SensorHost>()) {
         PullRow& p = pull[row[host]];
         if (!p.pulls()) continue;
-        if (too_dear) release_pull(p);
-        else hold_pull(p);
+        if (too_dear)
+            release_pull(p);
+        else
+            hold_pull(p);
     }
 }
 
 void WorkAccount::save(Archive& archive, const std::string& path) const {
-    put_fields(archive, path + "/numbers", std::tie(allowed, expected, gain, boundaries, income, owed, basis, ratio, reduced, withheld));
+    put_fields(archive, path + "/numbers",
+               std::tie(allowed, expected, gain, boundaries, income, owed, basis, ratio, reduced,
+                        withheld));
     archive.put(path + "/booked", std::span<const double>(booked));
 }
 
 void WorkAccount::load(const Archive& archive, const std::string& path) {
-    get_fields(archive, path + "/numbers", std::tie(allowed, expected, gain, boundaries, income, owed, basis, ratio, reduced, withheld));
+    get_fields(archive, path + "/numbers",
+               std::tie(allowed, expected, gain, boundaries, income, owed, basis, ratio, reduced,
+                        withheld));
     booked = archive.get<double>(path + "/booked");
 }
 

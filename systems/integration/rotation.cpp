@@ -13,19 +13,24 @@ Vec3Lanes rate(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia) {
     return cross(momentum, scaled(momentum, inverse_inertia));
 }
 
-Vec3Lanes advance(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia, double dt) { // classical Runge-Kutta
-    const Vec3Lanes a = rate(momentum, inverse_inertia), b = rate(momentum + 0.5 * dt * a, inverse_inertia),
-                    c = rate(momentum + 0.5 * dt * b, inverse_inertia), d = rate(momentum + dt * c, inverse_inertia);
+Vec3Lanes advance(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia,
+                  double dt) { // classical Runge-Kutta
+    const Vec3Lanes a = rate(momentum, inverse_inertia),
+                    b = rate(momentum + 0.5 * dt * a, inverse_inertia),
+                    c = rate(momentum + 0.5 * dt * b, inverse_inertia),
+                    d = rate(momentum + dt * c, inverse_inertia);
     return momentum + dt / 6 * (a + 2 * b + 2 * c + d);
 }
 
 /// Rotation vector, in the body's axes, of the free motion over dt.
 Vec3Lanes rotation_of_step(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia, double dt) {
     const Vec3Lanes spin = scaled(momentum, inverse_inertia);
-    const Vec3Lanes midpoint = dt * scaled(momentum + 0.5 * dt * rate(momentum, inverse_inertia), inverse_inertia);
+    const Vec3Lanes midpoint =
+        dt * scaled(momentum + 0.5 * dt * rate(momentum, inverse_inertia), inverse_inertia);
     const LaneMask large = dot(spin, spin) * (dt * dt) >= 1e-8;
     if (bits(large) == 0) return midpoint;
-    const Vec3Lanes half = advance(momentum, inverse_inertia, 0.5 * dt), full = advance(half, inverse_inertia, 0.5 * dt);
+    const Vec3Lanes half = advance(momentum, inverse_inertia, 0.5 * dt),
+                    full = advance(half, inverse_inertia, 0.5 * dt);
     const Vec3Lanes middle = scaled(half, inverse_inertia), last = scaled(full, inverse_inertia);
     const Vec3Lanes magnus = dt / 6 * (spin + 4 * middle + last) + dt * dt / 12 * cross(spin, last);
     return select(large, magnus, midpoint);
@@ -39,8 +44,10 @@ QuatLanes renormalised(const QuatLanes& q) {
 
 } // namespace
 
-void turn_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia, AngularMomentum, Spin, StepSpin> bodies,
-                  const Clock& clock) {
+void turn_spheres(
+    Rows<Bodies, const MotionOf, const Torque, const SphereInertia, AngularMomentum, Spin, StepSpin>
+        bodies,
+    const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* torque = bodies.column<Torque>();
     const double* inertia = bodies.column<SphereInertia>();
@@ -50,15 +57,18 @@ void turn_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const LaneMask free = equal(motion, rows, free_motion);
         const Lane inverse_inertia = 1.0 / load(inertia, rows);
-        const Vec3Lanes before = load(momentum, rows), t = load(torque, rows), after = before + clock.dt * t;
+        const Vec3Lanes before = load(momentum, rows), t = load(torque, rows),
+                        after = before + clock.dt * t;
         store(momentum, rows, select(free, after, before));
-        store(spin, rows, select(free, inverse_inertia * (after + 0.5 * clock.dt * t), load(spin, rows)));
+        store(spin, rows,
+              select(free, inverse_inertia * (after + 0.5 * clock.dt * t), load(spin, rows)));
         store(step_spin, rows, select(free, inverse_inertia * after, load(step_spin, rows)));
     });
 }
 
 void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, AngularMomentum, Spin,
-               StepSpin, Orientation> bodies,
+               StepSpin, Orientation>
+              bodies,
           const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* torque = bodies.column<Torque>();
@@ -73,7 +83,8 @@ void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, Angu
         if (bits(free) == 0) return;
         // driven bodies may have no inertia, and do not turn
         const Vec3Lanes inverse_inertia = select(free, inverse(load(inertia, rows)), Vec3Lanes{});
-        const Vec3Lanes before = load(momentum, rows), t = load(torque, rows), after = before + dt * t;
+        const Vec3Lanes before = load(momentum, rows), t = load(torque, rows),
+                        after = before + dt * t;
         const QuatLanes from = load(orientation, rows);
         const AxesLanes axes = axes_of(from);
         const Vec3Lanes rotation = rotation_of_step(to_body(axes, after), inverse_inertia, dt);
@@ -82,7 +93,8 @@ void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, Angu
         const Vec3Lanes now = scaled(to_body(turned, after + 0.5 * dt * t), inverse_inertia);
         store(momentum, rows, select(free, after, before));
         // a rotation's axis is the same in both frames
-        store(step_spin, rows, select(free, to_world(axes, per_second * rotation), load(step_spin, rows)));
+        store(step_spin, rows,
+              select(free, to_world(axes, per_second * rotation), load(step_spin, rows)));
         store(spin, rows, select(free, to_world(turned, now), load(spin, rows)));
         store(orientation, rows, select(free, to, from));
     });
@@ -90,26 +102,33 @@ void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, Angu
 
 namespace {
 
-/// The place of a body's sphere is centre + x along_x + y along_y + z along_z, with (x, y, z) its place in
-/// the body's axes, and its radius added.
-struct PlacedFrame { Quad centre, along_x, along_y, along_z; };
+/// The place of a body's sphere is centre + x along_x + y along_y + z along_z, with (x, y, z) its
+/// place in the body's axes, and its radius added.
+struct PlacedFrame {
+    Quad centre, along_x, along_y, along_z;
+};
 using PlacedFrames = std::array<PlacedFrame, lane_count>;
 
-void put(PlacedFrames& frames, Quad PlacedFrame::* row, const Vec3Lanes& v) {
-    store_rows(transpose({v.x, v.y, v.z, Lane{}}), lane_count,
-               [&](int q) { return reinterpret_cast<double*>(&(frames[static_cast<std::size_t>(q)].*row)); });
+void put(PlacedFrames& frames, Quad PlacedFrame::*row, const Vec3Lanes& v) {
+    store_rows(transpose({v.x, v.y, v.z, Lane{}}), lane_count, [&](int q) {
+        return reinterpret_cast<double*>(&(frames[static_cast<std::size_t>(q)].*row));
+    });
 }
 
 void place_balls(const PlacedFrame& frame, const Ball* ball, Row count, PlaceRow* place) {
     constexpr Quad radius{0, 0, 0, 1};
     for (Row k = 0; k < count; ++k) {
         const Ball& o = ball[k];
-        const Quad arm = o.centre.x() * frame.along_x + o.centre.y() * frame.along_y + o.centre.z() * frame.along_z;
+        const Quad arm = o.centre.x() * frame.along_x + o.centre.y() * frame.along_y +
+                         o.centre.z() * frame.along_z;
         store(&place[k].x, frame.centre + (arm + o.radius * radius));
     }
 }
 
-struct PoseLanes { Vec3Lanes position; QuatLanes orientation; };
+struct PoseLanes {
+    Vec3Lanes position;
+    QuatLanes orientation;
+};
 
 PoseLanes load(const Pose* column, LaneRows rows) {
     static_assert(sizeof(Pose) == 7 * sizeof(double));
@@ -139,7 +158,8 @@ void place(PlacedBodies bodies, PlacedBalls listed) {
         const Lane inverse_mass = free ? 1.0 / load(mass, rows) : Lane{};
         const Vec3Lanes x = load(position, rows), w = load(spin, rows), v = load(velocity, rows);
         const ByRow at(rows);
-        store_rows(transpose({x.x, x.y, x.z, Lane{}}), rows.count, [&](int q) { return &centre[at(q)].x; });
+        store_rows(transpose({x.x, x.y, x.z, Lane{}}), rows.count,
+                   [&](int q) { return &centre[at(q)].x; });
         store_motion(row, rows, v, inverse_mass, w);
         PlacedFrames frames;
         const AxesLanes axes = axes_of(load(orientation, rows));
@@ -154,8 +174,9 @@ void place(PlacedBodies bodies, PlacedBalls listed) {
     });
 }
 
-void measure_travel_and_turn(Rows<Bodies, const Position, const Orientation, const PrunedAt,
-                                  const BoundingRadius, Travel> bodies) {
+void measure_travel_and_turn(
+    Rows<Bodies, const Position, const Orientation, const PrunedAt, const BoundingRadius, Travel>
+        bodies) {
     const Vec3* position = bodies.column<Position>();
     const Quat* orientation = bodies.column<Orientation>();
     const Pose* from = bodies.column<PrunedAt>();
@@ -166,7 +187,8 @@ void measure_travel_and_turn(Rows<Bodies, const Position, const Orientation, con
         const PoseLanes was = load(from, rows);
         const Vec3Lanes gone = load(position, rows) - was.position;
         const QuatLanes q = load(orientation, rows);
-        const Lane turned = min(squared_norm(q - was.orientation), squared_norm(q + was.orientation));
+        const Lane turned =
+            min(squared_norm(q - was.orientation), squared_norm(q + was.orientation));
         store(travel, rows, sqrt(dot(gone, gone)) + 2.0 * load(radius, rows) * sqrt(turned));
     });
 }

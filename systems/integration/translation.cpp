@@ -33,12 +33,15 @@ void weigh(Rows<Bodies, const Mass, Force> bodies, const Gravity& gravity) {
     const double* mass = bodies.column<Mass>();
     Vec3* force = bodies.column<Force>();
     const Vec3Lanes g{lanes(gravity.value.x()), lanes(gravity.value.y()), lanes(gravity.value.z())};
-    for_lane_rows(bodies.first(), bodies.last(),
-                  [&](LaneRows rows) { store(force, rows, load(force, rows) + load(mass, rows) * g); });
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        store(force, rows, load(force, rows) + load(mass, rows) * g);
+    });
 }
 
-void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin, Force, Torque> bodies,
-          const LocalDamping& damping, const Clock& clock) {
+void damp(
+    Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin, Force, Torque>
+        bodies,
+    const LocalDamping& damping, const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* acceleration = bodies.column<Acceleration>();
@@ -55,8 +58,9 @@ void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const
 }
 
 void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin,
-                        const AngularMomentum, const InertialMass, const InertialInertia, const Orientation, Force,
-                        Torque, DampingWork> bodies,
+                        const AngularMomentum, const InertialMass, const InertialInertia,
+                        const Orientation, Force, Torque, DampingWork>
+                       bodies,
                    const LocalDamping& damping, const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* velocity = bodies.column<Velocity>();
@@ -81,7 +85,8 @@ void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Accelerati
         const Vec3Lanes mean_velocity = v + (half_step / load(mass, rows)) * f;
         const AxesLanes axes = axes_of(load(orientation, rows));
         const Vec3Lanes mean_momentum = to_body(axes, load(momentum, rows) + half_step * t);
-        const Vec3Lanes mean_spin = to_world(axes, scaled(mean_momentum, inverse(load(inertia, rows))));
+        const Vec3Lanes mean_spin =
+            to_world(axes, scaled(mean_momentum, inverse(load(inertia, rows))));
         const Lane taken = dt * (dot(f_before - f, mean_velocity) + dot(t_before - t, mean_spin));
         const Lane before = load(work, rows);
         store(work, rows, free ? before + taken : before);
@@ -90,8 +95,9 @@ void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Accelerati
     });
 }
 
-void book_boundary_work(Rows<Bodies, const MotionOf, const Force, const Torque, const Velocity, const DriveVelocity,
-                             const Spin, BoundaryWork> bodies,
+void book_boundary_work(Rows<Bodies, const MotionOf, const Force, const Torque, const Velocity,
+                             const DriveVelocity, const Spin, BoundaryWork>
+                            bodies,
                         const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* force = bodies.column<Force>();
@@ -102,11 +108,13 @@ void book_boundary_work(Rows<Bodies, const MotionOf, const Force, const Torque, 
     double* work = bodies.column<BoundaryWork>();
     for (Row b = bodies.first(); b < bodies.last(); ++b)
         if (motion[b] != free_motion)
-            work[b] -= clock.dt * (0.5 * force[b].dot(before[b] + after[b]) + torque[b].dot(spin[b]));
+            work[b] -=
+                clock.dt * (0.5 * force[b].dot(before[b] + after[b]) + torque[b].dot(spin[b]));
 }
 
-void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, const DriveVelocity, Velocity,
-                    Acceleration, Position> bodies,
+void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, const DriveVelocity,
+                    Velocity, Acceleration, Position>
+                   bodies,
                const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* force = bodies.column<Force>();
@@ -142,32 +150,41 @@ void place_spheres(PlacedSpheres bodies, PlacedBalls listed) {
         const LaneMask free = equal(motion, rows, free_motion);
         const Vec3Lanes x = load(position, rows);
         const ByRow at(rows);
-        store_motion(row, rows, load(velocity, rows), free ? 1.0 / load(mass, rows) : Lane{}, load(spin, rows));
-        const Lane radius = transpose(load_rows([&](int q) { return ball[at.valid(q)].centre.data(); }))[3];
-        store_rows(transpose({x.x, x.y, x.z, radius}), rows.count, [&](int q) { return &place[at(q)].x; });
+        store_motion(row, rows, load(velocity, rows), free ? 1.0 / load(mass, rows) : Lane{},
+                     load(spin, rows));
+        const Lane radius =
+            transpose(load_rows([&](int q) { return ball[at.valid(q)].centre.data(); }))[3];
+        store_rows(transpose({x.x, x.y, x.z, radius}), rows.count,
+                   [&](int q) { return &place[at(q)].x; });
     });
 }
 
-void place_kicks(Rows<Bodies, const Acceleration, const Spin, const StepSpin, Kick> bodies, const Clock& clock) {
+void place_kicks(Rows<Bodies, const Acceleration, const Spin, const StepSpin, Kick> bodies,
+                 const Clock& clock) {
     const Vec3* acceleration = bodies.column<Acceleration>();
     const Vec3* spin = bodies.column<Spin>();
     const Vec3* step_spin = bodies.column<StepSpin>();
     KickRow* kick = bodies.column<Kick>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        const Vec3Lanes v = (0.5 * clock.dt) * load(acceleration, rows), w = load(spin, rows) - load(step_spin, rows);
+        const Vec3Lanes v = (0.5 * clock.dt) * load(acceleration, rows),
+                        w = load(spin, rows) - load(step_spin, rows);
         const ByRow at(rows);
-        store_rows(transpose({v.x, v.y, v.z, Lane{}}), rows.count, [&](int q) { return &kick[at(q)].vx; });
-        store_rows(transpose({w.x, w.y, w.z, Lane{}}), rows.count, [&](int q) { return &kick[at(q)].spin_x; });
+        store_rows(transpose({v.x, v.y, v.z, Lane{}}), rows.count,
+                   [&](int q) { return &kick[at(q)].vx; });
+        store_rows(transpose({w.x, w.y, w.z, Lane{}}), rows.count,
+                   [&](int q) { return &kick[at(q)].spin_x; });
     });
 }
 
-void measure_travel(Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies) {
+void measure_travel(
+    Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies) {
     const Vec3* position = bodies.column<Position>();
     const Pose* from = bodies.column<PrunedAt>();
     double* travel = bodies.column<Travel>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const ByRow at(rows);
-        const auto was = transpose(load_rows([&](int q) { return from[at.valid(q)].position.data(); }));
+        const auto was =
+            transpose(load_rows([&](int q) { return from[at.valid(q)].position.data(); }));
         const Vec3Lanes gone = load(position, rows) - Vec3Lanes{was[0], was[1], was[2]};
         store(travel, rows, sqrt(dot(gone, gone)));
     });
@@ -182,7 +199,9 @@ void place_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePlace> plan
     const Row* host = planes.column<HostRow>();
     PlanePlaceRow* place = planes.column<PlanePlace>();
     for (Row p = planes.first(); p < planes.last(); ++p)
-        place[p] = {position[host[p]] + shape[p].point, shape[p].normal, {velocity[host[p]], spin[host[p]], position[host[p]]}};
+        place[p] = {position[host[p]] + shape[p].point,
+                    shape[p].normal,
+                    {velocity[host[p]], spin[host[p]], position[host[p]]}};
 }
 
 void place_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPlace> facets,

@@ -18,7 +18,8 @@ struct Sum {
     std::size_t contacts = 0;
 };
 
-template <class Pairs> void add_pairs(const World& world, std::vector<Sum>& sums, Balance& balance) {
+template <class Pairs>
+void add_pairs(const World& world, std::vector<Sum>& sums, Balance& balance) {
     if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
     if (index.size() == 0) return;

@@ -22,7 +22,8 @@ struct TouchingPair {
 };
 
 /// All touching pairs of one kind, in the order of their names.
-template <class Pairs> std::vector<TouchingPair> touching_pairs(const World& world) {
+template <class Pairs>
+std::vector<TouchingPair> touching_pairs(const World& world) {
     std::vector<TouchingPair> list;
     if (!world.has<Pairs>()) return list;
     const auto& index = world.resource<NearIndex<Pairs>>();
@@ -30,16 +31,20 @@ template <class Pairs> std::vector<TouchingPair> touching_pairs(const World& wor
     const auto force = world.column<typename Pairs::Near, PairForce>();
     const Table& pairs = world.table<Pairs>();
     const auto names = pairs.template column<PairKey>();
-    const SpringRow* spring = pairs.template has<Spring>() ? pairs.template column<Spring>().data() : nullptr;
-    const RollRow* roll = pairs.template has<Roll>() ? pairs.template column<Roll>().data() : nullptr;
+    const SpringRow* spring =
+        pairs.template has<Spring>() ? pairs.template column<Spring>().data() : nullptr;
+    const RollRow* roll =
+        pairs.template has<Roll>() ? pairs.template column<Roll>().data() : nullptr;
     const Table& near = world.table<typename Pairs::Near>();
-    const double* share = near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
+    const double* share =
+        near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
     const auto place = world.column<Listed, Place>();
     for (Row k = 0; k < index.size(); ++k) {
         if (!index.touches(k)) continue;
         const Row p = entry[k].pair;
-        list.push_back({names[p], force[k], spring != nullptr ? spring[p] : SpringRow{}, roll != nullptr ? roll[p] : RollRow{},
-                        entry[k].law, effective_radius<Pairs>(entry[k], place), share != nullptr ? share[k] : 1});
+        list.push_back({names[p], force[k], spring != nullptr ? spring[p] : SpringRow{},
+                        roll != nullptr ? roll[p] : RollRow{}, entry[k].law,
+                        effective_radius<Pairs>(entry[k], place), share != nullptr ? share[k] : 1});
     }
     std::sort(list.begin(), list.end(),
               [](const TouchingPair& a, const TouchingPair& b) { return a.names < b.names; });

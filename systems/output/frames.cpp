@@ -41,7 +41,8 @@ void append(std::vector<float>& list, const Vec3& v) {
 
 // Places from the State alone: they hold before the first step and after a restore, too.
 
-void add_facet_corners(const World& world, const std::vector<Row>& rows, std::vector<Vec3>& corners) {
+void add_facet_corners(const World& world, const std::vector<Row>& rows,
+                       std::vector<Vec3>& corners) {
     if (!world.has<Facets>()) return;
     const auto id = world.column<Facets, FacetId>();
     const auto host = world.column<Facets, HostId>();
@@ -62,14 +63,17 @@ void add_membrane_corners(const World& world, std::vector<Vec3>& corners) {
     const auto corner = [&](int ring, int sector) {
         const int next = (sector + 1) % surface.sectors;
         const Vec3 &a = surface.outward[sector], &b = surface.outward[next];
-        const double det = a.x() * b.y() - a.y() * b.x(), ra = surface.radius_at(ring, sector), rb = surface.radius_at(ring, next);
-        const double height = std::clamp(surface.middle(ring), 0.0, surface.rings * surface.ring_height);
+        const double det = a.x() * b.y() - a.y() * b.x(), ra = surface.radius_at(ring, sector),
+                     rb = surface.radius_at(ring, next);
+        const double height =
+            std::clamp(surface.middle(ring), 0.0, surface.rings * surface.ring_height);
         return Vec3((ra * b.y() - rb * a.y()) / det, (rb * a.x() - ra * b.x()) / det, height);
     };
     for (int ring = -1; ring < surface.rings; ++ring)
         for (int sector = 0; sector < surface.sectors; ++sector) {
             const int before = (sector + surface.sectors - 1) % surface.sectors;
-            corners.insert(corners.end(), {corner(ring, sector), corner(ring, before), corner(ring + 1, before), corner(ring + 1, sector)});
+            corners.insert(corners.end(), {corner(ring, sector), corner(ring, before),
+                                           corner(ring + 1, before), corner(ring + 1, sector)});
         }
 }
 

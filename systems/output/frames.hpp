@@ -32,8 +32,8 @@ struct BodyFrame {
 /// Gathers a frame from the world as the last step left it. Reads only.
 BodyFrame frame_of_bodies(const World& world);
 
-/// The bodies of a frame as a view to be drawn, sphere by sphere, as they stand in the world; `colour`
-/// takes the place of a body in the frame. Facets become outlines.
+/// The bodies of a frame as a view to be drawn, sphere by sphere, as they stand in the world;
+/// `colour` takes the place of a body in the frame. Facets become outlines.
 View view_of_bodies(const World& world, const BodyFrame& frame,
                     const std::function<Colour(std::size_t place)>& colour);
 

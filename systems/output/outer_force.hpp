@@ -8,14 +8,15 @@
 
 namespace bris {
 
-/// What acts on bodies from elsewhere than contacts: weight, and what pulls sensors. For as long as the world's tables
-/// stay as they are.
+/// What acts on bodies from elsewhere than contacts: weight, and what pulls sensors. For as long as
+/// the world's tables stay as they are.
 class OuterForces {
 public:
     explicit OuterForces(const World& world)
         : mass_(world.column<Bodies, Mass>().data()),
           pull_(world.table<Bodies>().has<Pull>() ? world.column<Bodies, Pull>().data() : nullptr),
-          gravity_(world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero())),
+          gravity_(world.has_resource<Gravity>() ? world.resource<Gravity>().value
+                                                 : Vec3(Vec3::Zero())),
           any_(pull_ != nullptr || world.has_resource<Gravity>()) {}
     bool any() const { return any_; }
     /// N, on the body of a row.

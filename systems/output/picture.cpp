@@ -1,7 +1,7 @@
 #include "systems/output/picture.hpp"
 
+#include "engine/io/gnuplot.hpp"
 #include "engine/random.hpp"
-#include "systems/output/gnuplot.hpp"
 
 #include <fmt/format.h>
 

@@ -30,12 +30,15 @@ double kinetic_energy(const World& world, Row b) {
     return 0.5 * (bodies.column<InertialMass>()[b] * v.squaredNorm() + turning);
 }
 
-template <class Pairs> void add_boundary_force(const World& world, const std::vector<Row>& rows, Quantities& q) {
+template <class Pairs>
+void add_boundary_force(const World& world, const std::vector<Row>& rows, Quantities& q) {
     for (const TouchingPair& p : touching_pairs<Pairs>(world))
-        if (!is_free(world, rows[p.names.partner])) q.boundary_force -= Vec3(p.force.fx, p.force.fy, p.force.fz);
+        if (!is_free(world, rows[p.names.partner]))
+            q.boundary_force -= Vec3(p.force.fx, p.force.fy, p.force.fz);
 }
 
-template <class Pairs> void add_contacts(const World& world, Quantities& q) {
+template <class Pairs>
+void add_contacts(const World& world, Quantities& q) {
     const auto& materials = world.resource<Materials>();
     const LawName law = world.resource<ContactLaw>().law;
     PairNames last{nobody, nobody, 0, 0};
@@ -44,10 +47,15 @@ template <class Pairs> void add_contacts(const World& world, Quantities& q) {
         q.mean_overlap += p.force.overlap;
         q.largest_overlap = std::max(q.largest_overlap, p.force.overlap);
         q.mean_normal_force += p.force.normal_force;
-        const Elasticity e = elasticity(materials.pairs(law)[p.law], is_hertz(law), p.force.overlap, p.radius);
-        const double shear2 = p.spring.x * p.spring.x + p.spring.y * p.spring.y + p.spring.z * p.spring.z;
-        const double roll2 = p.roll.x * p.roll.x + p.roll.y * p.roll.y + p.roll.z * p.roll.z + p.roll.twist * p.roll.twist;
-        q.elastic_energy += p.share * (e.energy + 0.5 * e.shear * (shear2 + materials.policy.rolling_stiffness_ratio * roll2));
+        const Elasticity e =
+            elasticity(materials.pairs(law)[p.law], is_hertz(law), p.force.overlap, p.radius);
+        const double shear2 =
+            p.spring.x * p.spring.x + p.spring.y * p.spring.y + p.spring.z * p.spring.z;
+        const double roll2 = p.roll.x * p.roll.x + p.roll.y * p.roll.y + p.roll.z * p.roll.z +
+                             p.roll.twist * p.roll.twist;
+        q.elastic_energy +=
+            p.share * (e.energy +
+                       0.5 * e.shear * (shear2 + materials.policy.rolling_stiffness_ratio * roll2));
         if (p.names.owner != last.owner || p.names.partner != last.partner) ++q.body_contacts;
         last = p.names;
     }
@@ -59,7 +67,8 @@ Quantities measure(const World& world) {
     Quantities q;
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     std::size_t free_bodies = 0;
-    const Vec3 gravity = world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero());
+    const Vec3 gravity =
+        world.has_resource<Gravity>() ? world.resource<Gravity>().value : Vec3(Vec3::Zero());
     for (std::size_t id = 0; id < rows.size(); ++id) {
         if (!is_free(world, rows[id])) continue;
         ++free_bodies;
@@ -77,7 +86,8 @@ Quantities measure(const World& world) {
         q.mean_normal_force /= static_cast<double>(q.contacts);
     }
     if (free_bodies > 0)
-        q.coordination = static_cast<double>(q.body_contacts + between_grains) / static_cast<double>(free_bodies);
+        q.coordination = static_cast<double>(q.body_contacts + between_grains) /
+                         static_cast<double>(free_bodies);
     q.unbalanced_ratio = measure_balance(world).unbalanced_ratio;
     return q;
 }

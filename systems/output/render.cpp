@@ -75,8 +75,8 @@ bool same(const Colour& a, const Colour& b) {
 }
 
 /// 1, or less where another body begins beside the sample and lies farther away.
-float edge_light(const Depths& depths, const std::vector<DrawnBall>& balls, std::size_t at, unsigned x,
-                 unsigned y) {
+float edge_light(const Depths& depths, const std::vector<DrawnBall>& balls, std::size_t at,
+                 unsigned x, unsigned y) {
     const std::uint32_t here = depths.ball[at];
     const auto beyond = [&](std::size_t other) {
         const std::uint32_t there = depths.ball[other];

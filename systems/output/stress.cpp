@@ -19,11 +19,13 @@ void add(AxisymmetricStress& sum, const Vec3& force, const Vec3& branch) {
     sum.radial += 0.5 * (force.x() * branch.x() + force.y() * branch.y());
 }
 
-template <class Pairs> void add_pairs(const World& world, const std::vector<Row>& rows, Stresses& s) {
+template <class Pairs>
+void add_pairs(const World& world, const std::vector<Row>& rows, Stresses& s) {
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
     for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
-        const Vec3 force(p.force.fx, p.force.fy, p.force.fz), point(p.force.px, p.force.py, p.force.pz);
+        const Vec3 force(p.force.fx, p.force.fy, p.force.fz),
+            point(p.force.px, p.force.py, p.force.pz);
         const Row owner = rows[p.names.owner], partner = rows[p.names.partner];
         if (motion[partner] == static_cast<std::uint32_t>(Motion::free)) {
             add(s.contact, force, position[owner] - position[partner]);
@@ -37,8 +39,10 @@ template <class Pairs> void add_pairs(const World& world, const std::vector<Row>
 } // namespace
 
 double Stresses::mismatch() const {
-    const double axial = std::abs(contact.axial / boundary.axial - 1), radial = std::abs(contact.radial / boundary.radial - 1);
-    return std::isfinite(axial) && std::isfinite(radial) ? std::max(axial, radial) : std::numeric_limits<double>::infinity();
+    const double axial = std::abs(contact.axial / boundary.axial - 1),
+                 radial = std::abs(contact.radial / boundary.radial - 1);
+    return std::isfinite(axial) && std::isfinite(radial) ? std::max(axial, radial)
+                                                         : std::numeric_limits<double>::infinity();
 }
 
 Stresses measure_stresses(const World& world) {
@@ -49,7 +53,8 @@ Stresses measure_stresses(const World& world) {
     if (!outer.any()) return s;
     const auto motion = world.column<Bodies, MotionOf>();
     for (const Row r : rows)
-        if (motion[r] == static_cast<std::uint32_t>(Motion::free)) add(s.boundary, outer(r), -world.column<Bodies, Position>()[r]);
+        if (motion[r] == static_cast<std::uint32_t>(Motion::free))
+            add(s.boundary, outer(r), -world.column<Bodies, Position>()[r]);
     return s;
 }
 

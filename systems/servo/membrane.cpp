@@ -17,8 +17,8 @@ double area_at(const MembraneSurface& s, int ring, double share) {
     return area;
 }
 
-/// The part between the middles of two rings that lies between z = 0 and `top`, in rings' heights from
-/// the lower middle; the ends reach down to 0 and up to any top.
+/// The part between the middles of two rings that lies between z = 0 and `top`, in rings' heights
+/// from the lower middle; the ends reach down to 0 and up to any top.
 struct Part {
     double from, to;
     Part(const MembraneSurface& s, int ring, double top) {
@@ -43,7 +43,8 @@ void measure_areas(const Membrane& membrane, const double* radius, double top, d
                      tt = (p.to * p.to * p.to - p.from * p.from * p.from) / 3;
         // widths and shares are linear in height
         for (int sector = 0; sector < s.sectors; ++sector) {
-            const double width = s.exposed_width(ring, 0, sector), wider = s.exposed_width(ring, 1, sector) - width;
+            const double width = s.exposed_width(ring, 0, sector),
+                         wider = s.exposed_width(ring, 1, sector) - width;
             const double upper = s.ring_height * (width * t + wider * tt);
             area[s.element(ring + 1, sector)] += upper;
             area[s.element(ring, sector)] += s.ring_height * (width * one + wider * t) - upper;
@@ -58,7 +59,8 @@ double membrane_volume(const Membrane& membrane, const double* radius, double to
         const Part p(s, ring, top);
         // the area is quadratic in height, for which Simpson's rule is exact
         volume += (p.to - p.from) * s.ring_height / 6 *
-                  (area_at(s, ring, p.from) + 4 * area_at(s, ring, 0.5 * (p.from + p.to)) + area_at(s, ring, p.to));
+                  (area_at(s, ring, p.from) + 4 * area_at(s, ring, 0.5 * (p.from + p.to)) +
+                   area_at(s, ring, p.to));
     }
     return volume;
 }
@@ -96,7 +98,8 @@ void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
     });
 }
 
-void book_membrane_work(Rows<Bodies, BoundaryWork> bodies, Rows<Elements, const ElementPush, const ElementSpeed> elements,
+void book_membrane_work(Rows<Bodies, BoundaryWork> bodies,
+                        Rows<Elements, const ElementPush, const ElementSpeed> elements,
                         const Membrane& membrane, const Clock& clock) {
     const double* push = elements.column<ElementPush>();
     const double* speed = elements.column<ElementSpeed>();
@@ -105,9 +108,11 @@ void book_membrane_work(Rows<Bodies, BoundaryWork> bodies, Rows<Elements, const 
     bodies.column<BoundaryWork>()[membrane.body_row] += 0.5 * clock.dt * power;
 }
 
-void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold> elements,
-                    Rows<Planes, const PlanePlace> planes, Membrane& membrane, const Platen& platen, const Clock& clock,
-                    Health& health) {
+void steer_membrane(
+    Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold>
+        elements,
+    Rows<Planes, const PlanePlace> planes, Membrane& membrane, const Platen& platen,
+    const Clock& clock, Health& health) {
     double* radius = elements.column<ElementRadius>();
     double* speed = elements.column<ElementSpeed>();
     double* area = elements.column<ElementArea>();
@@ -121,26 +126,32 @@ void steer_membrane(Rows<Elements, ElementRadius, ElementSpeed, ElementArea, con
         for (std::size_t e = g * group; e < (g + 1) * group; ++e) {
             if (area[e] < 0 && !health.bad) {
                 health.bad = true;
-                health.what = "membrane element " + std::to_string(e) + " is hidden by its neighbours: exposed area " +
+                health.what = "membrane element " + std::to_string(e) +
+                              " is hidden by its neighbours: exposed area " +
                               std::to_string(area[e]) + " m2; try the servo per ring";
             }
             force += push[e];
             on += area[e];
             stiffness += hold[e] * membrane.contact_stiffness;
         }
-        const bool passed = on < least_area * membrane.ring_height * radius[g * group] && g * group >= membrane.sectors;
+        const bool passed = on < least_area * membrane.ring_height * radius[g * group] &&
+                            g * group >= membrane.sectors;
         membrane.pressure[g] = passed ? aim : force / on;
         // one contact an element is the floor
         ServoMotion servo{membrane.stiffness[g], membrane.damping, membrane.largest_step, clock.dt};
-        const double next = servo.next(speed[g * group], force - aim * on,
-                                       std::max(stiffness, static_cast<double>(group) * membrane.contact_stiffness));
+        const double next = servo.next(
+            speed[g * group], force - aim * on,
+            std::max(stiffness, static_cast<double>(group) * membrane.contact_stiffness));
         for (std::size_t e = g * group; e < (g + 1) * group; ++e) {
             if (membrane.active) speed[e] = passed ? speed[e - membrane.sectors] : next;
             radius[e] += speed[e] * clock.dt;
-            if (radius[e] > membrane.largest_step || health.bad) continue; // nor where it is not a number
+            if (radius[e] > membrane.largest_step || health.bad)
+                continue; // nor where it is not a number
             health.bad = true;
-            health.what = "membrane element " + std::to_string(e) + " has closed upon the axis: expected grains that bear the target pressure of " +
-                          std::to_string(membrane.target_pressure) + " Pa, found none";
+            health.what =
+                "membrane element " + std::to_string(e) +
+                " has closed upon the axis: expected grains that bear the target pressure of " +
+                std::to_string(membrane.target_pressure) + " Pa, found none";
         }
     }
 }

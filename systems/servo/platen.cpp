@@ -8,8 +8,9 @@ namespace bris {
 
 void steer_platen(Rows<Planes, const HostRow> planes,
                   Rows<Bodies, const Force, const PrunedAt, Position, Velocity, Travel> bodies,
-                  Rows<Elements, const ElementRadius> elements, Platen& platen, const Membrane& membrane,
-                  const NearIndex<PlanePairs>& index, const Clock& clock, Health& health) {
+                  Rows<Elements, const ElementRadius> elements, Platen& platen,
+                  const Membrane& membrane, const NearIndex<PlanePairs>& index, const Clock& clock,
+                  Health& health) {
     const Row host = planes.column<HostRow>()[platen.plane];
     double area = 0;
     for (std::size_t ring = 0; ring < membrane.rings; ++ring)
@@ -19,7 +20,8 @@ void steer_platen(Rows<Planes, const HostRow> planes,
     if (platen.controlled) {
         const double aim = platen.aim.next(platen.target_pressure);
         double stiffness = platen.contact_stiffness;
-        stiffness += platen.contact_stiffness * (index.contact_end[host] - index.first_contact(host));
+        stiffness +=
+            platen.contact_stiffness * (index.contact_end[host] - index.first_contact(host));
         ServoMotion servo{platen.stiffness, platen.damping, platen.largest_step, clock.dt};
         platen.speed = servo.next(platen.speed, aim * area - push, stiffness);
     }
@@ -29,13 +31,17 @@ void steer_platen(Rows<Planes, const HostRow> planes,
     bodies.column<Travel>()[host] = (position - bodies.column<PrunedAt>()[host].position).norm();
     if (position.z() > 0 || health.bad) return; // nor where it is not a number
     health.bad = true;
-    health.what = "the platen has come to the bottom: expected grains that bear it, found none; at " + std::to_string(platen.pressure) + " Pa";
+    health.what =
+        "the platen has come to the bottom: expected grains that bear it, found none; at " +
+        std::to_string(platen.pressure) + " Pa";
 }
 
-void book_platen_work(Rows<Planes, const HostRow> planes, Rows<Bodies, const Force, const Velocity, BoundaryWork> bodies,
+void book_platen_work(Rows<Planes, const HostRow> planes,
+                      Rows<Bodies, const Force, const Velocity, BoundaryWork> bodies,
                       const Platen& platen, const Clock& clock) {
     const Row host = planes.column<HostRow>()[platen.plane];
-    bodies.column<BoundaryWork>()[host] -= 0.5 * clock.dt * bodies.column<Force>()[host].dot(bodies.column<Velocity>()[host]);
+    bodies.column<BoundaryWork>()[host] -=
+        0.5 * clock.dt * bodies.column<Force>()[host].dot(bodies.column<Velocity>()[host]);
 }
 
 } // namespace bris

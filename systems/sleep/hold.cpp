@@ -4,11 +4,14 @@ namespace bris {
 
 namespace {
 
-template <class BodyRows, class Keep, class PutBack> void hold(const BodyRows& bodies, const Sleep& sleep, Keep&& keep, PutBack&& put_back) {
+template <class BodyRows, class Keep, class PutBack>
+void hold(const BodyRows& bodies, const Sleep& sleep, Keep&& keep, PutBack&& put_back) {
     const auto* motion = bodies.template column<MotionOf>();
-    const double *mass = bodies.template column<Mass>(), *radius = bodies.template column<BoundingRadius>();
+    const double *mass = bodies.template column<Mass>(),
+                 *radius = bodies.template column<BoundingRadius>();
     const Vec3 *force = bodies.template column<Force>(), *torque = bodies.template column<Torque>();
-    Vec3 *velocity = bodies.template column<Velocity>(), *spin = bodies.template column<Spin>(), *step_spin = bodies.template column<StepSpin>();
+    Vec3 *velocity = bodies.template column<Velocity>(), *spin = bodies.template column<Spin>(),
+         *step_spin = bodies.template column<StepSpin>();
     std::uint32_t* resting = bodies.template column<Resting>();
     HeldRow* held = bodies.template column<HeldPose>();
     Vec3* position = bodies.template column<Position>();
@@ -16,9 +19,11 @@ template <class BodyRows, class Keep, class PutBack> void hold(const BodyRows& b
         if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
         const bool slept = resting[b] >= sleep.steps && held[b].held != 0;
         const double limit = (slept ? 2 : 1) * sleep.acceleration * mass[b];
-        const bool balanced = force[b].squaredNorm() <= limit * limit && torque[b].squaredNorm() <= limit * limit * radius[b] * radius[b];
+        const bool balanced = force[b].squaredNorm() <= limit * limit &&
+                              torque[b].squaredNorm() <= limit * limit * radius[b] * radius[b];
         if (!slept) {
-            const double slow = sleep.speed * sleep.speed, turning = radius[b] * radius[b] * step_spin[b].squaredNorm();
+            const double slow = sleep.speed * sleep.speed,
+                         turning = radius[b] * radius[b] * step_spin[b].squaredNorm();
             const bool rests = balanced && velocity[b].squaredNorm() <= slow && turning <= slow;
             resting[b] = rests ? resting[b] + 1 : 0;
             if (resting[b] < sleep.steps) continue;
@@ -33,26 +38,29 @@ template <class BodyRows, class Keep, class PutBack> void hold(const BodyRows& b
         position[b] = held[b].position;
         put_back(held[b], b);
         velocity[b] = spin[b] = step_spin[b] = Vec3::Zero();
-        bodies.template column<Acceleration>()[b] = bodies.template column<AngularMomentum>()[b] = Vec3::Zero();
+        bodies.template column<Acceleration>()[b] = bodies.template column<AngularMomentum>()[b] =
+            Vec3::Zero();
     }
 }
 
 } // namespace
 
 void hold_spheres(RestingBodies<const SphereInertia> bodies, const Sleep& sleep) {
-    hold(bodies, sleep, [](HeldRow&, Row) {}, [](const HeldRow&, Row) {});
+    hold(
+        bodies, sleep, [](HeldRow&, Row) {}, [](const HeldRow&, Row) {});
 }
 
 void hold_clumps(RestingBodies<Orientation> bodies, const Sleep& sleep) {
     Quat* orientation = bodies.column<Orientation>();
-    hold(bodies, sleep,
-         [&](HeldRow& h, Row b) {
-             h.qx = orientation[b].x();
-             h.qy = orientation[b].y();
-             h.qz = orientation[b].z();
-             h.qw = orientation[b].w();
-         },
-         [&](const HeldRow& h, Row b) { orientation[b] = Quat(h.qw, h.qx, h.qy, h.qz); });
+    hold(
+        bodies, sleep,
+        [&](HeldRow& h, Row b) {
+            h.qx = orientation[b].x();
+            h.qy = orientation[b].y();
+            h.qz = orientation[b].z();
+            h.qw = orientation[b].w();
+        },
+        [&](const HeldRow& h, Row b) { orientation[b] = Quat(h.qw, h.qx, h.qy, h.qz); });
 }
 
 } // namespace bris

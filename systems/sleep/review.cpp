@@ -16,12 +16,17 @@ namespace {
 /// Who sleeps, by row; those that stand still for good always do.
 class WhoSleeps {
 public:
-    WhoSleeps(const World& world, const Sleep& sleep) : motion_(world.column<Bodies, MotionOf>()), resting_(world.column<Bodies, Resting>()), steps_(sleep.steps) {}
-    bool operator()(Row b) const { return motion_[b] == static_cast<std::uint32_t>(Motion::fixed) || resting_[b] >= steps_; }
+    WhoSleeps(const World& world, const Sleep& sleep)
+        : motion_(world.column<Bodies, MotionOf>()), resting_(world.column<Bodies, Resting>()),
+          steps_(sleep.steps) {}
+    bool operator()(Row b) const {
+        return motion_[b] == static_cast<std::uint32_t>(Motion::fixed) || resting_[b] >= steps_;
+    }
     bool differs_from(const std::vector<std::uint8_t>& sleeps) const {
         if (sleeps.size() != motion_.size()) return true;
         unsigned differs = 0;
-        for (Row b = 0; b < motion_.size(); ++b) differs |= static_cast<unsigned>((*this)(b)) ^ sleeps[b];
+        for (Row b = 0; b < motion_.size(); ++b)
+            differs |= static_cast<unsigned>((*this)(b)) ^ sleeps[b];
         return differs != 0;
     }
     std::vector<std::uint8_t> all() const {
@@ -36,11 +41,15 @@ private:
 };
 
 /// The two bodies of a near pair, by row.
-template <class Pairs> class PartnersOf {
+template <class Pairs>
+class PartnersOf {
 public:
     explicit PartnersOf(const World& world)
-        : entry_(world.column<typename Pairs::Near, NearPair>()), rows_(world.column<Pairs, PairRows>()), body_(world.column<Listed, ListedBody>()) {}
-    std::pair<Row, Row> operator()(std::size_t k) const { return {body_[entry_[k].owner], rows_[entry_[k].pair].partner_body}; }
+        : entry_(world.column<typename Pairs::Near, NearPair>()),
+          rows_(world.column<Pairs, PairRows>()), body_(world.column<Listed, ListedBody>()) {}
+    std::pair<Row, Row> operator()(std::size_t k) const {
+        return {body_[entry_[k].owner], rows_[entry_[k].pair].partner_body};
+    }
 
 private:
     std::span<const NearEntry> entry_;
@@ -48,25 +57,31 @@ private:
     std::span<const Row> body_;
 };
 
-/// Pairs with somebody awake, by the bits of their group. Those that fall asleep are looked at once more, as all are after
-/// lists were made anew: their forces are from then on those of bodies that do not move.
-template <class Pairs> void mark_awake(World& world, const std::vector<std::uint8_t>& sleeps) {
+/// Pairs with somebody awake, by the bits of their group. Those that fall asleep are looked at once
+/// more, as all are after lists were made anew: their forces are from then on those of bodies that
+/// do not move.
+template <class Pairs>
+void mark_awake(World& world, const std::vector<std::uint8_t>& sleeps) {
     if (!world.has<Pairs>()) return;
     auto& index = world.resource<NearIndex<Pairs>>();
     const PartnersOf<Pairs> partners(world);
-    if (index.awake.empty()) index.look.assign(index.touching.size(), 0xff);
-    else index.look = index.awake;
+    if (index.awake.empty())
+        index.look.assign(index.touching.size(), 0xff);
+    else
+        index.look = index.awake;
     index.awake.assign(index.touching.size(), 0);
     for (std::size_t k = 0; k < index.size(); ++k) {
         const auto [owner, partner] = partners(k);
         const bool sleep = sleeps[owner] != 0 && sleeps[partner] != 0;
-        index.awake[k / 8] = static_cast<std::uint8_t>(index.awake[k / 8] | (sleep ? 0u : 1u) << (k % 8));
+        index.awake[k / 8] =
+            static_cast<std::uint8_t>(index.awake[k / 8] | (sleep ? 0u : 1u) << (k % 8));
     }
     for (std::size_t g = 0; g < index.look.size(); ++g) index.look[g] |= index.awake[g];
 }
 
 /// Bodies with a pair that is looked at.
-template <class Pairs> void mark_busy(const World& world, std::vector<std::uint8_t>& busy) {
+template <class Pairs>
+void mark_busy(const World& world, std::vector<std::uint8_t>& busy) {
     if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
     const PartnersOf<Pairs> partners(world);
@@ -83,7 +98,8 @@ template <class Pairs> void mark_busy(const World& world, std::vector<std::uint8
 /// Rows of bodies that sleep, and of whose contacts none is looked at.
 void leave_idle_rows(World& world, const Sleep& sleep) {
     std::vector<std::uint8_t> busy(sleep.sleeps.size());
-    std::ranges::transform(sleep.sleeps, busy.begin(), [](std::uint8_t s) { return static_cast<std::uint8_t>(s == 0); });
+    std::ranges::transform(sleep.sleeps, busy.begin(),
+                           [](std::uint8_t s) { return static_cast<std::uint8_t>(s == 0); });
     mark_busy<SpherePairs>(world, busy);
     mark_busy<PlanePairs>(world, busy);
     std::vector<std::uint8_t> idle((busy.size() + Table::idle_rows - 1) / Table::idle_rows, 1);
@@ -95,17 +111,28 @@ void leave_idle_rows(World& world, const Sleep& sleep) {
 } // namespace
 
 void add_sleep(World& world, const Sleep& settings) {
-    require(settings.acceleration > 0 && settings.speed > 0 && settings.steps > 0, "sleep: expected an acceleration, a speed and steps above 0");
-    require(!world.has<Facets>() && !world.has<Elements>(), "sleep: expected planes as boundaries, found facets or a membrane: bodies do not sleep on these");
+    require(settings.acceleration > 0 && settings.speed > 0 && settings.steps > 0,
+            "sleep: expected an acceleration, a speed and steps above 0");
+    require(!world.has<Facets>() && !world.has<Elements>(),
+            "sleep: expected planes as boundaries, found facets or a membrane: bodies do not sleep "
+            "on these");
     const auto motion = world.column<Bodies, MotionOf>();
-    const auto stands = [](std::uint32_t m) { return m == static_cast<std::uint32_t>(Motion::free) || m == static_cast<std::uint32_t>(Motion::fixed); };
-    require(std::ranges::all_of(motion, stands), "sleep: expected boundaries that stand still, found one that is driven");
-    require(!world.has<Sensors>(), "sleep: expected no sensors: their corrections would be lost on sleepers");
+    const auto stands = [](std::uint32_t m) {
+        return m == static_cast<std::uint32_t>(Motion::free) ||
+               m == static_cast<std::uint32_t>(Motion::fixed);
+    };
+    require(std::ranges::all_of(motion, stands),
+            "sleep: expected boundaries that stand still, found one that is driven");
+    require(!world.has<Sensors>(),
+            "sleep: expected no sensors: their corrections would be lost on sleepers");
     Table& bodies = world.table<Bodies>();
     const auto velocity = bodies.column<Velocity>(), spin = bodies.column<Spin>();
     for (Row b = 0; b < motion.size(); ++b)
-        require(motion[b] == static_cast<std::uint32_t>(Motion::free) || (velocity[b] == Vec3::Zero() && spin[b] == Vec3::Zero()), "sleep: expected fixed bodies without motion, found one with");
-    require(!bodies.has<FrictionWork>() && !bodies.has<BoundaryWork>(), "sleep: expected no energy ledger: it would miss what sleepers had");
+        require(motion[b] == static_cast<std::uint32_t>(Motion::free) ||
+                    (velocity[b] == Vec3::Zero() && spin[b] == Vec3::Zero()),
+                "sleep: expected fixed bodies without motion, found one with");
+    require(!bodies.has<FrictionWork>() && !bodies.has<BoundaryWork>(),
+            "sleep: expected no energy ledger: it would miss what sleepers had");
     bodies.add<Resting>();
     bodies.add<HeldPose>();
     world.add_resource<Sleep>(settings);
@@ -120,7 +147,9 @@ void wake_all(World& world) {
 
 std::size_t sleepers(const World& world) {
     if (!world.has_resource<Sleep>()) return 0;
-    return static_cast<std::size_t>(std::ranges::count_if(world.column<Bodies, Resting>(), [&](std::uint32_t r) { return r >= world.resource<Sleep>().steps; }));
+    return static_cast<std::size_t>(
+        std::ranges::count_if(world.column<Bodies, Resting>(),
+                              [&](std::uint32_t r) { return r >= world.resource<Sleep>().steps; }));
 }
 
 bool sleep_is_due(const World& world) {
@@ -130,7 +159,8 @@ bool sleep_is_due(const World& world) {
 
 void review_sleep(World& world, Sleep& sleep) {
     const WhoSleeps who(world, sleep);
-    const bool listed = world.resource<NearIndex<SpherePairs>>().awake.empty(); // anew: no marks are left
+    const bool listed =
+        world.resource<NearIndex<SpherePairs>>().awake.empty(); // anew: no marks are left
     const bool changed = listed || who.differs_from(sleep.sleeps);
     if (changed) {
         sleep.sleeps = who.all();

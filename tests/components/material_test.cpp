@@ -18,16 +18,21 @@ TEST_SUITE("components/material") {
         CHECK(k.ks / k.kn == about(0.8 * 2 / 1.8).epsilon(1e-14));
     }
 
-    TEST_CASE("a force that is cut at zero gives the restitution of the closed form, and a calibrated dashpot undoes it") {
+    TEST_CASE("a force that is cut at zero gives the restitution of the closed form, and a "
+              "calibrated dashpot undoes it") {
         // accuracy.md 1b: restitution asked for, found when cut, ratio that restores it
-        const std::array<std::array<double, 3>, 5> rows{{{0.1, 0.25273, 1.24318}, {0.3, 0.39714, 0.49724}, {0.5, 0.55028, 0.25528},
-                                                         {0.8, 0.80810, 0.07436}, {0.98, 0.98008, 0.00646}}};
+        const std::array<std::array<double, 3>, 5> rows{{{0.1, 0.25273, 1.24318},
+                                                         {0.3, 0.39714, 0.49724},
+                                                         {0.5, 0.55028, 0.25528},
+                                                         {0.8, 0.80810, 0.07436},
+                                                         {0.98, 0.98008, 0.00646}}};
         for (const auto& [asked, cut, calibrated] : rows) {
             const double ratio = damping_ratio(asked, Tension::allowed);
             CHECK(restitution_of(ratio, Tension::allowed) == about(asked).epsilon(1e-13));
             CHECK(restitution_of(ratio, Tension::cut) == about(cut).epsilon(1e-5)); // five digits
             CHECK(damping_ratio(asked, Tension::calibrated) == about(calibrated).epsilon(1e-3));
-            CHECK(restitution_of(damping_ratio(asked, Tension::calibrated), Tension::calibrated) == about(asked).epsilon(1e-12));
+            CHECK(restitution_of(damping_ratio(asked, Tension::calibrated), Tension::calibrated) ==
+                  about(asked).epsilon(1e-12));
         }
         CHECK(damping_ratio(1, Tension::calibrated) == 0);
         CHECK(damping_ratio(0, Tension::allowed) == 1);
@@ -43,16 +48,19 @@ TEST_SUITE("components/material") {
         CHECK(std::isinf(damping_ratio(0, Tension::calibrated)));
     }
 
-    TEST_CASE("a pair's own properties replace the mixing rules, in both orders, and survive a checkpoint") {
+    TEST_CASE("a pair's own properties replace the mixing rules, in both orders, and survive a "
+              "checkpoint") {
         Materials m;
         const auto ball = m.add({.name = "ball", .friction = 0.3, .restitution = 0.81});
         const auto wall = m.add({.name = "wall", .friction = 0.2, .restitution = 1});
         CHECK(m.linear_pairs[m.pair(ball, wall)].friction == 0.2);
-        CHECK(m.linear_pairs[m.pair(ball, wall)].normal_ratio == about(2 * damping_ratio(0.9, Tension::allowed)));
+        CHECK(m.linear_pairs[m.pair(ball, wall)].normal_ratio ==
+              about(2 * damping_ratio(0.9, Tension::allowed)));
         m.policy.tension = Tension::calibrated;
         m.set_pair(ball, wall, {.friction = 0.7, .restitution = 0.4});
         CHECK(m.linear_pairs[m.pair(ball, wall)].friction == 0.7);
-        CHECK(m.linear_pairs[m.pair(wall, ball)].normal_ratio == about(2 * damping_ratio(0.4, Tension::calibrated)));
+        CHECK(m.linear_pairs[m.pair(wall, ball)].normal_ratio ==
+              about(2 * damping_ratio(0.4, Tension::calibrated)));
         CHECK(m.linear_pairs[m.pair(ball, ball)].friction == 0.3);
         Archive archive;
         m.save(archive);

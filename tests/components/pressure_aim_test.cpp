@@ -24,7 +24,8 @@ TEST_SUITE("components/pressure_aim") {
             CHECK(before != target);
             // the steepest of half a cosine is pi / 2 of the mean
             CHECK(largest <= 0.5 * pi * std::abs(target - start) / PressureAim::ramp_steps);
-            CHECK(std::abs(target - before) < 1e-3 * std::abs(target - start)); // arrives gently: (pi / ramp)^2 / 4
+            CHECK(std::abs(target - before) <
+                  1e-3 * std::abs(target - start)); // arrives gently: (pi / ramp)^2 / 4
             for (int k = 0; k < 3; ++k) CHECK(aim.next(target) == target);
         }
     }

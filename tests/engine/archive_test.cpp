@@ -1,5 +1,4 @@
 #include "engine/archive.hpp"
-
 #include "engine/errors.hpp"
 
 #include <doctest/doctest.h>

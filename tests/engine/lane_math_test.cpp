@@ -1,5 +1,4 @@
 #include "engine/lane_math.hpp"
-
 #include "engine/random.hpp"
 #include "tests/about.hpp"
 
@@ -14,7 +13,9 @@ namespace {
 
 constexpr std::size_t many = 2 * static_cast<std::size_t>(lane_count) + 3; // ends in a short group
 
-Vec3 vector_in(Random& random, double scale) { return scale * random.uniform(0, 1) * random.direction(); }
+Vec3 vector_in(Random& random, double scale) {
+    return scale * random.uniform(0, 1) * random.direction();
+}
 
 std::vector<Vec3> vectors(std::uint64_t seed, double scale) {
     Random random(seed, 0);
@@ -30,7 +31,8 @@ TEST_SUITE("engine/lane_math") {
         const auto from = vectors(1, 1);
         auto to = vectors(2, 1);
         const Vec3 kept = to[many - 1];
-        for_lane_rows(0, many - 1, [&](LaneRows rows) { store(to.data(), rows, load(from.data(), rows)); });
+        for_lane_rows(0, many - 1,
+                      [&](LaneRows rows) { store(to.data(), rows, load(from.data(), rows)); });
         for (std::size_t k = 0; k + 1 < many; ++k) CHECK(to[k] == from[k]);
         CHECK(to[many - 1] == kept);
 
@@ -53,7 +55,8 @@ TEST_SUITE("engine/lane_math") {
         for (std::uint32_t k = 0; k < many; ++k) kinds[k] = k % 3;
         for_lane_rows(0, many, [&](LaneRows rows) {
             const unsigned found = bits(equal(kinds.data(), rows, 2));
-            for (int k = 0; k < rows.count; ++k) CHECK(((found >> k) & 1) == (kinds[rows.first + static_cast<Row>(k)] == 2));
+            for (int k = 0; k < rows.count; ++k)
+                CHECK(((found >> k) & 1) == (kinds[rows.first + static_cast<Row>(k)] == 2));
         });
     }
 
@@ -70,7 +73,8 @@ TEST_SUITE("engine/lane_math") {
         });
         for (std::size_t k = 0; k < many; ++k) {
             const Row row = static_cast<Row>(k);
-            store(alone.data(), LaneRows{row, 1}, exponential_map(load(angles.data(), LaneRows{row, 1})));
+            store(alone.data(), LaneRows{row, 1},
+                  exponential_map(load(angles.data(), LaneRows{row, 1})));
             CHECK(alone[k].coeffs() == turns[k].coeffs());
             CHECK((turns[k].coeffs() - exponential_map(angles[k]).coeffs()).norm() < 1e-14);
             CHECK((world[k] - turns[k] * points[k]).norm() < 1e-14);

@@ -1,5 +1,4 @@
 #include "engine/lanes.hpp"
-
 #include "engine/random.hpp"
 
 #include <doctest/doctest.h>
@@ -38,9 +37,11 @@ TEST_SUITE("engine/lanes") {
         const FourLanes twice = transpose(transpose(loaded(rows)));
         for (int count = 0; count <= lane_count; ++count) {
             Numbers stored{};
-            store_rows(twice, count, [&](int q) { return stored[static_cast<std::size_t>(q)].data(); });
+            store_rows(twice, count,
+                       [&](int q) { return stored[static_cast<std::size_t>(q)].data(); });
             for (std::size_t q = 0; q < width; ++q)
-                CHECK(stored[q] == (static_cast<int>(q) < count ? rows[q] : std::array<double, 4>{}));
+                CHECK(stored[q] ==
+                      (static_cast<int>(q) < count ? rows[q] : std::array<double, 4>{}));
         }
     }
 

@@ -1,5 +1,4 @@
 #include "engine/math.hpp"
-
 #include "engine/random.hpp"
 
 #include <doctest/doctest.h>
@@ -9,13 +8,14 @@ using namespace bris;
 TEST_SUITE("engine/math") {
     TEST_CASE("the exponential map is the closed form for any angle") {
         Random random(3, 1);
-        for (const double angle : {0.0, 1e-12, 1e-6, 1e-3, 0.1, 0.5, 1.0, 3.0, pi, 10.0, 100.0, 1e4}) {
+        for (const double angle :
+             {0.0, 1e-12, 1e-6, 1e-3, 0.1, 0.5, 1.0, 3.0, pi, 10.0, 100.0, 1e4}) {
             for (int k = 0; k < 20; ++k) {
                 const Vec3 axis = random.direction();
                 const Quat q = exponential_map(angle * axis);
                 CAPTURE(angle);
-                // the angle is known to eps * angle; each of log2(2 angle) squarings doubles the error
-                // of about eps that the series leaves
+                // the angle is known to eps * angle; each of log2(2 angle) squarings doubles the
+                // error of about eps that the series leaves
                 const double tolerance = 1e-15 * (4 + 4 * angle);
                 CHECK(std::abs(q.w() - std::cos(angle / 2)) <= tolerance);
                 CHECK((q.vec() - std::sin(angle / 2) * axis).norm() <= tolerance);

@@ -6,7 +6,6 @@
 
 #include <cstdlib>
 #include <string>
-
 #include <sys/wait.h>
 
 using namespace bris;
@@ -25,7 +24,9 @@ std::string refusal(double bytes, std::uint64_t limit) {
 /// Exit code of a scenario of its own process; -1: a signal ended it.
 int exit_code_of_settle(const std::string& options) {
     const TemporaryDirectory out;
-    const int status = std::system((BRIS_BINARIES "/settle --quiet --duration 0.001 " + options + " --out " + (out / "x").string() + " > /dev/null 2>&1").c_str());
+    const int status = std::system((BRIS_BINARIES "/settle --quiet --duration 0.001 " + options +
+                                    " --out " + (out / "x").string() + " > /dev/null 2>&1")
+                                       .c_str());
     return WIFEXITED(status) && WEXITSTATUS(status) < 128 ? WEXITSTATUS(status) : -1;
 }
 
@@ -36,14 +37,18 @@ TEST_SUITE("engine/memory") {
         const auto all = static_cast<double>(machine_memory());
         CHECK(refusal(0.9 * all, 0) == "");
         CHECK(refusal(1.1 * all, 0).find("all that this machine has") != std::string::npos);
-        CHECK(refusal(0x1.8p30, std::uint64_t{1} << 30) == "--spheres: expected what fits in 1 GiB (--memory), found 5e+07, which take about 1.5 GiB");
+        CHECK(refusal(0x1.8p30, std::uint64_t{1} << 30) ==
+              "--spheres: expected what fits in 1 GiB (--memory), found 5e+07, which take about "
+              "1.5 GiB");
         CHECK(refusal(0x0.8p30, std::uint64_t{1} << 30) == "");
     }
 
-    TEST_CASE("under a limit too small for any process a scenario is refused; under what its scene is said to take it runs") {
+    TEST_CASE("under a limit too small for any process a scenario is refused; under what its scene "
+              "is said to take it runs") {
         for (const char* limit : {"0.001", "0.03", "0.06", "0.1"}) {
             CAPTURE(limit);
-            CHECK(exit_code_of_settle(std::string("--spheres 10 --threads 1 --memory ") + limit) == 2);
+            CHECK(exit_code_of_settle(std::string("--spheres 10 --threads 1 --memory ") + limit) ==
+                  2);
         }
         CHECK(exit_code_of_settle("--spheres 500 --threads 1 --memory 0.13") == 0);
         CHECK(exit_code_of_settle("--spheres 500 --threads 4 --memory 0.14") == 0);
@@ -53,6 +58,7 @@ TEST_SUITE("engine/memory") {
 
     TEST_CASE("a limit beyond the machine is the machine's") {
         const std::uint64_t all = machine_memory();
-        CHECK(refusal(1.1 * static_cast<double>(all), 2 * all).find("all that this machine has") != std::string::npos);
+        CHECK(refusal(1.1 * static_cast<double>(all), 2 * all).find("all that this machine has") !=
+              std::string::npos);
     }
 }

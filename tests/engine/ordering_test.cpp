@@ -1,5 +1,4 @@
 #include "engine/ordering.hpp"
-
 #include "engine/random.hpp"
 
 #include <doctest/doctest.h>
@@ -13,9 +12,10 @@ TEST_SUITE("engine/ordering") {
     TEST_CASE("a Morton code interleaves the bits of its three numbers") {
         Random random(2, 0);
         for (int k = 0; k < 200; ++k) {
-            const std::array<std::uint32_t, 3> c{static_cast<std::uint32_t>(random.bits() & 0x1fffff),
-                                                 static_cast<std::uint32_t>(random.bits() & 0x1fffff),
-                                                 static_cast<std::uint32_t>(random.bits() & 0x1fffff)};
+            const std::array<std::uint32_t, 3> c{
+                static_cast<std::uint32_t>(random.bits() & 0x1fffff),
+                static_cast<std::uint32_t>(random.bits() & 0x1fffff),
+                static_cast<std::uint32_t>(random.bits() & 0x1fffff)};
             std::uint64_t expected = 0;
             for (unsigned bit = 0; bit < 21; ++bit)
                 for (unsigned a = 0; a < 3; ++a)
@@ -31,7 +31,9 @@ TEST_SUITE("engine/ordering") {
         std::vector<EntityId> id(n);
         std::iota(id.begin(), id.end(), 0u);
         // many share a cell, some even a place
-        for (auto& v : x) v = Vec3(std::floor(4 * random.uniform()), 4 * random.uniform(), std::floor(3 * random.uniform()));
+        for (auto& v : x)
+            v = Vec3(std::floor(4 * random.uniform()), 4 * random.uniform(),
+                     std::floor(3 * random.uniform()));
         const auto ids_in_order = [&](std::span<const Row> shuffle) {
             std::vector<Vec3> moved(n);
             std::vector<EntityId> moved_id(n);
@@ -65,7 +67,8 @@ TEST_SUITE("engine/ordering") {
         }
         const auto order = morton_order(x, id, 1.0);
         double path = 0;
-        for (std::size_t r = 1; r < order.size(); ++r) path += (x[order[r]] - x[order[r - 1]]).norm();
+        for (std::size_t r = 1; r < order.size(); ++r)
+            path += (x[order[r]] - x[order[r - 1]]).norm();
         CHECK(path / 511 < 2);
     }
 

@@ -1,5 +1,4 @@
 #include "engine/parallel.hpp"
-
 #include "engine/random.hpp"
 
 #include <doctest/doctest.h>
@@ -22,14 +21,17 @@ TEST_SUITE("engine/parallel") {
                     bool cut_as_told = true;
                     Threads team(threads);
                     team.run([&] {
-                        for_chunks(n, grain, [&](std::size_t chunk, std::size_t first, std::size_t last) {
-                            ++chunk_seen[chunk];
-                            if (first != chunk * grain || last != std::min(n, first + grain)) cut_as_told = false;
-                            for (std::size_t i = first; i < last; ++i) ++seen[i];
-                        });
+                        for_chunks(
+                            n, grain, [&](std::size_t chunk, std::size_t first, std::size_t last) {
+                                ++chunk_seen[chunk];
+                                if (first != chunk * grain || last != std::min(n, first + grain))
+                                    cut_as_told = false;
+                                for (std::size_t i = first; i < last; ++i) ++seen[i];
+                            });
                     });
                     CHECK(cut_as_told);
-                    CHECK(std::count(seen.begin(), seen.end(), 1) == static_cast<std::ptrdiff_t>(n));
+                    CHECK(std::count(seen.begin(), seen.end(), 1) ==
+                          static_cast<std::ptrdiff_t>(n));
                     CHECK(std::count(chunk_seen.begin(), chunk_seen.end(), 1) ==
                           static_cast<std::ptrdiff_t>(chunk_seen.size()));
                 }
@@ -54,11 +56,16 @@ TEST_SUITE("engine/parallel") {
         Random random(11, 0);
         std::vector<double> terms(10'000);
         long double exact = 0;
-        for (double& t : terms) exact += static_cast<long double>(t = random.uniform(-1, 1) * std::exp2(random.uniform(-30, 30)));
+        for (double& t : terms)
+            exact += static_cast<long double>(t = random.uniform(-1, 1) *
+                                                  std::exp2(random.uniform(-30, 30)));
         std::set<double> sums;
         for (const unsigned threads : {1u, 2u, 3u, 7u}) {
             Threads team(threads);
-            team.run([&] { sums.insert(sum_in_order(terms.size(), 0.0, [&](std::size_t i) { return terms[i]; })); });
+            team.run([&] {
+                sums.insert(
+                    sum_in_order(terms.size(), 0.0, [&](std::size_t i) { return terms[i]; }));
+            });
         }
         CHECK(sums.size() == 1);
         // blocks of 1024: at most 1024 + 10 roundings of sums no larger than n 2^30

@@ -1,6 +1,5 @@
-#include "engine/schedule.hpp"
-
 #include "engine/parallel.hpp"
+#include "engine/schedule.hpp"
 #include "engine/simulation.hpp"
 
 #include <doctest/doctest.h>
@@ -11,12 +10,24 @@ using namespace bris;
 
 namespace {
 
-struct Cells  { static constexpr auto name = "cells"; };
-struct Others { static constexpr auto name = "others"; };
-struct A : State<double>   { static constexpr auto name = "a", unit = ""; };
-struct B : Derived<double> { static constexpr auto name = "b", unit = ""; };
-struct C : Derived<double> { static constexpr auto name = "c", unit = ""; };
-struct D : State<double>   { static constexpr auto name = "d", unit = ""; };
+struct Cells {
+    static constexpr auto name = "cells";
+};
+struct Others {
+    static constexpr auto name = "others";
+};
+struct A : State<double> {
+    static constexpr auto name = "a", unit = "";
+};
+struct B : Derived<double> {
+    static constexpr auto name = "b", unit = "";
+};
+struct C : Derived<double> {
+    static constexpr auto name = "c", unit = "";
+};
+struct D : State<double> {
+    static constexpr auto name = "d", unit = "";
+};
 
 /// Counts calls and says in which steps the periodic systems are due.
 struct Log {
@@ -29,17 +40,20 @@ struct Rare {
 };
 
 void b_from_a(Rows<Cells, const A, B> cells) {
-    for (Row r = cells.first(); r < cells.last(); ++r) cells.column<B>()[r] = 2 * cells.column<A>()[r] + 1;
+    for (Row r = cells.first(); r < cells.last(); ++r)
+        cells.column<B>()[r] = 2 * cells.column<A>()[r] + 1;
 }
 void c_from_a(Rows<Cells, const A, C> cells) {
-    for (Row r = cells.first(); r < cells.last(); ++r) cells.column<C>()[r] = 3 * cells.column<A>()[r] - 1;
+    for (Row r = cells.first(); r < cells.last(); ++r)
+        cells.column<C>()[r] = 3 * cells.column<A>()[r] - 1;
 }
 void a_from_b_and_c(Rows<Cells, A, const B, const C> cells) {
     for (Row r = cells.first(); r < cells.last(); ++r)
         cells.column<A>()[r] = 0.25 * (cells.column<B>()[r] + cells.column<C>()[r]);
 }
 void a_from_b(Rows<Cells, A, const B> cells) {
-    for (Row r = cells.first(); r < cells.last(); ++r) cells.column<A>()[r] = 0.5 * cells.column<B>()[r];
+    for (Row r = cells.first(); r < cells.last(); ++r)
+        cells.column<A>()[r] = 0.5 * cells.column<B>()[r];
 }
 void d_from_all_b(Rows<Others, D> others, Rows<Cells, const B> cells) {
     double sum = 0;
@@ -73,17 +87,20 @@ std::string explained(StepList steps, World& world) {
     return schedule.explain();
 }
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
 
 } // namespace
 
 TEST_SUITE("engine/schedule") {
     TEST_CASE("an edge joins two systems that share data of which one writes, and no others") {
         World world = world_of(4);
-        const std::string text = explained({system("left", b_from_a), system("right", c_from_a),
-                                            system("join", a_from_b_and_c), system("look", d_from_all_b)},
-                                           world);
-        CHECK(has(text, "n0 -> n2;"));       // a_from_b_and_c reads what both write
+        const std::string text =
+            explained({system("left", b_from_a), system("right", c_from_a),
+                       system("join", a_from_b_and_c), system("look", d_from_all_b)},
+                      world);
+        CHECK(has(text, "n0 -> n2;")); // a_from_b_and_c reads what both write
         CHECK(has(text, "n1 -> n2;"));
         CHECK_FALSE(has(text, "n0 -> n1;")); // both only read A
         CHECK(has(text, "n0 -> n3;"));       // reads B
@@ -93,7 +110,9 @@ TEST_SUITE("engine/schedule") {
 
     TEST_CASE("an edge that others imply is not drawn") {
         World world = world_of(4);
-        const std::string text = explained({system("left", b_from_a), system("back", a_from_b), system("left again", b_from_a)}, world);
+        const std::string text = explained(
+            {system("left", b_from_a), system("back", a_from_b), system("left again", b_from_a)},
+            world);
         CHECK(has(text, "n0 -> n1;"));
         CHECK(has(text, "n1 -> n2;"));
         CHECK_FALSE(has(text, "n0 -> n2;"));
@@ -101,7 +120,8 @@ TEST_SUITE("engine/schedule") {
 
     TEST_CASE("a system that takes the whole world stands before and after everything") {
         World world = world_of(4);
-        const std::string text = explained({system("left", b_from_a), system("edit", edit), system("back", a_from_b)}, world);
+        const std::string text = explained(
+            {system("left", b_from_a), system("edit", edit), system("back", a_from_b)}, world);
         CHECK(has(text, "n0 -> n1;"));
         CHECK(has(text, "n1 -> n2;"));
         CHECK(has(text, "everything"));
@@ -111,19 +131,22 @@ TEST_SUITE("engine/schedule") {
         World world = world_of(4);
         world.add_resource<Log>();
         const std::string text = explained({system("left", b_from_a), system("back", a_from_b),
-                                            system("rare", make_rare), system("shift", shift_b)}, world);
+                                            system("rare", make_rare), system("shift", shift_b)},
+                                           world);
         CHECK(has(text, "rare: absent (no rare)"));
         CHECK(has(text, "shift: absent (no rare)"));
         World bare;
         bare.table<Cells>().add<A>();
-        const std::string less = explained({system("left", b_from_a), system("look", d_from_all_b)}, bare);
+        const std::string less =
+            explained({system("left", b_from_a), system("look", d_from_all_b)}, bare);
         CHECK(has(less, "left: absent (no cells.b)"));
         CHECK(has(less, "no others"));
     }
 
     TEST_CASE("a system is unwanted when nobody live reads what it derives, until somebody asks") {
         World world = world_of(4);
-        const StepList list{system("left", b_from_a), system("right", c_from_a), system("back", a_from_b)};
+        const StepList list{system("left", b_from_a), system("right", c_from_a),
+                            system("back", a_from_b)};
         const std::string text = explained(list, world);
         CHECK(has(text, "right: unwanted"));
         CHECK_FALSE(has(text, "left: unwanted"));
@@ -142,9 +165,13 @@ TEST_SUITE("engine/schedule") {
 
     TEST_CASE("a chain of derivations that ends with nobody is unwanted to its beginning") {
         World world = world_of(4);
-        const std::string text = explained({system("b", b_from_a), system("c", +[](Rows<Cells, const B, C> cells) {
-                                                cells.column<C>()[0] = cells.column<B>()[0];
-                                            })}, world);
+        const std::string text =
+            explained({system("b", b_from_a), system(
+                                                  "c",
+                                                  +[](Rows<Cells, const B, C> cells) {
+                                                      cells.column<C>()[0] = cells.column<B>()[0];
+                                                  })},
+                      world);
         CHECK(has(text, "b: unwanted"));
         CHECK(has(text, "c: unwanted"));
     }
@@ -155,14 +182,16 @@ TEST_SUITE("engine/schedule") {
         world.add_resource<Rare>();
         const auto every_third = +[](const World& w) { return w.resource<Log>().step % 3 == 0; };
         // shift_b writes Derived B, which d_from_all_b alone reads
-        StepList list{system("b", b_from_a), when(every_third, system("look", d_from_all_b)), system("count", +[](Log& log, Rows<Others, D>) { ++log.step; })};
+        StepList list{system("b", b_from_a), when(every_third, system("look", d_from_all_b)),
+                      system(
+                          "count", +[](Log& log, Rows<Others, D>) { ++log.step; })};
         Schedule schedule(list);
         schedule.prepare(world);
         double expected = 0;
         for (unsigned step = 0; step < 7; ++step) {
             world.column<Cells, B>()[0] = -100; // seen only if b runs
             schedule.run(world);
-            if (step % 3 == 0) expected += 3;   // 2 * 1 + 1
+            if (step % 3 == 0) expected += 3; // 2 * 1 + 1
             CHECK(world.column<Others, D>()[0] == expected);
             CHECK(world.column<Cells, B>()[0] == (step % 3 == 0 ? 3 : -100));
         }
@@ -170,17 +199,21 @@ TEST_SUITE("engine/schedule") {
 
     TEST_CASE("explain names systems, reads, writes, predecessors and what is left out") {
         World world = world_of(4);
-        const std::string text = explained({system("left", b_from_a), system("back", a_from_b), system("count", count)}, world);
+        const std::string text = explained(
+            {system("left", b_from_a), system("back", a_from_b), system("count", count)}, world);
         CHECK(has(text, "left\n    reads  cells.a\n    writes cells.b"));
         CHECK(has(text, "back\n    reads  cells.b\n    writes cells.a\n    after  left"));
         CHECK(has(text, "count: absent (no log)"));
         CHECK(has(text, "digraph step {"));
     }
 
-    TEST_CASE("row-local neighbours on one table run as one pass, and a system that looks across rows ends it") {
+    TEST_CASE("row-local neighbours on one table run as one pass, and a system that looks across "
+              "rows ends it") {
         World world = world_of(1000);
-        const StepList list{row_local("left", b_from_a), row_local("right", c_from_a), row_local("join", a_from_b_and_c),
-                            system("look", d_from_all_b), row_local("left again", b_from_a), row_local("join again", a_from_b_and_c)};
+        const StepList list{
+            row_local("left", b_from_a),       row_local("right", c_from_a),
+            row_local("join", a_from_b_and_c), system("look", d_from_all_b),
+            row_local("left again", b_from_a), row_local("join again", a_from_b_and_c)};
         const std::string text = explained(list, world);
         CHECK(has(text, "left + right + join"));
         CHECK(has(text, "left again + join again"));
@@ -202,22 +235,25 @@ TEST_SUITE("engine/schedule") {
         CHECK(std::ranges::equal(world.column<Others, D>(), in_order.column<Others, D>()));
     }
 
-    TEST_CASE("row-local systems do not share a pass when one writes another table that the next reads") {
+    TEST_CASE(
+        "row-local systems do not share a pass when one writes another table that the next reads") {
         World world = world_of(10);
         const auto write_others = +[](Rows<Cells, const A> cells, Rows<Others, D> others) {
             if (cells.first() == 0) others.column<D>()[0] = cells.column<A>()[0];
         };
         const auto read_others = +[](Rows<Cells, A> cells, Rows<Others, const D> others) {
-            for (Row r = cells.first(); r < cells.last(); ++r) cells.column<A>()[r] += others.column<D>()[0];
+            for (Row r = cells.first(); r < cells.last(); ++r)
+                cells.column<A>()[r] += others.column<D>()[0];
         };
-        const std::string text = explained({row_local("write", write_others), row_local("read", read_others)}, world);
+        const std::string text =
+            explained({row_local("write", write_others), row_local("read", read_others)}, world);
         CHECK_FALSE(has(text, "write + read"));
         CHECK(has(text, "n0 -> n1;"));
     }
 
     TEST_CASE("serial, graph and another valid order give the same bits") {
-        const StepList list{system("left", b_from_a), system("right", c_from_a), system("look", d_from_all_b),
-                            system("join", a_from_b_and_c)};
+        const StepList list{system("left", b_from_a), system("right", c_from_a),
+                            system("look", d_from_all_b), system("join", a_from_b_and_c)};
         const auto run = [&](unsigned threads, ScheduleSettings settings) {
             World world = world_of(777);
             Schedule schedule(list, settings);
@@ -226,7 +262,8 @@ TEST_SUITE("engine/schedule") {
             team.run([&] {
                 for (int step = 0; step < 20; ++step) schedule.run(world);
             });
-            std::vector<double> all(world.column<Cells, A>().begin(), world.column<Cells, A>().end());
+            std::vector<double> all(world.column<Cells, A>().begin(),
+                                    world.column<Cells, A>().end());
             all.push_back(world.column<Others, D>()[1]);
             return all;
         };
@@ -239,7 +276,8 @@ TEST_SUITE("engine/schedule") {
     }
 
     TEST_CASE("a schedule that has run on a graph may be moved and goes on") {
-        const StepList list{system("left", b_from_a), system("right", c_from_a), system("join", a_from_b_and_c)};
+        const StepList list{system("left", b_from_a), system("right", c_from_a),
+                            system("join", a_from_b_and_c)};
         World world = world_of(50), other = world_of(50);
         Schedule plain(list, {.serial = true});
         plain.prepare(other);

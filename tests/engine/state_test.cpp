@@ -1,7 +1,6 @@
-#include "engine/state.hpp"
-
 #include "engine/errors.hpp"
 #include "engine/math.hpp"
+#include "engine/state.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,14 +10,30 @@ using namespace bris;
 
 namespace {
 
-struct Things { static constexpr auto name = "things"; };
-struct Name  : State<std::uint32_t> { static constexpr auto name = "id", unit = ""; static constexpr bool is_key = true; };
-struct Heat  : State<double> { static constexpr auto name = "heat", unit = "K"; };
-struct Glow  : Derived<double> { static constexpr auto name = "glow", unit = "W"; };
+struct Things {
+    static constexpr auto name = "things";
+};
+struct Name : State<std::uint32_t> {
+    static constexpr auto name = "id", unit = "";
+    static constexpr bool is_key = true;
+};
+struct Heat : State<double> {
+    static constexpr auto name = "heat", unit = "K";
+};
+struct Glow : Derived<double> {
+    static constexpr auto name = "glow", unit = "W";
+};
 
-struct Links { static constexpr auto name = "links"; };
-struct TwoNames { std::uint32_t a, b; };
-struct Ends    : State<TwoNames, std::uint32_t> { static constexpr auto name = "ends", unit = ""; static constexpr bool is_key = true; };
+struct Links {
+    static constexpr auto name = "links";
+};
+struct TwoNames {
+    std::uint32_t a, b;
+};
+struct Ends : State<TwoNames, std::uint32_t> {
+    static constexpr auto name = "ends", unit = "";
+    static constexpr bool is_key = true;
+};
 struct Stretch : State<double> {
     static constexpr auto name = "stretch", unit = "m";
     static bool keep(const double& s) { return s != 0; }
@@ -74,7 +89,8 @@ TEST_SUITE("engine/state") {
         CHECK(fingerprint(save_state(other)) == fingerprint(saved));
     }
 
-    TEST_CASE("keys of several numbers sort by the first, then the next; rows that hold nothing are left out") {
+    TEST_CASE("keys of several numbers sort by the first, then the next; rows that hold nothing "
+              "are left out") {
         World world;
         Table& links = world.table<Links>();
         links.add<Ends>();
@@ -87,7 +103,8 @@ TEST_SUITE("engine/state") {
             links.column<Stretch>()[r] = stretch[r];
         }
         const Archive saved = save_state(world);
-        CHECK(saved.get<std::uint32_t>("links/ends") == std::vector<std::uint32_t>{0, 3, 0, 70000, 1, 9, 2, 1});
+        CHECK(saved.get<std::uint32_t>("links/ends") ==
+              std::vector<std::uint32_t>{0, 3, 0, 70000, 1, 9, 2, 1});
         CHECK(saved.get<double>("links/stretch") == std::vector<double>{3, 4, 1, 5});
     }
 
@@ -98,6 +115,7 @@ TEST_SUITE("engine/state") {
         const std::vector<std::uint32_t> id{0, 1};
         Archive shorter;
         shorter.put("things/id", std::span<const std::uint32_t>(id));
-        CHECK_THROWS_WITH_AS(load_state(world, shorter), doctest::Contains("things/heat"), InputError);
+        CHECK_THROWS_WITH_AS(load_state(world, shorter), doctest::Contains("things/heat"),
+                             InputError);
     }
 }

@@ -23,8 +23,12 @@ void* counted(std::size_t size) {
 // the whole test binary counts
 void* operator new(std::size_t size) { return counted(size); }
 void* operator new[](std::size_t size) { return counted(size); }
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept { return counted_or_null(size); }
-void* operator new[](std::size_t size, const std::nothrow_t&) noexcept { return counted_or_null(size); }
+void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
+    return counted_or_null(size);
+}
+void* operator new[](std::size_t size, const std::nothrow_t&) noexcept {
+    return counted_or_null(size);
+}
 void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete[](void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
@@ -39,7 +43,8 @@ TEST_SUITE("invariance/allocation") {
             for (const Walls walls : {Walls::planes, Walls::facets}) {
                 World world = bed({.grains = grains, .walls = walls, .bodies = 40, .seed = 5});
                 world.add_resource(LocalDamping{0.3});
-                Simulation sim = start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+                Simulation sim =
+                    start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
                 sim.advance(500);
                 // a call of advance may allocate its own closure: counted without a step
                 sim.advance(0);
@@ -69,10 +74,14 @@ TEST_SUITE("invariance/allocation") {
 
     TEST_CASE("a run in which lists are made and pruned takes no more allocations than it took") {
         // a change that raises a number on purpose writes the new one here
-        for (const auto& [grains, most] : {std::pair{Grains::spheres, 5276ul}, std::pair{Grains::clumps, 13118ul}}) {
-            Simulation sim = start(bed({.grains = grains, .walls = Walls::facets, .bodies = 40, .seed = 5}), {.dt = 2e-5, .law = LawName::linear_viscous});
+        for (const auto& [grains, most] :
+             {std::pair{Grains::spheres, 5276ul}, std::pair{Grains::clumps, 13118ul}}) {
+            Simulation sim =
+                start(bed({.grains = grains, .walls = Walls::facets, .bodies = 40, .seed = 5}),
+                      {.dt = 2e-5, .law = LawName::linear_viscous});
             sim.advance(500);
-            const std::uint64_t before = allocations, refreshes = sim.world().resource<ListState>().refreshes;
+            const std::uint64_t before = allocations,
+                                refreshes = sim.world().resource<ListState>().refreshes;
             sim.advance(2000);
             CHECK(sim.world().resource<ListState>().refreshes > refreshes + 5);
             CHECK(allocations - before <= most);

@@ -7,7 +7,9 @@ using namespace bris::testing;
 
 namespace {
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
 
 /// The part that lists what runs, and the part that lists what does not.
 std::pair<std::string, std::string> parts(const std::string& text) {
@@ -19,7 +21,8 @@ std::pair<std::string, std::string> parts(const std::string& text) {
 } // namespace
 
 TEST_SUITE("invariance/explain") {
-    TEST_CASE("a frictionless scene of two spheres runs without history, facets, planes, servo, weight and damping") {
+    TEST_CASE("a frictionless scene of two spheres runs without history, facets, planes, servo, "
+              "weight and damping") {
         World world = make_world(Grains::spheres);
         const auto material = add_material(world, linear_material(1e5));
         add_sphere(world, Vec3(0, 0, 0), 0.01, material);
@@ -28,29 +31,35 @@ TEST_SUITE("invariance/explain") {
         const auto [runs, left_out] = parts(sim.schedule().explain());
         CAPTURE(runs);
         CAPTURE(left_out);
-        for (const char* name : {"collide_spheres", "gather_spheres", "integrate", "place_spheres", "guard_motion", "refresh_pairs"}) {
+        for (const char* name : {"collide_spheres", "gather_spheres", "integrate", "place_spheres",
+                                 "guard_motion", "refresh_pairs"}) {
             CAPTURE(name);
             CHECK(has(runs, std::string("\n  ") + name));
         }
-        for (const char* what : {"spring", "facet", "plane", "membrane", "platen", "gravity", "turn."}) {
+        for (const char* what :
+             {"spring", "facet", "plane", "membrane", "platen", "gravity", "turn."}) {
             CAPTURE(what);
             CHECK_FALSE(has(runs, what));
         }
-        for (const char* name : {"collide_facets", "collide_planes", "gather_facets", "gather_planes", "steer_membrane",
-                                 "steer_platen", "weigh", "damp", "place_facets", "place_planes", "guard_facets", "turn"}) {
+        for (const char* name : {"collide_facets", "collide_planes", "gather_facets",
+                                 "gather_planes", "steer_membrane", "steer_platen", "weigh", "damp",
+                                 "place_facets", "place_planes", "guard_facets", "turn"}) {
             CAPTURE(name);
             CHECK(has(left_out, std::string("\n  ") + name + ": absent"));
         }
     }
 
     TEST_CASE("what a scene has is in its graph, and the body pass is one") {
-        Simulation sim = start(bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 10}), {});
+        Simulation sim =
+            start(bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 10}), {});
         const auto [runs, left_out] = parts(sim.schedule().explain());
         CHECK(has(runs, "sphere_pairs.spring"));
         CHECK(has(runs, "collide_facets"));
         CHECK(has(runs, "weigh"));
         CHECK(has(left_out, "turn_spheres: absent"));
-        CHECK(has(sim.schedule().explain(), "clear_forces + weigh + gather_spheres + gather_facets + integrate + turn + place"));
+        CHECK(has(
+            sim.schedule().explain(),
+            "clear_forces + weigh + gather_spheres + gather_facets + integrate + turn + place"));
     }
 
     TEST_CASE("contacts of every kind run beside each other") {

@@ -25,31 +25,51 @@ struct Scene {
 World tube_scene(Grains grains) {
     World world = bed({.grains = grains, .walls = Walls::planes, .bodies = 45, .seed = seed});
     const auto wall = add_material(world, {"membrane", 0, 4e5, 0, 0, 500, 0});
-    for (Vec3& x : world.column<Bodies, Position>()) // to the middle of the tube; the box moves along
+    for (Vec3& x :
+         world.column<Bodies, Position>()) // to the middle of the tube; the box moves along
         x -= Vec3(0.028, 0.028, -0.003);
-    add_tube(world, {.rings = 3, .sectors = 8, .radius = 0.045, .height = 0.1, .pressure = 2e3, .contact_stiffness = 8e4}, wall);
+    add_tube(world,
+             {.rings = 3,
+              .sectors = 8,
+              .radius = 0.045,
+              .height = 0.1,
+              .pressure = 2e3,
+              .contact_stiffness = 8e4},
+             wall);
     return world;
 }
 
 const std::vector<Scene>& scenes() {
     static const std::vector<Scene> list{
         {"spheres in a box of planes", [] { return bed({.bodies = 120, .seed = seed}); }},
-        {"spheres in a box of facets", [] { return bed({.walls = Walls::facets, .bodies = 120, .seed = seed}); }},
-        {"clumps in a box of planes", [] { return bed({.grains = Grains::clumps, .bodies = 48, .seed = seed}); }},
-        {"clumps in a box of facets", [] { return bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 48, .seed = seed}); }},
+        {"spheres in a box of facets",
+         [] { return bed({.walls = Walls::facets, .bodies = 120, .seed = seed}); }},
+        {"clumps in a box of planes",
+         [] { return bed({.grains = Grains::clumps, .bodies = 48, .seed = seed}); }},
+        {"clumps in a box of facets",
+         [] {
+             return bed(
+                 {.grains = Grains::clumps, .walls = Walls::facets, .bodies = 48, .seed = seed});
+         }},
         {"spheres in a membrane", [] { return tube_scene(Grains::spheres); }},
         {"clumps in a membrane", [] { return tube_scene(Grains::clumps); }},
-        {"locally damped clumps in a box of facets", [] {
-             World world = bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 48, .seed = seed});
+        {"locally damped clumps in a box of facets",
+         [] {
+             World world = bed(
+                 {.grains = Grains::clumps, .walls = Walls::facets, .bodies = 48, .seed = seed});
              world.add_resource(LocalDamping{0.4});
              return world;
-         }, LawName::linear, 2000},
+         },
+         LawName::linear, 2000},
     };
     return list;
 }
 
 // small chunks, so that few grains make many
-const RunSettings plain{.dt = 2e-5, .lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .sort_every = 8, .tune = false}, .schedule = {.serial = true, .grain = 16}};
+const RunSettings plain{
+    .dt = 2e-5,
+    .lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .sort_every = 8, .tune = false},
+    .schedule = {.serial = true, .grain = 16}};
 
 Archive state_after(const Scene& scene, RunSettings settings) {
     settings.law = scene.law;
@@ -83,23 +103,50 @@ TEST_SUITE("invariance") {
         };
         const std::vector<Variant> variants{
             {"graph, 1 thread", with([](RunSettings& s) { s.schedule.serial = false; })},
-            {"graph, 2 threads", with([](RunSettings& s) { s.schedule.serial = false; s.threads = 2; })},
-            {"graph, 3 threads", with([](RunSettings& s) { s.schedule.serial = false; s.threads = 3; })},
-            {"graph, 7 threads", with([](RunSettings& s) { s.schedule.serial = false; s.threads = 7; })},
+            {"graph, 2 threads", with([](RunSettings& s) {
+                 s.schedule.serial = false;
+                 s.threads = 2;
+             })},
+            {"graph, 3 threads", with([](RunSettings& s) {
+                 s.schedule.serial = false;
+                 s.threads = 3;
+             })},
+            {"graph, 7 threads", with([](RunSettings& s) {
+                 s.schedule.serial = false;
+                 s.threads = 7;
+             })},
             {"serial, 2 threads", with([](RunSettings& s) { s.threads = 2; })},
-            {"each system a pass of its own", with([](RunSettings& s) { s.schedule.fused = false; })},
+            {"each system a pass of its own",
+             with([](RunSettings& s) { s.schedule.fused = false; })},
             {"without any means of speed", with([](RunSettings& s) {
                  s.schedule.fused = false;
-                 s.lists = {.outer_skin = 0.0010001, .inner_skin = 0.001, .widest_ratio = 1e9, .sort_every = 0, .tune = false};
+                 s.lists = {.outer_skin = 0.0010001,
+                            .inner_skin = 0.001,
+                            .widest_ratio = 1e9,
+                            .sort_every = 0,
+                            .tune = false};
              })},
             {"coarse chunks", with([](RunSettings& s) { s.schedule.grain = 1000; })},
-            {"another valid order", with([](RunSettings& s) { s.schedule = {.last_order = true, .grain = 16}; })},
+            {"another valid order",
+             with([](RunSettings& s) { s.schedule = {.last_order = true, .grain = 16}; })},
             {"never sorted", with([](RunSettings& s) { s.lists.sort_every = 0; })},
-            {"sorted at every refresh", with([](RunSettings& s) { s.lists.sort_every = 1; s.lists.outer_skin = 0.0012; })},
-            {"wide skins", with([](RunSettings& s) { s.lists.outer_skin = 0.008; s.lists.inner_skin = 0.002; })},
-            {"narrow skins", with([](RunSettings& s) { s.lists.outer_skin = 0.0005; s.lists.inner_skin = 0.0001; })},
+            {"sorted at every refresh", with([](RunSettings& s) {
+                 s.lists.sort_every = 1;
+                 s.lists.outer_skin = 0.0012;
+             })},
+            {"wide skins", with([](RunSettings& s) {
+                 s.lists.outer_skin = 0.008;
+                 s.lists.inner_skin = 0.002;
+             })},
+            {"narrow skins", with([](RunSettings& s) {
+                 s.lists.outer_skin = 0.0005;
+                 s.lists.inner_skin = 0.0001;
+             })},
             {"skins that follow the work", with([](RunSettings& s) { s.lists = {}; })},
-            {"given skins that follow the work", with([](RunSettings& s) { s.lists.tune = true; s.lists.sort_every = 3; })},
+            {"given skins that follow the work", with([](RunSettings& s) {
+                 s.lists.tune = true;
+                 s.lists.sort_every = 3;
+             })},
         };
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
@@ -107,7 +154,8 @@ TEST_SUITE("invariance") {
             const Archive reference = state_after(scene, plain);
             const auto* springs = reference.find("sphere_pairs/key");
             REQUIRE(springs != nullptr);
-            CHECK_MESSAGE(springs->rows() > 4, "the scene must have stretched springs to mean anything");
+            CHECK_MESSAGE(springs->rows() > 4,
+                          "the scene must have stretched springs to mean anything");
             for (const Variant& v : variants) {
                 CAPTURE(v.name);
                 const Archive state = state_after(scene, v.settings);
@@ -124,8 +172,10 @@ TEST_SUITE("invariance") {
             Walls walls;
             unsigned bodies;
         };
-        for (const Large& scene : {Large{"spheres in planes", Grains::spheres, Walls::planes, 4000}, Large{"spheres in facets", Grains::spheres, Walls::facets, 4000},
-                                   Large{"clumps in facets", Grains::clumps, Walls::facets, 2000}}) {
+        for (const Large& scene :
+             {Large{"spheres in planes", Grains::spheres, Walls::planes, 4000},
+              Large{"spheres in facets", Grains::spheres, Walls::facets, 4000},
+              Large{"clumps in facets", Grains::clumps, Walls::facets, 2000}}) {
             CAPTURE(scene.name);
             const auto run = [&](unsigned threads) {
                 RunSettings settings = plain;
@@ -133,9 +183,14 @@ TEST_SUITE("invariance") {
                 settings.threads = threads;
                 settings.schedule = {};
                 settings.lists.inner_skin = 0.002;
-                Simulation sim = start(bed({.grains = scene.grains, .walls = scene.walls, .bodies = scene.bodies, .seed = seed}), settings);
+                Simulation sim = start(bed({.grains = scene.grains,
+                                            .walls = scene.walls,
+                                            .bodies = scene.bodies,
+                                            .seed = seed}),
+                                       settings);
                 sim.advance(2400);
-                CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() > 2 * near_rows_per_chunk);
+                CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() >
+                      2 * near_rows_per_chunk);
                 CHECK(measure(sim.world()).contacts > 100);
                 return sim.snapshot();
             };

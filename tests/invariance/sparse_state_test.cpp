@@ -6,16 +6,21 @@
 using namespace bris;
 
 TEST_SUITE("invariance/sparse_state") {
-    TEST_CASE("a pair whose rolling spring holds nothing keeps its tangential one through a restart") {
+    TEST_CASE(
+        "a pair whose rolling spring holds nothing keeps its tangential one through a restart") {
         const auto make = [] {
             World world = stress::tumbling({.bodies = 30});
-            return testing::start(std::move(world), {.dt = 2e-5, .law = LawName::linear_rolling}); // no resistance to rolling: those springs are 0
+            return testing::start(
+                std::move(world),
+                {.dt = 2e-5,
+                 .law = LawName::linear_rolling}); // no resistance to rolling: those springs are 0
         };
         Simulation sim = make();
         sim.advance(8000);
         const Archive middle = sim.snapshot();
         std::size_t springs = 0;
-        for (const SpringRow& s : sim.world().column<SpherePairs, Spring>()) springs += Spring::keep(s) ? 1u : 0u;
+        for (const SpringRow& s : sim.world().column<SpherePairs, Spring>())
+            springs += Spring::keep(s) ? 1u : 0u;
         REQUIRE(springs > 20);
         CHECK(middle.find("sphere_pairs/spring")->rows() == springs);
         sim.advance(500);

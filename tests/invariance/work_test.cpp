@@ -1,13 +1,13 @@
+#include "scenarios/specimens/relax.hpp"
+#include "scenarios/specimens/sphere_bed.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/sphere_bed.hpp"
 #include "systems/output/quantities.hpp"
-#include "systems/procedure/relax.hpp"
 #include "tests/support.hpp"
 
 #include <doctest/doctest.h>
 
-// Work that a change must not raise unseen: counts, which no load of a machine can blur. A change that alters one on
-// purpose writes the new number here, and its reason in the commit.
+// Work that a change must not raise unseen: counts, which no load of a machine can blur. A change
+// that alters one on purpose writes the new number here, and its reason in the commit.
 
 using namespace bris;
 
@@ -24,7 +24,8 @@ Simulation bed_at_work() {
 } // namespace
 
 TEST_SUITE("invariance/work") {
-    TEST_CASE("a bed that collapses and settles takes the lists, candidates and contacts that it took before") {
+    TEST_CASE("a bed that collapses and settles takes the lists, candidates and contacts that it "
+              "took before") {
         Simulation sim = bed_at_work();
         sim.advance(8000);
         const ListState& lists = sim.world().resource<ListState>();
@@ -36,13 +37,16 @@ TEST_SUITE("invariance/work") {
         CHECK(measure(sim.world()).contacts == 1064);
     }
 
-    TEST_CASE("clumps that overlap deeply in a box of facets are pushed apart in as many steps as before, and then fall with as much work") {
-        World world = testing::bed({.grains = Grains::clumps, .walls = testing::Walls::facets, .bodies = 48, .seed = 3});
+    TEST_CASE("clumps that overlap deeply in a box of facets are pushed apart in as many steps as "
+              "before, and then fall with as much work") {
+        World world = testing::bed(
+            {.grains = Grains::clumps, .walls = testing::Walls::facets, .bodies = 48, .seed = 3});
         for (Vec3& x : world.column<Bodies, Position>()) x *= 0.8; // into each other
         const Relaxed relaxed = relax(world, LawName::linear_viscous);
         CHECK(relaxed.done);
         CHECK(relaxed.steps == 80);
-        Simulation sim = testing::start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+        Simulation sim =
+            testing::start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
         sim.advance(4000);
         const ListState& lists = sim.world().resource<ListState>();
         CHECK(lists.refreshes == 142);

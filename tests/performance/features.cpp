@@ -1,14 +1,16 @@
-// What each feature costs: a settled bed of spheres, with one thing more at a time. Blocks of steps, interleaved over the
-// variants; one CSV line each with the median, the least, and what the scene's floor says of the physics.
+// What each feature costs: a settled bed of spheres, with one thing more at a time. Blocks of
+// steps, interleaved over the variants; one CSV line each with the median, the least, and what the
+// scene's floor says of the physics.
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
+#include "engine/assets.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
 #include "engine/stopwatch.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/sphere_bed.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/scene.hpp"
-#include "systems/build/sphere_bed.hpp"
 #include "systems/contact/ledger.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/output/frames.hpp"
@@ -30,7 +32,8 @@ using namespace bris;
 struct Bench {
     unsigned spheres = 2000, rounds = 9;
     std::uint64_t steps = 400;
-    std::filesystem::path out = std::filesystem::path(BRIS_ASSETS).parent_path() / "tests/performance/results/features.csv";
+    std::filesystem::path out =
+        assets_folder().parent_path() / "tests/performance/results/features.csv";
 
     void describe(auto& option) {
         option("spheres", spheres, "", "of the bed", within(100, 1e6));
@@ -62,14 +65,23 @@ constexpr Variant variants[] = {
     {"a frame written every 100 steps", "dashpots", LawName::linear_viscous, Also::frames},
     {"porosity measured every 100 steps", "dashpots", LawName::linear_viscous, Also::porosity},
     {"membrane of 8 x 12 and platen, held", "dashpots", LawName::linear_viscous, Also::membrane},
-    {"the same, driven by servos", "membrane of 8 x 12 and platen, held", LawName::linear_viscous, Also::servo},
+    {"the same, driven by servos", "membrane of 8 x 12 and platen, held", LawName::linear_viscous,
+     Also::servo},
 };
 
 /// That of the bed, with what the law needs besides.
 Material grain_of(LawName law) {
-    Material grain{.name = "grain", .density = SphereBed{}.density, .normal_stiffness = 2e6, .shear_stiffness = 4e6 / 7, .friction = 0.5,
-                   .young_modulus = 5e8, .poisson_ratio = 0.25, .rolling_friction = 0.1, .twisting_friction = 0.1};
-    if (is_hertz(law)) grain.restitution = 0.3;
+    Material grain{.name = "grain",
+                   .density = SphereBed{}.density,
+                   .normal_stiffness = 2e6,
+                   .shear_stiffness = 4e6 / 7,
+                   .friction = 0.5,
+                   .young_modulus = 5e8,
+                   .poisson_ratio = 0.25,
+                   .rolling_friction = 0.1,
+                   .twisting_friction = 0.1};
+    if (is_hertz(law))
+        grain.restitution = 0.3;
     else {
         grain.normal_damping = 5838;
         grain.shear_damping = 2919;
@@ -86,7 +98,8 @@ World bed_under(const Bench& s, LawName law) {
     return world;
 }
 
-/// The spheres of that bed that stand in a tube, with a membrane around them and a platen on top in the place of the box.
+/// The spheres of that bed that stand in a tube, with a membrane around them and a platen on top in
+/// the place of the box.
 World bed_in_membrane(const Variant& v, double radius, const std::vector<Vec3>& places) {
     const SphereBed bed;
     World world = make_world(Grains::spheres);
@@ -106,7 +119,8 @@ World bed_in_membrane(const Variant& v, double radius, const std::vector<Vec3>& 
     add_membrane(world, std::move(membrane), radius, grain);
     add_plane(world, add_boundary(world, Vec3::Zero(), grain), Vec3::Zero(), Vec3(0, 0, 1));
     Platen platen;
-    platen.plane = add_plane(world, add_boundary(world, Vec3(0, 0, top), grain, Motion::servo), Vec3::Zero(), Vec3(0, 0, -1));
+    platen.plane = add_plane(world, add_boundary(world, Vec3(0, 0, top), grain, Motion::servo),
+                             Vec3::Zero(), Vec3(0, 0, -1));
     platen.controlled = true;
     platen.target_pressure = pressure;
     platen.contact_stiffness = bed.normal_stiffness;
@@ -173,8 +187,11 @@ Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& places
     if (v.also == Also::ledger) add_ledger(world);
     if (v.also == Also::sensors) add_ten_sensors(world, s);
     const auto spheres = static_cast<double>(world.table<Spheres>().size());
-    Case c{v, std::make_unique<Simulation>(std::move(world), steps(v.law, v.also == Also::ledger), 1), nullptr, spheres};
-    c.simulation->advance(std::max<std::uint64_t>(s.steps, 12000)); // to rest, with warm caches and lists
+    Case c{v,
+           std::make_unique<Simulation>(std::move(world), steps(v.law, v.also == Also::ledger), 1),
+           nullptr, spheres};
+    c.simulation->advance(
+        std::max<std::uint64_t>(s.steps, 12000)); // to rest, with warm caches and lists
     if (v.also == Also::membrane) hold(c.simulation->world());
     return c;
 }
@@ -182,14 +199,16 @@ Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& places
 void run_block(const Bench& s, Case& c) {
     const bool looks = c.variant.also == Also::frames || c.variant.also == Also::porosity;
     if (c.variant.also == Also::frames)
-        c.frames = std::make_unique<FrameWriter>(std::filesystem::temp_directory_path() / "features.vtkhdf", std::vector<NamedValue>{});
+        c.frames = std::make_unique<FrameWriter>(
+            std::filesystem::temp_directory_path() / "features.vtkhdf", std::vector<NamedValue>{});
     const auto began = this_instant();
     for (std::uint64_t done = 0; done < s.steps;) {
         const std::uint64_t next = looks ? std::min<std::uint64_t>(100, s.steps - done) : s.steps;
         c.simulation->advance(next);
         done += next;
         if (c.frames) c.frames->add(c.simulation->world());
-        if (c.variant.also == Also::porosity) porosity(c.simulation->world(), {0.05, 0.02, 0.1}, 60);
+        if (c.variant.also == Also::porosity)
+            porosity(c.simulation->world(), {0.05, 0.02, 0.1}, 60);
     }
     c.wall.push_back(seconds_since(began));
     c.frames.reset();
@@ -199,28 +218,37 @@ std::size_t systems_of(const Case& c) {
     const std::string text = c.simulation->schedule().explain();
     const std::string run = text.substr(0, text.find("systems left out"));
     std::size_t count = 0;
-    for (std::size_t at = run.find("reads "); at != std::string::npos; at = run.find("reads ", at + 1)) ++count;
+    for (std::size_t at = run.find("reads "); at != std::string::npos;
+         at = run.find("reads ", at + 1))
+        ++count;
     return count;
 }
 
 void report(const Bench& s, std::vector<Case>& cases) {
-    std::string csv = "feature,against,spheres,steps,rounds,systems,median_ns_per_particle_step,least_ns_per_particle_step,cost_ns_per_particle_step,coordination,floor_force_over_weight\n";
-    fmt::print("{:38} {:>8} {:>10} {:>10} {:>10} {:>8} {:>12}\n", "", "systems", "median ns", "least ns", "cost ns", "Z", "floor/weight");
+    std::string csv =
+        "feature,against,spheres,steps,rounds,systems,median_ns_per_particle_step,least_ns_per_"
+        "particle_step,cost_ns_per_particle_step,coordination,floor_force_over_weight\n";
+    fmt::print("{:38} {:>8} {:>10} {:>10} {:>10} {:>8} {:>12}\n", "", "systems", "median ns",
+               "least ns", "cost ns", "Z", "floor/weight");
     const auto median = [&](const Case& c) {
         auto wall = c.wall;
         std::sort(wall.begin(), wall.end());
         return wall[wall.size() / 2] / (static_cast<double>(s.steps) * c.spheres) * 1e9;
     };
     for (const Case& c : cases) {
-        const auto base = std::find_if(cases.begin(), cases.end(), [&](const Case& b) { return std::string(b.variant.name) == c.variant.against; });
+        const auto base = std::find_if(cases.begin(), cases.end(), [&](const Case& b) {
+            return std::string(b.variant.name) == c.variant.against;
+        });
         const double now = median(c), cost = base == cases.end() ? 0 : now - median(*base);
-        const double least = *std::min_element(c.wall.begin(), c.wall.end()) / (static_cast<double>(s.steps) * c.spheres) * 1e9;
+        const double least = *std::min_element(c.wall.begin(), c.wall.end()) /
+                             (static_cast<double>(s.steps) * c.spheres) * 1e9;
         const Quantities q = measure(c.simulation->world());
         const std::size_t count = systems_of(c);
-        fmt::print("{:38} {:8} {:10.1f} {:10.1f} {:10.1f} {:8.3f} {:12.4f}\n", c.variant.name, count, now, least, cost, q.coordination,
-                   q.boundary_force.z() / q.weight.z());
-        csv += fmt::format("\"{}\",\"{}\",{},{},{},{},{:.4g},{:.4g},{:.4g},{:.6g},{:.6g}\n", c.variant.name, c.variant.against, c.spheres, s.steps, s.rounds,
-                           count, now, least, cost, q.coordination, q.boundary_force.z() / q.weight.z());
+        fmt::print("{:38} {:8} {:10.1f} {:10.1f} {:10.1f} {:8.3f} {:12.4f}\n", c.variant.name,
+                   count, now, least, cost, q.coordination, q.boundary_force.z() / q.weight.z());
+        csv += fmt::format("\"{}\",\"{}\",{},{},{},{},{:.4g},{:.4g},{:.4g},{:.6g},{:.6g}\n",
+                           c.variant.name, c.variant.against, c.spheres, s.steps, s.rounds, count,
+                           now, least, cost, q.coordination, q.boundary_force.z() / q.weight.z());
     }
     write_whole(s.out, csv);
 }

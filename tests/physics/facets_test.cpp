@@ -1,5 +1,5 @@
-#include "tests/support.hpp"
 #include "tests/about.hpp"
+#include "tests/support.hpp"
 
 #include <doctest/doctest.h>
 
@@ -34,7 +34,8 @@ struct Track {
     std::vector<Vec3> position, spin, force;
 };
 
-Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity, const Vec3& spin, double friction) {
+Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity, const Vec3& spin,
+                 double friction) {
     World world = make_world(Grains::spheres);
     Material m = linear_material(1e5, 5e4, friction);
     const auto material = add_material(world, m);
@@ -66,8 +67,10 @@ double largest_difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b
 }
 
 void check_same(const Track& a, const Track& b) {
-    // heights above a facet are computed by another corner: eps * 0.1 m of the overlap, over 4000 steps
-    const double position = largest_difference(a.position, b.position), spin = largest_difference(a.spin, b.spin),
+    // heights above a facet are computed by another corner: eps * 0.1 m of the overlap, over 4000
+    // steps
+    const double position = largest_difference(a.position, b.position),
+                 spin = largest_difference(a.spin, b.spin),
                  force = largest_difference(a.force, b.force);
     CHECK(position < 1e-12);
     CHECK(spin * radius < 1e-10);
@@ -77,30 +80,49 @@ void check_same(const Track& a, const Track& b) {
 } // namespace
 
 TEST_SUITE("physics/facets") {
-    TEST_CASE("an elastic rebound is the same from a plane, a facet's face, its edge and its vertex") {
+    TEST_CASE(
+        "an elastic rebound is the same from a plane, a facet's face, its edge and its vertex") {
         const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
         const auto single = [](const FacetShape& shape) {
-            return [shape](World& w, std::uint32_t m) { add_facet(w, add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2), shape); };
+            return [shape](World& w, std::uint32_t m) {
+                add_facet(w, add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2), shape);
+            };
         };
-        const Vec3 face = rebound(single({{Vec3(-0.1, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0.1, 0.1, 0), Vec3(-0.1, 0.1, 0)}}));
-        const Vec3 triangle = rebound(single({{Vec3(-0.1, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0, 0.1, 0), Vec3(0, 0.1, 0)}}));
-        const Vec3 edge = rebound(single({{Vec3(-0.1, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0.1, 0, -0.1), Vec3(0.1, 0, 0)}}));
-        const Vec3 vertex = rebound(single({{Vec3(0, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0, 0, -0.2), Vec3(0.1, 0, -0.1)}}));
+        const Vec3 face = rebound(single(
+            {{Vec3(-0.1, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0.1, 0.1, 0), Vec3(-0.1, 0.1, 0)}}));
+        const Vec3 triangle = rebound(
+            single({{Vec3(-0.1, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0, 0.1, 0), Vec3(0, 0.1, 0)}}));
+        const Vec3 edge = rebound(
+            single({{Vec3(-0.1, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0.1, 0, -0.1), Vec3(0.1, 0, 0)}}));
+        const Vec3 vertex = rebound(
+            single({{Vec3(0, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0, 0, -0.2), Vec3(0.1, 0, -0.1)}}));
         CHECK(from_plane.z() == about(1).epsilon(1e-3));
         // rounding of positions of 0.1 m against an overlap of 1e-4 m in 500 steps
         for (const Vec3& v : {face, triangle, edge, vertex}) CHECK((v - from_plane).norm() < 1e-10);
     }
 
-    TEST_CASE("a rebound right on a seam counts once: two facets, four at a node, a triangle's diagonal") {
+    TEST_CASE("a rebound right on a seam counts once: two facets, four at a node, a triangle's "
+              "diagonal") {
         const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
-        // the sphere comes down on the origin: a node of four facets, a cut between two, the diagonal
-        CHECK((rebound([](World& w, std::uint32_t m) { add_facet_floor(w, -0.1, 0.1, 10, m); }) - from_plane).norm() < 1e-10);
-        CHECK((rebound([](World& w, std::uint32_t m) { add_triangle_floor(w, -0.1, 0.1, m); }) - from_plane).norm() < 1e-10);
+        // the sphere comes down on the origin: a node of four facets, a cut between two, the
+        // diagonal
+        CHECK((rebound([](World& w, std::uint32_t m) { add_facet_floor(w, -0.1, 0.1, 10, m); }) -
+               from_plane)
+                  .norm() < 1e-10);
+        CHECK((rebound([](World& w, std::uint32_t m) { add_triangle_floor(w, -0.1, 0.1, m); }) -
+               from_plane)
+                  .norm() < 1e-10);
         CHECK((rebound([](World& w, std::uint32_t m) {
                    const EntityId host = add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2);
-                   add_facet(w, host, {{Vec3(-0.1, -0.1, 0), Vec3(0, -0.1, 0), Vec3(0, 0.1, 0), Vec3(-0.1, 0.1, 0)}});
-                   add_facet(w, host, {{Vec3(0, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0.1, 0.1, 0), Vec3(0, 0.1, 0)}});
-               }) - from_plane).norm() < 1e-10);
+                   add_facet(w, host,
+                             {{Vec3(-0.1, -0.1, 0), Vec3(0, -0.1, 0), Vec3(0, 0.1, 0),
+                               Vec3(-0.1, 0.1, 0)}});
+                   add_facet(w, host,
+                             {{Vec3(0, -0.1, 0), Vec3(0.1, -0.1, 0), Vec3(0.1, 0.1, 0),
+                               Vec3(0, 0.1, 0)}});
+               }) -
+               from_plane)
+                  .norm() < 1e-10);
     }
 
     TEST_CASE("a ridge of two facets is struck once, and a valley by both sides") {
@@ -120,8 +142,10 @@ TEST_SUITE("physics/facets") {
 
     TEST_CASE("a blade's edge is struck once where the corner of another facet ends on it") {
         const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
-        const FacetShape edge{{Vec3(-0.1, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0.1, 0, -0.1), Vec3(0.1, 0, 0)}};
-        const FacetShape corner{{Vec3(0, 0, 0), Vec3(0, -0.1, -0.1), Vec3(0, 0, -0.2), Vec3(0, 0.1, -0.1)}};
+        const FacetShape edge{
+            {Vec3(-0.1, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0.1, 0, -0.1), Vec3(0.1, 0, 0)}};
+        const FacetShape corner{
+            {Vec3(0, 0, 0), Vec3(0, -0.1, -0.1), Vec3(0, 0, -0.2), Vec3(0, 0.1, -0.1)}};
         for (const bool corner_first : {true, false}) {
             const Vec3 v = rebound([&](World& w, std::uint32_t m) {
                 const EntityId host = add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2);
@@ -132,29 +156,42 @@ TEST_SUITE("physics/facets") {
         }
     }
 
-    TEST_CASE("a blade's edge is one to a sphere that slides along it, however many facets it is cut into") {
+    TEST_CASE("a blade's edge is one to a sphere that slides along it, however many facets it is "
+              "cut into") {
         const auto blade = [](int pieces) -> Floor {
             return [pieces](World& w, std::uint32_t m) {
                 const EntityId host = add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2);
-                const auto at = [&](int i, double z) { return Vec3(-0.1 + 0.2 * i / pieces, 0, z); };
-                for (int i = 0; i < pieces; ++i) add_facet(w, host, {{at(i, 0), at(i, -0.1), at(i + 1, -0.1), at(i + 1, 0)}});
+                const auto at = [&](int i, double z) {
+                    return Vec3(-0.1 + 0.2 * i / pieces, 0, z);
+                };
+                for (int i = 0; i < pieces; ++i)
+                    add_facet(w, host, {{at(i, 0), at(i, -0.1), at(i + 1, -0.1), at(i + 1, 0)}});
             };
         };
-        const Track whole = slide_over(blade(1), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3);
+        const Track whole =
+            slide_over(blade(1), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3);
         REQUIRE(whole.position.back().x() > -0.03); // over at least one seam
-        check_same(whole, slide_over(blade(7), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3));
-        check_same(whole, slide_over(blade(40), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3));
+        check_same(whole,
+                   slide_over(blade(7), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3));
+        check_same(whole,
+                   slide_over(blade(40), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3));
     }
 
     TEST_CASE("a sphere may have hundreds of facets near it") {
         const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
-        CHECK((rebound([](World& w, std::uint32_t m) { add_facet_floor(w, -0.02, 0.02, 100, m); }) - from_plane).norm() < 1e-10);
+        CHECK((rebound([](World& w, std::uint32_t m) { add_facet_floor(w, -0.02, 0.02, 100, m); }) -
+               from_plane)
+                  .norm() < 1e-10);
     }
 
-    TEST_CASE("one plane is two facets is a hundred facets to a sphere that slides and rolls across seams") {
+    TEST_CASE("one plane is two facets is a hundred facets to a sphere that slides and rolls "
+              "across seams") {
         // along a row, obliquely over nodes, and along a seam; slipping all the way, and sticking
         const Vec3 rolling(0, 1 / radius, 0);
-        struct Case { Vec3 begin, velocity, spin; double friction; };
+        struct Case {
+            Vec3 begin, velocity, spin;
+            double friction;
+        };
         for (const Case& c : {Case{Vec3(-0.05, 0.003, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3},
                               Case{Vec3(-0.05, -0.04, 0), Vec3(1, 0.8, 0), Vec3::Zero(), 0.3},
                               Case{Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3},
@@ -164,8 +201,13 @@ TEST_SUITE("physics/facets") {
             CAPTURE(c.friction);
             const Track reference = slide_over(plane, c.begin, c.velocity, c.spin, c.friction);
             REQUIRE(reference.position.back().x() > c.begin.x() + 0.02); // over at least one seam
-            SUBCASE("two triangles") { check_same(reference, slide_over(triangles, c.begin, c.velocity, c.spin, c.friction)); }
-            SUBCASE("a hundred squares") { check_same(reference, slide_over(hundred, c.begin, c.velocity, c.spin, c.friction)); }
+            SUBCASE("two triangles") {
+                check_same(reference,
+                           slide_over(triangles, c.begin, c.velocity, c.spin, c.friction));
+            }
+            SUBCASE("a hundred squares") {
+                check_same(reference, slide_over(hundred, c.begin, c.velocity, c.spin, c.friction));
+            }
         }
     }
 
@@ -174,8 +216,10 @@ TEST_SUITE("physics/facets") {
             World world = make_world(Grains::spheres);
             Material m = linear_material(1e5, 5e4, 0.3);
             const auto material = add_material(world, m);
-            if (facets) add_facet_box(world, Vec3::Zero(), Vec3(0.1, 0.1, 0.1), 3, material);
-            else add_box(world, Vec3::Zero(), Vec3(0.1, 0.1, 0.1), material);
+            if (facets)
+                add_facet_box(world, Vec3::Zero(), Vec3(0.1, 0.1, 0.1), 3, material);
+            else
+                add_box(world, Vec3::Zero(), Vec3(0.1, 0.1, 0.1), material);
             const EntityId ball = add_sphere(world, Vec3(0.03, 0.025, 0.02), radius, material);
             value_of<Velocity>(world, ball) = Vec3(-1, -0.8, -0.7);
             Simulation sim = start(std::move(world), {.dt = 1e-5});

@@ -1,5 +1,5 @@
-#include "tests/support.hpp"
 #include "tests/about.hpp"
+#include "tests/support.hpp"
 
 #include <doctest/doctest.h>
 
@@ -13,7 +13,8 @@ TEST_SUITE("physics/free_motion") {
             const auto material = add_material(world, linear_material(1e5));
             const EntityId ball = grains == Grains::spheres
                                       ? add_sphere(world, Vec3(1, 2, 3), 0.01, material)
-                                      : add_clump(world, scaled(small_rock(), 0.02), 0, Vec3(1, 2, 3), Quat(Quat::Identity()), material);
+                                      : add_clump(world, scaled(small_rock(), 0.02), 0,
+                                                  Vec3(1, 2, 3), Quat(Quat::Identity()), material);
             const Vec3 v(0.3, -0.2, 1);
             const double dt = 1e-4, g = 9.81;
             // v(0) = v means v(-dt/2) = v + g dt/2
@@ -40,7 +41,8 @@ TEST_SUITE("physics/free_motion") {
         for (const double x : {-1.0, 1.0})
             for (const double y : {-1.0, 1.0}) feet.push_back({Vec3(0.02 * x, 0.02 * y, 0), 0.005});
         const Clump block = make_clump("block", feet);
-        const EntityId body = add_clump(world, block, 0, Vec3(0, 0, 0.005), Quat(Quat::Identity()), material);
+        const EntityId body =
+            add_clump(world, block, 0, Vec3(0, 0, 0.005), Quat(Quat::Identity()), material);
         value_of<Velocity>(world, body) = Vec3(1, 0, 0);
         world.add_resource<Gravity>();
         Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
@@ -49,9 +51,10 @@ TEST_SUITE("physics/free_motion") {
         sim.advance(20'000);
         const Vec3 change = value_of<Velocity>(sim, body) - before;
         const double time = 20'000 * dt;
-        // friction is mu N at every foot in every step, so dv_x + mu dv_z = -mu g t whatever N does;
-        // 20 000 roundings of v ~ 1 m/s
-        CHECK(std::abs(change.x() + friction * change.z() + friction * g * time) < 20'000 * 1.1e-16 * 4);
+        // friction is mu N at every foot in every step, so dv_x + mu dv_z = -mu g t whatever N
+        // does; 20 000 roundings of v ~ 1 m/s
+        CHECK(std::abs(change.x() + friction * change.z() + friction * g * time) <
+              20'000 * 1.1e-16 * 4);
         CHECK(change.x() == about(-friction * g * time).epsilon(1e-4)); // the last of the pitching
         CHECK(std::abs(change.y()) < 1e-9);
     }
@@ -80,12 +83,17 @@ TEST_SUITE("physics/free_motion") {
                 const double shear = std::hypot(f.fx, f.fy);
                 CHECK(shear <= friction * f.normal_force * (1 + 1e-14)); // Coulomb's limit, always
                 const double t = sim.world().resource<Clock>().time();
-                if (stopped == 0 && t > 0.1 * slip_time && shear < friction * f.normal_force * (1 - 1e-9)) stopped = t;
+                if (stopped == 0 && t > 0.1 * slip_time &&
+                    shear < friction * f.normal_force * (1 - 1e-9))
+                    stopped = t;
             }
             CAPTURE(friction);
-            const double speed = value_of<Velocity>(sim, ball).x(), rim = radius * value_of<Spin>(sim, ball).y();
-            MESSAGE("mu ", friction, ": slip time off by ", stopped / slip_time - 1, ", speed by ", speed / v0 * 7 / 5 - 1);
-            // accuracy.md: t to 5e-3 (a step is 1e-3 to 5e-3 of it), v to 2e-4 (the arm is R - overlap/2)
+            const double speed = value_of<Velocity>(sim, ball).x(),
+                         rim = radius * value_of<Spin>(sim, ball).y();
+            MESSAGE("mu ", friction, ": slip time off by ", stopped / slip_time - 1, ", speed by ",
+                    speed / v0 * 7 / 5 - 1);
+            // accuracy.md: t to 5e-3 (a step is 1e-3 to 5e-3 of it), v to 2e-4 (the arm is R -
+            // overlap/2)
             CHECK(std::abs(stopped / slip_time - 1) < 5e-3 + 2 * dt / slip_time);
             CHECK(std::abs(speed / v0 - 5.0 / 7) < 2e-4 * 5 / 7);
             CHECK(std::abs(rim / v0 - 5.0 / 7) < 2e-4 * 5 / 7);
@@ -102,10 +110,13 @@ TEST_SUITE("physics/free_motion") {
             const Clump rock = scaled(small_rock(), 0.018);
             for (int k = 0; k < 64; ++k) {
                 const Vec3 place = 0.024 * Vec3(k % 4, k / 4 % 4, k / 16);
-                const EntityId id = grains == Grains::spheres ? add_sphere(world, place, 0.01, material)
-                                                              : add_clump(world, rock, 0, place, random.rotation(), material);
+                const EntityId id =
+                    grains == Grains::spheres
+                        ? add_sphere(world, place, 0.01, material)
+                        : add_clump(world, rock, 0, place, random.rotation(), material);
                 // all fly towards the middle
-                value_of<Velocity>(world, id) = -40 * (place - Vec3::Constant(0.036)) + 0.3 * random.direction();
+                value_of<Velocity>(world, id) =
+                    -40 * (place - Vec3::Constant(0.036)) + 0.3 * random.direction();
                 set_spin(world, id, 50 * random.direction());
             }
             Simulation sim = start(std::move(world), {.dt = 5e-6, .law = LawName::linear_viscous});
@@ -113,17 +124,20 @@ TEST_SUITE("physics/free_motion") {
                 const World& w = sim.world();
                 std::pair<Vec3, Vec3> sum{Vec3::Zero(), Vec3::Zero()};
                 for (std::size_t b = 0; b < 64; ++b) {
-                    const Vec3 p = w.column<Bodies, InertialMass>()[b] * w.column<Bodies, Velocity>()[b];
+                    const Vec3 p =
+                        w.column<Bodies, InertialMass>()[b] * w.column<Bodies, Velocity>()[b];
                     sum.first += p;
                     // x(t) x v(t - dt/2) + L(t - dt/2) is what the leapfrog conserves
-                    sum.second += w.column<Bodies, Position>()[b].cross(p) + w.column<Bodies, AngularMomentum>()[b];
+                    sum.second += w.column<Bodies, Position>()[b].cross(p) +
+                                  w.column<Bodies, AngularMomentum>()[b];
                 }
                 return sum;
             };
             double scale = 0, turning_scale = 0;
             for (EntityId b = 0; b < 64; ++b) {
                 scale += value_of<InertialMass>(sim, b) * value_of<Velocity>(sim, b).norm();
-                turning_scale += value_of<AngularMomentum>(sim, b).norm() + value_of<InertialMass>(sim, b) * 0.05;
+                turning_scale += value_of<AngularMomentum>(sim, b).norm() +
+                                 value_of<InertialMass>(sim, b) * 0.05;
             }
             const auto before = totals();
             std::size_t touched = 0;
@@ -145,7 +159,8 @@ TEST_SUITE("physics/free_motion") {
         add_floor(world, material);
         const std::vector<Ball> balls{{Vec3(-0.01, 0, 0), 0.008}, {Vec3(0.01, 0, 0), 0.008}};
         const Clump dumbbell = make_clump("dumbbell", balls);
-        const EntityId body = add_clump(world, dumbbell, 0, Vec3(0, 0, 0.01), Quat(Quat::Identity()), material);
+        const EntityId body =
+            add_clump(world, dumbbell, 0, Vec3(0, 0, 0.01), Quat(Quat::Identity()), material);
         value_of<Velocity>(world, body) = Vec3(0, 0, -1);
         const double mass = value_of<Mass>(world, body), dt = pi / std::sqrt(2 * 1e5 / mass) / 200;
         Simulation sim = start(std::move(world), {.dt = dt});
@@ -155,8 +170,8 @@ TEST_SUITE("physics/free_motion") {
         REQUIRE(value_of<Position>(sim, body).z() > 0.008);
         // both balls touch: a contact of t_c/200 gives the speed back to 2 (omega dt)^2/8
         CHECK(std::abs(value_of<Velocity>(sim, body).z() - 1) < 2 * pi * pi / (8 * 200 * 200));
-        // the principal frame of make_clump is known to its quadrature; what is left is rounding of the
-        // two arms against each other
+        // the principal frame of make_clump is known to its quadrature; what is left is rounding of
+        // the two arms against each other
         CHECK(value_of<Spin>(sim, body).norm() * 0.01 < 1e-9);
     }
 }

@@ -1,5 +1,5 @@
-#include "tests/support.hpp"
 #include "tests/about.hpp"
+#include "tests/support.hpp"
 
 #include <doctest/doctest.h>
 
@@ -34,7 +34,8 @@ TEST_SUITE("physics/local_damping") {
             value_of<Position>(world, ball) = Vec3(0, 0, 0.01 + dt * (10 - phase));
             value_of<Velocity>(world, ball) = Vec3(0, 0, -1);
             world.add_resource(LocalDamping{0.7});
-            Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
+            Simulation sim =
+                start(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
             sim.advance(static_cast<std::uint64_t>(3 * steps));
             return value_of<Velocity>(sim, ball).z();
         };
@@ -43,7 +44,8 @@ TEST_SUITE("physics/local_damping") {
             worst = std::max(worst, std::abs(restitution(500, phase) - exact));
             coarse = std::max(coarse, std::abs(restitution(125, phase) - exact));
         }
-        MESSAGE("e of local damping off by ", coarse, " at t_c/125 and ", worst, " at t_c/500, order ", order_of(coarse, worst) / 2);
+        MESSAGE("e of local damping off by ", coarse, " at t_c/125 and ", worst,
+                " at t_c/500, order ", order_of(coarse, worst) / 2);
         CHECK(worst < 1e-4); // accuracy.md 4.3
     }
 
@@ -52,11 +54,13 @@ TEST_SUITE("physics/local_damping") {
         const auto rebound = [](double boost) {
             World world = make_world(Grains::spheres);
             const auto material = add_material(world, linear_material(1e6));
-            const EntityId a = add_sphere(world, Vec3(0, 0, 0), 0.01, material), b = add_sphere(world, Vec3(0, 0, 0.0201), 0.01, material);
+            const EntityId a = add_sphere(world, Vec3(0, 0, 0), 0.01, material),
+                           b = add_sphere(world, Vec3(0, 0, 0.0201), 0.01, material);
             value_of<Velocity>(world, a) = Vec3(0, 0, 1 + boost);
             value_of<Velocity>(world, b) = Vec3(0, 0, -1 + boost);
             world.add_resource(LocalDamping{0.7});
-            Simulation sim = start(std::move(world), {.dt = 1e-6, .law = LawName::linear_frictionless});
+            Simulation sim =
+                start(std::move(world), {.dt = 1e-6, .law = LawName::linear_frictionless});
             sim.advance(1500);
             return value_of<Velocity>(sim, b).z() - value_of<Velocity>(sim, a).z();
         };

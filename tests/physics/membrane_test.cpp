@@ -1,8 +1,8 @@
 #include "components/membrane_surface.hpp"
-#include "systems/servo/membrane.hpp"
 #include "systems/output/quantities.hpp"
-#include "tests/support.hpp"
+#include "systems/servo/membrane.hpp"
 #include "tests/about.hpp"
+#include "tests/support.hpp"
 
 #include <doctest/doctest.h>
 
@@ -17,7 +17,8 @@ namespace {
 struct Uneven {
     Membrane membrane;
     std::vector<double> radius;
-    Uneven(unsigned rings, double spread, bool by_ring, std::uint64_t stream, unsigned sectors = 12) {
+    Uneven(unsigned rings, double spread, bool by_ring, std::uint64_t stream,
+           unsigned sectors = 12) {
         membrane.rings = rings;
         membrane.sectors = sectors;
         membrane.ring_height = 0.076;
@@ -27,7 +28,9 @@ struct Uneven {
         }
         Random random(77, stream);
         for (unsigned e = 0; e < sectors * rings; ++e)
-            radius.push_back(by_ring && e % sectors != 0 ? radius.back() : 0.15 * random.uniform(1 - spread, 1 + spread));
+            radius.push_back(by_ring && e % sectors != 0
+                                 ? radius.back()
+                                 : 0.15 * random.uniform(1 - spread, 1 + spread));
     }
     MembraneSurface surface() const { return {membrane, radius.data()}; }
 };
@@ -35,11 +38,14 @@ struct Uneven {
 } // namespace
 
 TEST_SUITE("physics/membrane") {
-    TEST_CASE("the exposed width of a side is that of the polygon, and negative where its neighbours hide it") {
+    TEST_CASE("the exposed width of a side is that of the polygon, and negative where its "
+              "neighbours hide it") {
         for (const unsigned n : {3u, 4u, 12u, 96u}) {
             const Uneven even(1, 0, true, 1, n);
-            CHECK(even.surface().exposed_width(0, 0, 0) == about(2 * 0.15 * std::tan(pi / n)).epsilon(1e-12));
-            CHECK(ring_area(even.membrane, even.radius.data(), 0) == about(n * 0.15 * 0.15 * std::tan(pi / n)).epsilon(1e-12));
+            CHECK(even.surface().exposed_width(0, 0, 0) ==
+                  about(2 * 0.15 * std::tan(pi / n)).epsilon(1e-12));
+            CHECK(ring_area(even.membrane, even.radius.data(), 0) ==
+                  about(n * 0.15 * 0.15 * std::tan(pi / n)).epsilon(1e-12));
         }
         Uneven box(1, 0, true, 1, 4);
         box.radius = {2, 3, 1, 5}; // (2 + 1) x (3 + 5)
@@ -59,13 +65,17 @@ TEST_SUITE("physics/membrane") {
             const Uneven uneven(1, 0.03, false, 100 + run);
             std::vector<Vec3> corner(12); // where side k meets side k + 1
             for (std::size_t k = 0; k < 12; ++k) {
-                const Vec3 &a = uneven.membrane.outward[k], &b = uneven.membrane.outward[(k + 1) % 12];
-                const double det = a.x() * b.y() - a.y() * b.x(), ra = uneven.radius[k], rb = uneven.radius[(k + 1) % 12];
+                const Vec3 &a = uneven.membrane.outward[k],
+                           &b = uneven.membrane.outward[(k + 1) % 12];
+                const double det = a.x() * b.y() - a.y() * b.x(), ra = uneven.radius[k],
+                             rb = uneven.radius[(k + 1) % 12];
                 corner[k] = Vec3(ra * b.y() - rb * a.y(), rb * a.x() - ra * b.x(), 0) / det;
             }
             double shoelace = 0;
-            for (std::size_t k = 0; k < 12; ++k) shoelace += 0.5 * corner[k].cross(corner[(k + 1) % 12]).z();
-            CHECK(ring_area(uneven.membrane, uneven.radius.data(), 0) == about(shoelace).epsilon(1e-12));
+            for (std::size_t k = 0; k < 12; ++k)
+                shoelace += 0.5 * corner[k].cross(corner[(k + 1) % 12]).z();
+            CHECK(ring_area(uneven.membrane, uneven.radius.data(), 0) ==
+                  about(shoelace).epsilon(1e-12));
         }
     }
 
@@ -74,7 +84,14 @@ TEST_SUITE("physics/membrane") {
         const auto material = add_material(world, linear_material(1e5));
         const double radius = 0.05, pressure = 1e4;
         const EntityId ball = add_sphere(world, Vec3(0, 0, 0.05), 0.0499, material);
-        add_tube(world, {.rings = 1, .sectors = 8, .radius = radius, .height = 0.1, .pressure = pressure, .contact_stiffness = 1e5}, material);
+        add_tube(world,
+                 {.rings = 1,
+                  .sectors = 8,
+                  .radius = radius,
+                  .height = 0.1,
+                  .pressure = pressure,
+                  .contact_stiffness = 1e5},
+                 material);
         // local damping takes the breathing of the grain between opposite elements
         world.add_resource(LocalDamping{0.7});
         Simulation sim = start(std::move(world), {.dt = 1e-4, .law = LawName::linear_frictionless});
@@ -82,7 +99,8 @@ TEST_SUITE("physics/membrane") {
         double worst = 0;
         for (int k = 0; k < 1000; ++k) {
             sim.advance();
-            worst = std::max(worst, std::abs(sim.world().resource<Membrane>().pressure[0] / pressure - 1));
+            worst = std::max(worst,
+                             std::abs(sim.world().resource<Membrane>().pressure[0] / pressure - 1));
         }
         MESSAGE("pressure off by at most ", worst);
         CHECK(worst < 1e-9);
@@ -90,11 +108,13 @@ TEST_SUITE("physics/membrane") {
         // pressure times the polygon's area is the sum of the eight radial forces
         const double wall = sim.world().column<Elements, ElementRadius>()[0];
         double push = 0;
-        for (const auto& p : touching_pairs<MembranePairs>(sim.world())) push += p.force.normal_force;
+        for (const auto& p : touching_pairs<MembranePairs>(sim.world()))
+            push += p.force.normal_force;
         CHECK(push == about(pressure * 0.1 * 8 * 2 * wall * std::tan(pi / 8)).epsilon(1e-6));
     }
 
-    TEST_CASE("a run goes on with the same bits from a checkpoint taken while the aim is on its way to a new target") {
+    TEST_CASE("a run goes on with the same bits from a checkpoint taken while the aim is on its "
+              "way to a new target") {
         World world = make_world(Grains::spheres);
         const auto material = add_material(world, linear_material(1e5));
         add_sphere(world, Vec3(0, 0, 0.05), 0.0499, material);
@@ -104,10 +124,15 @@ TEST_SUITE("physics/membrane") {
         world.resource<Platen>().largest_step = 1e-5;
         Simulation sim = start(std::move(world), {.dt = 1e-4, .law = LawName::linear_frictionless});
         sim.advance(3000);
-        for (auto* target : {&sim.world().resource<Membrane>().target_pressure, &sim.world().resource<Platen>().target_pressure}) *target = 2e4;
+        for (auto* target : {&sim.world().resource<Membrane>().target_pressure,
+                             &sim.world().resource<Platen>().target_pressure})
+            *target = 2e4;
         sim.advance(40);
         const Archive half_way = sim.snapshot();
-        const auto left = [&] { return std::array{sim.world().resource<Membrane>().aim.left, sim.world().resource<Platen>().aim.left}; };
+        const auto left = [&] {
+            return std::array{sim.world().resource<Membrane>().aim.left,
+                              sim.world().resource<Platen>().aim.left};
+        };
         const auto left_then = left();
         CHECK(left_then == std::array{PressureAim::ramp_steps - 40, PressureAim::ramp_steps - 40});
         sim.advance(200);
@@ -119,8 +144,10 @@ TEST_SUITE("physics/membrane") {
         CHECK(fingerprint(sim.snapshot()) == went_on);
     }
 
-    TEST_CASE("a servo wall comes to rest on a spring, and gets no lighter where it loses contact") {
-        for (const double stiffness : {1.0, 0.01}) { // of what the wall has touched before: a soft mode
+    TEST_CASE(
+        "a servo wall comes to rest on a spring, and gets no lighter where it loses contact") {
+        for (const double stiffness :
+             {1.0, 0.01}) { // of what the wall has touched before: a soft mode
             double most = 0, speed = 0, x = 0, held = 1;
             ServoMotion servo{most, 0.7, 1, 1e-3};
             for (int k = 0; k < 400; ++k) {
@@ -144,7 +171,8 @@ TEST_SUITE("physics/membrane") {
         for (const double r : sim.world().column<Elements, ElementRadius>()) CHECK(r == 0.05);
         for (double& v : sim.world().column<Elements, ElementSpeed>()) v = 0.2;
         sim.advance(500);
-        for (const double r : sim.world().column<Elements, ElementRadius>()) CHECK(r == about(0.051).epsilon(1e-12));
+        for (const double r : sim.world().column<Elements, ElementRadius>())
+            CHECK(r == about(0.051).epsilon(1e-12));
     }
 
     TEST_CASE("the force of the surface is the slope of one potential, over ridges and hollows") {
@@ -170,14 +198,21 @@ TEST_SUITE("physics/membrane") {
                 const double overlap = r - n.distance;
                 if (overlap < 1e-4 || n.distance < 1e-3) continue;
                 // not across the bisector of a ridge, where the nearer strip changes
-                if (std::abs(s.nearest(sector, out + step, z + step).axial - s.nearest(sector, out - step, z - step).axial) > 1e-3) continue;
-                const double radial = -(energy(sector, out + step, z) - energy(sector, out - step, z)) / (2 * step);
-                const double axial = -(energy(sector, out, z + step) - energy(sector, out, z - step)) / (2 * step);
-                worst_force = std::max({worst_force, std::abs(radial - overlap * n.radial) / overlap, std::abs(axial - overlap * n.axial) / overlap});
+                if (std::abs(s.nearest(sector, out + step, z + step).axial -
+                             s.nearest(sector, out - step, z - step).axial) > 1e-3)
+                    continue;
+                const double radial =
+                    -(energy(sector, out + step, z) - energy(sector, out - step, z)) / (2 * step);
+                const double axial =
+                    -(energy(sector, out, z + step) - energy(sector, out, z - step)) / (2 * step);
+                worst_force =
+                    std::max({worst_force, std::abs(radial - overlap * n.radial) / overlap,
+                              std::abs(axial - overlap * n.axial) / overlap});
             }
         }
-        MESSAGE("force against slope ", worst_force, ", largest jump of energy in 1e-5 m ", worst_jump);
-        CHECK(worst_force < 1e-3); // of a central difference over 1e-7 m
+        MESSAGE("force against slope ", worst_force, ", largest jump of energy in 1e-5 m ",
+                worst_jump);
+        CHECK(worst_force < 1e-3);       // of a central difference over 1e-7 m
         CHECK(worst_jump < 0.02 * 1e-5); // overlap times slope times step
     }
 
@@ -194,8 +229,10 @@ TEST_SUITE("physics/membrane") {
             };
             const auto n = uneven.surface().nearest(3, out, z);
             for (Row e = 3; e < 48; e += 12) {
-                const double slope = (distance(e, step) - distance(e, -step)) / (2 * step); // of the distance from the surface
-                double share = (e == n.foot.lower ? 1 - n.foot.share : 0) + (e == n.foot.upper ? n.foot.share : 0);
+                const double slope = (distance(e, step) - distance(e, -step)) /
+                                     (2 * step); // of the distance from the surface
+                double share = (e == n.foot.lower ? 1 - n.foot.share : 0) +
+                               (e == n.foot.upper ? n.foot.share : 0);
                 worst = std::max(worst, std::abs(slope + share * n.radial));
             }
             CHECK(n.distance < r); // it is a contact
@@ -203,7 +240,8 @@ TEST_SUITE("physics/membrane") {
         CHECK(worst < 1e-6);
     }
 
-    TEST_CASE("the area of an element is the slope of the volume with its radius, below the platen only") {
+    TEST_CASE("the area of an element is the slope of the volume with its radius, below the platen "
+              "only") {
         for (const double top : {0.1, 0.25, 0.29, 0.304, 0.35}) {
             const Uneven uneven(4, 0.01, false, 3);
             std::vector<double> area(48);
@@ -213,13 +251,16 @@ TEST_SUITE("physics/membrane") {
                 auto more = uneven.radius, less = uneven.radius;
                 more[e] += 1e-6;
                 less[e] -= 1e-6;
-                const double slope = (membrane_volume(uneven.membrane, more.data(), top) - membrane_volume(uneven.membrane, less.data(), top)) / 2e-6;
+                const double slope = (membrane_volume(uneven.membrane, more.data(), top) -
+                                      membrane_volume(uneven.membrane, less.data(), top)) /
+                                     2e-6;
                 worst = std::max(worst, std::abs(area[e] - slope));
             }
             CHECK(worst < 1e-9); // the volume is quadratic in the radii: the difference is exact
         }
         const Uneven even(4, 0, true, 4); // a prism
-        CHECK(membrane_volume(even.membrane, even.radius.data(), 0.3) == about(0.3 * 12 * 0.15 * 0.15 * std::tan(pi / 12)).epsilon(1e-12));
+        CHECK(membrane_volume(even.membrane, even.radius.data(), 0.3) ==
+              about(0.3 * 12 * 0.15 * 0.15 * std::tan(pi / 12)).epsilon(1e-12));
     }
 
     TEST_CASE("a wide membrane has no gap: no direction leads out") {
@@ -233,7 +274,8 @@ TEST_SUITE("physics/membrane") {
             const Vec3 outside(0.27 * std::cos(angle), 0.27 * std::sin(angle), z);
             double least = 1;
             for (int sector = 0; sector < 12; ++sector)
-                least = std::min(least, s.nearest(sector, outside.dot(s.outward[sector]), z).distance);
+                least =
+                    std::min(least, s.nearest(sector, outside.dot(s.outward[sector]), z).distance);
             REQUIRE(least < 0);
         }
     }
@@ -249,7 +291,9 @@ TEST_SUITE("physics/membrane") {
             world.resource<Membrane>().active = false;
             const EntityId ball = add_sphere(world, Vec3(0, 0, 0.04), 0.0085, material);
             value_of<Velocity>(world, ball) = Vec3(0.5, 0.1, 0.03);
-            Simulation sim = stress::begin(std::move(world), {.dt = fine == 1 ? 5e-6 : 1e-5, .law = LawName::linear_viscous, .ledger = true});
+            Simulation sim = stress::begin(
+                std::move(world),
+                {.dt = fine == 1 ? 5e-6 : 1e-5, .law = LawName::linear_viscous, .ledger = true});
             const double before = measure(sim.world()).kinetic_energy;
             sim.advance(fine == 1 ? 60000 : 30000);
             const Quantities q = measure(sim.world());
@@ -257,12 +301,14 @@ TEST_SUITE("physics/membrane") {
             open[fine] = std::abs(q.kinetic_energy + q.elastic_energy + taken - before);
             CHECK(taken > 0.1 * before);
         }
-        MESSAGE("energy open by ", open[0], " J, at half the step ", open[1], " J, of ", taken, " J taken");
+        MESSAGE("energy open by ", open[0], " J, at half the step ", open[1], " J, of ", taken,
+                " J taken");
         CHECK(open[0] < 1e-3 * taken);
         CHECK(open[1] < open[0]);
     }
 
-    TEST_CASE("elements that move, and grains that slide over their slopes, keep the energy balance") {
+    TEST_CASE(
+        "elements that move, and grains that slide over their slopes, keep the energy balance") {
         // grains that fly about inside a membrane whose rings breathe out of step
         double error[2] = {0, 0}, work = 0;
         for (int fine = 0; fine < 2; ++fine) {
@@ -272,11 +318,14 @@ TEST_SUITE("physics/membrane") {
             world.resource<Membrane>().active = false;
             Random random(9, 0);
             for (int k = 0; k < 60; ++k) {
-                const Vec3 place(0.018 * (k % 3 - 1), 0.018 * (k / 3 % 3 - 1), 0.01 + 0.018 * (k / 9));
-                value_of<Velocity>(world, add_sphere(world, place, 0.0085, material)) = 0.3 * random.direction();
+                const Vec3 place(0.018 * (k % 3 - 1), 0.018 * (k / 3 % 3 - 1),
+                                 0.01 + 0.018 * (k / 9));
+                value_of<Velocity>(world, add_sphere(world, place, 0.0085, material)) =
+                    0.3 * random.direction();
             }
             world.table<Bodies>().add<BoundaryWork>();
-            Simulation sim = start(std::move(world), {.dt = fine == 1 ? 5e-6 : 1e-5, .law = LawName::linear_frictionless});
+            Simulation sim = start(std::move(world), {.dt = fine == 1 ? 5e-6 : 1e-5,
+                                                      .law = LawName::linear_frictionless});
             const unsigned each = fine == 1 ? 40 : 20;
             sim.advance(each);
             const auto energy = [&] {
@@ -290,13 +339,15 @@ TEST_SUITE("physics/membrane") {
             const double first = energy();
             for (int k = 0; k < 1000; ++k) {
                 for (Row e = 0; e < 32; ++e)
-                    sim.world().column<Elements, ElementSpeed>()[e] = 0.15 * std::sin(2 * pi * k / 250 + e / 8);
+                    sim.world().column<Elements, ElementSpeed>()[e] =
+                        0.15 * std::sin(2 * pi * k / 250 + e / 8);
                 sim.advance(each);
             }
             error[fine] = std::abs(energy() - first);
             CHECK(measure(sim.world()).kinetic_energy > 1e-4); // they were stirred
         }
-        MESSAGE("energy off by ", error[0], " J, at half the step ", error[1], " J, of work ", work, " J");
+        MESSAGE("energy off by ", error[0], " J, at half the step ", error[1], " J, of work ", work,
+                " J");
         CHECK(error[1] < 0.01 * std::abs(work));
     }
 }

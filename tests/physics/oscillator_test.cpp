@@ -13,15 +13,19 @@ TEST_SUITE("physics/oscillator") {
             const auto material = add_material(world, linear_material(stiffness));
             add_floor(world, material);
             const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-            const double mass = value_of<Mass>(world, ball), omega = std::sqrt(stiffness / mass), dt = omega_dt / omega;
+            const double mass = value_of<Mass>(world, ball), omega = std::sqrt(stiffness / mass),
+                         dt = omega_dt / omega;
             const double rest = radius - mass * g / stiffness; // 1e-4 m of overlap
-            const double amplitude = 0.2 * mass * g / stiffness; // no step could carry it past the surface
+            const double amplitude =
+                0.2 * mass * g / stiffness; // no step could carry it past the surface
             const double omega_num = 2 / dt * std::asin(0.5 * omega_dt);
             value_of<Position>(world, ball) = Vec3(0, 0, rest + amplitude);
             // x(-dt) = A cos(-w dt): the velocity half a step back is the difference
-            value_of<Velocity>(world, ball) = Vec3(0, 0, amplitude * (1 - std::cos(omega_num * dt)) / dt);
+            value_of<Velocity>(world, ball) =
+                Vec3(0, 0, amplitude * (1 - std::cos(omega_num * dt)) / dt);
             world.add_resource<Gravity>({Vec3(0, 0, -g)});
-            Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
+            Simulation sim =
+                start(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
             double worst = 0;
             const int steps = 1000;
             for (int n = 1; n <= steps; ++n) {
@@ -43,7 +47,8 @@ TEST_SUITE("physics/oscillator") {
         const auto material = add_material(world, linear_material(stiffness));
         add_floor(world, material);
         const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-        const double mass = value_of<Mass>(world, ball), omega = std::sqrt(stiffness / mass), dt = 0.5 / omega;
+        const double mass = value_of<Mass>(world, ball), omega = std::sqrt(stiffness / mass),
+                     dt = 0.5 / omega;
         const double rest = radius - mass * g / stiffness, amplitude = 0.5 * mass * g / stiffness;
         value_of<Position>(world, ball) = Vec3(0, 0, rest + amplitude);
         world.add_resource<Gravity>({Vec3(0, 0, -g)});
@@ -51,7 +56,8 @@ TEST_SUITE("physics/oscillator") {
         const auto invariant = [&] {
             // x(t) and the mean of the velocities around t: x^2 (1 - (w dt / 2)^2) + v^2 / w^2
             const double x = value_of<Position>(sim, ball).z() - rest;
-            const double next_a = -omega * omega * x, v = value_of<Velocity>(sim, ball).z() + 0.5 * dt * next_a;
+            const double next_a = -omega * omega * x,
+                         v = value_of<Velocity>(sim, ball).z() + 0.5 * dt * next_a;
             return x * x * (1 - 0.25 * omega * omega * dt * dt) + v * v / (omega * omega);
         };
         sim.advance();

@@ -1,5 +1,5 @@
-#include "tests/support.hpp"
 #include "tests/about.hpp"
+#include "tests/support.hpp"
 
 #include <doctest/doctest.h>
 
@@ -9,9 +9,9 @@ using namespace bris::testing;
 namespace {
 
 struct Impact {
-    double rate = 0;       ///< 1/s
-    double steps = 100;    ///< a contact
-    double phase = 0.5;    ///< of a step, between reaching the plane and the first step in touch
+    double rate = 0;    ///< 1/s
+    double steps = 100; ///< a contact
+    double phase = 0.5; ///< of a step, between reaching the plane and the first step in touch
     double speed = 1;
 };
 
@@ -25,7 +25,8 @@ double restitution(const Impact& s) {
     add_floor(world, material);
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
     const double omega2 = stiffness / value_of<Mass>(world, ball);
-    const double contact_time = pi / std::sqrt(omega2 - 0.25 * s.rate * s.rate), dt = contact_time / s.steps;
+    const double contact_time = pi / std::sqrt(omega2 - 0.25 * s.rate * s.rate),
+                 dt = contact_time / s.steps;
     value_of<Position>(world, ball) = Vec3(0, 0, radius + s.speed * dt * (10 - s.phase));
     value_of<Velocity>(world, ball) = Vec3(0, 0, -s.speed);
     Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
@@ -47,35 +48,42 @@ TEST_SUITE("physics/restitution") {
             const double rate = 2 * damping * std::sqrt(1e6 / (2600 * 4.0 / 3 * pi * 1e-6));
             CHECK(closed_form(rate) == about(e).epsilon(1e-12));
             CAPTURE(e);
-            // second order wherever in the step the contact begins and ends: the leapfrog's own error is e (pi/steps)^2
-            // times a number of order one; other codes reach 3.8e-3, 8.6e-4 and 2.1e-4 (accuracy.md 1b)
+            // second order wherever in the step the contact begins and ends: the leapfrog's own
+            // error is e (pi/steps)^2 times a number of order one; other codes reach 3.8e-3, 8.6e-4
+            // and 2.1e-4 (accuracy.md 1b)
             for (const double steps : {50.0, 200.0, 1000.0})
                 for (const double phase : {0.1, 0.3, 0.5, 0.7, 0.9}) {
                     // at e = 0.1 the dashpot halves the leaving speed within the last of 50 steps
                     const double bound = steps == 50 && e == 0.1 ? 6e-3 : 3 / (steps * steps);
                     CHECK(std::abs(restitution({rate, steps, phase}) - e) < bound);
                 }
-            const double coarse = restitution({rate, 200, 0.3}) - e, fine = restitution({rate, 400, 0.3}) - e;
-            MESSAGE("e = ", e, ": error ", coarse, " at t_c/200, ", fine, " at t_c/400, order ", order_of(std::abs(coarse), std::abs(fine)));
+            const double coarse = restitution({rate, 200, 0.3}) - e,
+                         fine = restitution({rate, 400, 0.3}) - e;
+            MESSAGE("e = ", e, ": error ", coarse, " at t_c/200, ", fine, " at t_c/400, order ",
+                    order_of(std::abs(coarse), std::abs(fine)));
             CHECK(order_of(std::abs(coarse), std::abs(fine)) > 1.8);
         }
     }
 
     TEST_CASE("restitution does not depend on speed") {
-        const double slow = restitution({3000, 100, 0.5, 0.01}), fast = restitution({3000, 100, 0.5, 2});
+        const double slow = restitution({3000, 100, 0.5, 0.01}),
+                     fast = restitution({3000, 100, 0.5, 2});
         // the phase of the first touch is the same, so only rounding differs: eps R / overlap
         CHECK(std::abs(slow - fast) < 1e-9);
     }
 
-    TEST_CASE("an undamped rebound gives the speed back to fourth order in dt, wherever in a step it begins") {
+    TEST_CASE("an undamped rebound gives the speed back to fourth order in dt, wherever in a step "
+              "it begins") {
         const auto worst = [&](double steps) {
             double w = 0;
-            for (int k = 0; k < 16; ++k) w = std::max(w, std::abs(restitution({0, steps, (k + 0.5) / 16}) - 1));
+            for (int k = 0; k < 16; ++k)
+                w = std::max(w, std::abs(restitution({0, steps, (k + 0.5) / 16}) - 1));
             return w;
         };
         const double coarse = worst(50), fine = worst(200);
         MESSAGE("undamped rebound: worst error ", coarse, " at t_c/50, ", fine, " at t_c/200");
         CHECK(coarse < 1e-5);
-        CHECK(std::log2(coarse / fine) / 2 > 3.8); // 2 if contacts acted for whole steps only, and 2 (omega dt)^2 / 8 the error
+        CHECK(std::log2(coarse / fine) / 2 >
+              3.8); // 2 if contacts acted for whole steps only, and 2 (omega dt)^2 / 8 the error
     }
 }

@@ -1,6 +1,6 @@
 #include "systems/contact/laws/composed.hpp"
-#include "tests/support.hpp"
 #include "tests/about.hpp"
+#include "tests/support.hpp"
 
 #include <doctest/doctest.h>
 
@@ -15,22 +15,29 @@ struct Contact {
     SpringLanes spring{};
 
     Vec3 step(const Vec3& normal, double overlap, const Vec3& u, double twist) {
-        ContactLanes c{lanes(normal.x()), lanes(normal.y()), lanes(normal.z()), lanes(overlap), lanes(1), lanes(0.005)};
+        ContactLanes c{lanes(normal.x()), lanes(normal.y()), lanes(normal.z()),
+                       lanes(overlap),    lanes(1),          lanes(0.005)};
         c.ux = lanes(u.x());
         c.uy = lanes(u.y());
         c.uz = lanes(u.z());
         c.twist = lanes(twist);
-        const CoefficientLanes k{lanes(kn), lanes(ks), lanes(friction), lanes(0), lanes(0), lanes(0), lanes(0)};
+        const CoefficientLanes k{lanes(kn), lanes(ks), lanes(friction), lanes(0),
+                                 lanes(0),  lanes(0),  lanes(0)};
         RollLanes no_roll{};
-        const ForceLanes f = Linear::force(c, k, RollingLanes{}, LawStep({}, dt, false), spring, no_roll);
+        const ForceLanes f =
+            Linear::force(c, k, RollingLanes{}, LawStep({}, dt, false), spring, no_roll);
         return {f.x[0], f.y[0], f.z[0]};
     }
 };
 
-Vec3 tangential(const Vec3& force, const Vec3& normal) { return force - force.dot(normal) * normal; }
+Vec3 tangential(const Vec3& force, const Vec3& normal) {
+    return force - force.dot(normal) * normal;
+}
 
 /// A loaded pair turned once about `axis` as one rigid body, in `steps` steps.
-struct Turned { double length, angle; };
+struct Turned {
+    double length, angle;
+};
 Turned turn_once(const Vec3& axis, const Vec3& normal, const Vec3& stretch, int steps) {
     Contact contact;
     contact.friction = 1e9;
@@ -48,15 +55,18 @@ Turned turn_once(const Vec3& axis, const Vec3& normal, const Vec3& stretch, int 
     return {worst, std::acos(std::clamp(first.normalized().dot(last.normalized()), -1.0, 1.0))};
 }
 
-/// Growth of the amplitude of a free tangential oscillation over the second half of a run, and its steps.
+/// Growth of the amplitude of a free tangential oscillation over the second half of a run, and its
+/// steps.
 std::pair<double, int> tangential_growth(double omega_dt) {
     const double radius = 0.01, kn = 1e6, ks = 4e5, g = 100;
     World world = make_world(Grains::spheres);
     const auto material = add_material(world, linear_material(kn, ks, 1e6));
     add_floor(world, material);
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-    const double mass = value_of<Mass>(world, ball), overlap = mass * g / kn, arm = radius - 0.5 * overlap;
-    const double dt = omega_dt / std::sqrt(ks / mass + ks * arm * arm / value_of<SphereInertia>(world, ball));
+    const double mass = value_of<Mass>(world, ball), overlap = mass * g / kn,
+                 arm = radius - 0.5 * overlap;
+    const double dt =
+        omega_dt / std::sqrt(ks / mass + ks * arm * arm / value_of<SphereInertia>(world, ball));
     value_of<Position>(world, ball) = Vec3(0, 0, radius - overlap);
     value_of<Velocity>(world, ball) = Vec3(1e-4, 0, 0);
     world.add_resource<Gravity>({Vec3(0, 0, -g)});
@@ -88,9 +98,11 @@ TEST_SUITE("physics/tangential") {
             for (int k = 0; k < 200; ++k) {
                 normal = (normal + 0.1 * random.direction()).normalized();
                 const double overlap = random.uniform(0, 1e-4);
-                const Vec3 force = contact.step(normal, overlap, 0.3 * random.direction(), 30 * random.normal());
+                const Vec3 force =
+                    contact.step(normal, overlap, 0.3 * random.direction(), 30 * random.normal());
                 const double limit = contact.friction * contact.kn * overlap;
-                worst = std::max(worst, tangential(force, normal).norm() - limit * (1 + 1e-14) - 1e-14 * force.norm());
+                worst = std::max(worst, tangential(force, normal).norm() - limit * (1 + 1e-14) -
+                                            1e-14 * force.norm());
             }
         }
         CHECK(worst <= 0);
@@ -99,17 +111,22 @@ TEST_SUITE("physics/tangential") {
     TEST_CASE("a loaded pair turned once as one rigid body keeps its tangential force") {
         const Vec3 n(0, 0, 1), stretch(3e-6, 4e-6, 0);
         // rolling over, spinning about the normal, on a cone, and at random
-        for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(Vec3(1, 0, 1).normalized()), Vec3(Vec3(1, 2, 3).normalized())}) {
-            const Turned coarse = turn_once(axis, n, stretch, 100), fine = turn_once(axis, n, stretch, 200),
+        for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(Vec3(1, 0, 1).normalized()),
+                                 Vec3(Vec3(1, 2, 3).normalized())}) {
+            const Turned coarse = turn_once(axis, n, stretch, 100),
+                         fine = turn_once(axis, n, stretch, 200),
                          finest = turn_once(axis, n, stretch, 100'000);
-            MESSAGE("axis ", axis.transpose(), ": |F_t| drifts by ", finest.length, " in 10^5 steps; direction off by ", coarse.angle,
-                    " rad in 100 steps, ", fine.angle, " in 200, ", finest.angle, " in 10^5");
+            MESSAGE("axis ", axis.transpose(), ": |F_t| drifts by ", finest.length,
+                    " in 10^5 steps; direction off by ", coarse.angle, " rad in 100 steps, ",
+                    fine.angle, " in 200, ", finest.angle, " in 10^5");
             CHECK(coarse.length < 1e-13);
             CHECK(finest.length < 1e-10); // accuracy.md 4.1: each step rounds the length by eps
-            // The direction is first order in the angle h of a step: putting the spring onto the new tangent
-            // plane shortens its part along the turn by cos h, the whole being scaled back, so the angle to
-            // the turn changes by up to h^2/4 a step, pi^2/N a turn; the twist adds h^3/3 a step.
-            for (const auto& [turned, steps] : {std::pair(coarse, 100.0), std::pair(fine, 200.0), std::pair(finest, 1e5)}) {
+            // The direction is first order in the angle h of a step: putting the spring onto the
+            // new tangent plane shortens its part along the turn by cos h, the whole being scaled
+            // back, so the angle to the turn changes by up to h^2/4 a step, pi^2/N a turn; the
+            // twist adds h^3/3 a step.
+            for (const auto& [turned, steps] :
+                 {std::pair(coarse, 100.0), std::pair(fine, 200.0), std::pair(finest, 1e5)}) {
                 const double h = 2 * pi / steps;
                 CHECK(turned.angle < pi * pi / steps + 2 * pi * h * h / 3 + 1e-7);
             }
@@ -128,7 +145,8 @@ TEST_SUITE("physics/tangential") {
             for (int k = 0; k < steps; ++k) {
                 const double phase = 2 * pi * k / steps;
                 const double velocity = amplitude * std::cos(phase) * 2 * pi / steps;
-                work -= contact.step(Vec3(0, 0, 1), overlap, Vec3(velocity, 0, 0), 0).x() * velocity;
+                work -=
+                    contact.step(Vec3(0, 0, 1), overlap, Vec3(velocity, 0, 0), 0).x() * velocity;
             }
         }
         const double exact = 4 * limit * (amplitude - limit / contact.ks);
@@ -143,7 +161,8 @@ TEST_SUITE("physics/tangential") {
             const auto material = add_material(world, linear_material(kn, ks, 1e6));
             add_floor(world, material);
             const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
-            const double mass = value_of<Mass>(world, ball), inertia = value_of<SphereInertia>(world, ball);
+            const double mass = value_of<Mass>(world, ball),
+                         inertia = value_of<SphereInertia>(world, ball);
             const double overlap = mass * g / kn, arm = radius - 0.5 * overlap;
             const double omega2 = ks / mass + ks * arm * arm / inertia;
             const double time = 2.3 * 2 * pi / std::sqrt(omega2), dt = time / steps;
@@ -153,18 +172,22 @@ TEST_SUITE("physics/tangential") {
             Simulation sim = start(std::move(world), {.dt = dt});
             sim.advance(static_cast<std::uint64_t>(steps));
             // x'' = pull - ks s / m, s'' = pull - omega2 s from rest
-            const double exact = 0.5 * pull * time * time -
-                                 ks / mass * pull / omega2 * (0.5 * time * time - (1 - std::cos(std::sqrt(omega2) * time)) / omega2);
+            const double exact =
+                0.5 * pull * time * time -
+                ks / mass * pull / omega2 *
+                    (0.5 * time * time - (1 - std::cos(std::sqrt(omega2) * time)) / omega2);
             return std::abs(value_of<Position>(sim, ball).x() / exact - 1);
         };
         const double coarse = error_at(100), middle = error_at(200), fine = error_at(400);
-        MESSAGE("tangential spring: errors ", coarse, ", ", middle, ", ", fine, ", orders ", order_of(coarse, middle), ", ", order_of(middle, fine));
+        MESSAGE("tangential spring: errors ", coarse, ", ", middle, ", ", fine, ", orders ",
+                order_of(coarse, middle), ", ", order_of(middle, fine));
         CHECK(order_of(coarse, middle) > 1.85);
         CHECK(order_of(middle, fine) > 1.9);
     }
 
-    // The spring moves by the leapfrog's own displacement, so the pair is one symplectic oscillator; with a
-    // velocity predicted from the last acceleration it would grow by (omega dt)^4 / 8 a step.
+    // The spring moves by the leapfrog's own displacement, so the pair is one symplectic
+    // oscillator; with a velocity predicted from the last acceleration it would grow by (omega
+    // dt)^4 / 8 a step.
     TEST_CASE("an undamped tangential oscillation keeps its amplitude") {
         for (const double omega_dt : {0.1, 0.2, 0.3}) {
             const auto [growth, steps] = tangential_growth(omega_dt);

@@ -14,12 +14,18 @@ struct Exact {
     Vec3 spin;
     Quat attitude;
 };
-const Exact one{1, {5.778024718120799e-01, 8.161766374798108e-01, 8.820158155105363e-01},
-                Quat(7.790396025882221e-01, 3.582092659572785e-01, 1.958299706947994e-01, 4.758508610470382e-01)};
-const Exact five{5, {-1.643504297652685e-01, -9.864020155271235e-01, 8.219916998291430e-01},
-                 Quat(-8.920593802375441e-01, 3.457199570073615e-01, -2.461029244107810e-01, 1.553741421649608e-01)};
-const Exact ten{10, {-9.210699984443332e-01, 3.893970441153297e-01, 9.744006605830824e-01},
-                Quat(8.614411740654798e-01, 1.073407576201552e-01, 2.209473217943740e-01, -4.444989835422690e-01)};
+const Exact one{1,
+                {5.778024718120799e-01, 8.161766374798108e-01, 8.820158155105363e-01},
+                Quat(7.790396025882221e-01, 3.582092659572785e-01, 1.958299706947994e-01,
+                     4.758508610470382e-01)};
+const Exact five{5,
+                 {-1.643504297652685e-01, -9.864020155271235e-01, 8.219916998291430e-01},
+                 Quat(-8.920593802375441e-01, 3.457199570073615e-01, -2.461029244107810e-01,
+                      1.553741421649608e-01)};
+const Exact ten{10,
+                {-9.210699984443332e-01, 3.893970441153297e-01, 9.744006605830824e-01},
+                Quat(8.614411740654798e-01, 1.073407576201552e-01, 2.209473217943740e-01,
+                     -4.444989835422690e-01)};
 
 struct Top {
     Simulation sim;
@@ -34,14 +40,17 @@ Top make_top(const Vec3& inertia, const Vec3& spin, double dt) {
     shape.volume = 1;
     shape.inertia = inertia;
     shape.bounding_radius = 1;
-    const EntityId body = add_clump(world, shape, 0, Vec3::Zero(), Quat(Quat::Identity()), material);
+    const EntityId body =
+        add_clump(world, shape, 0, Vec3::Zero(), Quat(Quat::Identity()), material);
     set_spin(world, body, spin);
     return {start(std::move(world), {.dt = dt}), body};
 }
 
 double angle_between(const Quat& a, const Quat& b) { return 2 * (a.conjugate() * b).vec().norm(); }
 
-struct Errors { double attitude, spin; };
+struct Errors {
+    double attitude, spin;
+};
 
 Errors error_at(const Exact& exact, int steps_per_unit) {
     Top top = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 1.0 / steps_per_unit);
@@ -78,20 +87,23 @@ TEST_SUITE("physics/top") {
             top.sim.advance(50);
             const Quat& q = value_of<Orientation>(top.sim, top.body);
             const Vec3 local = q.conjugate() * value_of<Spin>(top.sim, top.body);
-            worst_energy = std::max(worst_energy, std::abs(local.cwiseAbs2().dot(inertia) / 4 - 1)); // 2 E = 4
+            worst_energy =
+                std::max(worst_energy, std::abs(local.cwiseAbs2().dot(inertia) / 4 - 1)); // 2 E = 4
             worst_norm = std::max(worst_norm, std::abs(q.norm() - 1));
         }
-        CHECK((value_of<AngularMomentum>(top.sim, top.body) - before).norm() / before.norm() < 1e-14);
+        CHECK((value_of<AngularMomentum>(top.sim, top.body) - before).norm() / before.norm() <
+              1e-14);
         CHECK(worst_norm < 1e-14);
         MESSAGE("10^5 steps of 0.05 rad: energy off by at most ", worst_energy);
-        // not symplectic: the fourth-order attitude lets the energy drift with h^5 a step; 1e5 steps of
-        // 0.05 rad give of the order of 1e5 * 0.05^5 / 120 = 3e-4
+        // not symplectic: the fourth-order attitude lets the energy drift with h^5 a step; 1e5
+        // steps of 0.05 rad give of the order of 1e5 * 0.05^5 / 120 = 3e-4
         CHECK(worst_energy < 3e-4);
     }
 
     TEST_CASE("a slow top, below the angle at which the midpoint rule takes over, is as good") {
         // 7e-5 rad a step
-        Top slow = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 5e-5), quick = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 1.0 / 1000);
+        Top slow = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 5e-5),
+            quick = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 1.0 / 1000);
         slow.sim.advance(20'000);
         quick.sim.advance(1000);
         const double off = angle_between(value_of<Orientation>(slow.sim, slow.body), one.attitude);
@@ -105,7 +117,8 @@ TEST_SUITE("physics/top") {
         Top top = make_top(Vec3(1, 2, 3), Vec3(0, 0, 2), 0.01);
         top.sim.advance(1000);
         // 1000 compositions, each rounded by eps
-        CHECK(angle_between(value_of<Orientation>(top.sim, top.body), exponential_map(Vec3(0, 0, 20))) < 1000 * 4e-16);
+        CHECK(angle_between(value_of<Orientation>(top.sim, top.body),
+                            exponential_map(Vec3(0, 0, 20))) < 1000 * 4e-16);
     }
 
     TEST_CASE("a body with equal moments turns at constant spin, whatever the step") {

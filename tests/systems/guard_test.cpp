@@ -1,6 +1,5 @@
-#include "systems/guard.hpp"
-
 #include "engine/errors.hpp"
+#include "systems/guard.hpp"
 #include "tests/support.hpp"
 
 #include <doctest/doctest.h>
@@ -17,12 +16,15 @@ constexpr double not_a_number = std::numeric_limits<double>::quiet_NaN();
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
 /// Five spheres far apart above a floor.
-Simulation five(Grains grains, bool facets, const std::function<void(World&)>& change = [](World&) {}) {
+Simulation five(
+    Grains grains, bool facets, const std::function<void(World&)>& change = [](World&) {}) {
     World world = make_world(grains);
     const auto material = add_material(world, linear_material(1e5, 5e4, 0.5));
     for (int k = 0; k < 5; ++k) add_sphere(world, Vec3(0.05 * k, 0, 0.011), 0.01, material);
-    if (facets) add_facet_floor(world, -0.3, 0.3, 3, material);
-    else add_floor(world, material);
+    if (facets)
+        add_facet_floor(world, -0.3, 0.3, 3, material);
+    else
+        add_floor(world, material);
     change(world);
     return start(std::move(world), {.dt = 1e-5});
 }
@@ -36,7 +38,9 @@ std::string message_of(Simulation& sim, std::uint64_t steps) {
     return "no error";
 }
 
-bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+bool has(const std::string& text, const std::string& part) {
+    return text.find(part) != std::string::npos;
+}
 
 } // namespace
 
@@ -46,7 +50,8 @@ TEST_SUITE("guard") {
         CHECK(message_of(sim, 200) == "no error");
     }
 
-    TEST_CASE("a position or velocity that is not a number stops the run with body, step and time") {
+    TEST_CASE(
+        "a position or velocity that is not a number stops the run with body, step and time") {
         for (const Grains grains : {Grains::spheres, Grains::clumps})
             for (const double bad : {not_a_number, infinity, -infinity}) {
                 CAPTURE(bad);
@@ -79,7 +84,8 @@ TEST_SUITE("guard") {
 
     TEST_CASE("a scene that begins with a position that is not a number stops, and does not hang") {
         for (const double bad : {not_a_number, infinity}) {
-            Simulation sim = five(Grains::spheres, false, [&](World& w) { value_of<Position>(w, 0).x() = bad; });
+            Simulation sim =
+                five(Grains::spheres, false, [&](World& w) { value_of<Position>(w, 0).x() = bad; });
             const std::string text = message_of(sim, 3);
             CAPTURE(text);
             CHECK(has(text, "body 0"));
@@ -87,7 +93,8 @@ TEST_SUITE("guard") {
     }
 
     TEST_CASE("a body faster than the limit stops the run") {
-        Simulation sim = five(Grains::spheres, false, [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
+        Simulation sim = five(Grains::spheres, false,
+                              [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
         const std::string text = message_of(sim, 100);
         CAPTURE(text);
         CHECK(has(text, "body 4"));
@@ -95,7 +102,8 @@ TEST_SUITE("guard") {
         CHECK(has(text, "1500"));
     }
 
-    TEST_CASE("a free body that leaves the box of the scene stops the run; a driven one may be anywhere") {
+    TEST_CASE("a free body that leaves the box of the scene stops the run; a driven one may be "
+              "anywhere") {
         Simulation sim = five(Grains::spheres, false, [](World& w) {
             w.resource<Limits>().low = Vec3(-0.1, -0.1, 0);
             w.resource<Limits>().high = Vec3(0.3, 0.1, 0.3);
@@ -111,7 +119,8 @@ TEST_SUITE("guard") {
         CHECK(sim.world().resource<Clock>().step < 510);
     }
 
-    TEST_CASE("a spin that is not a number stops a single sphere's run before it touches anything") {
+    TEST_CASE(
+        "a spin that is not a number stops a single sphere's run before it touches anything") {
         Simulation sim = five(Grains::spheres, false);
         sim.advance(10);
         value_of<AngularMomentum>(sim, 1).z() = not_a_number;
@@ -123,12 +132,14 @@ TEST_SUITE("guard") {
 
     TEST_CASE("a body that goes farther in a step than a surface may go unseen stops the run") {
         // a quarter of 0.01 m in 1e-5 s: 250 m/s
-        Simulation sim = five(Grains::spheres, false, [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 260, 0); });
+        Simulation sim = five(Grains::spheres, false,
+                              [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 260, 0); });
         const std::string text = message_of(sim, 100);
         CAPTURE(text);
         CHECK(has(text, "body 4"));
         CHECK(has(text, "a way up to 0.0025 m in a step, found 0.0026 m"));
-        Simulation slower = five(Grains::spheres, false, [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 240, 0); });
+        Simulation slower = five(Grains::spheres, false,
+                                 [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 240, 0); });
         CHECK(message_of(slower, 3) == "no error");
     }
 
@@ -141,7 +152,9 @@ TEST_SUITE("guard") {
     }
 
     TEST_CASE("two spheres too deep in each other are named") {
-        Simulation sim = five(Grains::spheres, false, [](World& w) { value_of<Position>(w, 2) = value_of<Position>(w, 1) + Vec3(0.0, 0, 0.016); });
+        Simulation sim = five(Grains::spheres, false, [](World& w) {
+            value_of<Position>(w, 2) = value_of<Position>(w, 1) + Vec3(0.0, 0, 0.016);
+        });
         const std::string text = message_of(sim, 100);
         CAPTURE(text);
         CHECK(has(text, "bodies 1 and 2"));
@@ -151,17 +164,20 @@ TEST_SUITE("guard") {
 
     TEST_CASE("a sphere too deep in a plane or a facet is named, and so is the boundary") {
         for (const bool facets : {false, true}) {
-            Simulation sim = five(Grains::spheres, facets, [](World& w) { value_of<Position>(w, 3).z() = 0.0074; });
+            Simulation sim = five(Grains::spheres, facets,
+                                  [](World& w) { value_of<Position>(w, 3).z() = 0.0074; });
             const std::string text = message_of(sim, 100);
             CAPTURE(text);
             CHECK(has(text, "bodies 3 and 5"));
-            Simulation just = five(Grains::spheres, facets, [](World& w) { value_of<Position>(w, 3).z() = 0.0076; });
+            Simulation just = five(Grains::spheres, facets,
+                                   [](World& w) { value_of<Position>(w, 3).z() = 0.0076; });
             CHECK(message_of(just, 1) == "no error"); // a quarter of the radius is allowed
         }
     }
 
     TEST_CASE("the run stays stopped") {
-        Simulation sim = five(Grains::spheres, false, [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
+        Simulation sim = five(Grains::spheres, false,
+                              [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
         CHECK_THROWS_AS(sim.advance(100), SimulationError);
         CHECK(sim.world().resource<Clock>().step == 1);
         CHECK_THROWS_AS(sim.advance(100), SimulationError);

@@ -3,8 +3,8 @@
 #include "systems/contact/ledger.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/sleep/sleep.hpp"
-#include "tests/support.hpp"
 #include "tests/about.hpp"
+#include "tests/support.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -18,7 +18,8 @@ namespace {
 constexpr unsigned count = 60;
 
 /// Grains that fall into a box, tumble and come to rest.
-Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {}, unsigned bodies = count) {
+Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {},
+                    unsigned bodies = count) {
     run.dt = 2e-5;
     run.law = LawName::linear_rolling; // else a sphere on one point spins for ever
     World world = stress::tumbling({.grains = grains, .bodies = bodies});
@@ -33,14 +34,17 @@ Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {}
 
 enum class Which { highest, lowest };
 
-/// A grain is lifted by hand: the highest falls on those that sleep, and the lowest is missed by those that lay on it.
+/// A grain is lifted by hand: the highest falls on those that sleep, and the lowest is missed by
+/// those that lay on it.
 EntityId lift_one(Simulation& sim, double up = 0.02, Which which = Which::highest) {
     World& world = sim.world();
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
     Row one = no_row;
     for (Row b = 0; b < position.size(); ++b)
-        if (motion[b] == static_cast<std::uint32_t>(Motion::free) && (one == no_row || (position[b].z() > position[one].z()) == (which == Which::highest))) one = b;
+        if (motion[b] == static_cast<std::uint32_t>(Motion::free) &&
+            (one == no_row || (position[b].z() > position[one].z()) == (which == Which::highest)))
+            one = b;
     const EntityId id = world.column<Bodies, BodyId>()[one];
     position[one].z() += up;
     if (world.table<Bodies>().has<Resting>()) world.column<Bodies, Resting>()[one] = 0;
@@ -48,12 +52,15 @@ EntityId lift_one(Simulation& sim, double up = 0.02, Which which = Which::highes
     return id;
 }
 
-bool idle(const World& world) { return world.table<Bodies>().is_idle(0, world.table<Bodies>().size()); }
+bool idle(const World& world) {
+    return world.table<Bodies>().is_idle(0, world.table<Bodies>().size());
+}
 
 } // namespace
 
 TEST_SUITE("sleep") {
-    TEST_CASE("grains at rest sleep, nothing is computed of them, and their forces are those of grains that do not") {
+    TEST_CASE("grains at rest sleep, nothing is computed of them, and their forces are those of "
+              "grains that do not") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             Simulation sim = tumbling(grains, true), waking = tumbling(grains, false);
             CHECK(sleepers(sim.world()) == 0);
@@ -76,7 +83,9 @@ TEST_SUITE("sleep") {
             CHECK(asleep.elastic_energy == about(full.elastic_energy).epsilon(0.02));
             double farthest = 0;
             for (EntityId id = 0; id < count; ++id)
-                farthest = std::max(farthest, (value_of<Position>(sim, id) - value_of<Position>(waking, id)).norm());
+                farthest =
+                    std::max(farthest,
+                             (value_of<Position>(sim, id) - value_of<Position>(waking, id)).norm());
             CHECK(farthest < 10 * full.mean_overlap);
             // a state at rest is left as it is
             const auto before = fingerprint(sim.snapshot(), "bodies/position");
@@ -122,9 +131,11 @@ TEST_SUITE("sleep") {
             const auto motion = world.column<Bodies, MotionOf>();
             double most = 0;
             for (Row b = 0; b < mass.size(); ++b)
-                if (motion[b] == static_cast<std::uint32_t>(Motion::free)) most = std::max(most, force[b].norm() / mass[b]);
+                if (motion[b] == static_cast<std::uint32_t>(Motion::free))
+                    most = std::max(most, force[b].norm() / mass[b]);
             CHECK(most <= 2 * Sleep{}.acceleration);
-            CHECK(most > 0.01 * Sleep{}.acceleration); // something was left out, or this would say nothing
+            CHECK(most >
+                  0.01 * Sleep{}.acceleration); // something was left out, or this would say nothing
         }
     }
 
@@ -152,8 +163,10 @@ TEST_SUITE("sleep") {
         CHECK(std::abs(q.boundary_force.z() / q.weight.z() - 1) < 0.01);
     }
 
-    TEST_CASE("sleeping gives the same bits on any number of threads, in any order, with any lists and after a restart") {
-        constexpr unsigned many = 300; // blocks of rows that are left alone beside others that are not
+    TEST_CASE("sleeping gives the same bits on any number of threads, in any order, with any lists "
+              "and after a restart") {
+        constexpr unsigned many =
+            300; // blocks of rows that are left alone beside others that are not
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             const auto settled = [&](const testing::RunSettings& settings) {
                 Simulation sim = tumbling(grains, true, settings, many);
@@ -171,7 +184,11 @@ TEST_SUITE("sleep") {
                 least = std::min(least, now);
                 most = std::max(most, now);
                 std::size_t idle_blocks = 0;
-                for (std::size_t first = 0; first < many; first += Table::idle_rows) idle_blocks += sim.world().table<Bodies>().is_idle(first, std::min<std::size_t>(first + Table::idle_rows, many)) ? 1u : 0u;
+                for (std::size_t first = 0; first < many; first += Table::idle_rows)
+                    idle_blocks += sim.world().table<Bodies>().is_idle(
+                                       first, std::min<std::size_t>(first + Table::idle_rows, many))
+                                       ? 1u
+                                       : 0u;
                 some += idle_blocks > 0 && idle_blocks * Table::idle_rows < many ? 1u : 0u;
             }
             CAPTURE(least);
@@ -190,8 +207,10 @@ TEST_SUITE("sleep") {
             CHECK(run({.threads = 3, .schedule = {.last_order = true, .grain = 8}}) == whole);
             CHECK(run({.lists = {.sort_every = 0}}) == whole);
             CHECK(run({.lists = {.sort_every = 1}}) == whole);
-            CHECK(run({.lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .tune = false}}) == whole);
-            CHECK(run({.lists = {.outer_skin = 0.001, .inner_skin = 0.0001, .tune = false}}) == whole);
+            CHECK(run({.lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .tune = false}}) ==
+                  whole);
+            CHECK(run({.lists = {.outer_skin = 0.001, .inner_skin = 0.0001, .tune = false}}) ==
+                  whole);
             Simulation again = tumbling(grains, true, {}, many);
             for (const int used : {0, 1}) { // a new one, and one that has run
                 CAPTURE(used);
@@ -202,18 +221,31 @@ TEST_SUITE("sleep") {
         }
     }
 
-    TEST_CASE("a scene that does not ask for sleep has nothing of it, and one that cannot is refused") {
-        CHECK(tumbling(Grains::spheres, false).schedule().explain().find("hold_spheres: absent") != std::string::npos);
+    TEST_CASE(
+        "a scene that does not ask for sleep has nothing of it, and one that cannot is refused") {
+        CHECK(tumbling(Grains::spheres, false).schedule().explain().find("hold_spheres: absent") !=
+              std::string::npos);
         const auto refusal = [](auto&& change) {
             World world = stress::tumbling({.grains = Grains::spheres, .bodies = 3});
             Sleep settings;
             change(world, settings);
             return message_of<InputError>([&] { add_sleep(world, settings); });
         };
-        CHECK(refusal([](World&, Sleep& s) { s.speed = 0; }).find("sleep: expected an acceleration") == 0);
-        CHECK(refusal([](World& w, Sleep&) { (void)testing::add_facet_floor(w, -1, 1, 1, 0); }).find("sleep: expected planes") == 0);
-        CHECK(refusal([](World& w, Sleep&) { (void)add_boundary(w, Vec3::Zero(), 0, Motion::prescribed); }).find("sleep: expected boundaries that stand still") == 0);
-        CHECK(refusal([](World& w, Sleep&) { value_of<Spin>(w, add_boundary(w, Vec3::Zero(), 0, Motion::fixed)) = Vec3(0, 0, 1); }).find("sleep: expected fixed bodies without motion") == 0);
-        CHECK(refusal([](World& w, Sleep&) { w.table<Bodies>().add<BoundaryWork>(); }).find("sleep: expected no energy ledger") == 0);
+        CHECK(refusal([](World&, Sleep& s) {
+                  s.speed = 0;
+              }).find("sleep: expected an acceleration") == 0);
+        CHECK(refusal([](World& w, Sleep&) {
+                  (void)testing::add_facet_floor(w, -1, 1, 1, 0);
+              }).find("sleep: expected planes") == 0);
+        CHECK(refusal([](World& w, Sleep&) {
+                  (void)add_boundary(w, Vec3::Zero(), 0, Motion::prescribed);
+              }).find("sleep: expected boundaries that stand still") == 0);
+        CHECK(refusal([](World& w, Sleep&) {
+                  value_of<Spin>(w, add_boundary(w, Vec3::Zero(), 0, Motion::fixed)) =
+                      Vec3(0, 0, 1);
+              }).find("sleep: expected fixed bodies without motion") == 0);
+        CHECK(refusal([](World& w, Sleep&) {
+                  w.table<Bodies>().add<BoundaryWork>();
+              }).find("sleep: expected no energy ledger") == 0);
     }
 }

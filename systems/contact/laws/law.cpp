@@ -11,6 +11,7 @@ constexpr double infinity = std::numeric_limits<double>::infinity();
 LawStep::LawStep(const ContactPolicy& policy, double step, bool ledger)
     : dt(step), least_force(policy.tension == Tension::allowed ? -infinity : 0),
       least_ratio(policy.shear_history == ShearHistory::total ? 1 : 0),
-      largest_ratio(policy.shear_history == ShearHistory::incremental ? infinity : 1), shared(policy.patch == PatchStiffness::shared), book(ledger) {}
+      largest_ratio(policy.shear_history == ShearHistory::incremental ? infinity : 1),
+      shared(policy.patch == PatchStiffness::shared), book(ledger) {}
 
 } // namespace bris

@@ -8,53 +8,73 @@ struct NoRolling {
     static constexpr bool present = false;
 };
 
-/// Resistance to rolling and to twisting: two springs with their own limits and histories, each elastic-plastic,
-/// with a dashpot while it sticks (model C of Ai, Chen, Rotter and Ooi 2011; Luding 2008). Stretches are
-/// displacements of surfaces: rolling moves by R* (w x n), twisting by R* (w . n). Torque limits are
-/// rolling_friction and twisting_friction times R* times normal force.
+/// Resistance to rolling and to twisting: two springs with their own limits and histories, each
+/// elastic-plastic, with a dashpot while it sticks (model C of Ai, Chen, Rotter and Ooi 2011;
+/// Luding 2008). Stretches are displacements of surfaces: rolling moves by R* (w x n), twisting by
+/// R* (w . n). Torque limits are rolling_friction and twisting_friction times R* times normal
+/// force.
 struct RollingSprings {
     static constexpr bool present = true;
 
-    static void torque(const ContactLanes& c, const RollingLanes& k, const LawStep& step, Lane shear_stiffness, Lane old_shear_stiffness,
-                       RollLanes& roll, ForceLanes& f) {
+    static void torque(const ContactLanes& c, const RollingLanes& k, const LawStep& step,
+                       Lane shear_stiffness, Lane old_shear_stiffness, RollLanes& roll,
+                       ForceLanes& f) {
         SpringLanes old{roll.x, roll.y, roll.z, k.stiffness_ratio * old_shear_stiffness};
         turn_with_pair(c, step.dt, old.x, old.y, old.z);
-        const Lane ks = k.stiffness_ratio * shear_stiffness, radius = c.radius, force = max(f.normal, lanes(0));
-        // a stiffness that grows leaves forces as they are, one that shrinks the stretches: never gives energy
-        const Lane kept = ks > 0.0 ? min(old.stiffness / ks, lanes(1)) : lanes(0), dt = 0.5 * (1.0 + kept) * step.dt;
-        const Lane vx = radius * (c.wy * c.nz - c.wz * c.ny), vy = radius * (c.wz * c.nx - c.wx * c.nz),
-                   vz = radius * (c.wx * c.ny - c.wy * c.nx), vt = radius * (c.wx * c.nx + c.wy * c.ny + c.wz * c.nz);
-        const SpringLanes trial{kept * old.x + dt * vx, kept * old.y + dt * vy, kept * old.z + dt * vz, ks};
-        const SpringLanes old_twist{roll.twist, Lane{}, Lane{}, old.stiffness}, trial_twist{kept * roll.twist + dt * vt, Lane{}, Lane{}, ks};
+        const Lane ks = k.stiffness_ratio * shear_stiffness, radius = c.radius,
+                   force = max(f.normal, lanes(0));
+        // a stiffness that grows leaves forces as they are, one that shrinks the stretches: never
+        // gives energy
+        const Lane kept = ks > 0.0 ? min(old.stiffness / ks, lanes(1)) : lanes(0),
+                   dt = 0.5 * (1.0 + kept) * step.dt;
+        const Lane vx = radius * (c.wy * c.nz - c.wz * c.ny),
+                   vy = radius * (c.wz * c.nx - c.wx * c.nz),
+                   vz = radius * (c.wx * c.ny - c.wy * c.nx),
+                   vt = radius * (c.wx * c.nx + c.wy * c.ny + c.wz * c.nz);
+        const SpringLanes trial{kept * old.x + dt * vx, kept * old.y + dt * vy,
+                                kept * old.z + dt * vz, ks};
+        const SpringLanes old_twist{roll.twist, Lane{}, Lane{}, old.stiffness},
+            trial_twist{kept * roll.twist + dt * vt, Lane{}, Lane{}, ks};
 
-        const Lane limit = k.rolling_friction * force, size = ks * sqrt(trial.x * trial.x + trial.y * trial.y + trial.z * trial.z);
+        const Lane limit = k.rolling_friction * force,
+                   size = ks * sqrt(trial.x * trial.x + trial.y * trial.y + trial.z * trial.z);
         const LaneMask rolls = size > limit;
         const Lane cut = rolls ? limit / size : lanes(1);
         const SpringLanes now{cut * trial.x, cut * trial.y, cut * trial.z, ks};
-        const Lane twist_limit = k.twisting_friction * force, twisted = ks * magnitude(trial_twist.x);
+        const Lane twist_limit = k.twisting_friction * force,
+                   twisted = ks * magnitude(trial_twist.x);
         const LaneMask twists = twisted > twist_limit;
-        const SpringLanes twist{twists ? trial_twist.x * (twist_limit / twisted) : trial_twist.x, Lane{}, Lane{}, ks};
+        const SpringLanes twist{twists ? trial_twist.x * (twist_limit / twisted) : trial_twist.x,
+                                Lane{}, Lane{}, ks};
 
         const Lane dashpot = 2.0 * k.damping_ratio * sqrt(ks / c.inverse_mass);
-        const Lane rolling_dashpot = rolls ? lanes(0) : dashpot, twist_dashpot = twists ? lanes(0) : dashpot;
+        const Lane rolling_dashpot = rolls ? lanes(0) : dashpot,
+                   twist_dashpot = twists ? lanes(0) : dashpot;
         const Lane fx = -ks * now.x - rolling_dashpot * vx, fy = -ks * now.y - rolling_dashpot * vy,
                    fz = -ks * now.z - rolling_dashpot * vz, ft = -ks * twist.x - twist_dashpot * vt;
         f.torque_x = radius * (c.ny * fz - c.nz * fy + ft * c.nx);
         f.torque_y = radius * (c.nz * fx - c.nx * fz + ft * c.ny);
         f.torque_z = radius * (c.nx * fy - c.ny * fx + ft * c.nz);
         if (step.book) {
-            f.work.rolling = taken(ks, kept, old, trial, now, k.rolling_friction) + taken(ks, kept, old_twist, trial_twist, twist, k.twisting_friction) +
-                             step.dt * (rolling_dashpot * (vx * vx + vy * vy + vz * vz) + twist_dashpot * vt * vt);
+            f.work.rolling = taken(ks, kept, old, trial, now, k.rolling_friction) +
+                             taken(ks, kept, old_twist, trial_twist, twist, k.twisting_friction) +
+                             step.dt * (rolling_dashpot * (vx * vx + vy * vy + vz * vz) +
+                                        twist_dashpot * vt * vt);
             const LaneMask parts = -c.closing * step.dt > c.overlap;
-            f.work.rolling += parts ? 0.5 * ks * (now.x * now.x + now.y * now.y + now.z * now.z + twist.x * twist.x) : lanes(0);
+            f.work.rolling +=
+                parts
+                    ? 0.5 * ks * (now.x * now.x + now.y * now.y + now.z * now.z + twist.x * twist.x)
+                    : lanes(0);
         }
         roll = {now.x, now.y, now.z, twist.x};
     }
 
 private:
-    static Lane taken(Lane ks, Lane kept, const SpringLanes& old, const SpringLanes& trial, const SpringLanes& now, Lane friction) {
+    static Lane taken(Lane ks, Lane kept, const SpringLanes& old, const SpringLanes& trial,
+                      const SpringLanes& now, Lane friction) {
         const Lane change = CoulombSpring::work_of_change(ks, kept, old, trial);
-        return CoulombSpring::sliding_work(ks, kept, old, trial, now) + (friction > 0.0 ? change : lanes(0));
+        return CoulombSpring::sliding_work(ks, kept, old, trial, now) +
+               (friction > 0.0 ? change : lanes(0));
     }
     static Lane magnitude(Lane a) { return a < 0.0 ? -a : a; }
 };

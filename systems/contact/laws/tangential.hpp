@@ -8,7 +8,8 @@ struct Frictionless {
     static constexpr bool has_history = false;
 };
 
-/// Share of the last step that a contact was closed: a spring begins when the surfaces meet, not with the step.
+/// Share of the last step that a contact was closed: a spring begins when the surfaces meet, not
+/// with the step.
 inline Lane share_of_step(const ContactLanes& c, LaneMask fresh, double dt) {
     const Lane gone = c.closing * dt;
     const LaneMask within = fresh & (gone > c.overlap);
@@ -19,11 +20,13 @@ inline Lane share_of_step(const ContactLanes& c, LaneMask fresh, double dt) {
 inline Lane root_near_one(Lane x) {
     const Lane series = 1.0 + x * (0.5 - x * (0.125 - x * (0.0625 - 0.0390625 * x)));
     const LaneMask far = x * x > 1e-8;
-    return bits(far) == 0 ? series : far ? sqrt(1.0 + x) : series; // each by its own: who shares its tile means nothing
+    return bits(far) == 0 ? series
+           : far          ? sqrt(1.0 + x)
+                          : series; // each by its own: who shares its tile means nothing
 }
 
-/// Turns a stretch with its pair: onto the new tangent plane at its old length, and about the normal with the
-/// mean spin.
+/// Turns a stretch with its pair: onto the new tangent plane at its old length, and about the
+/// normal with the mean spin.
 inline void turn_with_pair(const ContactLanes& c, double dt, Lane& x, Lane& y, Lane& z) {
     const Lane sn = x * c.nx + y * c.ny + z * c.nz;
     const Lane sx = x - sn * c.nx, sy = y - sn * c.ny, sz = z - sn * c.nz;
@@ -37,36 +40,42 @@ inline void turn_with_pair(const ContactLanes& c, double dt, Lane& x, Lane& y, L
     z = scale * rz;
 }
 
-/// Tangential spring with Coulomb's limit; no friction under tension, and no dashpot while it slides. The spring moves by the leapfrog's own
-/// displacement of the last step: moved by velocities predicted from the last acceleration it would grow by
-/// (omega dt)^4 / 8 a step. Where the stiffness varies (Mindlin), force follows it by ShearHistory, each step with
-/// the mean stiffness: second order in dt.
+/// Tangential spring with Coulomb's limit; no friction under tension, and no dashpot while it
+/// slides. The spring moves by the leapfrog's own displacement of the last step: moved by
+/// velocities predicted from the last acceleration it would grow by (omega dt)^4 / 8 a step. Where
+/// the stiffness varies (Mindlin), force follows it by ShearHistory, each step with the mean
+/// stiffness: second order in dt.
 struct CoulombSpring {
     static constexpr bool has_history = true;
 
     template <class Normal, class Damping>
-    [[gnu::always_inline]] static void force(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step,
-                                             const StiffnessLanes& stiffness, const DashpotLanes& rates, SpringLanes& spring,
+    [[gnu::always_inline]] static void force(const ContactLanes& c, const CoefficientLanes& k,
+                                             const LawStep& step, const StiffnessLanes& stiffness,
+                                             const DashpotLanes& rates, SpringLanes& spring,
                                              ForceLanes& f) {
         const Lane un = c.ux * c.nx + c.uy * c.ny + c.uz * c.nz;
         const LaneMask fresh = spring.stiffness == 0.0;
         const Lane share = share_of_step(c, fresh, step.dt) * step.dt;
-        const Lane dx = share * (c.ux - un * c.nx), dy = share * (c.uy - un * c.ny), dz = share * (c.uz - un * c.nz);
+        const Lane dx = share * (c.ux - un * c.nx), dy = share * (c.uy - un * c.ny),
+                   dz = share * (c.uz - un * c.nz);
 
         SpringLanes old = spring;
         turn_with_pair(c, step.dt, old.x, old.y, old.z);
         Lane kept = lanes(1), moved = lanes(1);
         const bool varying = Normal::varying || step.shared;
         if (varying) {
-            const Lane ratio = stiffness.shear > 0.0 ? spring.stiffness / stiffness.shear : lanes(0);
+            const Lane ratio =
+                stiffness.shear > 0.0 ? spring.stiffness / stiffness.shear : lanes(0);
             kept = min(max(ratio, lanes(step.least_ratio)), lanes(step.largest_ratio));
             moved = Normal::varying ? 0.5 * (1.0 + kept) : (fresh ? lanes(1) : 0.5 * (1.0 + kept));
         }
-        const SpringLanes trial{kept * old.x + moved * dx, kept * old.y + moved * dy, kept * old.z + moved * dz, stiffness.shear};
+        const SpringLanes trial{kept * old.x + moved * dx, kept * old.y + moved * dy,
+                                kept * old.z + moved * dz, stiffness.shear};
         spring = trial;
         if (!varying) spring.stiffness = lanes(1);
 
-        const Lane limit = k.friction * max(f.normal, lanes(0)), size2 = stiffness.shear * stiffness.shear * squared(trial);
+        const Lane limit = k.friction * max(f.normal, lanes(0)),
+                   size2 = stiffness.shear * stiffness.shear * squared(trial);
         const LaneMask slides = size2 > limit * limit;
         if (bits(slides) != 0) { // to the stretch that carries what friction can
             const Lane ratio = slides ? limit / sqrt(size2) : lanes(1);
@@ -74,18 +83,24 @@ struct CoulombSpring {
             spring.y *= ratio;
             spring.z *= ratio;
         }
-        Lane gx = -stiffness.shear * spring.x, gy = -stiffness.shear * spring.y, gz = -stiffness.shear * spring.z;
+        Lane gx = -stiffness.shear * spring.x, gy = -stiffness.shear * spring.y,
+             gz = -stiffness.shear * spring.z;
         Lane viscous{};
         if constexpr (Damping::present) {
             const Lane vn = c.vx * c.nx + c.vy * c.ny + c.vz * c.nz;
-            const Lane tx = c.vx - vn * c.nx, ty = c.vy - vn * c.ny, tz = c.vz - vn * c.nz, speed2 = tx * tx + ty * ty + tz * tz;
+            const Lane tx = c.vx - vn * c.nx, ty = c.vy - vn * c.ny, tz = c.vz - vn * c.nz,
+                       speed2 = tx * tx + ty * ty + tz * tz;
             Lane dashpot = slides ? lanes(0) : rates.shear;
             // a dashpot gives as much as the limit leaves: |g - d t| = limit
-            const Lane push = dashpot * (gx * tx + gy * ty + gz * tz), size = dashpot * dashpot * speed2;
+            const Lane push = dashpot * (gx * tx + gy * ty + gz * tz),
+                       size = dashpot * dashpot * speed2;
             const Lane room = limit * limit - (gx * gx + gy * gy + gz * gz);
             const LaneMask capped = (size - 2.0 * push > room) & (size > 0.0);
             if (bits(capped) != 0)
-                dashpot = capped ? dashpot * (push + sqrt(push * push + size * max(room, lanes(0)))) / size : dashpot;
+                dashpot =
+                    capped
+                        ? dashpot * (push + sqrt(push * push + size * max(room, lanes(0)))) / size
+                        : dashpot;
             gx -= dashpot * tx;
             gy -= dashpot * ty;
             gz -= dashpot * tz;
@@ -96,7 +111,9 @@ struct CoulombSpring {
             // a pair that parts in the next step gives up its stretch
             const LaneMask parts = -c.closing * step.dt > c.overlap;
             f.work.friction += parts ? 0.5 * stiffness.shear * squared(spring) : lanes(0);
-            if (varying) f.work.friction += k.friction > 0.0 ? work_of_change(stiffness.shear, kept, old, trial) : lanes(0);
+            if (varying)
+                f.work.friction +=
+                    k.friction > 0.0 ? work_of_change(stiffness.shear, kept, old, trial) : lanes(0);
             f.work.viscous += viscous;
         }
         f.x += gx;
@@ -106,20 +123,24 @@ struct CoulombSpring {
 
     static Lane squared(const SpringLanes& s) { return s.x * s.x + s.y * s.y + s.z * s.z; }
 
-    /// The slid distance against the mean of the spring's force before and after; where the force turned round
-    /// within the step, against the one after. Never negative.
-    static Lane sliding_work(Lane k, Lane kept, const SpringLanes& old, const SpringLanes& trial, const SpringLanes& now) {
+    /// The slid distance against the mean of the spring's force before and after; where the force
+    /// turned round within the step, against the one after. Never negative.
+    static Lane sliding_work(Lane k, Lane kept, const SpringLanes& old, const SpringLanes& trial,
+                             const SpringLanes& now) {
         const Lane sx = trial.x - now.x, sy = trial.y - now.y, sz = trial.z - now.z;
-        const Lane before = kept * (old.x * sx + old.y * sy + old.z * sz), after = now.x * sx + now.y * sy + now.z * sz;
+        const Lane before = kept * (old.x * sx + old.y * sy + old.z * sz),
+                   after = now.x * sx + now.y * sy + now.z * sz;
         return k * max(after, lanes(0)) + (before > -after ? 0.5 * k * (before - after) : lanes(0));
     }
 
-    /// What the spring gives up where its stiffness changes: at constant force while it grows, at constant stretch
-    /// while it shrinks. Negative for a history that is not passive.
-    static Lane work_of_change(Lane k, Lane kept, const SpringLanes& old, const SpringLanes& trial) {
+    /// What the spring gives up where its stiffness changes: at constant force while it grows, at
+    /// constant stretch while it shrinks. Negative for a history that is not passive.
+    static Lane work_of_change(Lane k, Lane kept, const SpringLanes& old,
+                               const SpringLanes& trial) {
         const Lane was = squared(old), is = squared(trial), mean = 0.5 * (old.stiffness + k);
         const Lane by_stretch = 0.25 * (old.stiffness - k) * (was + is);
-        const Lane by_force = 0.5 * k * is * (k / mean - 1.0) + 0.5 * old.stiffness * was * (1.0 - old.stiffness / mean);
+        const Lane by_force = 0.5 * k * is * (k / mean - 1.0) +
+                              0.5 * old.stiffness * was * (1.0 - old.stiffness / mean);
         return mean > 0.0 ? (kept == 1.0 ? by_stretch : by_force) : lanes(0);
     }
 };

@@ -29,9 +29,11 @@ struct Files {
         return read_csv(directory / "a.csv", form);
     }
     std::string complaint(auto&& action) const {
-        const std::string message = message_of<InputError>(action), start = directory.path().string() + "/";
+        const std::string message = message_of<InputError>(action),
+                          start = directory.path().string() + "/";
         std::string text = message.starts_with(start) ? message.substr(start.size()) : message;
-        for (auto at = text.find(start); at != std::string::npos; at = text.find(start)) text.erase(at, start.size());
+        for (auto at = text.find(start); at != std::string::npos; at = text.find(start))
+            text.erase(at, start.size());
         return text;
     }
 };
@@ -39,11 +41,17 @@ struct Files {
 } // namespace
 
 TEST_SUITE("engine/column_map") {
-    TEST_CASE("a file with other names, units, signs, delimiter and decimals is read as one of ours") {
+    TEST_CASE(
+        "a file with other names, units, signs, delimiter and decimals is read as one of ours") {
         const Files files;
-        const CsvForm form = files.map("# of a data logger\ndelimiter = semicolon\ndecimal = comma\ncomment = %\nheader_line = 3\nfirst_line = 5\n"
-                                       "t = \"Time, # [ms]\", ms\nax = -AccY, g  # its y points against our x\ntemp = \"-T\", C\n");
-        const CsvTable table = files.table(form, "Logger 3; serial 0815\n% t; ax\nstate;\"Time, # [ms]\";AccX;AccY;-T;\n;ms;g;g;C;\n% begun\nok;1500,5;0,1;+0,5;20;\n\nlost;1,6e3;;;-;\n");
+        const CsvForm form = files.map("# of a data logger\ndelimiter = semicolon\ndecimal = "
+                                       "comma\ncomment = %\nheader_line = 3\nfirst_line = 5\n"
+                                       "t = \"Time, # [ms]\", ms\nax = -AccY, g  # its y points "
+                                       "against our x\ntemp = \"-T\", C\n");
+        const CsvTable table = files.table(
+            form,
+            "Logger 3; serial 0815\n% t; ax\nstate;\"Time, # [ms]\";AccX;AccY;-T;\n;ms;g;g;C;\n% "
+            "begun\nok;1500,5;0,1;+0,5;20;\n\nlost;1,6e3;;;-;\n");
         CHECK(table.names == std::vector<std::string>{"t", "ax", "temp"});
         CHECK(table.lines == std::vector<int>{6, 8});
         CHECK(table.column("t")[0] == about(1.5005));
@@ -59,48 +67,72 @@ TEST_SUITE("engine/column_map") {
     TEST_CASE("names stand where the map says, also behind the sign of a comment") {
         const Files files;
         const CsvForm form = files.map("comment = %\nheader_line = 2\nt = \"% when\"\nax = a\n");
-        CHECK(files.table(form, "% a logger\n% when,a\n% begun\n1,2\n").rows == std::vector<std::vector<double>>{{1, 2}});
+        CHECK(files.table(form, "% a logger\n% when,a\n% begun\n1,2\n").rows ==
+              std::vector<std::vector<double>>{{1, 2}});
     }
 
     TEST_CASE("tabs and blanks delimit as well, blanks any number of them") {
         const Files files;
-        const CsvTable blanks = files.table(files.map("delimiter = space\nt = when\nax = \"acc x\"\n"), "  when  \"acc x\"   n\n 1   2 x\n\t3 4  -\n");
+        const CsvTable blanks =
+            files.table(files.map("delimiter = space\nt = when\nax = \"acc x\"\n"),
+                        "  when  \"acc x\"   n\n 1   2 x\n\t3 4  -\n");
         CHECK(blanks.rows == std::vector<std::vector<double>>{{1, 2}, {3, 4}});
-        const CsvTable tabs = files.table(files.map("delimiter = tab\nt = n, ms\nax = a b\n"), "a b\t\tn\n5\t\t1000\n\t\"x, y\"\t2000\n");
+        const CsvTable tabs = files.table(files.map("delimiter = tab\nt = n, ms\nax = a b\n"),
+                                          "a b\t\tn\n5\t\t1000\n\t\"x, y\"\t2000\n");
         CHECK(tabs.column("t") == std::vector<double>{1, 2});
         CHECK(std::isnan(tabs.column("ax")[1])); // an empty cell at the beginning of a line is one
     }
 
     TEST_CASE("what is wrong in a map is named with its line") {
         const Files files;
-        const auto why = [&](const std::string& text) { return files.complaint([&] { (void)files.map(text); }); };
-        CHECK(why("t = T\nvx = V\n") == "columns.txt:2: expected one of delimiter, decimal, comment, header_line, first_line, t, ax, temp, seq, found \"vx\"");
-        CHECK(why("t = T\nax = A\nt = U\n") == "columns.txt:3: t: expected once, found on line 1 already");
-        CHECK(why("t = T\nax = T\n") == "columns.txt:2: 'T': expected for one of ours, found for t and ax");
+        const auto why = [&](const std::string& text) {
+            return files.complaint([&] { (void)files.map(text); });
+        };
+        CHECK(why("t = T\nvx = V\n") ==
+              "columns.txt:2: expected one of delimiter, decimal, comment, header_line, "
+              "first_line, t, ax, temp, seq, found \"vx\"");
+        CHECK(why("t = T\nax = A\nt = U\n") ==
+              "columns.txt:3: t: expected once, found on line 1 already");
+        CHECK(why("t = T\nax = T\n") ==
+              "columns.txt:2: 'T': expected for one of ours, found for t and ax");
         CHECK(why("ax = A\n") == "columns.txt: expected a line for 't', found none");
         CHECK(why("t = T, h\n") == "columns.txt:1: expected for t one of s, ms, found \"h\"");
         CHECK(why("t = T\nseq = n, s\n") == "columns.txt:2: expected no unit for seq, found \"s\"");
         CHECK(why("t = T\nax =\n") == "columns.txt:2: expected something for 'ax', found \"\"");
         CHECK(why("t = -\n") == "columns.txt:1: expected the name of a column, found \"-\"");
-        CHECK(why("\nT\n") == "columns.txt:2: expected a line `our name = their name, unit`, found \"T\"");
-        CHECK(why("t = T\ndelimiter = ;\n") == "columns.txt:2: expected one of comma, semicolon, tab, space, found \";\"");
-        CHECK(why("t = T\ndecimal = comma\n") == "columns.txt: expected another delimiter than the decimal comma, found comma for both");
-        CHECK(why("t = T\nheader_line = 0\n") == "columns.txt:2: expected the number of a line, from 1, found \"0\"");
-        CHECK(why("t = T\ndelimiter = semicolon\ncomment = ;\n") == "columns.txt: expected another comment than the delimiter, found ';' for both");
-        CHECK(why("t = T\nheader_line = 4\nfirst_line = 4\n") == "columns.txt: first_line: expected a line after that of the names, 4, found 4");
-        CHECK(why("t = T\nfirst_line = 1\n") == "columns.txt: first_line: expected a line after that of the names, 1, found 1");
+        CHECK(why("\nT\n") ==
+              "columns.txt:2: expected a line `our name = their name, unit`, found \"T\"");
+        CHECK(why("t = T\ndelimiter = ;\n") ==
+              "columns.txt:2: expected one of comma, semicolon, tab, space, found \";\"");
+        CHECK(
+            why("t = T\ndecimal = comma\n") ==
+            "columns.txt: expected another delimiter than the decimal comma, found comma for both");
+        CHECK(why("t = T\nheader_line = 0\n") ==
+              "columns.txt:2: expected the number of a line, from 1, found \"0\"");
+        CHECK(why("t = T\ndelimiter = semicolon\ncomment = ;\n") ==
+              "columns.txt: expected another comment than the delimiter, found ';' for both");
+        CHECK(why("t = T\nheader_line = 4\nfirst_line = 4\n") ==
+              "columns.txt: first_line: expected a line after that of the names, 4, found 4");
+        CHECK(why("t = T\nfirst_line = 1\n") ==
+              "columns.txt: first_line: expected a line after that of the names, 1, found 1");
         CHECK(why("t = T\nfirst_line = 2\n").empty());
         CHECK(why("t = T\ncomment = //\n") == "columns.txt:2: expected one sign, found \"//\"");
     }
 
-    TEST_CASE("a file that is not as its map says is refused with its line, and the line of the map") {
+    TEST_CASE(
+        "a file that is not as its map says is refused with its line, and the line of the map") {
         const Files files;
         const CsvForm form = files.map("delimiter = semicolon\ndecimal = comma\nt = T\nax = A\n");
-        const auto why = [&](const std::string& text) { return files.complaint([&] { (void)files.table(form, text); }); };
-        CHECK(why("T;B\n1;2\n") == "a.csv:1: expected a column 'A' (ax of columns.txt:4), found T, B");
+        const auto why = [&](const std::string& text) {
+            return files.complaint([&] { (void)files.table(form, text); });
+        };
+        CHECK(why("T;B\n1;2\n") ==
+              "a.csv:1: expected a column 'A' (ax of columns.txt:4), found T, B");
         CHECK(why("T;A;A\n1;2;3\n") == "a.csv:1: column 'A': expected once, found twice");
         CHECK(why("T;A\n1;2;3\n") == "a.csv:2: expected 2 columns (T, A), found 3");
-        CHECK(why("T;A\n1;2.5\n") == "a.csv:2: column 'A': expected a number, found \"2.5\""); // a point among decimal commas
+        CHECK(why("T;A\n1;2.5\n") ==
+              "a.csv:2: column 'A': expected a number, found \"2.5\""); // a point among decimal
+                                                                        // commas
         CHECK(why("T;A\n1;high\n") == "a.csv:2: column 'A': expected a number, found \"high\"");
     }
 }

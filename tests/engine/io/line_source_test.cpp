@@ -13,7 +13,8 @@
 using namespace bris;
 
 TEST_SUITE("engine/line_source") {
-    TEST_CASE("lines of a file that grows are taken as they come, and half a line waits for its end") {
+    TEST_CASE(
+        "lines of a file that grows are taken as they come, and half a line waits for its end") {
         const TemporaryDirectory folder;
         std::ofstream out(folder / "lines");
         out << "one\ntwo\nthr" << std::flush;
@@ -34,7 +35,8 @@ TEST_SUITE("engine/line_source") {
         CHECK(three->number == 3);
     }
 
-    TEST_CASE("a pipe ends with who writes it; when the queue is full the writer waits, and nothing is lost") {
+    TEST_CASE("a pipe ends with who writes it; when the queue is full the writer waits, and "
+              "nothing is lost") {
         const TemporaryDirectory folder;
         const auto pipe = folder / "pipe";
         REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
@@ -42,7 +44,8 @@ TEST_SUITE("engine/line_source") {
         std::atomic<int> written = 0;
         std::thread writer([&] {
             std::ofstream out(pipe);
-            for (int k = 0; k < count; ++k, ++written) out << "line " << k << " of many, long enough to fill a pipe soon\n";
+            for (int k = 0; k < count; ++k, ++written)
+                out << "line " << k << " of many, long enough to fill a pipe soon\n";
             out << "cut off";
         });
         LineSource lines(pipe, 10);
@@ -51,7 +54,10 @@ TEST_SUITE("engine/line_source") {
         int taken = 0;
         std::optional<LineSource::Line> last;
         while (auto line = lines.next(10)) {
-            if (line->whole) CHECK_MESSAGE(line->text == "line " + std::to_string(taken) + " of many, long enough to fill a pipe soon", taken);
+            if (line->whole)
+                CHECK_MESSAGE(line->text == "line " + std::to_string(taken) +
+                                                " of many, long enough to fill a pipe soon",
+                              taken);
             taken += line->whole ? 1 : 0;
             last = std::move(line);
         }
@@ -71,7 +77,11 @@ TEST_SUITE("engine/line_source") {
         CHECK_FALSE(first->whole);
         CHECK(first->text.size() == LineSource::longest);
         CHECK(second->text == "next");
-        CHECK(message_of<OutputError>([&] { LineSource none(folder / "none"); }).find("cannot read") == 0);
-        CHECK(message_of<OutputError>([&] { LineSource none(folder.path()); }).find("cannot read") == 0);
+        CHECK(message_of<OutputError>([&] {
+                  LineSource none(folder / "none");
+              }).find("cannot read") == 0);
+        CHECK(message_of<OutputError>([&] {
+                  LineSource none(folder.path());
+              }).find("cannot read") == 0);
     }
 }

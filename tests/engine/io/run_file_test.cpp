@@ -181,7 +181,8 @@ TEST_SUITE("engine/run_file") {
     TEST_CASE("a file that is being written may be read by other programs, but not written") {
         const TemporaryDirectory directory;
         RunFile run(directory / "run.vtkhdf");
-        const int other = open((directory / "run.vtkhdf").c_str(), O_RDWR); // HDF5 locks what it opens, to read or to write
+        const int other = open((directory / "run.vtkhdf").c_str(),
+                               O_RDWR); // HDF5 locks what it opens, to read or to write
         REQUIRE(other >= 0);
         CHECK(flock(other, LOCK_SH | LOCK_NB) == 0);
         CHECK(flock(other, LOCK_EX | LOCK_NB) != 0);

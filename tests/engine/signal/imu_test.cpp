@@ -19,7 +19,8 @@ double allan_deviation(const std::vector<double>& samples, std::size_t length) {
         means.push_back(sum / static_cast<double>(length));
     }
     double sum = 0;
-    for (std::size_t k = 1; k < means.size(); ++k) sum += (means[k] - means[k - 1]) * (means[k] - means[k - 1]);
+    for (std::size_t k = 1; k < means.size(); ++k)
+        sum += (means[k] - means[k - 1]) * (means[k] - means[k - 1]);
     return std::sqrt(0.5 * sum / static_cast<double>(means.size() - 1));
 }
 
@@ -31,17 +32,20 @@ TEST_SUITE("engine/signal/imu") {
         Imu imu(imu_preset("ideal"), earth, 1, 1);
         for (int k = 0; k < 20; ++k) {
             const Quat q = random.rotation();
-            CHECK((imu.sample(0, {.orientation = q}).force - q.conjugate() * Vec3(-earth)).norm() < 1e-13);
+            CHECK((imu.sample(0, {.orientation = q}).force - q.conjugate() * Vec3(-earth)).norm() <
+                  1e-13);
             CHECK(imu.sample(0, {.orientation = q, .acceleration = earth}).force.norm() < 1e-13);
         }
     }
 
-    TEST_CASE("off the centre of a spinning body it reads its pull, and the spin, in axes of its own") {
+    TEST_CASE(
+        "off the centre of a spinning body it reads its pull, and the spin, in axes of its own") {
         ImuModel model = imu_preset("ideal");
         model.arm = Vec3(0.02, 0, 0);
         model.mounting = exponential_map(Vec3(0, 0, pi / 2)); // its x along the body's y
         Imu imu(model, Vec3::Zero(), 1, 1);
-        const ImuSample s = imu.sample(0, {.spin = Vec3(0, 0, 10), .angular_acceleration = Vec3(0, 0, 50)});
+        const ImuSample s =
+            imu.sample(0, {.spin = Vec3(0, 0, 10), .angular_acceleration = Vec3(0, 0, 50)});
         // the body reads -w2 r along x and alpha r along y
         CHECK((s.force - Vec3(50 * 0.02, 100 * 0.02, 0)).norm() < 1e-13);
         CHECK((s.rate - Vec3(0, 0, 10)).norm() < 1e-13);
@@ -86,7 +90,8 @@ TEST_SUITE("engine/signal/imu") {
         model.rate_range = 8;
         model.bits = 8;
         Imu imu(model, Vec3::Zero(), 1, 1);
-        const ImuSample s = imu.sample(0, {.acceleration = Vec3(0.3, 20, -3), .spin = Vec3(0.05, 0, 0)});
+        const ImuSample s =
+            imu.sample(0, {.acceleration = Vec3(0.3, 20, -3), .spin = Vec3(0.05, 0, 0)});
         CHECK(s.force.x() == 0.25); // steps of 16/128
         CHECK(s.force.y() == 16);
         CHECK(s.saturated);
@@ -116,7 +121,10 @@ TEST_SUITE("engine/signal/imu") {
             Imu imu(model, Vec3::Zero(), 1, 1);
             double largest = 0;
             for (int k = 0; k < 4000; ++k) {
-                const double force = imu.sample(0, {.acceleration = Vec3(std::sin(2 * pi * frequency * k / 1000), 0, 0)}).force.x();
+                const double force =
+                    imu.sample(
+                           0, {.acceleration = Vec3(std::sin(2 * pi * frequency * k / 1000), 0, 0)})
+                        .force.x();
                 if (k > 2000) largest = std::max(largest, force);
             }
             return largest;
@@ -127,7 +135,8 @@ TEST_SUITE("engine/signal/imu") {
     }
 
     TEST_CASE("an unknown class of sensors is refused by name") {
-        CHECK_THROWS_WITH_AS((void)imu_preset("gold"), doctest::Contains("found 'gold'"), InputError);
+        CHECK_THROWS_WITH_AS((void)imu_preset("gold"), doctest::Contains("found 'gold'"),
+                             InputError);
         for (const auto name : imu_presets) CHECK_NOTHROW((void)imu_preset(name));
     }
 }

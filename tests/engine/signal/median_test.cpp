@@ -1,5 +1,5 @@
-#include "engine/signal/median.hpp"
 #include "engine/random.hpp"
+#include "engine/signal/median.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>
@@ -10,13 +10,15 @@ TEST_SUITE("signal/median") {
     TEST_CASE("half of the values may be wrong before the one in the middle is") {
         CHECK(median(std::vector<double>{3, 1e9, 2, 1, -1e9}) == 2);
         CHECK(median(std::vector<double>{2, 1}) == 2);
-        CHECK(median(std::vector<Vec3>{Vec3(1, 5, 0), Vec3(2, 1e9, 1), Vec3(1e9, 4, 2)}) == Vec3(2, 5, 1));
+        CHECK(median(std::vector<Vec3>{Vec3(1, 5, 0), Vec3(2, 1e9, 1), Vec3(1e9, 4, 2)}) ==
+              Vec3(2, 5, 1));
     }
 
     TEST_CASE("the median size of normal numbers tells their deviation") {
         Random random(1, 1);
         std::vector<double> sizes;
         for (int k = 0; k < 100000; ++k) sizes.push_back(std::abs(0.3 * random.normal()));
-        CHECK(deviation_of_median(median(sizes)) == about(0.3).epsilon(0.015)); // 4 standard errors, 1.17/sqrt(n) each
+        CHECK(deviation_of_median(median(sizes)) ==
+              about(0.3).epsilon(0.015)); // 4 standard errors, 1.17/sqrt(n) each
     }
 }

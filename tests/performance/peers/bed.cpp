@@ -12,37 +12,43 @@ namespace bris::peers {
 
 Bed read_bed(const std::filesystem::path& path) {
     std::ifstream in(path);
-    require(in.good(), fmt::format("{}: expected a bed, found no file that can be read", path.string()));
+    require(in.good(),
+            fmt::format("{}: expected a bed, found no file that can be read", path.string()));
     Bed bed;
     std::size_t count = 0, number = 1;
     std::string line;
     std::getline(in, line);
     std::istringstream head(line);
     require(bool(head >> count >> bed.box.x() >> bed.box.y() >> bed.box.z()),
-            fmt::format("{}:1: expected a number of spheres and three sides (m), found '{}'", path.string(), line));
+            fmt::format("{}:1: expected a number of spheres and three sides (m), found '{}'",
+                        path.string(), line));
     while (std::getline(in, line)) {
         ++number;
         std::istringstream words(line);
         Ball ball{};
         std::size_t stone = 0;
-        require(words >> ball.centre.x() >> ball.centre.y() >> ball.centre.z() >> ball.radius && ball.radius > 0,
-                fmt::format("{}:{}: expected x y z radius (m), found '{}'", path.string(), number, line));
+        require(words >> ball.centre.x() >> ball.centre.y() >> ball.centre.z() >> ball.radius &&
+                    ball.radius > 0,
+                fmt::format("{}:{}: expected x y z radius (m), found '{}'", path.string(), number,
+                            line));
         bed.balls.push_back(ball);
         if (words >> stone) bed.stones.push_back(stone);
     }
     require(bed.balls.size() == count && (bed.stones.empty() || bed.stones.size() == count),
-            fmt::format("{}: expected {} spheres, found {}, {} of them in stones", path.string(), count, bed.balls.size(),
-                        bed.stones.size()));
+            fmt::format("{}: expected {} spheres, found {}, {} of them in stones", path.string(),
+                        count, bed.balls.size(), bed.stones.size()));
     return bed;
 }
 
 void write_bed(const std::filesystem::path& path, const Bed& bed) {
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path());
     std::ofstream out(path);
-    out << fmt::format("{} {:.17g} {:.17g} {:.17g}\n", bed.balls.size(), bed.box.x(), bed.box.y(), bed.box.z());
+    out << fmt::format("{} {:.17g} {:.17g} {:.17g}\n", bed.balls.size(), bed.box.x(), bed.box.y(),
+                       bed.box.z());
     for (std::size_t k = 0; k < bed.balls.size(); ++k) {
         const Ball& b = bed.balls[k];
-        out << fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", b.centre.x(), b.centre.y(), b.centre.z(), b.radius);
+        out << fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", b.centre.x(), b.centre.y(),
+                           b.centre.z(), b.radius);
         if (!bed.stones.empty()) out << ' ' << bed.stones[k];
         out << '\n';
     }

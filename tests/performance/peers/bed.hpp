@@ -8,9 +8,10 @@
 
 namespace bris::peers {
 
-/// The bed that every code starts from, at rest and without history: a box with a corner at the origin and the
-/// spheres in it. As text: "N Lx Ly Lz", then a line "x y z r" (m) for each sphere, followed by the number of its
-/// stone, counted from 1, if the spheres are those of stones; stones stand together.
+/// The bed that every code starts from, at rest and without history: a box with a corner at the
+/// origin and the spheres in it. As text: "N Lx Ly Lz", then a line "x y z r" (m) for each sphere,
+/// followed by the number of its stone, counted from 1, if the spheres are those of stones; stones
+/// stand together.
 struct Bed {
     Vec3 box = Vec3::Zero(); ///< m
     std::vector<Ball> balls;

@@ -1,5 +1,6 @@
-// One run of a scene that other codes run too, on the bed that they all read: first the steps after which the codes
-// are compared, then the timed ones; one line of key=value. With --make it makes the bed.
+// One run of a scene that other codes run too, on the bed that they all read: first the steps after
+// which the codes are compared, then the timed ones; one line of key=value. With --make it makes
+// the bed.
 #include "components/kinds.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
@@ -19,10 +20,9 @@
 
 #include <algorithm>
 #include <map>
-#include <tuple>
-
 #include <sys/prctl.h>
 #include <sys/resource.h>
+#include <tuple>
 
 namespace {
 
@@ -40,25 +40,38 @@ struct Bench {
     std::uint64_t check_steps = 200, steps = 1000;
 
     void describe(auto& option) {
-        option("scene", scene, "", "its stiffness, step and weight", {"settle", "fall", "shear", "quiet", "poly", "clumps", "drop", "triaxial", "triaxial_spheres"});
+        option("scene", scene, "", "its stiffness, step and weight",
+               {"settle", "fall", "shear", "quiet", "poly", "clumps", "drop", "triaxial",
+                "triaxial_spheres"});
         option("low", low, "m", "spheres whose centres start below it are held");
         option("high", high, "m", "spheres whose centres start above it are drawn along x");
         option("speed", speed, "m/s", "at which they are", at_least(0));
-        option("strain", strain, "", "axial, that a pressed bed is brought to in check_steps", within(0, 0.1));
+        option("strain", strain, "", "axial, that a pressed bed is brought to in check_steps",
+               within(0, 0.1));
         option("law", law, "", "of contact", {"linear", "hertz"});
         option("bed", bed, "", "file of the bed");
         option("places", places, "", "file for the spheres after check_steps");
         option("make", make, "", "make the bed instead of a run");
         option("spheres", spheres, "", "of the bed to be made (settle, quiet)", within(1, 50e6));
         option("sleep", sleep, "", "let bodies sleep that have come to rest");
-        option("skin", skin, "", "of the pair lists, of the mean radius; 0: BRIS finds it", at_least(0));
-        option("outer", outer, "", "skin of the outer lists, of that; 1: there are none but the inner ones", at_least(1));
-        option("sort_every", sort_every, "", "refreshes of the lists between re-orderings of rows; 0: never");
-        option("widest_ratio", widest_ratio, "", "of radii in a grid of the search for pairs", above(1));
-        option("one_pass", one_pass, "", "run systems that work row by row in one pass over the rows");
-        option("least_rows", least_rows, "", "of all tables, from which on several threads are used");
+        option("skin", skin, "", "of the pair lists, of the mean radius; 0: BRIS finds it",
+               at_least(0));
+        option("outer", outer, "",
+               "skin of the outer lists, of that; 1: there are none but the inner ones",
+               at_least(1));
+        option("sort_every", sort_every, "",
+               "refreshes of the lists between re-orderings of rows; 0: never");
+        option("widest_ratio", widest_ratio, "", "of radii in a grid of the search for pairs",
+               above(1));
+        option("one_pass", one_pass, "",
+               "run systems that work row by row in one pass over the rows");
+        option("least_rows", least_rows, "",
+               "of all tables, from which on several threads are used");
         option("huge_pages", huge_pages, "", "let large columns have them");
-        option("worlds", worlds, "", "copies of the scene, one a thread at a time, each on one thread if there are several; the first is described", within(1, 10000));
+        option("worlds", worlds, "",
+               "copies of the scene, one a thread at a time, each on one thread if there are "
+               "several; the first is described",
+               within(1, 10000));
         option("threads", threads, "", "to run on", within(1, 4096));
         option("step", step, "s", "time step; 0: that of the scene", at_least(0));
         option("check_steps", check_steps, "", "before the physics is measured", within(1, 1e9));
@@ -102,34 +115,41 @@ double peak_memory() {
 
 /// What the run of one world came to.
 struct Outcome {
-    std::vector<Vec3> pressures; ///< Pa, on the planes of a pressed bed
+    std::vector<Vec3> pressures;     ///< Pa, on the planes of a pressed bed
     double check_wall = 0, wall = 0; ///< s
-    double energy = 0, stable_step = 0, coordination = 0, peak_memory = 0; ///< J, s, spheres touching a sphere, MB
+    double energy = 0, stable_step = 0, coordination = 0,
+           peak_memory = 0; ///< J, s, spheres touching a sphere, MB
     Quantities quantities;
     std::uint64_t fingerprint = 0, refreshes = 0, prunes = 0;
     std::size_t sleepers = 0;
     std::map<std::string, double> seconds; ///< of each system in the timed steps
 };
 
-Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& bed, unsigned threads) {
+Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& bed,
+                  unsigned threads) {
     const LawName law = peers::law_named(s.law);
     World scene_world = make_scene(bed, scene, law);
     add_lists(scene_world, law, lists_of(s, bed));
     if (s.sleep) add_sleep(scene_world, {});
-    Simulation simulation(std::move(scene_world), steps(law), threads, {.fused = s.one_pass, .timed = s.profile, .least_rows = s.least_rows});
+    Simulation simulation(std::move(scene_world), steps(law), threads,
+                          {.fused = s.one_pass, .timed = s.profile, .least_rows = s.least_rows});
     const World& world = simulation.world();
 
     Outcome o;
     const auto start = this_instant();
-    if (s.strain > 0) o.pressures = peers::compress(simulation, s.strain, s.check_steps);
-    else simulation.advance(s.check_steps);
+    if (s.strain > 0)
+        o.pressures = peers::compress(simulation, s.strain, s.check_steps);
+    else
+        simulation.advance(s.check_steps);
     o.check_wall = seconds_since(start);
-    if (!s.places.empty()) peers::write_bed(s.places, {bed.box, peers::balls_now(world), bed.stones});
+    if (!s.places.empty())
+        peers::write_bed(s.places, {bed.box, peers::balls_now(world), bed.stones});
     o.energy = translational_energy(world);
     simulation.advance(1); // contacts and forces are those at its beginning
     o.quantities = measure(world);
     o.stable_step = stable_step(world);
-    o.coordination = 2 * static_cast<double>(touching_pairs<SpherePairs>(world).size()) / static_cast<double>(bed.balls.size());
+    o.coordination = 2 * static_cast<double>(touching_pairs<SpherePairs>(world).size()) /
+                     static_cast<double>(bed.balls.size());
     const ListState before = world.resource<ListState>();
     const std::map<std::string, double> seconds_before = simulation.schedule().seconds();
 
@@ -149,13 +169,19 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
 
 void report(const Bench& s, const peers::Bed& bed, const Outcome& o) {
     const auto spheres = static_cast<double>(bed.balls.size() * s.worlds);
-    for (const Vec3& p : o.pressures) fmt::print("pressure {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
-    fmt::print("code=bris scene={} law={} spheres={} threads={} worlds={} check_steps={} steps={} wall_s={:.6g} particle_steps_per_s={:.5g} check_wall_s={:.6g} ", s.scene,
-               s.law, bed.balls.size(), s.threads, s.worlds, s.check_steps, s.steps, o.wall, spheres * static_cast<double>(s.steps) / o.wall, o.check_wall);
+    for (const Vec3& p : o.pressures)
+        fmt::print("pressure {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
+    fmt::print("code=bris scene={} law={} spheres={} threads={} worlds={} check_steps={} steps={} "
+               "wall_s={:.6g} particle_steps_per_s={:.5g} check_wall_s={:.6g} ",
+               s.scene, s.law, bed.balls.size(), s.threads, s.worlds, s.check_steps, s.steps,
+               o.wall, spheres * static_cast<double>(s.steps) / o.wall, o.check_wall);
     const Quantities& q = o.quantities;
-    fmt::print("kinetic_energy_J={:.8g} coordination={:.6g} wall_force_over_weight={:.8g} ", o.energy, o.coordination, q.boundary_force.z() / q.weight.z());
-    fmt::print("fingerprint={} peak_memory_MB={:.1f} mean_overlap_m={:.6g} ", hexadecimal(o.fingerprint), o.peak_memory, q.mean_overlap);
-    fmt::print("sleepers={} stable_step_s={:.4g} contacts={} refreshes={} prunes={}\n", o.sleepers, o.stable_step, q.contacts, o.refreshes, o.prunes);
+    fmt::print("kinetic_energy_J={:.8g} coordination={:.6g} wall_force_over_weight={:.8g} ",
+               o.energy, o.coordination, q.boundary_force.z() / q.weight.z());
+    fmt::print("fingerprint={} peak_memory_MB={:.1f} mean_overlap_m={:.6g} ",
+               hexadecimal(o.fingerprint), o.peak_memory, q.mean_overlap);
+    fmt::print("sleepers={} stable_step_s={:.4g} contacts={} refreshes={} prunes={}\n", o.sleepers,
+               o.stable_step, q.contacts, o.refreshes, o.prunes);
     if (!s.profile) return;
     for (const auto& [name, seconds] : o.seconds) fmt::print("  {:10.6f} s  {}\n", seconds, name);
 }
@@ -165,14 +191,17 @@ void run(const Bench& s) {
     require(!s.bed.empty(), "--bed: expected a file, found none");
     if (s.make) return write_bed(s.bed, make_bed(scene, s.spheres, s.threads));
     require(s.strain == 0 || (scene.pressed && s.check_steps % peers::path_parts == 0),
-            fmt::format("--strain: expected triaxial or triaxial_spheres and check_steps in {} parts, found {} and {}", peers::path_parts, s.scene, s.check_steps));
+            fmt::format("--strain: expected triaxial or triaxial_spheres and check_steps in {} "
+                        "parts, found {} and {}",
+                        peers::path_parts, s.scene, s.check_steps));
     if (s.step > 0) scene.step = s.step;
     std::tie(scene.low, scene.high, scene.speed) = std::tuple(s.low, s.high, s.speed);
     if (!s.huge_pages) prctl(PR_SET_THP_DISABLE, 1, 0, 0, 0);
     const peers::Bed bed = peers::read_bed(s.bed);
     if (s.worlds == 1) return report(s, bed, run_world(s, scene, bed, s.threads));
     std::vector<Outcome> outcomes(s.worlds);
-    run_ensemble(s.worlds, s.threads, [&](std::size_t k) { outcomes[k] = run_world(s, scene, bed, 1); });
+    run_ensemble(s.worlds, s.threads,
+                 [&](std::size_t k) { outcomes[k] = run_world(s, scene, bed, 1); });
     // a thread has run its share of them one after the other
     double wall = 0;
     for (const Outcome& o : outcomes) wall += o.wall / s.threads;
@@ -190,6 +219,8 @@ int main(int argc, char** argv) {
         if (options.parse({argv + 1, argv + argc}))
             run(settings);
         else
-            fmt::print("{}", options.help("peers_bench", "one run of a scene that other codes run too, or its bed"));
+            fmt::print("{}",
+                       options.help("peers_bench",
+                                    "one run of a scene that other codes run too, or its bed"));
     });
 }

@@ -25,11 +25,11 @@ constexpr std::uint64_t seed = 7;
 constexpr double slippery = 0.1; // friction, for a bed as dense as one that was shaken
 
 struct Stage {
-    double weight;   ///< times the scene's
+    double weight; ///< times the scene's
     double friction;
-    double damping;  ///< local
-    double falls;    ///< lasts so many times the fall of the lattice under this weight
-    double speed;    ///< m/s, at which bodies are thrown about at the start
+    double damping; ///< local
+    double falls;   ///< lasts so many times the fall of the lattice under this weight
+    double speed;   ///< m/s, at which bodies are thrown about at the start
 };
 
 /// Radii 10 mm, on a cube of a lattice.
@@ -38,7 +38,8 @@ Bed loose_spheres(unsigned spheres) {
     const auto side = static_cast<unsigned>(std::ceil(std::cbrt(spheres)));
     Bed bed{pitch * Vec3(side, side, (spheres - 1) / (side * side) + 1), {}, {}};
     for (unsigned n = 0; n < spheres; ++n)
-        bed.balls.push_back({pitch * Vec3(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5), radius});
+        bed.balls.push_back(
+            {pitch * Vec3(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5), radius});
     return bed;
 }
 
@@ -48,27 +49,36 @@ Bed loose_mixture() {
     const unsigned across = 3, larges = 30, smalls = 15000;
     Bed bed{wide * Vec3(across, across, 5), {}, {}};
     for (unsigned n = 0; n < larges; ++n)
-        bed.balls.push_back({wide * Vec3(n % across + 0.5, n / across % across + 0.5, n / (across * across) + 0.5), large});
+        bed.balls.push_back(
+            {wide * Vec3(n % across + 0.5, n / across % across + 0.5, n / (across * across) + 0.5),
+             large});
     const auto side = static_cast<unsigned>(bed.box.x() / narrow);
     for (unsigned n = 0; bed.balls.size() < larges + smalls; ++n) {
-        const Vec3 place = narrow * Vec3(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
-        const auto clear = [&](const Ball& b) { return (b.centre - place).norm() > large + 1.02 * small; };
-        if (std::all_of(bed.balls.begin(), bed.balls.begin() + larges, clear)) bed.balls.push_back({place, small});
+        const Vec3 place =
+            narrow * Vec3(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
+        const auto clear = [&](const Ball& b) {
+            return (b.centre - place).norm() > large + 1.02 * small;
+        };
+        if (std::all_of(bed.balls.begin(), bed.balls.begin() + larges, clear))
+            bed.balls.push_back({place, small});
     }
     for (const Ball& b : bed.balls) bed.box.z() = std::max(bed.box.z(), b.centre.z() + b.radius);
     return bed;
 }
 
-/// One stone of 30 spheres of 8 to 10 mm, about 50 x 42 x 34 mm: spheres on a spiral over an ellipsoid.
+/// One stone of 30 spheres of 8 to 10 mm, about 50 x 42 x 34 mm: spheres on a spiral over an
+/// ellipsoid.
 std::vector<Ball> stone() {
     const unsigned balls = 30;
     const double golden = pi * (3 - std::sqrt(5.0));
     Random random(seed, 0);
     std::vector<Ball> stone;
     for (unsigned k = 0; k < balls; ++k) {
-        const double z = 1 - 2 * (k + 0.5) / balls, s = std::sqrt(1 - z * z), stretch = random.uniform(0.8, 1.15);
+        const double z = 1 - 2 * (k + 0.5) / balls, s = std::sqrt(1 - z * z),
+                     stretch = random.uniform(0.8, 1.15);
         const Vec3 direction(s * std::cos(golden * k), s * std::sin(golden * k), z);
-        stone.push_back({stretch * direction.cwiseProduct(Vec3(0.016, 0.012, 0.008)), random.uniform(0.008, 0.010)});
+        stone.push_back({stretch * direction.cwiseProduct(Vec3(0.016, 0.012, 0.008)),
+                         random.uniform(0.008, 0.010)});
     }
     return stone;
 }
@@ -84,7 +94,8 @@ Bed loose_stones() {
     Random random(seed, 1);
     for (unsigned n = 0; n < sides[0] * sides[1] * sides[2]; ++n) {
         const Quat turn = random.rotation();
-        const Vec3 place = pitch * Vec3(n % sides[0] + 0.5, n / sides[0] % sides[1] + 0.5, n / (sides[0] * sides[1]) + 0.5);
+        const Vec3 place = pitch * Vec3(n % sides[0] + 0.5, n / sides[0] % sides[1] + 0.5,
+                                        n / (sides[0] * sides[1]) + 0.5);
         for (const Ball& b : one) {
             bed.balls.push_back({place + turn * b.centre, b.radius});
             bed.stones.push_back(n + 1);
@@ -112,7 +123,8 @@ void settle(Bed& bed, Scene scene, const Stage& stage, unsigned threads) {
     const auto velocity = world.column<Bodies, Velocity>();
     for (Row r = 0; r < velocity.size(); ++r) {
         Random random(seed, 100 + r);
-        if (motion[r] == static_cast<std::uint32_t>(Motion::free)) velocity[r] = stage.speed * random.direction();
+        if (motion[r] == static_cast<std::uint32_t>(Motion::free))
+            velocity[r] = stage.speed * random.direction();
     }
     // a loose lattice sinks by about a third of its height at most
     const double fall = std::sqrt(2 * bed.box.z() / 3 / scene.gravity);
@@ -135,23 +147,29 @@ void press(Bed& bed, const Scene& scene, double rough, unsigned threads) {
     Vec3 lacking = Vec3::Ones();
     for (int k = 0; k < longest; ++k) {
         lacking = Vec3::Ones() - pressure_on(simulation.world()) / pressure;
-        if (k > 0 && lacking.cwiseAbs().maxCoeff() < 1e-3 && measure(simulation.world()).unbalanced_ratio < 1e-3) break;
+        if (k > 0 && lacking.cwiseAbs().maxCoeff() < 1e-3 &&
+            measure(simulation.world()).unbalanced_ratio < 1e-3)
+            break;
         move_walls(simulation, -rate * bed.box.cwiseProduct(lacking.cwiseMax(-1)));
         simulation.advance(block);
     }
     if (!(lacking.cwiseAbs().maxCoeff() < 1e-2))
-        throw SimulationError(fmt::format("{}: expected pressures of {:g} Pa, found none nearer than {:.1f} % in {} steps", scene.name, pressure, 100 * lacking.cwiseAbs().maxCoeff(), longest * block));
+        throw SimulationError(fmt::format(
+            "{}: expected pressures of {:g} Pa, found none nearer than {:.1f} % in {} steps",
+            scene.name, pressure, 100 * lacking.cwiseAbs().maxCoeff(), longest * block));
     bed.box = sides_of(simulation.world());
     bed.balls = balls_now(simulation.world());
 }
 
 void shuffle(std::vector<Ball>& balls) {
     Random random(seed, 2);
-    for (std::size_t k = balls.size(); k > 1; --k) std::swap(balls[k - 1], balls[random.bits() % k]);
+    for (std::size_t k = balls.size(); k > 1; --k)
+        std::swap(balls[k - 1], balls[random.bits() % k]);
 }
 
 Bed pressed_bed(const Scene& scene, unsigned spheres, unsigned threads) {
-    Bed bed = make_bed(scene_named(scene.name == "triaxial" ? "clumps" : "settle"), spheres, threads);
+    Bed bed =
+        make_bed(scene_named(scene.name == "triaxial" ? "clumps" : "settle"), spheres, threads);
     for (const double rough : {slippery, friction, friction}) press(bed, scene, rough, threads);
     return bed;
 }
@@ -160,9 +178,12 @@ Bed pressed_bed(const Scene& scene, unsigned spheres, unsigned threads) {
 
 Bed make_bed(const Scene& scene, unsigned spheres, unsigned threads) {
     if (scene.pressed) return pressed_bed(scene, spheres, threads);
-    Bed bed = scene.name == "poly" ? loose_mixture() : scene.name == "clumps" ? loose_stones() : loose_spheres(spheres);
+    Bed bed = scene.name == "poly"     ? loose_mixture()
+              : scene.name == "clumps" ? loose_stones()
+                                       : loose_spheres(spheres);
     // poly is heavy already
-    const double more = scene.name == "poly" ? 1 : 10, speed = 0.05 * std::sqrt(more * scene.gravity * bed.box.z());
+    const double more = scene.name == "poly" ? 1 : 10,
+                 speed = 0.05 * std::sqrt(more * scene.gravity * bed.box.z());
     settle(bed, scene, {more, slippery, 0.2, 2, speed}, threads);
     settle(bed, scene, {1, slippery, 0.5, 0.3, 0}, threads);
     // without history a bed has to find its rest anew, each time nearer by

@@ -4,8 +4,8 @@
 #include "components/sphere.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
-#include "systems/build/mass_properties.hpp"
-#include "systems/build/scene.hpp"
+#include "scenarios/rocks/mass_properties.hpp"
+#include "scenarios/specimens/scene.hpp"
 #include "tests/performance/peers/moving_walls.hpp"
 
 #include <algorithm>
@@ -17,7 +17,9 @@ namespace bris::peers {
 namespace {
 
 void add_stone(World& world, std::span<const Ball> balls, std::uint32_t material) {
-    const auto volume_of = [](const Ball& b) { return 4.0 / 3 * pi * b.radius * b.radius * b.radius; };
+    const auto volume_of = [](const Ball& b) {
+        return 4.0 / 3 * pi * b.radius * b.radius * b.radius;
+    };
     Clump clump;
     Vec3 centre = Vec3::Zero();
     for (const Ball& b : balls) {
@@ -28,40 +30,48 @@ void add_stone(World& world, std::span<const Ball> balls, std::uint32_t material
     Mat3 inertia = Mat3::Zero();
     for (const Ball& b : balls) {
         const Vec3 arm = b.centre - centre;
-        inertia += volume_of(b) * ((0.4 * b.radius * b.radius + arm.squaredNorm()) * Mat3::Identity() - arm * arm.transpose());
+        inertia +=
+            volume_of(b) * ((0.4 * b.radius * b.radius + arm.squaredNorm()) * Mat3::Identity() -
+                            arm * arm.transpose());
     }
     const PrincipalAxes principal = principal_axes(inertia);
     const Quat turn(principal.axes);
     clump.inertia = principal.moments;
     for (const Ball& b : balls) {
         clump.balls.push_back({turn.conjugate() * Vec3(b.centre - centre), b.radius});
-        clump.bounding_radius = std::max(clump.bounding_radius, (b.centre - centre).norm() + b.radius);
+        clump.bounding_radius =
+            std::max(clump.bounding_radius, (b.centre - centre).norm() + b.radius);
     }
     add_clump(world, clump, 0, centre, turn, material);
 }
 
 void add_single(World& world, const Ball& ball, const Scene& scene, std::uint32_t material) {
-    const bool held = ball.centre.z() < scene.low, drawn = ball.centre.z() > scene.high;
+    const bool held = ball.centre.z()<scene.low, drawn = ball.centre.z()> scene.high;
     const Motion motion = held ? Motion::fixed : drawn ? Motion::prescribed : Motion::free;
     const EntityId id = add_sphere(world, ball.centre, ball.radius, material, motion);
-    if (drawn) value_of<DriveVelocity>(world, id) = value_of<Velocity>(world, id) = Vec3(scene.speed, 0, 0);
+    if (drawn)
+        value_of<DriveVelocity>(world, id) = value_of<Velocity>(world, id) =
+            Vec3(scene.speed, 0, 0);
 }
 
 } // namespace
 
 Scene scene_named(const std::string& name) {
-    static const std::array<Scene, 9> scenes{{{"settle", 1e6, 5838, 1e-5, 9.81},
-                                              {"fall", 1e6, 5838, 1e-5, 9.81, true},
-                                              {"shear", 1e6, 5838, 1e-5, 9.81},
-                                              {"quiet", 1e6, 5838, 1e-5, 9.81},
-                                              {"poly", 1e5, 20600, 2e-6, 1000},
-                                              {"clumps", 1e6, 1250, 2e-5, 9.81},
-                                              {"drop", 1e6, 1250, 2e-5, 9.81, true},
-                                              {"triaxial", 1e6, 1250, 2e-5, 0, false, true},
-                                              {"triaxial_spheres", 1e6, 5838, 1e-5, 0, false, true}}};
+    static const std::array<Scene, 9> scenes{
+        {{"settle", 1e6, 5838, 1e-5, 9.81},
+         {"fall", 1e6, 5838, 1e-5, 9.81, true},
+         {"shear", 1e6, 5838, 1e-5, 9.81},
+         {"quiet", 1e6, 5838, 1e-5, 9.81},
+         {"poly", 1e5, 20600, 2e-6, 1000},
+         {"clumps", 1e6, 1250, 2e-5, 9.81},
+         {"drop", 1e6, 1250, 2e-5, 9.81, true},
+         {"triaxial", 1e6, 1250, 2e-5, 0, false, true},
+         {"triaxial_spheres", 1e6, 5838, 1e-5, 0, false, true}}};
     for (const Scene& scene : scenes)
         if (scene.name == name) return scene;
-    throw InputError("--scene: expected settle, fall, shear, quiet, poly, clumps, drop, triaxial or triaxial_spheres, found " + name);
+    throw InputError("--scene: expected settle, fall, shear, quiet, poly, clumps, drop, triaxial "
+                     "or triaxial_spheres, found " +
+                     name);
 }
 
 LawName law_named(const std::string& name) {
@@ -71,9 +81,13 @@ LawName law_named(const std::string& name) {
 World make_scene(const Bed& bed, const Scene& scene, LawName law) {
     World world = make_world(bed.stones.empty() ? Grains::spheres : Grains::clumps);
     // two partners act in series: each has twice the stiffness of their contact
-    Material grain{.name = "grain", .density = density, .normal_stiffness = 2 * scene.normal_stiffness,
-                   .shear_stiffness = 4.0 / 7 * scene.normal_stiffness, .friction = friction,
-                   .young_modulus = young_modulus, .poisson_ratio = poisson_ratio};
+    Material grain{.name = "grain",
+                   .density = density,
+                   .normal_stiffness = 2 * scene.normal_stiffness,
+                   .shear_stiffness = 4.0 / 7 * scene.normal_stiffness,
+                   .friction = friction,
+                   .young_modulus = young_modulus,
+                   .poisson_ratio = poisson_ratio};
     auto& materials = world.resource<Materials>();
     if (is_hertz(law)) {
         grain.restitution = restitution;
@@ -95,7 +109,8 @@ World make_scene(const Bed& bed, const Scene& scene, LawName law) {
         }
     }
     if (scene.falls)
-        for (Vec3& velocity : world.column<Bodies, Velocity>()) velocity.z() = 0.5 * scene.step * scene.gravity;
+        for (Vec3& velocity : world.column<Bodies, Velocity>())
+            velocity.z() = 0.5 * scene.step * scene.gravity;
     if (scene.pressed)
         add_moving_box(world, bed.box, material);
     else
@@ -118,7 +133,8 @@ std::vector<Ball> balls_now(const World& world) {
     std::vector<Ball> balls(ids.size());
     for (Row r = 0; r < ids.size(); ++r) {
         const Row body = body_rows[parent[r]];
-        const Vec3 arm = turned ? Vec3(world.column<Bodies, Orientation>()[body] * local[r].centre) : local[r].centre;
+        const Vec3 arm = turned ? Vec3(world.column<Bodies, Orientation>()[body] * local[r].centre)
+                                : local[r].centre;
         balls[ids[r]] = {position[body] + arm, local[r].radius};
     }
     return balls;

@@ -1,12 +1,12 @@
-// S1: a sphere meets a rigid wall. Time is that of a whole impact, the making of its scene included, so short runs
-// cost alike; steps tell more. A linear dashpot sets in at once: of e = 0.2 the largest force is nearly that of the
-// first touch, and the record of the first step, a mean over the step times its share, is no measure of it (share_of_kick).
+// S1: a sphere meets a rigid wall. Time is that of a whole impact, the making of its scene
+// included, so short runs cost alike; steps tell more. A linear dashpot sets in at once: of e = 0.2
+// the largest force is nearly that of the first touch, and the record of the first step, a mean
+// over the step times its share, is no measure of it (share_of_kick).
+#include "scenarios/verification/bench.hpp"
+#include "scenarios/verification/impact.hpp"
+#include "scenarios/verification/names.hpp"
+#include "scenarios/verification/peak.hpp"
 #include "tests/performance/time_vs_error/scene.hpp"
-
-#include "systems/experiments/bench.hpp"
-#include "systems/experiments/impact.hpp"
-#include "systems/experiments/names.hpp"
-#include "systems/experiments/peak.hpp"
 
 #include <cmath>
 
@@ -14,24 +14,30 @@ namespace bris::time_vs_error {
 
 namespace {
 
-struct Exact { double overlap, force, time; }; // m, N, s
+struct Exact {
+    double overlap, force, time;
+}; // m, N, s
 
 /// m x'' + c x' + k x = 0 from x = 0 at speed v: x'' to x^(n) turn its phase by acos(-b) each.
 Exact linear_impact(const NormalContact& c, double b) {
-    const double omega = std::sqrt(c.stiffness / c.mass), root = std::sqrt(1 - b * b), turn = std::acos(-b);
-    const double at = std::max(0.0, 2 * pi - 3 * turn); // omega_d t of the largest force; b >= 1/2: at the first touch
+    const double omega = std::sqrt(c.stiffness / c.mass), root = std::sqrt(1 - b * b),
+                 turn = std::acos(-b);
+    const double at = std::max(
+        0.0, 2 * pi - 3 * turn); // omega_d t of the largest force; b >= 1/2: at the first touch
     const double force = at > 0 ? std::exp(-b / root * at) : 2 * b;
-    return {c.speed / omega * std::exp(-b / root * std::atan2(root, b)), c.mass * omega * c.speed * force, pi / (omega * root)};
+    return {c.speed / omega * std::exp(-b / root * std::atan2(root, b)),
+            c.mass * omega * c.speed * force, pi / (omega * root)};
 }
 
-/// Hertz with the dashpot of Tsuji, Tanaka and Ishida (1992), by Runge and Kutta's method in steps so fine that its
-/// error (relative, 1e-8 at 20 000 steps) does not count.
+/// Hertz with the dashpot of Tsuji, Tanaka and Ishida (1992), by Runge and Kutta's method in steps
+/// so fine that its error (relative, 1e-8 at 20 000 steps) does not count.
 Exact hertz_impact(const NormalContact& c, double b) {
     if (b == 0) return {c.largest_overlap(), c.largest_force(), c.time()};
     const double h = c.time() / 20'000;
     const auto force = [&](double x, double v) {
         const double depth = std::max(x, 0.0), tangent = 1.5 * c.stiffness * std::sqrt(depth);
-        return c.stiffness * depth * std::sqrt(depth) + 2 * std::sqrt(5.0 / 6) * b * std::sqrt(tangent * c.mass) * v;
+        return c.stiffness * depth * std::sqrt(depth) +
+               2 * std::sqrt(5.0 / 6) * b * std::sqrt(tangent * c.mass) * v;
     };
     double x = 0, v = c.speed, t = 0;
     Peak overlap, largest;
@@ -69,7 +75,8 @@ Impact impact_of(const Settings& settings) {
 
 Outcome run(const Settings& settings, std::uint64_t seed) {
     Impact impact = impact_of(settings);
-    // where in a step the contact begins is a matter of chance: each seed has another phase, evenly spread
+    // where in a step the contact begins is a matter of chance: each seed has another phase, evenly
+    // spread
     const double golden = 0.5 * (std::sqrt(5.0) - 1) * static_cast<double>(seed);
     impact.phase = golden - std::floor(golden);
     ImpactResult r;
@@ -80,7 +87,10 @@ Outcome run(const Settings& settings, std::uint64_t seed) {
     const Exact exact = contact.hertz ? hertz_impact(contact, b) : linear_impact(contact, b);
     outcome.steps = r.steps;
     outcome.contacts = 1;
-    outcome.measured = {{r.largest_overlap, exact.overlap}, {r.largest_force, exact.force}, {r.contact_time, exact.time}, {r.normal_restitution, e}};
+    outcome.measured = {{r.largest_overlap, exact.overlap},
+                        {r.largest_force, exact.force},
+                        {r.contact_time, exact.time},
+                        {r.normal_restitution, e}};
     outcome.fingerprint = fingerprint_of(outcome.measured);
     return outcome;
 }
@@ -88,14 +98,28 @@ Outcome run(const Settings& settings, std::uint64_t seed) {
 } // namespace
 
 Scene single_impacts() {
-    Scene scene{"S1", "single impacts", {{"step", "0.02"}, {"law", "hertz_frictionless"}, {"restitution", "1"}}, {}, {}, run, "impact"};
-    scene.kinds = {{"overlap", 0.01, true, true}, {"force", 0.01, true, true}, {"contact_time", 0.01, true, true}, {"restitution", 5e-3, false, true}};
+    Scene scene{"S1",
+                "single impacts",
+                {{"step", "0.02"}, {"law", "hertz_frictionless"}, {"restitution", "1"}},
+                {},
+                {},
+                run,
+                "impact"};
+    scene.kinds = {{"overlap", 0.01, true, true},
+                   {"force", 0.01, true, true},
+                   {"contact_time", 0.01, true, true},
+                   {"restitution", 5e-3, false, true}};
     const std::vector<std::string> steps{"0.1", "0.05", "0.02", "0.01", "0.005", "0.002", "0.001"};
     for (const bool hertz : {false, true})
         for (const char* e : {"1", "0.9", "0.5", "0.2"}) {
             const std::string kind = hertz ? "hertz" : "linear";
-            const std::string law = std::string(e) == "1" ? kind + "_frictionless" : hertz ? "hertz_mindlin_viscous" : "linear_viscous";
-            scene.knobs.push_back({"step, " + kind + ", e = " + e, "step", steps, {{"law", law}, {"restitution", e}}});
+            const std::string law = std::string(e) == "1" ? kind + "_frictionless"
+                                    : hertz               ? "hertz_mindlin_viscous"
+                                                          : "linear_viscous";
+            scene.knobs.push_back({"step, " + kind + ", e = " + e,
+                                   "step",
+                                   steps,
+                                   {{"law", law}, {"restitution", e}}});
         }
     return scene;
 }

@@ -1,19 +1,19 @@
-// S4: spheres fall into a box and come to rest. What a packing is like depends on how it came about; so all variants
-// start from the same spheres of a seed, and a variant's error is the mean difference from its reference over seeds.
-#include "systems/output/frames.hpp"
-#include "tests/performance/time_vs_error/scene.hpp"
-
+// S4: spheres fall into a box and come to rest. What a packing is like depends on how it came
+// about; so all variants start from the same spheres of a seed, and a variant's error is the mean
+// difference from its reference over seeds.
 #include "components/settings.hpp"
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
+#include "scenarios/specimens/sphere_bed.hpp"
+#include "scenarios/verification/bench.hpp"
+#include "scenarios/verification/impact.hpp"
+#include "scenarios/verification/names.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/sphere_bed.hpp"
-#include "systems/experiments/bench.hpp"
-#include "systems/experiments/impact.hpp"
-#include "systems/experiments/names.hpp"
 #include "systems/output/balance.hpp"
+#include "systems/output/frames.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/steps.hpp"
+#include "tests/performance/time_vs_error/scene.hpp"
 
 #include <fmt/format.h>
 
@@ -26,8 +26,8 @@ namespace {
 
 constexpr unsigned spheres = 1000;
 constexpr double radius = 0.01, spread = 0.2; // m, of radii
-constexpr double speed = 0.5;                 // m/s, at which Hertz's contacts last as long as linear ones
-constexpr double longest = 3;                 // s, simulated
+constexpr double speed = 0.5; // m/s, at which Hertz's contacts last as long as linear ones
+constexpr double longest = 3; // s, simulated
 
 /// Of a pair of mean spheres a contact lasts as long whatever the law.
 Material grain_of(const Settings& settings) {
@@ -38,7 +38,8 @@ Material grain_of(const Settings& settings) {
     m.young_modulus = 1e8;
     const double linear = like_spheres(m, LawName::linear, radius, speed).time();
     const double hertz = like_spheres(m, LawName::hertz_mindlin, radius, speed).time();
-    m.young_modulus *= std::pow(hertz / linear, 2.5); // contact time goes with the modulus to the power -2/5
+    m.young_modulus *=
+        std::pow(hertz / linear, 2.5); // contact time goes with the modulus to the power -2/5
     return m;
 }
 
@@ -67,13 +68,15 @@ Simulation make_bed(const Settings& settings, std::uint64_t seed, double& contac
         Random random(seed, 4000 + world.column<Bodies, BodyId>()[b]);
         if (mass[b] > 0) world.column<Bodies, Velocity>()[b] = 0.4 * random.direction();
     }
-    if (settings.number("damping") > 0) world.add_resource(LocalDamping{settings.number("damping")});
+    if (settings.number("damping") > 0)
+        world.add_resource(LocalDamping{settings.number("damping")});
     add_lists(world, law, lists_of(settings));
     return Simulation(std::move(world), steps(law));
 }
 
-/// Share of solids below twice the height of the centre of gravity: the whole bed, walls and surface included. That
-/// makes it smaller than in the bulk, and so precise that few seeds tell its changes.
+/// Share of solids below twice the height of the centre of gravity: the whole bed, walls and
+/// surface included. That makes it smaller than in the bulk, and so precise that few seeds tell its
+/// changes.
 double solid_fraction(const World& world, double width) {
     const Table& bodies = world.table<Bodies>();
     double mass = 0, moment = 0, volume = 0;
@@ -86,7 +89,8 @@ double solid_fraction(const World& world, double width) {
     return volume / (width * width * 2 * moment / mass);
 }
 
-/// Mean number of partners of the spheres that have at least two: one that has fewer carries nothing.
+/// Mean number of partners of the spheres that have at least two: one that has fewer carries
+/// nothing.
 double coordination(const World& world) {
     double sum = 0, carriers = 0;
     for (const float z : frame_of_bodies(world).coordination)
@@ -99,10 +103,12 @@ Outcome run(const Settings& settings, std::uint64_t seed) {
     Simulation sim = make_bed(settings, seed, contact_time);
     const World& world = sim.world();
     const double dt = world.resource<Clock>().dt;
-    const auto block = static_cast<std::uint64_t>(std::max(1.0, std::round(20 * contact_time / dt)));
+    const auto block =
+        static_cast<std::uint64_t>(std::max(1.0, std::round(20 * contact_time / dt)));
     const auto at_rest = [&] {
         const Balance balance = measure_balance(world);
-        return balance.contacts >= balance.free_bodies && balance.unbalanced_ratio <= settings.number("rest");
+        return balance.contacts >= balance.free_bodies &&
+               balance.unbalanced_ratio <= settings.number("rest");
     };
     Outcome outcome;
     outcome.wall_time = median_time(1, 0, [&] {
@@ -112,12 +118,15 @@ Outcome run(const Settings& settings, std::uint64_t seed) {
     const Quantities q = measure(world);
     outcome.steps = world.resource<Clock>().step;
     outcome.contacts = static_cast<double>(q.contacts);
-    outcome.measured = {{solid_fraction(world, world.resource<Limits>().high.x() - world.resource<Limits>().low.x()), unknown},
+    outcome.measured = {{solid_fraction(world, world.resource<Limits>().high.x() -
+                                                   world.resource<Limits>().low.x()),
+                         unknown},
                         {coordination(world), unknown},
                         {q.boundary_force.z() / q.weight.z(), 1},
                         {q.unbalanced_ratio, 0}};
     outcome.fingerprint = hexadecimal(fingerprint(sim.snapshot()));
-    outcome.note = fmt::format("{} after {:.2f} s, mean overlap {:.2e} of the radius", at_rest() ? "at rest" : "not at rest",
+    outcome.note = fmt::format("{} after {:.2f} s, mean overlap {:.2e} of the radius",
+                               at_rest() ? "at rest" : "not at rest",
                                world.resource<Clock>().time(), q.mean_overlap / radius);
     return outcome;
 }
@@ -125,16 +134,41 @@ Outcome run(const Settings& settings, std::uint64_t seed) {
 } // namespace
 
 Scene packing() {
-    Scene s{"S4", fmt::format("packing of {} spheres under their weight", spheres),
-            {{"step", "0.05"}, {"skin", "tuned"}, {"stiffness", "3e4"}, {"law", "linear_viscous"}, {"damping", "0.3"},
-             {"restitution", "0.3"}, {"shear_ratio", "0.8"}, {"rest", "1e-3"}},
-            {}, {}, run, "packing"};
-    s.kinds = {{"solid_fraction", 0.002}, {"coordination", 0.05}, {"floor_force", 1e-3, false, true}, {"unbalanced", 1e-3, false, true}};
+    Scene s{"S4",
+            fmt::format("packing of {} spheres under their weight", spheres),
+            {{"step", "0.05"},
+             {"skin", "tuned"},
+             {"stiffness", "3e4"},
+             {"law", "linear_viscous"},
+             {"damping", "0.3"},
+             {"restitution", "0.3"},
+             {"shear_ratio", "0.8"},
+             {"rest", "1e-3"}},
+            {},
+            {},
+            run,
+            "packing"};
+    s.kinds = {{"solid_fraction", 0.002},
+               {"coordination", 0.05},
+               {"floor_force", 1e-3, false, true},
+               {"unbalanced", 1e-3, false, true}};
     s.knobs = {{"step", "step", {"0.1", "0.05", "0.02", "0.01"}, {}, {{"step", "0.01"}}},
-               {"unbalanced ratio", "rest", {"0.1", "1e-2", "1e-3", "1e-4", "1e-5"}, {}, {{"rest", "1e-5"}}},
-               {"stiffness (N/m)", "stiffness", {"3e3", "1e4", "3e4", "1e5", "3e5"}, {}, {{"stiffness", "3e5"}}},
+               {"unbalanced ratio",
+                "rest",
+                {"0.1", "1e-2", "1e-3", "1e-4", "1e-5"},
+                {},
+                {{"rest", "1e-5"}}},
+               {"stiffness (N/m)",
+                "stiffness",
+                {"3e3", "1e4", "3e4", "1e5", "3e5"},
+                {},
+                {{"stiffness", "3e5"}}},
                {"ks/kn", "shear_ratio", {"0.2", "0.5", "0.8", "1"}, {}, {{"shear_ratio", "0.8"}}},
-               {"law", "law", {"linear_viscous", "hertz_mindlin_viscous"}, {}, {{"law", "hertz_mindlin_viscous"}}},
+               {"law",
+                "law",
+                {"linear_viscous", "hertz_mindlin_viscous"},
+                {},
+                {{"law", "hertz_mindlin_viscous"}}},
                {"local damping", "damping", {"0", "0.1", "0.3", "0.7"}, {}, {{"damping", "0"}}},
                {"skin (radii)", "skin", {"tuned", "0.02", "0.1", "0.3"}, {}, {}, true}};
     return s;

@@ -15,7 +15,8 @@ namespace bris::time_vs_error {
 
 namespace {
 
-constexpr auto header = "scene,knob,value,seed,wall_time_s,steps,contacts,error_kind,error,measured,reference,fingerprint,compiler,machine,load,"
+constexpr auto header = "scene,knob,value,seed,wall_time_s,steps,contacts,error_kind,error,"
+                        "measured,reference,fingerprint,compiler,machine,load,"
                         "settings,note";
 constexpr std::size_t columns = 17;
 
@@ -32,7 +33,8 @@ std::string flags() {
 std::string machine() {
     std::ifstream in("/proc/cpuinfo");
     for (std::string line; std::getline(in, line);)
-        if (line.starts_with("model name") && line.find(": ") != std::string::npos) return line.substr(line.find(": ") + 2) + ", " + flags();
+        if (line.starts_with("model name") && line.find(": ") != std::string::npos)
+            return line.substr(line.find(": ") + 2) + ", " + flags();
     return "unknown, " + flags();
 }
 
@@ -52,30 +54,51 @@ std::vector<std::string> cells(const std::string& line) {
     std::vector<std::string> list(1);
     bool inside = false;
     for (const char c : line) {
-        if (c == '"') inside = !inside;
-        else if (c == ',' && !inside) list.emplace_back();
-        else list.back() += c;
+        if (c == '"')
+            inside = !inside;
+        else if (c == ',' && !inside)
+            list.emplace_back();
+        else
+            list.back() += c;
     }
     return list;
 }
 
 Line read_line(const std::string& text, const std::string& where) {
     const auto c = cells(text);
-    require(c.size() == columns, fmt::format("{}: expected {} columns, found {}", where, columns, c.size()));
+    require(c.size() == columns,
+            fmt::format("{}: expected {} columns, found {}", where, columns, c.size()));
     try {
-        return {.scene = c[0], .knob = c[1], .value = c[2], .kind = c[7], .settings = c[15], .seed = std::stoull(c[3]),
-                .wall_time = std::stod(c[4]), .steps = std::stoull(c[5]), .contacts = std::stod(c[6]), .measured = std::stod(c[9]),
-                .reference = std::stod(c[10]), .error = std::stod(c[8]), .fingerprint = c[11], .compiler = c[12], .machine = c[13],
-                .load = c[14], .note = c[16]};
+        return {.scene = c[0],
+                .knob = c[1],
+                .value = c[2],
+                .kind = c[7],
+                .settings = c[15],
+                .seed = std::stoull(c[3]),
+                .wall_time = std::stod(c[4]),
+                .steps = std::stoull(c[5]),
+                .contacts = std::stod(c[6]),
+                .measured = std::stod(c[9]),
+                .reference = std::stod(c[10]),
+                .error = std::stod(c[8]),
+                .fingerprint = c[11],
+                .compiler = c[12],
+                .machine = c[13],
+                .load = c[14],
+                .note = c[16]};
     } catch (const std::logic_error&) {
-        throw InputError(where + ": expected numbers for seed, time, steps, contacts and errors, found '" + text + "'");
+        throw InputError(where +
+                         ": expected numbers for seed, time, steps, contacts and errors, found '" +
+                         text + "'");
     }
 }
 
 std::string text_of(const Line& l) {
-    return fmt::format("{},{},{},{},{:.6g},{},{:.6g},{},{:.6g},{:.17g},{:.17g},{},{},{},{},{},{}\n", l.scene, quoted(l.knob), quoted(l.value), l.seed,
-                       l.wall_time, l.steps, l.contacts, l.kind, l.error, l.measured, l.reference, l.fingerprint, quoted(l.compiler),
-                       quoted(l.machine), l.load, quoted(l.settings), quoted(l.note));
+    return fmt::format("{},{},{},{},{:.6g},{},{:.6g},{},{:.6g},{:.17g},{:.17g},{},{},{},{},{},{}\n",
+                       l.scene, quoted(l.knob), quoted(l.value), l.seed, l.wall_time, l.steps,
+                       l.contacts, l.kind, l.error, l.measured, l.reference, l.fingerprint,
+                       quoted(l.compiler), quoted(l.machine), l.load, quoted(l.settings),
+                       quoted(l.note));
 }
 
 double error_of(const Kind& kind, double measured, double reference) {
@@ -95,25 +118,30 @@ Results::Results(std::filesystem::path csv) : csv_(std::move(csv)) {
     std::istringstream in(read_whole(csv_));
     std::string text;
     std::getline(in, text);
-    require(text == header, fmt::format("{}:1: expected the columns '{}', found '{}'", csv_.string(), header, text));
+    require(text == header, fmt::format("{}:1: expected the columns '{}', found '{}'",
+                                        csv_.string(), header, text));
     for (int number = 2; std::getline(in, text); ++number)
         lines_.push_back(read_line(text, fmt::format("{}:{}", csv_.string(), number)));
 }
 
-bool Results::has(const Scene& scene, const std::string& knob, const std::string& value, std::uint64_t seed) const {
+bool Results::has(const Scene& scene, const std::string& knob, const std::string& value,
+                  std::uint64_t seed) const {
     return std::all_of(scene.kinds.begin(), scene.kinds.end(), [&](const Kind& kind) {
         return std::any_of(lines_.begin(), lines_.end(), [&](const Line& l) {
-            return l.scene == scene.name && l.knob == knob && l.value == value && l.seed == seed && l.kind == kind.name;
+            return l.scene == scene.name && l.knob == knob && l.value == value && l.seed == seed &&
+                   l.kind == kind.name;
         });
     });
 }
 
-std::optional<Outcome> Results::outcome(const Scene& scene, const Settings& settings, std::uint64_t seed) const {
+std::optional<Outcome> Results::outcome(const Scene& scene, const Settings& settings,
+                                        std::uint64_t seed) const {
     Outcome found;
     const std::string text = settings.text();
     for (const Kind& kind : scene.kinds) {
         const auto line = std::find_if(lines_.begin(), lines_.end(), [&](const Line& l) {
-            return l.scene == scene.name && l.settings == text && l.seed == seed && l.kind == kind.name;
+            return l.scene == scene.name && l.settings == text && l.seed == seed &&
+                   l.kind == kind.name;
         });
         if (line == lines_.end()) return {};
         found.wall_time = line->wall_time;
@@ -129,8 +157,9 @@ std::optional<Outcome> Results::outcome(const Scene& scene, const Settings& sett
     return found;
 }
 
-void Results::add(const Scene& scene, const Knob& knob, const std::string& value, const Settings& settings, std::uint64_t seed,
-                  const Outcome& outcome, const std::optional<Outcome>& reference) {
+void Results::add(const Scene& scene, const Knob& knob, const std::string& value,
+                  const Settings& settings, std::uint64_t seed, const Outcome& outcome,
+                  const std::optional<Outcome>& reference) {
     std::erase_if(lines_, [&](const Line& l) {
         return l.scene == scene.name && l.knob == knob.label && l.value == value && l.seed == seed;
     });
@@ -138,11 +167,26 @@ void Results::add(const Scene& scene, const Knob& knob, const std::string& value
         const Kind& kind = scene.kinds[k];
         const Measured m = k < outcome.measured.size() ? outcome.measured[k] : Measured{};
         const bool known = reference && k < reference->measured.size();
-        const double against = kind.exact ? m.reference : known ? reference->measured[k].value : unknown;
-        lines_.push_back({.scene = scene.name, .knob = knob.label, .value = value, .kind = kind.name, .settings = settings.text(), .seed = seed,
-                          .wall_time = outcome.wall_time, .steps = outcome.steps, .contacts = outcome.contacts, .measured = m.value,
-                          .reference = against, .error = error_of(kind, m.value, against), .fingerprint = outcome.fingerprint,
-                          .compiler = outcome.compiler, .machine = outcome.machine, .load = outcome.load, .note = outcome.note});
+        const double against = kind.exact ? m.reference
+                               : known    ? reference->measured[k].value
+                                          : unknown;
+        lines_.push_back({.scene = scene.name,
+                          .knob = knob.label,
+                          .value = value,
+                          .kind = kind.name,
+                          .settings = settings.text(),
+                          .seed = seed,
+                          .wall_time = outcome.wall_time,
+                          .steps = outcome.steps,
+                          .contacts = outcome.contacts,
+                          .measured = m.value,
+                          .reference = against,
+                          .error = error_of(kind, m.value, against),
+                          .fingerprint = outcome.fingerprint,
+                          .compiler = outcome.compiler,
+                          .machine = outcome.machine,
+                          .load = outcome.load,
+                          .note = outcome.note});
     }
     std::string text = std::string(header) + "\n";
     for (const Line& line : lines_) text += text_of(line);

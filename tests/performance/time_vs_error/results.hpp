@@ -11,7 +11,7 @@ namespace bris::time_vs_error {
 struct Line {
     std::string scene, knob, value, kind, settings;
     std::uint64_t seed = 0;
-    double wall_time = 0;                  ///< s
+    double wall_time = 0; ///< s
     std::uint64_t steps = 0;
     double contacts = 0;
     double measured = unknown, reference = unknown, error = unknown; ///< unknown if the run failed
@@ -26,10 +26,13 @@ class Results {
 public:
     explicit Results(std::filesystem::path csv);
 
-    bool has(const Scene& scene, const std::string& knob, const std::string& value, std::uint64_t seed) const;
+    bool has(const Scene& scene, const std::string& knob, const std::string& value,
+             std::uint64_t seed) const;
     /// What a run of these settings came to, whatever it was done for.
-    std::optional<Outcome> outcome(const Scene& scene, const Settings& settings, std::uint64_t seed) const;
-    void add(const Scene& scene, const Knob& knob, const std::string& value, const Settings& settings, std::uint64_t seed, const Outcome& outcome,
+    std::optional<Outcome> outcome(const Scene& scene, const Settings& settings,
+                                   std::uint64_t seed) const;
+    void add(const Scene& scene, const Knob& knob, const std::string& value,
+             const Settings& settings, std::uint64_t seed, const Outcome& outcome,
              const std::optional<Outcome>& reference);
     const std::vector<Line>& lines() const { return lines_; }
 
@@ -42,13 +45,13 @@ private:
 struct Summed {
     std::string scene, knob, value, kind;
     std::size_t seeds = 0, failed = 0;
-    double wall_time = 0, steps = 0, contacts = 0;     ///< medians
-    double bias = unknown, standard_error = unknown;   ///< of the mean error
-    double half_interval = unknown;                    ///< of 95 %, by Student's distribution
-    double worst = unknown;                            ///< largest |error| of a seed
+    double wall_time = 0, steps = 0, contacts = 0;   ///< medians
+    double bias = unknown, standard_error = unknown; ///< of the mean error
+    double half_interval = unknown;                  ///< of 95 %, by Student's distribution
+    double worst = unknown;                          ///< largest |error| of a seed
     double tolerance = 0;
     bool is_reference = false;
-    std::string verdict = {};                          ///< meets, fails, undecided
+    std::string verdict = {}; ///< meets, fails, undecided
 };
 std::vector<Summed> sum_up(const Scene& scene, const std::vector<Line>& lines);
 void write_summed(const std::filesystem::path& csv, const std::vector<Summed>& all);

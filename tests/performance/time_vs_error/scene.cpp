@@ -33,7 +33,8 @@ double median_time(unsigned rounds, double longest, const std::function<void()>&
     while (times.size() < rounds && (times.empty() || sum < longest)) {
         const auto began = std::chrono::steady_clock::now();
         call();
-        times.push_back(std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
+        times.push_back(
+            std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count());
         sum += times.back();
     }
     std::sort(times.begin(), times.end());

@@ -9,11 +9,13 @@
 
 namespace bris::time_vs_error {
 
-/// What a run is told, as words: the columns of the CSV can hold them, and two runs are the same if their texts are.
+/// What a run is told, as words: the columns of the CSV can hold them, and two runs are the same if
+/// their texts are.
 class Settings {
 public:
     Settings() = default;
-    Settings(std::initializer_list<std::pair<const std::string, std::string>> words) : words_(words) {}
+    Settings(std::initializer_list<std::pair<const std::string, std::string>> words)
+        : words_(words) {}
 
     const std::string& word(const std::string& name) const { return words_.at(name); }
     double number(const std::string& name) const { return std::stod(words_.at(name)); }
@@ -30,19 +32,20 @@ private:
 /// A quantity that a scene is judged by.
 struct Kind {
     std::string name;
-    double tolerance;       ///< of the error
-    bool relative = false;  ///< error over the reference; else the difference
-    bool exact = false;     ///< each run knows its own reference; else it is another run of the same seed
+    double tolerance;      ///< of the error
+    bool relative = false; ///< error over the reference; else the difference
+    bool exact =
+        false; ///< each run knows its own reference; else it is another run of the same seed
 };
 
 /// One setting that is varied while the others stay.
 struct Knob {
-    std::string label;                ///< of its curve
-    std::string name;                 ///< of the setting
+    std::string label; ///< of its curve
+    std::string name;  ///< of the setting
     std::vector<std::string> values;
-    Settings with = {};               ///< what else differs from the scene's standard
-    Settings reference = {};          ///< what the reference differs by, from the standard and `with`
-    bool exact = false;               ///< no value may change a bit of the result
+    Settings with = {};      ///< what else differs from the scene's standard
+    Settings reference = {}; ///< what the reference differs by, from the standard and `with`
+    bool exact = false;      ///< no value may change a bit of the result
 };
 
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
@@ -53,12 +56,12 @@ struct Measured {
 
 /// What one run came to.
 struct Outcome {
-    double wall_time = 0;             ///< s, of the steps alone where a scene is costly to prepare
+    double wall_time = 0; ///< s, of the steps alone where a scene is costly to prepare
     std::uint64_t steps = 0;
-    double contacts = 0;              ///< touching pairs: at the end, or the mean over the run
+    double contacts = 0; ///< touching pairs: at the end, or the mean over the run
     std::string fingerprint;
-    std::vector<Measured> measured = {}; ///< one for each kind of the scene
-    std::string note = {};            ///< why a run failed, or what else it says
+    std::vector<Measured> measured = {};                ///< one for each kind of the scene
+    std::string note = {};                              ///< why a run failed, or what else it says
     std::string compiler = {}, machine = {}, load = {}; ///< of the wall time
 };
 
@@ -69,7 +72,7 @@ struct Scene {
     std::vector<Kind> kinds;
     std::vector<Knob> knobs;
     std::function<Outcome(const Settings& settings, std::uint64_t seed)> run;
-    const char* cost_unit = "";       ///< of which the wall time is one
+    const char* cost_unit = ""; ///< of which the wall time is one
 };
 
 /// Hash of what was measured, for runs that keep no state: sixteen hexadecimal digits.

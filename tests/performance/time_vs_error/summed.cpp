@@ -1,8 +1,7 @@
 // What the rows say together: errors with their uncertainty, recommended settings, plots.
-#include "tests/performance/time_vs_error/results.hpp"
-
+#include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
-#include "systems/output/plot.hpp"
+#include "tests/performance/time_vs_error/results.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +13,8 @@ namespace bris::time_vs_error {
 
 namespace {
 
-/// Student's distribution: what its absolute value exceeds with 5 % (two-sided) or 10 % probability.
+/// Student's distribution: what its absolute value exceeds with 5 % (two-sided) or 10 %
+/// probability.
 double student(std::size_t freedom, bool five_percent) {
     constexpr std::array two{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262};
     constexpr std::array one{6.314, 2.920, 2.353, 2.132, 2.015, 1.943, 1.895, 1.860, 1.833};
@@ -30,8 +30,9 @@ double median(std::vector<double> values) {
     return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
 }
 
-/// Where a run knows its exact answer, its worst seed counts. Else equivalence is tested: the mean error and what it may
-/// be wrong by with 5 % probability (one-sided, Schuirmann 1987) must stay within the tolerance.
+/// Where a run knows its exact answer, its worst seed counts. Else equivalence is tested: the mean
+/// error and what it may be wrong by with 5 % probability (one-sided, Schuirmann 1987) must stay
+/// within the tolerance.
 std::string verdict_of(const Summed& s, const Kind& kind, double tolerance) {
     if (s.seeds == 0) return "failed";
     if (kind.exact) return s.failed == 0 && s.worst <= tolerance ? "meets" : "fails";
@@ -42,11 +43,17 @@ std::string verdict_of(const Summed& s, const Kind& kind, double tolerance) {
     return std::abs(s.bias) + doubt <= tolerance ? "meets" : "undecided";
 }
 
-Summed sum_up(const Scene& scene, const Knob& knob, const std::string& value, const Kind& kind, const std::vector<Line>& lines) {
-    Summed s{.scene = scene.name, .knob = knob.label, .value = value, .kind = kind.name, .tolerance = kind.tolerance};
+Summed sum_up(const Scene& scene, const Knob& knob, const std::string& value, const Kind& kind,
+              const std::vector<Line>& lines) {
+    Summed s{.scene = scene.name,
+             .knob = knob.label,
+             .value = value,
+             .kind = kind.name,
+             .tolerance = kind.tolerance};
     std::vector<double> errors, times, steps, contacts;
     for (const Line& l : lines) {
-        if (l.scene != s.scene || l.knob != s.knob || l.value != s.value || l.kind != s.kind) continue;
+        if (l.scene != s.scene || l.knob != s.knob || l.value != s.value || l.kind != s.kind)
+            continue;
         if (!std::isfinite(l.error)) {
             ++s.failed;
             continue;
@@ -84,7 +91,8 @@ Summed sum_up(const Scene& scene, const Knob& knob, const std::string& value, co
     return s;
 }
 
-const Summed* find(const std::vector<Summed>& all, const Knob& knob, const std::string& value, const Kind& kind) {
+const Summed* find(const std::vector<Summed>& all, const Knob& knob, const std::string& value,
+                   const Kind& kind) {
     const auto found = std::find_if(all.begin(), all.end(), [&](const Summed& s) {
         return s.knob == knob.label && s.value == value && s.kind == kind.name;
     });
@@ -92,16 +100,20 @@ const Summed* find(const std::vector<Summed>& all, const Knob& knob, const std::
 }
 
 /// What is drawn: the worst seed where runs know their answer, else the mean.
-double drawn_error(const Summed& s, const Kind& kind) { return kind.exact ? s.worst : std::abs(s.bias); }
+double drawn_error(const Summed& s, const Kind& kind) {
+    return kind.exact ? s.worst : std::abs(s.bias);
+}
 
-std::string cheapest(const Knob& knob, const Kind& kind, double tolerance, const std::vector<Summed>& all) {
+std::string cheapest(const Knob& knob, const Kind& kind, double tolerance,
+                     const std::vector<Summed>& all) {
     const Summed *best = nullptr, *undecided = nullptr;
     for (const std::string& value : knob.values) {
         const Summed* s = find(all, knob, value, kind);
         if (!s) continue;
         const std::string verdict = verdict_of(*s, kind, tolerance);
         if (verdict == "meets" && (!best || s->wall_time < best->wall_time)) best = s;
-        if (verdict == "undecided" && (!undecided || s->wall_time < undecided->wall_time)) undecided = s;
+        if (verdict == "undecided" && (!undecided || s->wall_time < undecided->wall_time))
+            undecided = s;
     }
     if (best) return best->value;
     return undecided ? undecided->value + "?" : "-";
@@ -110,12 +122,14 @@ std::string cheapest(const Knob& knob, const Kind& kind, double tolerance, const
 Plot panel(const Scene& scene, const Kind& kind, const std::vector<Summed>& all, bool steps) {
     Plot plot{.title = fmt::format("{}: {}", scene.name, kind.name),
               .x_label = fmt::format("error of {}{}", kind.name, kind.relative ? ", relative" : ""),
-              .y_label = steps ? fmt::format("steps a {}", scene.cost_unit) : fmt::format("wall time (s) a {}", scene.cost_unit),
+              .y_label = steps ? fmt::format("steps a {}", scene.cost_unit)
+                               : fmt::format("wall time (s) a {}", scene.cost_unit),
               .x_logarithmic = true,
               .y_logarithmic = true};
     std::size_t number = 0;
     for (const Knob& knob : scene.knobs) {
-        Curve line{.label = knob.label, .style = number++ < 7 ? Curve::Style::line : Curve::Style::dashed};
+        Curve line{.label = knob.label,
+                   .style = number++ < 7 ? Curve::Style::line : Curve::Style::dashed};
         for (const std::string& value : knob.values) {
             const Summed* s = find(all, knob, value, kind);
             if (!s || s->seeds == 0 || s->is_reference) continue;
@@ -123,7 +137,9 @@ Plot panel(const Scene& scene, const Kind& kind, const std::vector<Summed>& all,
             line.y.push_back(steps ? s->steps : s->wall_time);
         }
         Curve points{.x = line.x, .y = line.y, .style = Curve::Style::points};
-        if (line.x.empty() || std::all_of(line.x.begin(), line.x.end(), [](double x) { return x == 0; })) continue;
+        if (line.x.empty() ||
+            std::all_of(line.x.begin(), line.x.end(), [](double x) { return x == 0; }))
+            continue;
         plot.curves.push_back(std::move(line));
         plot.curves.push_back(std::move(points));
     }
@@ -144,16 +160,21 @@ std::vector<Summed> sum_up(const Scene& scene, const std::vector<Line>& lines) {
 }
 
 void write_summed(const std::filesystem::path& csv, const std::vector<Summed>& all) {
-    std::string text = "scene,knob,value,error_kind,seeds,failed,wall_time_s,steps,contacts,bias,standard_error,half_interval_95,worst,"
+    std::string text = "scene,knob,value,error_kind,seeds,failed,wall_time_s,steps,contacts,bias,"
+                       "standard_error,half_interval_95,worst,"
                        "tolerance,verdict\n";
     for (const Summed& s : all)
-        text += fmt::format("{},\"{}\",\"{}\",{},{},{},{:.4g},{:.6g},{:.6g},{:.4g},{:.3g},{:.3g},{:.3g},{:g},{}\n", s.scene, s.knob, s.value, s.kind,
-                            s.seeds, s.failed, s.wall_time, s.steps, s.contacts, s.bias, s.standard_error, s.half_interval, s.worst, s.tolerance, s.verdict);
+        text += fmt::format(
+            "{},\"{}\",\"{}\",{},{},{},{:.4g},{:.6g},{:.6g},{:.4g},{:.3g},{:.3g},{:.3g},{:g},{}\n",
+            s.scene, s.knob, s.value, s.kind, s.seeds, s.failed, s.wall_time, s.steps, s.contacts,
+            s.bias, s.standard_error, s.half_interval, s.worst, s.tolerance, s.verdict);
     write_whole(csv, text);
 }
 
 void print_summed(const Scene& scene, const std::vector<Summed>& all) {
-    fmt::print("\n{}: {}; medians over seeds, bias +- 95 % of the mean (worst seed where the answer is exact)\n", scene.name, scene.title);
+    fmt::print("\n{}: {}; medians over seeds, bias +- 95 % of the mean (worst seed where the "
+               "answer is exact)\n",
+               scene.name, scene.title);
     fmt::print("{:30} {:22} {:>9} {:>9}", "knob", "value", "wall (s)", "steps");
     for (const Kind& kind : scene.kinds) fmt::print("  {:>22.22}", kind.name);
     fmt::print("\n");
@@ -161,32 +182,39 @@ void print_summed(const Scene& scene, const std::vector<Summed>& all) {
         for (const std::string& value : knob.values) {
             const Summed* first = find(all, knob, value, scene.kinds.front());
             if (!first) continue;
-            fmt::print("{:30} {:22} {:9.3g} {:9.0f}", knob.label, value, first->wall_time, first->steps);
+            fmt::print("{:30} {:22} {:9.3g} {:9.0f}", knob.label, value, first->wall_time,
+                       first->steps);
             for (const Kind& kind : scene.kinds) {
                 const Summed* s = find(all, knob, value, kind);
                 fmt::print("  {:>22}", !s || s->seeds == 0 ? "failed"
                                        : kind.exact        ? fmt::format("{:.2g}", s->worst)
                                        : s->is_reference   ? "reference"
-                                                           : fmt::format("{:+.2g} +- {:.2g}", s->bias, s->half_interval));
+                                                         : fmt::format("{:+.2g} +- {:.2g}", s->bias,
+                                                                       s->half_interval));
             }
             fmt::print("\n");
         }
 }
 
 void print_recommendation(const Scene& scene, const std::vector<Summed>& all) {
-    fmt::print("{}: cheapest value that meets a tolerance (10 times, once, a tenth; \"?\": too few seeds to say, \"-\": none but the "
+    fmt::print("{}: cheapest value that meets a tolerance (10 times, once, a tenth; \"?\": too few "
+               "seeds to say, \"-\": none but the "
                "reference)\n",
                scene.name);
     for (const Knob& knob : scene.knobs) {
-        if (std::none_of(all.begin(), all.end(), [&](const Summed& x) { return x.knob == knob.label; })) continue;
+        if (std::none_of(all.begin(), all.end(),
+                         [&](const Summed& x) { return x.knob == knob.label; }))
+            continue;
         if (knob.exact) {
             fmt::print("  {:30} every value gives the same bits: the quickest\n", knob.label);
             continue;
         }
         for (const Kind& kind : scene.kinds)
-            fmt::print("  {:30} {:30} {:8.1g}: {:22} {:8.1g}: {:22} {:8.1g}: {}\n", knob.label, kind.name, 10 * kind.tolerance,
-                       cheapest(knob, kind, 10 * kind.tolerance, all), kind.tolerance, cheapest(knob, kind, kind.tolerance, all),
-                       kind.tolerance / 10, cheapest(knob, kind, kind.tolerance / 10, all));
+            fmt::print("  {:30} {:30} {:8.1g}: {:22} {:8.1g}: {:22} {:8.1g}: {}\n", knob.label,
+                       kind.name, 10 * kind.tolerance,
+                       cheapest(knob, kind, 10 * kind.tolerance, all), kind.tolerance,
+                       cheapest(knob, kind, kind.tolerance, all), kind.tolerance / 10,
+                       cheapest(knob, kind, kind.tolerance / 10, all));
     }
 }
 

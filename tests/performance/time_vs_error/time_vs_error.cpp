@@ -1,9 +1,10 @@
-// What accuracy costs: settings are varied one at a time over five scenes, and wall time is held against error, with its
-// uncertainty over seeds. A campaign stopped anywhere goes on where it stopped.
-#include "tests/performance/time_vs_error/results.hpp"
-
+// What accuracy costs: settings are varied one at a time over five scenes, and wall time is held
+// against error, with its uncertainty over seeds. A campaign stopped anywhere goes on where it
+// stopped.
+#include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
+#include "tests/performance/time_vs_error/results.hpp"
 
 #include <fmt/format.h>
 
@@ -16,7 +17,8 @@ namespace bris::time_vs_error {
 
 namespace {
 
-const std::filesystem::path results_folder = std::filesystem::path(BRIS_ASSETS).parent_path() / "tests/performance/results";
+const std::filesystem::path results_folder =
+    assets_folder().parent_path() / "tests/performance/results";
 
 struct Campaign {
     std::string scenes = "S1,S2,S3,S4,S5";
@@ -29,12 +31,14 @@ struct Campaign {
 
     void describe(auto& option) {
         option("scenes", scenes, "", "S1 impacts, S2 rotation, S3 gas, S4 packing, S5 triaxial");
-        option("knobs", knobs, "", "only these curves, by the beginnings of their names, as step;skin; without it all");
+        option("knobs", knobs, "",
+               "only these curves, by the beginnings of their names, as step;skin; without it all");
         option("seeds", seeds, "", "of each value", within(1, 1000));
         option("out", out, "", "CSV file; rows that are there are not run again");
         option("plots", plots, "", "directory of the PNG files");
         option("work", work, "", "directory of the specimens and clump libraries of S5");
-        option("longest", longest, "s", "beyond which no run is begun; the next campaign goes on", above(0));
+        option("longest", longest, "s", "beyond which no run is begun; the next campaign goes on",
+               above(0));
     }
 };
 
@@ -81,14 +85,16 @@ private:
     bool run(const Scene& scene, const Knob& knob, std::uint64_t seed) {
         const Settings base = scene.standard.with(knob.with);
         std::optional<Outcome> reference;
-        const bool needed = knob.exact || std::any_of(scene.kinds.begin(), scene.kinds.end(), [](const Kind& k) { return !k.exact; });
+        const bool needed = knob.exact || std::any_of(scene.kinds.begin(), scene.kinds.end(),
+                                                      [](const Kind& k) { return !k.exact; });
         if (needed && !(reference = obtain(scene, base.with(knob.reference), seed))) return false;
         const auto settings_at = [&](const std::string& value) {
             Settings settings = base;
             settings.set(knob.name, value);
             return settings;
         };
-        std::vector<std::string> values = knob.values; // the reference first: it has been run, and is to be kept
+        std::vector<std::string> values =
+            knob.values; // the reference first: it has been run, and is to be kept
         std::stable_partition(values.begin(), values.end(), [&](const std::string& value) {
             return settings_at(value).text() == base.with(knob.reference).text();
         });
@@ -100,18 +106,22 @@ private:
             results_.add(scene, knob, value, settings, seed, *outcome, reference);
             if (knob.exact && outcome->fingerprint != reference->fingerprint) {
                 same_bits_ = false;
-                fmt::print(stderr, "{} {} = {}, seed {}: other bits\n", scene.name, knob.label, value, seed);
+                fmt::print(stderr, "{} {} = {}, seed {}: other bits\n", scene.name, knob.label,
+                           value, seed);
             }
         }
         return true;
     }
 
     /// From the file, from this campaign, or by a run; nothing if there is no time for one.
-    std::optional<Outcome> obtain(const Scene& scene, const Settings& settings, std::uint64_t seed) {
+    std::optional<Outcome> obtain(const Scene& scene, const Settings& settings,
+                                  std::uint64_t seed) {
         const std::string key = fmt::format("{} {} {}", scene.name, seed, settings.text());
         if (const auto found = done_.find(key); found != done_.end()) return found->second;
         if (auto found = results_.outcome(scene, settings, seed)) return found;
-        if (std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count() > campaign_.longest) return {};
+        if (std::chrono::duration<double>(std::chrono::steady_clock::now() - began_).count() >
+            campaign_.longest)
+            return {};
         Outcome outcome;
         try {
             outcome = scene.run(settings, seed);
@@ -120,7 +130,8 @@ private:
             outcome.note = error.what();
         }
         stamp(outcome);
-        fmt::print("{} seed {} {}: {:.3g} s, {} steps; {}\n", scene.name, seed, settings.text(), outcome.wall_time, outcome.steps, outcome.note);
+        fmt::print("{} seed {} {}: {:.3g} s, {} steps; {}\n", scene.name, seed, settings.text(),
+                   outcome.wall_time, outcome.steps, outcome.note);
         std::fflush(stdout);
         return done_[key] = outcome;
     }
@@ -134,29 +145,39 @@ private:
 
 void run(const Campaign& campaign) {
     std::vector<Scene> scenes;
-    for (const std::string& name : split(campaign.scenes, ',')) scenes.push_back(scene_of(name, campaign));
+    for (const std::string& name : split(campaign.scenes, ','))
+        scenes.push_back(scene_of(name, campaign));
     Running running(campaign);
     bool complete = true;
     for (const Scene& scene : scenes)
         if (!(complete = running.run(scene))) break;
     std::vector<Summed> everything;
-    for (const char* name : {"S1", "S2", "S3", "S4", "S5"}) { // what earlier campaigns left is summed up too
+    for (const char* name :
+         {"S1", "S2", "S3", "S4", "S5"}) { // what earlier campaigns left is summed up too
         const Scene scene = scene_of(name, campaign);
         const auto all = sum_up(scene, running.results().lines());
         everything.insert(everything.end(), all.begin(), all.end());
-        if (std::none_of(scenes.begin(), scenes.end(), [&](const Scene& s) { return s.name == scene.name; }) || all.empty()) continue;
+        if (std::none_of(scenes.begin(), scenes.end(),
+                         [&](const Scene& s) { return s.name == scene.name; }) ||
+            all.empty())
+            continue;
         print_summed(scene, all);
         print_recommendation(scene, all);
         std::filesystem::create_directories(campaign.plots);
         draw(campaign.plots / fmt::format("time_vs_error_{}.png", scene.name), scene, all);
     }
     std::set<std::string> machines;
-    for (const Line& line : running.results().lines()) machines.insert(line.machine + ", " + line.compiler);
-    if (machines.size() > 1) fmt::print("\nwall times of {} kinds of machine or compiler are mixed in these rows\n", machines.size());
+    for (const Line& line : running.results().lines())
+        machines.insert(line.machine + ", " + line.compiler);
+    if (machines.size() > 1)
+        fmt::print("\nwall times of {} kinds of machine or compiler are mixed in these rows\n",
+                   machines.size());
     auto summary = campaign.out;
     write_summed(summary.replace_extension().string() + "_summary.csv", everything);
-    fmt::print("\n{}; rows in {}\n", complete ? "complete" : "time is over: call again to go on", campaign.out.string());
-    if (!running.same_bits()) throw SimulationError("expected the same bits whatever the skin, found others");
+    fmt::print("\n{}; rows in {}\n", complete ? "complete" : "time is over: call again to go on",
+               campaign.out.string());
+    if (!running.same_bits())
+        throw SimulationError("expected the same bits whatever the skin, found others");
 }
 
 } // namespace
@@ -168,7 +189,12 @@ int main(int argc, char** argv) {
         bris::time_vs_error::Campaign campaign;
         bris::Options options;
         campaign.describe(options);
-        if (options.parse({argv + 1, argv + argc})) bris::time_vs_error::run(campaign);
-        else fmt::print("{}", options.help("time_vs_error", "hold wall time against error, setting by setting, over five scenes"));
+        if (options.parse({argv + 1, argv + argc}))
+            bris::time_vs_error::run(campaign);
+        else
+            fmt::print(
+                "{}",
+                options.help("time_vs_error",
+                             "hold wall time against error, setting by setting, over five scenes"));
     });
 }

@@ -1,12 +1,11 @@
-// S2: a rigid body that turns freely, against Jacobi's solution. S3: a gas of 64 smooth elastic spheres, whose energy
-// must stay.
-#include "tests/performance/time_vs_error/scene.hpp"
-
+// S2: a rigid body that turns freely, against Jacobi's solution. S3: a gas of 64 smooth elastic
+// spheres, whose energy must stay.
 #include "engine/random.hpp"
-#include "systems/experiments/bench.hpp"
-#include "systems/experiments/gas.hpp"
-#include "systems/experiments/names.hpp"
-#include "systems/experiments/top.hpp"
+#include "scenarios/verification/bench.hpp"
+#include "scenarios/verification/gas.hpp"
+#include "scenarios/verification/names.hpp"
+#include "scenarios/verification/top.hpp"
+#include "tests/performance/time_vs_error/scene.hpp"
 
 #include <fmt/format.h>
 
@@ -14,12 +13,14 @@ namespace bris::time_vs_error {
 
 namespace {
 
-/// The first is the top of the reference, of moments 1, 2, 3 and spin (1, 0, 1); the others are drawn.
+/// The first is the top of the reference, of moments 1, 2, 3 and spin (1, 0, 1); the others are
+/// drawn.
 Top top_of(std::uint64_t seed) {
     Top top;
     if (seed == 1) return top;
     Random random(seed, 1);
-    const double middle = random.uniform(1.3, 2.2); // the largest must be below the sum of the others
+    const double middle =
+        random.uniform(1.3, 2.2); // the largest must be below the sum of the others
     top.inertia = Vec3(1, middle, random.uniform(middle + 0.1, middle + 0.8));
     top.spin = random.direction() * std::sqrt(2.0);
     return top;
@@ -63,16 +64,25 @@ Outcome run_gas(const Settings& settings, std::uint64_t seed) {
 
 Scene free_top() {
     Scene scene{"S2", "free rotation, T = 20 s", {{"step", "0.05"}}, {}, {}, run_top, "20 s"};
-    scene.kinds = {{"attitude_rad", 1e-4, false, true}, {"momentum", 1e-6, false, true}, {"energy", 1e-4, false, true}};
+    scene.kinds = {{"attitude_rad", 1e-4, false, true},
+                   {"momentum", 1e-6, false, true},
+                   {"energy", 1e-4, false, true}};
     scene.knobs = {{"step (rad)", "step", {"0.4", "0.2", "0.1", "0.05", "0.02", "0.01", "0.005"}}};
     return scene;
 }
 
 Scene gas() {
-    Scene scene{"S3", "gas of 64 elastic spheres", {{"step", "0.02"}, {"law", "linear_frictionless"}}, {}, {}, run_gas, "run"};
+    Scene scene{"S3",
+                "gas of 64 elastic spheres",
+                {{"step", "0.02"}, {"law", "linear_frictionless"}},
+                {},
+                {},
+                run_gas,
+                "run"};
     scene.kinds = {{"energy_change", 1e-3, false, true}, {"energy_gain", 1e-3, false, true}};
     const std::vector<std::string> steps{"0.1", "0.05", "0.02", "0.01", "0.005"};
-    for (const std::string law : {"linear", "hertz"}) scene.knobs.push_back({"step, " + law, "step", steps, {{"law", law + "_frictionless"}}});
+    for (const std::string law : {"linear", "hertz"})
+        scene.knobs.push_back({"step, " + law, "step", steps, {{"law", law + "_frictionless"}}});
     return scene;
 }
 

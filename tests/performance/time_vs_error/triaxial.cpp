@@ -1,23 +1,25 @@
-// S5: drained triaxial compression of a small specimen. A seed has one specimen for each clump library, kept in a
-// checkpoint; every variant is consolidated and sheared from there, so differences of two variants of a seed are
-// those of the method, and of the chaos of a few hundred rocks.
-#include "tests/performance/time_vs_error/scene.hpp"
+// S5: drained triaxial compression of a small specimen. A seed has one specimen for each clump
+// library, kept in a checkpoint; every variant is consolidated and sheared from there, so
+// differences of two variants of a seed are those of the method, and of the chaos of a few hundred
+// rocks.
+#include "scenarios/triaxial/triaxial.hpp"
 
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
+#include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/checkpoint.hpp"
+#include "scenarios/rocks/clump_library.hpp"
+#include "scenarios/rocks/make_library.hpp"
+#include "scenarios/rocks/mass_properties.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
+#include "scenarios/triaxial/true_masses.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/build/clump_library.hpp"
-#include "systems/build/make_library.hpp"
-#include "systems/build/mass_properties.hpp"
 #include "systems/contact/ledger.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/output/quantities.hpp"
-#include "systems/procedure/triaxial.hpp"
-#include "systems/procedure/triaxial_results.hpp"
-#include "systems/procedure/true_masses.hpp"
 #include "systems/steps.hpp"
+#include "tests/performance/time_vs_error/scene.hpp"
 
 #include <fmt/format.h>
 
@@ -29,23 +31,25 @@ namespace bris::time_vs_error {
 namespace {
 
 constexpr std::size_t rocks = 240;
-constexpr double pressure = 110e3;       // Pa
-constexpr double final_strain = 0.024;   // 2 % and some, a multiple of every stage
-constexpr double stiffness = 0.63e8;     // N/m, of one partner
+constexpr double pressure = 110e3;     // Pa
+constexpr double final_strain = 0.024; // 2 % and some, a multiple of every stage
+constexpr double stiffness = 0.63e8;   // N/m, of one partner
 
-/// The porosity that a library's specimens are brought to: of sharp rocks the usual one; where libraries are compared,
-/// one that spheres too can reach.
+/// The porosity that a library's specimens are brought to: of sharp rocks the usual one; where
+/// libraries are compared, one that spheres too can reach.
 double porosity_of(const std::string& library) { return library == "assets" ? 0.32 : 0.36; }
 
 /// Rocks of the given number of spheres, made once; one sphere: as large as the sieve.
-std::filesystem::path library_folder(const std::filesystem::path& work, const std::string& library) {
-    if (library == "assets") return std::filesystem::path(BRIS_ASSETS) / "clumps";
+std::filesystem::path library_folder(const std::filesystem::path& work,
+                                     const std::string& library) {
+    if (library == "assets") return assets_folder() / "clumps";
     const auto folder = work / ("clumps_" + library);
     if (std::filesystem::exists(folder / "report.csv")) return folder; // written last
     if (library == "1") {
         const std::vector<Ball> ball{{Vec3::Zero(), 0.5}};
         std::filesystem::create_directories(folder);
-        write_clump(folder / "rock_01.csv", make_clump("rock_01", ball), {"SOURCE: one ball of sieve size 1"});
+        write_clump(folder / "rock_01.csv", make_clump("rock_01", ball),
+                    {"SOURCE: one ball of sieve size 1"});
         return folder;
     }
     LibrarySettings settings;
@@ -59,7 +63,7 @@ std::filesystem::path library_folder(const std::filesystem::path& work, const st
 
 /// A specimen's rocks and its mould. No sensor rocks: a small specimen has no room for them.
 World make_world_of(const std::vector<Clump>& clumps, double initial_porosity, std::uint64_t seed) {
-    const Grading grading = read_grading(std::filesystem::path(BRIS_ASSETS) / "gradings" / "arema_4.csv");
+    const Grading grading = read_grading(assets_folder() / "gradings" / "arema_4.csv");
     const RockSample sample = sample_rocks(grading, clumps, rocks, seed);
     SpecimenSettings specimen;
     specimen.clump_stiffness = stiffness;
@@ -104,12 +108,14 @@ Simulation Bench::begin(const Settings& settings, std::uint64_t seed) const {
     auto clumps = read_clumps(library_folder(work_, library));
     std::erase_if(clumps, [](const Clump& c) { return c.name == "cube"; });
     World world = make_world_of(clumps, porosity_of(library) + 0.06, seed);
-    const auto patch = settings.word("patch") == "shared" ? PatchStiffness::shared : PatchStiffness::per_sphere;
+    const auto patch =
+        settings.word("patch") == "shared" ? PatchStiffness::shared : PatchStiffness::per_sphere;
     world.resource<Materials>().policy.patch = patch;
     ListSettings lists;
     if (settings.word("skin") != "tuned") {
         const double skin = settings.number("skin") * 0.025; // of a rock's size
-        lists = {.outer_skin = 3 * skin, .inner_skin = skin, .largest_skin = 3 * skin, .tune = false};
+        lists = {
+            .outer_skin = 3 * skin, .inner_skin = skin, .largest_skin = 3 * skin, .tune = false};
     }
     add_lists(world, LawName::linear, lists);
     add_ledger(world);
@@ -127,8 +133,12 @@ const Archive& Bench::specimen(const std::string& library, std::uint64_t seed) {
     Settings made = triaxial(work_.string()).standard;
     made.set("library", library);
     const TriaxialSettings how = test_of(made);
-    const std::vector<NamedValue> provenance{{"library", library}, {"rocks", rocks}, {"porosity", how.porosity}, {"stiffness_N_per_m", stiffness},
-                                             {"compaction_pressure_Pa", how.compaction_pressure}, {"vibration", how.vibration}};
+    const std::vector<NamedValue> provenance{{"library", library},
+                                             {"rocks", rocks},
+                                             {"porosity", how.porosity},
+                                             {"stiffness_N_per_m", stiffness},
+                                             {"compaction_pressure_Pa", how.compaction_pressure},
+                                             {"vibration", how.vibration}};
     if (std::filesystem::exists(file)) {
         Checkpoint kept = read_checkpoint(file);
         require_same_run(file, kept, "time_vs_error", provenance, {});
@@ -139,7 +149,8 @@ const Archive& Bench::specimen(const std::string& library, std::uint64_t seed) {
         while (test.state().phase < TriaxialPhase::consolidate) test.advance();
         ready_ = simulation.snapshot();
         std::filesystem::create_directories(work_);
-        write_checkpoint(file, {"time_vs_error", simulation.world().resource<Clock>().step, provenance, ready_});
+        write_checkpoint(
+            file, {"time_vs_error", simulation.world().resource<Clock>().step, provenance, ready_});
     }
     ready_name_ = name;
     return ready_;
@@ -149,25 +160,34 @@ const Archive& Bench::specimen(const std::string& library, std::uint64_t seed) {
 void set_stiffness(World& world, const Settings& settings, const TriaxialSettings& test) {
     auto& materials = world.resource<Materials>();
     const auto& specimen = world.resource<Specimen>();
-    const double kn = settings.number("stiffness") * stiffness, wall = settings.number("wall_stiffness");
+    const double kn = settings.number("stiffness") * stiffness,
+                 wall = settings.number("wall_stiffness");
     const double ratio = settings.number("shear_ratio");
-    for (const auto& [which, k] : {std::pair(specimen.rock_material, kn), {specimen.platen_material, wall}, {specimen.membrane_material, wall}}) {
+    for (const auto& [which, k] : {std::pair(specimen.rock_material, kn),
+                                   {specimen.platen_material, wall},
+                                   {specimen.membrane_material, wall}}) {
         materials.list[which].normal_stiffness = k;
         materials.list[which].shear_stiffness = ratio * k;
     }
-    materials.policy.patch = settings.word("patch") == "shared" ? PatchStiffness::shared : PatchStiffness::per_sphere;
+    materials.policy.patch =
+        settings.word("patch") == "shared" ? PatchStiffness::shared : PatchStiffness::per_sphere;
     materials.mix();
-    const double contact = materials.linear_pairs[materials.pair(specimen.rock_material, specimen.membrane_material)].kn;
-    world.resource<Membrane>().contact_stiffness = world.resource<Platen>().contact_stiffness = contact;
+    const double contact =
+        materials.linear_pairs[materials.pair(specimen.rock_material, specimen.membrane_material)]
+            .kn;
+    world.resource<Membrane>().contact_stiffness = world.resource<Platen>().contact_stiffness =
+        contact;
     world.resource<LocalDamping>().fraction = test.damping;
-    const double dt = test.mass_scaling ? scale_masses(world, 0, test.safety, false).dt : test.safety * restore_masses(world);
+    const double dt = test.mass_scaling ? scale_masses(world, 0, test.safety, false).dt
+                                        : test.safety * restore_masses(world);
     world.resource<Clock>().change_step(dt);
     invalidate_lists(world);
 }
 
-/// Mean of a curve from a quarter percent of strain before `strain` to as much beyond it: single points of a small
-/// specimen jump as force chains break.
-double around(const std::vector<TriaxialPoint>& points, double strain, double TriaxialPoint::*value) {
+/// Mean of a curve from a quarter percent of strain before `strain` to as much beyond it: single
+/// points of a small specimen jump as force chains break.
+double around(const std::vector<TriaxialPoint>& points, double strain,
+              double TriaxialPoint::*value) {
     double sum = 0, count = 0;
     for (const TriaxialPoint& p : points)
         if (std::abs(p.axial_strain - strain) < 0.0025 + 1e-9) sum += p.*value, ++count;
@@ -185,44 +205,94 @@ Outcome Bench::run(const Settings& settings, std::uint64_t seed) {
     const std::uint64_t first = world.resource<Clock>().step;
     Outcome outcome;
     outcome.wall_time = median_time(1, 0, [&] {
-        while (test.advance()) {}
+        while (test.advance()) {
+        }
     });
     const auto& points = test.state().points;
     const TriaxialProperties p = properties_of(points, pressure);
     outcome.steps = world.resource<Clock>().step - first;
     outcome.contacts = static_cast<double>(measure(world).contacts);
-    outcome.measured = {{around(points, 0.01, &TriaxialPoint::deviatoric_stress)}, {around(points, 0.02, &TriaxialPoint::deviatoric_stress)},
-                        {p.initial_modulus},  {p.secant_modulus}, {around(points, 0.02, &TriaxialPoint::volumetric_strain)},
+    outcome.measured = {{around(points, 0.01, &TriaxialPoint::deviatoric_stress)},
+                        {around(points, 0.02, &TriaxialPoint::deviatoric_stress)},
+                        {p.initial_modulus},
+                        {p.secant_modulus},
+                        {around(points, 0.02, &TriaxialPoint::volumetric_strain)},
                         {p.energy_mismatch, 0}};
     outcome.fingerprint = hexadecimal(fingerprint(simulation.snapshot()));
-    outcome.note = fmt::format("core porosity {:.4f}, inertial number {:.1e}, stress mismatch {:.1e}", test.state().core_porosity,
-                               p.largest_inertial_number, p.worst_stress_mismatch);
+    outcome.note =
+        fmt::format("core porosity {:.4f}, inertial number {:.1e}, stress mismatch {:.1e}",
+                    test.state().core_porosity, p.largest_inertial_number, p.worst_stress_mismatch);
     return outcome;
 }
 
 } // namespace
 
 Scene triaxial(const std::string& work) {
-    Scene s{"S5", fmt::format("triaxial test of {} rocks at {:.0f} kPa", rocks, pressure / 1e3),
-            {{"tolerance", "1e-3"}, {"stage_strain", "1e-4"}, {"move_steps", "60"}, {"stiffness", "1"}, {"shear_ratio", "1"}, {"wall_stiffness", "1e8"},
-             {"mass_scaling", "0.9"}, {"damping", "0.7"}, {"skin", "tuned"}, {"library", "assets"}, {"patch", "per_sphere"}},
-            {}, {}, {}, "test"};
-    s.kinds = {{"q_at_1_percent", 0.03, true}, {"q_at_2_percent", 0.03, true}, {"initial_modulus", 0.1, true}, {"E50", 0.1, true},
+    Scene s{"S5",
+            fmt::format("triaxial test of {} rocks at {:.0f} kPa", rocks, pressure / 1e3),
+            {{"tolerance", "1e-3"},
+             {"stage_strain", "1e-4"},
+             {"move_steps", "60"},
+             {"stiffness", "1"},
+             {"shear_ratio", "1"},
+             {"wall_stiffness", "1e8"},
+             {"mass_scaling", "0.9"},
+             {"damping", "0.7"},
+             {"skin", "tuned"},
+             {"library", "assets"},
+             {"patch", "per_sphere"}},
+            {},
+            {},
+            {},
+            "test"};
+    s.kinds = {{"q_at_1_percent", 0.03, true},           {"q_at_2_percent", 0.03, true},
+               {"initial_modulus", 0.1, true},           {"E50", 0.1, true},
                {"volumetric_strain_at_2_percent", 1e-3}, {"energy_balance", 1e-3, false, true}};
     const std::vector<std::string> counts{"1", "8", "15", "30", "60"};
-    s.knobs = {{"unbalanced ratio", "tolerance", {"1e-2", "3e-3", "1e-3", "1e-4", "1e-5"}, {}, {{"tolerance", "1e-5"}}},
-               {"stage strain", "stage_strain", {"4e-4", "2e-4", "1e-4", "5e-5"}, {}, {{"stage_strain", "5e-5"}}},
-               {"move steps (inertial number)", "move_steps", {"12", "24", "60", "120", "240"}, {}, {{"move_steps", "240"}}},
-               {"stiffness level", "stiffness", {"0.1", "0.3", "1", "3", "10"}, {}, {{"stiffness", "10"}}},
-               {"ks/kn", "shear_ratio", {"0.3", "0.5", "0.8", "1"}, {}, {{"shear_ratio", "0.8"}}},
-               {"wall stiffness (N/m)", "wall_stiffness", {"1e7", "1e8", "1e9"}, {}, {{"wall_stiffness", "1e9"}}},
-               {"mass scaling (safety)", "mass_scaling", {"0.9", "0.7", "0.5", "off"}, {}, {{"mass_scaling", "off"}}},
-               {"local damping", "damping", {"0.1", "0.3", "0.7"}, {}, {{"damping", "0.1"}}},
-               {"skin (rock sizes)", "skin", {"tuned", "0.01", "0.05"}, {}, {}, true},
-               {"spheres, patches shared", "library", counts, {{"patch", "shared"}}, {{"library", "60"}, {"patch", "shared"}}},
-               {"spheres, each its stiffness", "library", counts, {{"patch", "per_sphere"}}, {{"library", "60"}, {"patch", "shared"}}}};
+    s.knobs = {
+        {"unbalanced ratio",
+         "tolerance",
+         {"1e-2", "3e-3", "1e-3", "1e-4", "1e-5"},
+         {},
+         {{"tolerance", "1e-5"}}},
+        {"stage strain",
+         "stage_strain",
+         {"4e-4", "2e-4", "1e-4", "5e-5"},
+         {},
+         {{"stage_strain", "5e-5"}}},
+        {"move steps (inertial number)",
+         "move_steps",
+         {"12", "24", "60", "120", "240"},
+         {},
+         {{"move_steps", "240"}}},
+        {"stiffness level", "stiffness", {"0.1", "0.3", "1", "3", "10"}, {}, {{"stiffness", "10"}}},
+        {"ks/kn", "shear_ratio", {"0.3", "0.5", "0.8", "1"}, {}, {{"shear_ratio", "0.8"}}},
+        {"wall stiffness (N/m)",
+         "wall_stiffness",
+         {"1e7", "1e8", "1e9"},
+         {},
+         {{"wall_stiffness", "1e9"}}},
+        {"mass scaling (safety)",
+         "mass_scaling",
+         {"0.9", "0.7", "0.5", "off"},
+         {},
+         {{"mass_scaling", "off"}}},
+        {"local damping", "damping", {"0.1", "0.3", "0.7"}, {}, {{"damping", "0.1"}}},
+        {"skin (rock sizes)", "skin", {"tuned", "0.01", "0.05"}, {}, {}, true},
+        {"spheres, patches shared",
+         "library",
+         counts,
+         {{"patch", "shared"}},
+         {{"library", "60"}, {"patch", "shared"}}},
+        {"spheres, each its stiffness",
+         "library",
+         counts,
+         {{"patch", "per_sphere"}},
+         {{"library", "60"}, {"patch", "shared"}}}};
     const auto bench = std::make_shared<Bench>(work);
-    s.run = [bench](const Settings& settings, std::uint64_t seed) { return bench->run(settings, seed); };
+    s.run = [bench](const Settings& settings, std::uint64_t seed) {
+        return bench->run(settings, seed);
+    };
     return s;
 }
 

@@ -13,15 +13,16 @@ using Partners = std::vector<std::pair<EntityId, EntityId>>;
 
 Partners touching_now(const World& world) {
     Partners list;
-    for (const TouchingPair& p : touching_pairs<SpherePairs>(world)) list.push_back({p.names.owner, p.names.partner});
+    for (const TouchingPair& p : touching_pairs<SpherePairs>(world))
+        list.push_back({p.names.owner, p.names.partner});
     return list;
 }
 
 } // namespace
 
 TEST_SUITE("broadphase/sphere_pairs") {
-    TEST_CASE(
-        "of spheres of very different sizes all touching pairs are found, each once, whichever has the lower id") {
+    TEST_CASE("of spheres of very different sizes all touching pairs are found, each once, "
+              "whichever has the lower id") {
         std::vector<Vec3> place;
         std::vector<double> size;
         for (unsigned k = 0; k < 600; ++k) {
@@ -37,10 +38,14 @@ TEST_SUITE("broadphase/sphere_pairs") {
         REQUIRE(expected.size() > 1000);
         for (const double ratio : {3.0, 1e9}) { // of sizes in a grid: four grids, and one for all
             World world = make_world(Grains::spheres);
-            const auto material = add_material(world, linear_material(1, 0, 0)); // soft: they overlap as they like
+            const auto material =
+                add_material(world, linear_material(1, 0, 0)); // soft: they overlap as they like
             world.resource<Limits>().overlap = 1e9;
-            for (std::size_t k = 0; k < place.size(); ++k) add_sphere(world, place[k], size[k], material);
-            Simulation sim = start(std::move(world), {.dt = 1e-9, .law = LawName::linear_frictionless, .lists = {.widest_ratio = ratio}});
+            for (std::size_t k = 0; k < place.size(); ++k)
+                add_sphere(world, place[k], size[k], material);
+            Simulation sim = start(std::move(world), {.dt = 1e-9,
+                                                      .law = LawName::linear_frictionless,
+                                                      .lists = {.widest_ratio = ratio}});
             sim.advance();
             CHECK(touching_now(sim.world()) == expected);
         }
@@ -55,7 +60,8 @@ TEST_SUITE("broadphase/sphere_pairs") {
             const auto motion = world.column<Bodies, MotionOf>();
             motion[0] = static_cast<std::uint32_t>(Motion::fixed);
             motion[1] = static_cast<std::uint32_t>(second);
-            Simulation sim = start(std::move(world), {.dt = 1e-9, .law = LawName::linear_frictionless});
+            Simulation sim =
+                start(std::move(world), {.dt = 1e-9, .law = LawName::linear_frictionless});
             sim.advance();
             CHECK(sim.world().table<SpherePairs>().size() == (second == Motion::free ? 1 : 0));
         }

@@ -1,7 +1,6 @@
-#include "systems/contact/laws/composed.hpp"
-
 #include "engine/math.hpp"
 #include "engine/random.hpp"
+#include "systems/contact/laws/composed.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>
@@ -11,7 +10,8 @@ using namespace bris;
 namespace {
 
 /// One contact of a law, all lanes alike.
-template <class L> struct Contact {
+template <class L>
+struct Contact {
     CoefficientLanes k{lanes(1e9), lanes(8e8), lanes(0.5), lanes(0), lanes(0), lanes(0), lanes(0)};
     RollingLanes rolling{lanes(0.1), lanes(0.1), lanes(1), lanes(0)};
     ContactPolicy policy;
@@ -19,7 +19,8 @@ template <class L> struct Contact {
     SpringLanes spring{};
     RollLanes roll{};
 
-    ForceLanes step(double overlap, const Vec3& sliding, double closing = 0, const Vec3& spin = Vec3::Zero()) {
+    ForceLanes step(double overlap, const Vec3& sliding, double closing = 0,
+                    const Vec3& spin = Vec3::Zero()) {
         ContactLanes c{lanes(0), lanes(0), lanes(1), lanes(overlap), lanes(10), lanes(0.005)};
         c.ux = c.vx = lanes(sliding.x());
         c.uy = c.vy = lanes(sliding.y());
@@ -38,7 +39,8 @@ TEST_SUITE("contact/laws") {
     TEST_CASE("the force of Hertz is 4/3 E* sqrt(R*) overlap^1.5") {
         Contact<HertzFrictionless> contact;
         for (const double overlap : {1e-7, 1e-5, 1e-4})
-            CHECK(contact.step(overlap, Vec3::Zero()).z[0] == about(4.0 / 3 * 1e9 * std::sqrt(0.005) * std::pow(overlap, 1.5)).epsilon(1e-14));
+            CHECK(contact.step(overlap, Vec3::Zero()).z[0] ==
+                  about(4.0 / 3 * 1e9 * std::sqrt(0.005) * std::pow(overlap, 1.5)).epsilon(1e-14));
     }
 
     TEST_CASE("a spring begins when the surfaces meet, not with the step") {
@@ -71,9 +73,12 @@ TEST_SUITE("contact/laws") {
                 for (int s = 0; s < 300; ++s) {
                     const double change = random.uniform(-1e-6, 1.2e-6);
                     overlap = std::max(1e-9, overlap + change);
-                    const ForceLanes f = contact.step(overlap, 0.3 * random.direction(), change / contact.dt);
+                    const ForceLanes f =
+                        contact.step(overlap, 0.3 * random.direction(), change / contact.dt);
                     // of the energy that the spring may hold: mu N times the displacement of a step
-                    least = std::min(least, f.work.friction[0] / (contact.k.friction[0] * f.normal[0] * 3e-6 + 1e-300));
+                    least =
+                        std::min(least, f.work.friction[0] /
+                                            (contact.k.friction[0] * f.normal[0] * 3e-6 + 1e-300));
                 }
             }
         };
@@ -91,7 +96,8 @@ TEST_SUITE("contact/laws") {
             contact.step(1e-4, Vec3::Zero());
             contact.step(1e-4, Vec3(0.1, 0, 0));
             double sum = 0;
-            for (int s = 1; s <= 50; ++s) sum += contact.step(1e-4 * (1 - s / 100.0), Vec3::Zero()).work.friction[0];
+            for (int s = 1; s <= 50; ++s)
+                sum += contact.step(1e-4 * (1 - s / 100.0), Vec3::Zero()).work.friction[0];
             return sum;
         };
         CHECK(work_of_unloading(ShearHistory::rescaled) > 0);

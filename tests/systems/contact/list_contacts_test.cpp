@@ -10,8 +10,10 @@ using namespace bris::testing;
 
 namespace {
 
-/// Touching pairs of a body, read from the flags of all near rows: as partner by ascending owner, then as owner.
-template <class Pairs> std::vector<std::pair<Row, bool>> contacts_by_search(const World& world, Row body) {
+/// Touching pairs of a body, read from the flags of all near rows: as partner by ascending owner,
+/// then as owner.
+template <class Pairs>
+std::vector<std::pair<Row, bool>> contacts_by_search(const World& world, Row body) {
     const auto& index = world.resource<NearIndex<Pairs>>();
     const auto entry = world.column<typename Pairs::Near, NearPair>();
     const auto names = world.column<Pairs, PairKey>();
@@ -27,12 +29,14 @@ template <class Pairs> std::vector<std::pair<Row, bool>> contacts_by_search(cons
     return found;
 }
 
-template <class Pairs> std::size_t check_all(const World& world) {
+template <class Pairs>
+std::size_t check_all(const World& world) {
     const auto& index = world.resource<NearIndex<Pairs>>();
     std::size_t all = 0;
     for (Row b = 0; b < world.table<Bodies>().size(); ++b) {
         std::vector<std::pair<Row, bool>> listed;
-        index.for_contacts_of(b, [&](Row k, bool as_partner) { listed.emplace_back(k, as_partner); });
+        index.for_contacts_of(b,
+                              [&](Row k, bool as_partner) { listed.emplace_back(k, as_partner); });
         REQUIRE(listed == contacts_by_search<Pairs>(world, b));
         all += listed.size();
     }
@@ -42,14 +46,17 @@ template <class Pairs> std::size_t check_all(const World& world) {
 } // namespace
 
 TEST_SUITE("systems/contact/list_contacts") {
-    TEST_CASE("every body knows its touching pairs, in the order of sums, while grains fall and settle") {
+    TEST_CASE(
+        "every body knows its touching pairs, in the order of sums, while grains fall and settle") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
-            Simulation sim = start(bed({.grains = grains, .walls = Walls::facets, .bodies = 40, .seed = 3}),
-                                   {.dt = 2e-5, .law = LawName::linear_viscous});
+            Simulation sim =
+                start(bed({.grains = grains, .walls = Walls::facets, .bodies = 40, .seed = 3}),
+                      {.dt = 2e-5, .law = LawName::linear_viscous});
             std::size_t most = 0;
             for (int k = 0; k < 300; ++k) {
                 sim.advance(10);
-                most = std::max(most, check_all<SpherePairs>(sim.world()) + check_all<FacetPairs>(sim.world()));
+                most = std::max(most, check_all<SpherePairs>(sim.world()) +
+                                          check_all<FacetPairs>(sim.world()));
             }
             CHECK(most > 40); // they have met
         }

@@ -1,8 +1,7 @@
 #include "systems/contact/mass_scaling.hpp"
-
 #include "systems/contact/stable_step.hpp"
-#include "tests/support.hpp"
 #include "tests/about.hpp"
+#include "tests/support.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,7 +10,8 @@ using namespace bris::testing;
 
 namespace {
 
-/// Kinetic energy (J) of the velocities and momenta as they are stored, without the half step to now.
+/// Kinetic energy (J) of the velocities and momenta as they are stored, without the half step to
+/// now.
 double kinetic(Simulation& sim) {
     double sum = 0;
     for (EntityId b = 0; b < 30; ++b)
@@ -23,9 +23,11 @@ double kinetic(Simulation& sim) {
 } // namespace
 
 TEST_SUITE("contact/mass_scaling") {
-    TEST_CASE("scaled masses make the wanted step safe, keep weight, and book the energy that they bring") {
+    TEST_CASE("scaled masses make the wanted step safe, keep weight, and book the energy that they "
+              "bring") {
         World world = bed({.grains = Grains::clumps, .bodies = 30});
-        const std::vector<double> weight(world.column<Bodies, Mass>().begin(), world.column<Bodies, Mass>().end());
+        const std::vector<double> weight(world.column<Bodies, Mass>().begin(),
+                                         world.column<Bodies, Mass>().end());
         Simulation sim = start(std::move(world), {.dt = 2e-5, .law = LawName::linear});
         sim.world().table<Bodies>().add<ScalingWork>();
         sim.advance(300); // still falling
@@ -45,14 +47,18 @@ TEST_SUITE("contact/mass_scaling") {
         CHECK(kinetic(sim) - before == about(booked).epsilon(1e-9));
         CHECK(std::abs(booked) > 1e-9);
         for (const EntityId b : {0u, 7u, 29u}) { // spin is what the new momentum says
-            const Vec3 local = value_of<Orientation>(sim, b).conjugate() * value_of<AngularMomentum>(sim, b);
-            CHECK((value_of<Orientation>(sim, b) * Vec3(local.cwiseQuotient(value_of<InertialInertia>(sim, b))) - value_of<Spin>(sim, b)).norm() <
-                  0.1 * value_of<Spin>(sim, b).norm()); // half a step apart
+            const Vec3 local =
+                value_of<Orientation>(sim, b).conjugate() * value_of<AngularMomentum>(sim, b);
+            CHECK((value_of<Orientation>(sim, b) *
+                       Vec3(local.cwiseQuotient(value_of<InertialInertia>(sim, b))) -
+                   value_of<Spin>(sim, b))
+                      .norm() < 0.1 * value_of<Spin>(sim, b).norm()); // half a step apart
         }
     }
 
     TEST_CASE("with the step left open, the scaled masses add up to the true ones") {
-        Simulation sim = start(bed({.grains = Grains::clumps, .bodies = 30}), {.dt = 2e-5, .law = LawName::linear});
+        Simulation sim = start(bed({.grains = Grains::clumps, .bodies = 30}),
+                               {.dt = 2e-5, .law = LawName::linear});
         sim.advance(2500);
         double total = 0;
         for (EntityId b = 0; b < 30; ++b) total += value_of<Mass>(sim, b);

@@ -1,5 +1,5 @@
-#include "tests/support.hpp"
 #include "tests/about.hpp"
+#include "tests/support.hpp"
 
 #include <doctest/doctest.h>
 
@@ -11,25 +11,36 @@ namespace {
 /// A clump of `balls` equal balls in a row along x, whose spread is a tenth of their radius.
 Clump row_of_balls(int balls) {
     std::vector<Ball> list;
-    for (int k = 0; k < balls; ++k) list.push_back({Vec3(0.1 * (k - 0.5 * (balls - 1)) / std::max(1, balls - 1), 0, 0), 1});
+    for (int k = 0; k < balls; ++k)
+        list.push_back({Vec3(0.1 * (k - 0.5 * (balls - 1)) / std::max(1, balls - 1), 0, 0), 1});
     return make_clump("row", list);
 }
 
-struct Rebound { double restitution, largest_overlap; };
+struct Rebound {
+    double restitution, largest_overlap;
+};
 
-/// A clump dropped flat on a plane (or on another that is held), as heavy and as stiff whatever its balls.
+/// A clump dropped flat on a plane (or on another that is held), as heavy and as stiff whatever its
+/// balls.
 Rebound drop(int balls, PatchStiffness patch, LawName law, bool on_clump) {
     World world = make_world(Grains::clumps);
     Materials& materials = world.resource<Materials>();
     materials.policy.patch = patch;
-    const auto grain = add_material(world, {.name = "grain", .density = 2600, .normal_stiffness = 2e6, .restitution = 0.6,
-                                            .young_modulus = 1e8, .poisson_ratio = 0.25});
+    const auto grain = add_material(world, {.name = "grain",
+                                            .density = 2600,
+                                            .normal_stiffness = 2e6,
+                                            .restitution = 0.6,
+                                            .young_modulus = 1e8,
+                                            .poisson_ratio = 0.25});
     Clump clump = scaled(row_of_balls(balls), 0.01);
     const Clump one = scaled(row_of_balls(1), 0.01);
     clump.volume = one.volume; // the same mass
     clump.inertia = one.inertia;
-    if (on_clump) add_clump(world, clump, 0, Vec3(0, 0, -0.01), Quat(Eigen::AngleAxisd(pi / 2, Vec3::UnitZ())), grain, Motion::fixed);
-    else add_floor(world, grain);
+    if (on_clump)
+        add_clump(world, clump, 0, Vec3(0, 0, -0.01),
+                  Quat(Eigen::AngleAxisd(pi / 2, Vec3::UnitZ())), grain, Motion::fixed);
+    else
+        add_floor(world, grain);
     const EntityId ball = add_clump(world, clump, 0, Vec3(0, 0, 0.0101), Quat::Identity(), grain);
     value_of<Velocity>(world, ball) = Vec3(0, 0, -0.5);
     world.resource<Clock>().dt = 1e-6;
@@ -46,17 +57,20 @@ Rebound drop(int balls, PatchStiffness patch, LawName law, bool on_clump) {
 } // namespace
 
 TEST_SUITE("contact/share_patches") {
-    TEST_CASE("rebound and depth of a flat drop do not depend on how many spheres a clump has, if patches share") {
+    TEST_CASE("rebound and depth of a flat drop do not depend on how many spheres a clump has, if "
+              "patches share") {
         for (const LawName law : {LawName::linear_viscous, LawName::hertz_mindlin_viscous}) {
             const Rebound one = drop(1, PatchStiffness::shared, law, false);
             CHECK(one.restitution == about(0.6).epsilon(5e-3));
             for (const int balls : {2, 8, 30, 100}) {
                 CAPTURE(balls);
-                const Rebound shared = drop(balls, PatchStiffness::shared, law, false), own = drop(balls, PatchStiffness::per_sphere, law, false);
+                const Rebound shared = drop(balls, PatchStiffness::shared, law, false),
+                              own = drop(balls, PatchStiffness::per_sphere, law, false);
                 // equal shares: only rounding differs
                 CHECK(shared.restitution == about(one.restitution).epsilon(1e-6));
                 CHECK(shared.largest_overlap == about(one.largest_overlap).epsilon(1e-6));
-                // each sphere with its own stiffness: depth falls as 1/sqrt(n) (linear) or n^-0.4 (Hertz)
+                // each sphere with its own stiffness: depth falls as 1/sqrt(n) (linear) or n^-0.4
+                // (Hertz)
                 const double exponent = law == LawName::linear_viscous ? 0.5 : 0.4;
                 CHECK(own.largest_overlap < 1.2 * one.largest_overlap * std::pow(balls, -exponent));
             }
@@ -66,7 +80,8 @@ TEST_SUITE("contact/share_patches") {
     TEST_CASE("crossed rows of spheres share too") {
         const Rebound one = drop(1, PatchStiffness::shared, LawName::linear_viscous, true);
         const Rebound many = drop(9, PatchStiffness::shared, LawName::linear_viscous, true);
-        // the crossing is one point; spheres beside it lie deeper or not at all, so shares differ a little
+        // the crossing is one point; spheres beside it lie deeper or not at all, so shares differ a
+        // little
         CHECK(many.restitution == about(one.restitution).epsilon(0.07));
         CHECK(many.largest_overlap == about(one.largest_overlap).epsilon(0.1));
     }

@@ -1,5 +1,4 @@
 #include "systems/contact/stable_step.hpp"
-
 #include "tests/support.hpp"
 
 #include <doctest/doctest.h>
@@ -10,7 +9,6 @@ using namespace bris::testing;
 namespace {
 
 constexpr double radius = 0.01, kn = 1e5;
-
 
 /// The estimate of a scene after its contacts have been found in a negligible step.
 double estimate(Simulation& sim) {
@@ -39,7 +37,8 @@ bool stays_small(Simulation& sim, EntityId body, double dt) {
     try {
         for (int k = 0; k < 300; ++k) {
             sim.advance();
-            // the begin is 1e-3 of the overlap off; a tenth of the radius is far beyond any bounded motion
+            // the begin is 1e-3 of the overlap off; a tenth of the radius is far beyond any bounded
+            // motion
             if ((value_of<Position>(sim, body) - begin).norm() > 0.02 * radius) return false;
         }
     } catch (const std::exception&) {
@@ -57,7 +56,9 @@ double pair_estimate(double ratio) {
     const double mass = value_of<Mass>(world, a);
     Simulation sim = start(std::move(world), {});
     // sqrt 2 sqrt(m/kn), and 2/sqrt 7 = 0.7559 sqrt(m/ks)
-    const double limit = std::min(std::sqrt(2 * mass / kn), ratio > 0 ? 2 / std::sqrt(7.0) * std::sqrt(mass / (ratio * kn)) : 1.0);
+    const double limit =
+        std::min(std::sqrt(2 * mass / kn),
+                 ratio > 0 ? 2 / std::sqrt(7.0) * std::sqrt(mass / (ratio * kn)) : 1.0);
     return estimate(sim) / limit;
 }
 
@@ -69,14 +70,19 @@ TEST_SUITE("contact/stable_step") {
             CAPTURE(ratio);
             Simulation sim = on_floor(ratio * kn, 1e-12);
             const double mass = value_of<Mass>(sim, 1), step = estimate(sim);
-            // 2 sqrt(m/kn) for the normal; about 1.0690 sqrt(m/ks) for rolling, with the arm to the middle of the overlap
+            // 2 sqrt(m/kn) for the normal; about 1.0690 sqrt(m/ks) for rolling, with the arm to the
+            // middle of the overlap
             const double arm = radius - 0.5 * 1.001 * mass * 1000 / kn;
-            const double rolling = ratio * kn * (1 / mass + arm * arm / value_of<SphereInertia>(sim, 1));
-            const double limit = std::min(2 * std::sqrt(mass / kn), ratio > 0 ? 2 / std::sqrt(rolling) : 1.0);
+            const double rolling =
+                ratio * kn * (1 / mass + arm * arm / value_of<SphereInertia>(sim, 1));
+            const double limit =
+                std::min(2 * std::sqrt(mass / kn), ratio > 0 ? 2 / std::sqrt(rolling) : 1.0);
             CHECK(step <= limit);
-            CHECK(step >= 0.998 * limit); // a margin of 1e-3, and an eigenvalue at most 0.05 % too large
+            CHECK(step >=
+                  0.998 * limit); // a margin of 1e-3, and an eigenvalue at most 0.05 % too large
             if (ratio > 0) continue;
-            Simulation at_estimate = on_floor(0, step), below = on_floor(0, 0.99 * limit), above = on_floor(0, 1.01 * limit);
+            Simulation at_estimate = on_floor(0, step), below = on_floor(0, 0.99 * limit),
+                       above = on_floor(0, 1.01 * limit);
             CHECK(stays_small(at_estimate, 1, step));
             CHECK(stays_small(below, 1, 0.99 * limit));
             CHECK_FALSE(stays_small(above, 1, 1.01 * limit));
@@ -104,9 +110,11 @@ TEST_SUITE("contact/stable_step") {
         add_floor(world, material);
         std::vector<Ball> feet;
         for (const double x : {-1.0, 1.0})
-            for (const double y : {-1.0, 1.0}) feet.push_back({Vec3(0.02 * x, 0.015 * y, 0), radius});
+            for (const double y : {-1.0, 1.0})
+                feet.push_back({Vec3(0.02 * x, 0.015 * y, 0), radius});
         const Clump block = make_clump("block", feet);
-        const EntityId body = add_clump(world, block, 0, Vec3::Zero(), Quat(Quat::Identity()), material);
+        const EntityId body =
+            add_clump(world, block, 0, Vec3::Zero(), Quat(Quat::Identity()), material);
         const double mass = value_of<Mass>(world, body);
         value_of<Position>(world, body) = Vec3(0, 0, radius - mass * 1000 / (4 * kn));
         set_spin(world, body, Vec3(1e-3, 1e-3, 0));
@@ -115,7 +123,8 @@ TEST_SUITE("contact/stable_step") {
         Simulation sim = start(std::move(world), {});
         const double step = estimate(sim);
         // four springs: heave 4k/m, pitch 4 k x^2 / I_y, roll 4 k y^2 / I_x
-        const double largest = std::max({4 * kn / mass, 4 * kn * 4e-4 / inertia.y(), 4 * kn * 2.25e-4 / inertia.x()});
+        const double largest =
+            std::max({4 * kn / mass, 4 * kn * 4e-4 / inertia.y(), 4 * kn * 2.25e-4 / inertia.x()});
         const double limit = 2 / std::sqrt(largest);
         MESSAGE("clump on four feet: estimate is ", step / limit, " of the limit");
         CHECK(step <= limit);
@@ -123,7 +132,8 @@ TEST_SUITE("contact/stable_step") {
         CHECK(stays_small(sim, body, step));
     }
 
-    TEST_CASE("before anything touches, the first-contact bound is no more than any one contact's limit") {
+    TEST_CASE("before anything touches, the first-contact bound is no more than any one contact's "
+              "limit") {
         for (const double ratio : {0.0, 0.1, 2.0 / 7}) {
             CAPTURE(ratio);
             World world = make_world(Grains::spheres);
@@ -132,7 +142,9 @@ TEST_SUITE("contact/stable_step") {
             const double mass = value_of<Mass>(world, a);
             Simulation sim = start(std::move(world), {});
             CHECK(std::isinf(stable_step(sim.world())));
-            const double limit = std::min(std::sqrt(2 * mass / kn), ratio > 0 ? 2 / std::sqrt(7.0) * std::sqrt(mass / (ratio * kn)) : 1.0);
+            const double limit =
+                std::min(std::sqrt(2 * mass / kn),
+                         ratio > 0 ? 2 / std::sqrt(7.0) * std::sqrt(mass / (ratio * kn)) : 1.0);
             CHECK(stable_step_of_first_contact(sim.world()) <= limit * (1 + 1e-9));
             CHECK(stable_step_of_first_contact(sim.world()) >= 0.4 * limit);
         }

@@ -1,9 +1,10 @@
-// Sensors that die in the middle of a run, or never say anything of use: the bodies go on as if nobody had spoken.
+// Sensors that die in the middle of a run, or never say anything of use: the bodies go on as if
+// nobody had spoken.
 
 #include "engine/random.hpp"
+#include "scenarios/stability/scenes.hpp"
+#include "scenarios/stability/seen.hpp"
 #include "systems/fusion/fuse.hpp"
-#include "systems/stress/scenes.hpp"
-#include "systems/stress/seen.hpp"
 
 #include <doctest/doctest.h>
 
@@ -25,7 +26,9 @@ using Samples = std::vector<std::vector<TimedMeasurement>>;
 
 stress::Tumble bed() { return {.grains = Grains::clumps, .bodies = 40}; }
 
-Simulation start(World world) { return stress::begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous}); }
+Simulation start(World world) {
+    return stress::begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
+}
 
 /// What sensors record of a bed that tumbles; and what one of another rock says.
 struct Recorded {
@@ -39,7 +42,8 @@ Recorded record() {
     Recorded r;
     for (unsigned k = 1; k <= all_of_them; ++k) {
         truth.advance(steps_each);
-        for (std::size_t s = 0; s < hosts.size(); ++s) r.of_hosts[s].push_back({interval * k, stress::seen(truth, hosts[s], random)});
+        for (std::size_t s = 0; s < hosts.size(); ++s)
+            r.of_hosts[s].push_back({interval * k, stress::seen(truth, hosts[s], random)});
         r.of_another.push_back({interval * k, stress::seen(truth, another, random)});
     }
     return r;
@@ -50,27 +54,44 @@ Measured refused(unsigned kind, const Measured& good, const Measured& of_another
     constexpr double infinite = std::numeric_limits<double>::infinity();
     Measured bad; // nothing but NaN
     switch (kind % 8) {
-    case 0: break;
-    case 1: bad.position = bad.velocity = bad.spin = Vec3(infinite, 0, -infinite); break;
-    case 2: bad.position = good.position + Vec3(1, 0, 0); break;
-    case 3: bad.velocity = -1e3 * good.velocity; break;
-    case 4: bad.position = Vec3::Constant(1e300); break;
-    case 5: bad.attitude = Quat(0, 0, 0, 0); break;
-    case 6: bad.position = of_another.position; break; // swapped ids
-    case 7: bad.attitude = Quat(good.attitude * Quat(0, 1, 0, 0)); break; // another frame
+    case 0:
+        break;
+    case 1:
+        bad.position = bad.velocity = bad.spin = Vec3(infinite, 0, -infinite);
+        break;
+    case 2:
+        bad.position = good.position + Vec3(1, 0, 0);
+        break;
+    case 3:
+        bad.velocity = -1e3 * good.velocity;
+        break;
+    case 4:
+        bad.position = Vec3::Constant(1e300);
+        break;
+    case 5:
+        bad.attitude = Quat(0, 0, 0, 0);
+        break;
+    case 6:
+        bad.position = of_another.position;
+        break; // swapped ids
+    case 7:
+        bad.attitude = Quat(good.attitude * Quat(0, 1, 0, 0));
+        break; // another frame
     }
     return bad;
 }
 
-/// The recordings up to the k-th sample; then they end, or only what is refused comes, thrice as often: some of it while
-/// the last good sample is being followed.
+/// The recordings up to the k-th sample; then they end, or only what is refused comes, thrice as
+/// often: some of it while the last good sample is being followed.
 Samples up_to(const Recorded& recorded, unsigned k, bool goes_on) {
     Samples samples(hosts.size());
     for (std::size_t s = 0; s < hosts.size(); ++s) {
         const auto& good = recorded.of_hosts[s];
         samples[s].assign(good.begin(), good.begin() + k);
         for (unsigned n = 0; goes_on && n < 3 * (all_of_them - k); ++n)
-            samples[s].push_back({interval * (k + (n + 1) / 3.0), refused(n + static_cast<unsigned>(s), good[k + n / 3].what, recorded.of_another[k + n / 3].what)});
+            samples[s].push_back({interval * (k + (n + 1) / 3.0),
+                                  refused(n + static_cast<unsigned>(s), good[k + n / 3].what,
+                                          recorded.of_another[k + n / 3].what)});
     }
     return samples;
 }
@@ -84,7 +105,14 @@ struct Way {
 Simulation with_sensors(Samples samples, const Way& way = {}) {
     World world = stress::tumbling(bed());
     add_sensors(world, {hosts.begin(), hosts.end()}, std::move(samples),
-                {.position = 1e-4, .velocity = 0.1, .attitude = 0.02, .spin = 1, .acceleration_density = 0.1, .angular_acceleration_density = 1e3, .gate = 0.999, .lag = way.lag},
+                {.position = 1e-4,
+                 .velocity = 0.1,
+                 .attitude = 0.02,
+                 .spin = 1,
+                 .acceleration_density = 0.1,
+                 .angular_acceleration_density = 1e3,
+                 .gate = 0.999,
+                 .lag = way.lag},
                 way.injection_steps);
     auto& fusion = world.resource<Fusion>();
     fusion.pull = way.pull;
@@ -95,18 +123,21 @@ Simulation with_sensors(Samples samples, const Way& way = {}) {
 
 /// All State but that of sensors and filters; `bare`: nor the columns that hosts have.
 std::uint64_t mechanics(const Simulation& sim, bool bare = false) {
-    constexpr std::array of_hosts{"bodies/guided", "bodies/correction", "bodies/pull", "bodies/fusion_work"};
+    constexpr std::array of_hosts{"bodies/guided", "bodies/correction", "bodies/pull",
+                                  "bodies/fusion_work"};
     const Archive all = sim.snapshot();
     Archive some;
     for (const auto& array : all.arrays()) {
-        const bool of_fusion = array.path.starts_with("sensors/") || array.path.starts_with("fusion/");
+        const bool of_fusion =
+            array.path.starts_with("sensors/") || array.path.starts_with("fusion/");
         if (!of_fusion && !(bare && std::ranges::count(of_hosts, array.path) > 0)) some.put(array);
     }
     CHECK(some.arrays().size() > 15);
     return fingerprint(some);
 }
 
-template <class Component> std::uint64_t counted(Simulation& sim) {
+template <class Component>
+std::uint64_t counted(Simulation& sim) {
     std::uint64_t sum = 0;
     for (const auto number : sim.world().column<Sensors, Component>()) sum += number;
     return sum;
@@ -117,28 +148,40 @@ constexpr unsigned all_steps = steps_each * all_of_them + 1;
 } // namespace
 
 TEST_SUITE("systems/fusion/dead_sensors") {
-    TEST_CASE("clumps whose sensors say only what is refused from some time on move as if the recordings had ended there, to the last bit") {
+    TEST_CASE("clumps whose sensors say only what is refused from some time on move as if the "
+              "recordings had ended there, to the last bit") {
         const Recorded recorded = record();
-        const std::array ways{Way{}, Way{.injection_steps = 1}, Way{.lag = 4}, Way{.pull = {50, 0.02, 0.005}}, Way{.lag = 4, .pull = {50, 0.02, 0.005}}, Way{.largest_shift = 2e-7},
+        const std::array ways{Way{},
+                              Way{.injection_steps = 1},
+                              Way{.lag = 4},
+                              Way{.pull = {50, 0.02, 0.005}},
+                              Way{.lag = 4, .pull = {50, 0.02, 0.005}},
+                              Way{.largest_shift = 2e-7},
                               Way{.lag = 4, .largest_shift = 2e-7}};
         for (std::size_t k = 0; k < ways.size(); ++k) {
             CAPTURE(k);
-            Simulation ended = with_sensors(up_to(recorded, good_ones, false), ways[k]), goes_on = with_sensors(up_to(recorded, good_ones, true), ways[k]);
-            for (const unsigned steps : {steps_each * good_ones + 30, all_steps - steps_each * good_ones - 30}) {
+            Simulation ended = with_sensors(up_to(recorded, good_ones, false), ways[k]),
+                       goes_on = with_sensors(up_to(recorded, good_ones, true), ways[k]);
+            for (const unsigned steps :
+                 {steps_each * good_ones + 30, all_steps - steps_each * good_ones - 30}) {
                 ended.advance(steps);
                 goes_on.advance(steps);
                 CHECK(mechanics(goes_on) == mechanics(ended));
             }
-            CHECK(counted<Accepted>(ended) > hosts.size() * good_ones); // it was told, and it followed
+            CHECK(counted<Accepted>(ended) >
+                  hosts.size() * good_ones); // it was told, and it followed
             CHECK(counted<Accepted>(goes_on) == counted<Accepted>(ended));
             CHECK(counted<Refused>(goes_on) >= counted<Refused>(ended) + 85);
             CHECK(fusion_work(ended.world()) != 0);
         }
     }
 
-    TEST_CASE("clumps whose sensors never say anything but what is refused move as without sensors, to the last bit") {
+    TEST_CASE("clumps whose sensors never say anything but what is refused move as without "
+              "sensors, to the last bit") {
         const Recorded recorded = record();
-        Simulation alone = start(stress::tumbling(bed())), dead = with_sensors(up_to(recorded, 0, true)), looking_back = with_sensors(up_to(recorded, 0, true), {.lag = 4}),
+        Simulation alone = start(stress::tumbling(bed())),
+                   dead = with_sensors(up_to(recorded, 0, true)),
+                   looking_back = with_sensors(up_to(recorded, 0, true), {.lag = 4}),
                    heard = with_sensors(up_to(recorded, good_ones, false));
         for (Simulation* sim : {&alone, &dead, &looking_back, &heard}) sim->advance(all_steps);
         CHECK(mechanics(dead, true) == mechanics(alone, true));
@@ -149,7 +192,8 @@ TEST_SUITE("systems/fusion/dead_sensors") {
         CHECK(fusion_work(dead.world()) == 0);
     }
 
-    TEST_CASE("samples that come again, at once or later, move nothing, and nothing is known the better for them") {
+    TEST_CASE("samples that come again, at once or later, move nothing, and nothing is known the "
+              "better for them") {
         const Recorded recorded = record();
         const Samples once = up_to(recorded, good_ones, false);
         Samples again = once;
@@ -162,14 +206,17 @@ TEST_SUITE("systems/fusion/dead_sensors") {
             }
         }
         for (const unsigned lag : {0u, 30u}) {
-            Simulation ended = with_sensors(once, {.lag = lag}), goes_on = with_sensors(again, {.lag = lag});
+            Simulation ended = with_sensors(once, {.lag = lag}),
+                       goes_on = with_sensors(again, {.lag = lag});
             ended.advance(all_steps);
             goes_on.advance(all_steps);
             CAPTURE(lag);
             CHECK(mechanics(goes_on) == mechanics(ended));
-            CHECK(counted<Refused>(goes_on) == counted<Refused>(ended) + 2 * hosts.size() * good_ones);
+            CHECK(counted<Refused>(goes_on) ==
+                  counted<Refused>(ended) + 2 * hosts.size() * good_ones);
             for (std::size_t s = 0; s < hosts.size(); ++s)
-                CHECK(goes_on.world().resource<Fusion>().filters[s].covariance() == ended.world().resource<Fusion>().filters[s].covariance());
+                CHECK(goes_on.world().resource<Fusion>().filters[s].covariance() ==
+                      ended.world().resource<Fusion>().filters[s].covariance());
         }
     }
 }

@@ -2,9 +2,8 @@
 #include "systems/fusion/sensor_filter.hpp"
 #include "tests/about.hpp"
 
-#include <doctest/doctest.h>
-
 #include <Eigen/LU>
+#include <doctest/doctest.h>
 
 #include <vector>
 
@@ -14,12 +13,16 @@ namespace {
 
 /// A body that a simulation moves freely, and puts where it is told.
 struct Model {
-    RigidState state{.position = Vec3(0.1, 0, 0), .velocity = Vec3(0.3, -0.1, 0.2), .orientation = exponential_map(Vec3(0.3, 0.2, -0.5)), .spin = Vec3(0.5, -2, 1)};
+    RigidState state{.position = Vec3(0.1, 0, 0),
+                     .velocity = Vec3(0.3, -0.1, 0.2),
+                     .orientation = exponential_map(Vec3(0.3, 0.2, -0.5)),
+                     .spin = Vec3(0.5, -2, 1)};
     double time = 0;
 
     BodyForecast go_to(double t) {
         state.position += (t - time) * state.velocity;
-        state.orientation = (exponential_map((t - time) * state.spin) * state.orientation).normalized();
+        state.orientation =
+            (exponential_map((t - time) * state.spin) * state.orientation).normalized();
         time = t;
         return {t, state};
     }
@@ -32,44 +35,64 @@ struct Model {
 };
 
 FilterSettings settings_with(unsigned lag) {
-    return {.position = 0.02, .velocity = 0.1, .attitude = 0.1, .spin = 0.3, .acceleration_density = 1e-2, .angular_acceleration_density = 0.1, .drift = 1e-5, .turning = 1e-4,
-            .gate = 1, .lag = lag};
+    return {.position = 0.02,
+            .velocity = 0.1,
+            .attitude = 0.1,
+            .spin = 0.3,
+            .acceleration_density = 1e-2,
+            .angular_acceleration_density = 0.1,
+            .drift = 1e-5,
+            .turning = 1e-4,
+            .gate = 1,
+            .lag = lag};
 }
 
 /// What a sensor measures at a time: place and attitude, and every other time spin.
 Measured measured_at(unsigned k) {
     Random random(4, k);
-    const auto noise = [&](double deviation) -> Vec3 { return deviation * Vec3(random.normal(), random.normal(), random.normal()); };
+    const auto noise = [&](double deviation) -> Vec3 {
+        return deviation * Vec3(random.normal(), random.normal(), random.normal());
+    };
     Measured m;
     const double t = 0.05 * k;
     m.position = Vec3(0.11, 0.01, 0) + t * Vec3(0.35, -0.1, 0.15) + noise(1e-3);
     m.position_deviation = 1e-3;
-    m.attitude = exponential_map(noise(0.01)) * exponential_map(t * Vec3(0.4, -1.8, 1)) * exponential_map(Vec3(0.3, 0.25, -0.5));
+    m.attitude = exponential_map(noise(0.01)) * exponential_map(t * Vec3(0.4, -1.8, 1)) *
+                 exponential_map(Vec3(0.3, 0.25, -0.5));
     m.attitude_deviation = 0.01;
     if (k % 2 == 0) m.spin = Vec3(0.4, -1.8, 1) + noise(0.1);
     m.spin_deviation = 0.1;
     return m;
 }
 
-struct End { RigidState state; Matrix covariance; unsigned too_late = 0; };
+struct End {
+    RigidState state;
+    Matrix covariance;
+    unsigned too_late = 0;
+};
 
 constexpr unsigned last = 12;
 
-/// Steps of 0.05 s, a measurement at each; those named come `delay` steps later. `notes`: the motion is noted in their place.
+/// Steps of 0.05 s, a measurement at each; those named come `delay` steps later. `notes`: the
+/// motion is noted in their place.
 End fused(const std::vector<unsigned>& late_ones, unsigned delay, unsigned lag, bool notes) {
     Model model;
     SensorFilter filter(settings_with(lag));
     End end;
     for (unsigned k = 1; k <= last; ++k) {
         const BodyForecast now = model.go_to(0.05 * k);
-        if (std::ranges::count(late_ones, k) == 0) model.give(filter.analyse(now, measured_at(k)));
-        else if (notes) filter.note(now);
+        if (std::ranges::count(late_ones, k) == 0)
+            model.give(filter.analyse(now, measured_at(k)));
+        else if (notes)
+            filter.note(now);
         for (const unsigned late : late_ones) {
             if (late + delay != k) continue;
             filter.note(now);
             const auto a = filter.analyse_late(0.05 * late, measured_at(late));
-            if (a) model.give(*a);
-            else ++end.too_late;
+            if (a)
+                model.give(*a);
+            else
+                ++end.too_late;
         }
     }
     end.state = model.state;
@@ -78,8 +101,10 @@ End fused(const std::vector<unsigned>& late_ones, unsigned delay, unsigned lag, 
 }
 
 double difference(const End& a, const End& b) {
-    return (a.state.position - b.state.position).norm() + (a.state.velocity - b.state.velocity).norm() + (a.state.spin - b.state.spin).norm() +
-           attitude_error(a.state.orientation, b.state.orientation).norm() + (a.covariance - b.covariance).norm();
+    return (a.state.position - b.state.position).norm() +
+           (a.state.velocity - b.state.velocity).norm() + (a.state.spin - b.state.spin).norm() +
+           attitude_error(a.state.orientation, b.state.orientation).norm() +
+           (a.covariance - b.covariance).norm();
 }
 
 /// A body at rest that the model does not move; the truth walks at random.
@@ -90,14 +115,24 @@ struct RandomWalk {
 
     explicit RandomWalk(std::uint64_t seed) {
         Random random(seed, 0);
-        const auto noise = [&](double size) -> Vec3 { return size * Vec3(random.normal(), random.normal(), random.normal()); };
+        const auto noise = [&](double size) -> Vec3 {
+            return size * Vec3(random.normal(), random.normal(), random.normal());
+        };
         for (unsigned k = 0; k < steps; ++k) {
             truth.push_back(k == 0 ? noise(start) : Vec3(truth.back() + noise(std::sqrt(drift))));
             seen.push_back(truth.back() + noise(deviation));
         }
     }
     SensorFilter filtered(double believed_drift = drift) const {
-        SensorFilter filter({.position = start, .velocity = 0, .attitude = 0, .spin = 0, .acceleration_density = 0, .angular_acceleration_density = 0, .drift = believed_drift, .gate = 1, .lag = steps});
+        SensorFilter filter({.position = start,
+                             .velocity = 0,
+                             .attitude = 0,
+                             .spin = 0,
+                             .acceleration_density = 0,
+                             .angular_acceleration_density = 0,
+                             .drift = believed_drift,
+                             .gate = 1,
+                             .lag = steps});
         RigidState model;
         for (unsigned k = 0; k < steps; ++k) {
             Measured m;
@@ -112,18 +147,21 @@ struct RandomWalk {
 } // namespace
 
 TEST_SUITE("systems/fusion/late_measurements") {
-    TEST_CASE("late measurements within the lag leave the estimate and covariance that they leave on time") {
+    TEST_CASE("late measurements within the lag leave the estimate and covariance that they leave "
+              "on time") {
         const End on_time = fused({}, 0, 0, false);
         REQUIRE(on_time.covariance(0, 0) > 1e-8);
-        CHECK(difference(fused({}, 0, 8, false), on_time) == 0); // remembering changes nothing
+        CHECK(difference(fused({}, 0, 8, false), on_time) == 0);    // remembering changes nothing
         CHECK(difference(fused({6}, 0, 0, false), on_time) > 1e-6); // one that never comes does
         for (const bool notes : {true, false})
-            for (const auto& late : std::vector<std::vector<unsigned>>{{6}, {5, 6}, {4, 5, 7, 8}, {2, 3, 4, 5, 6, 7, 8}}) {
+            for (const auto& late : std::vector<std::vector<unsigned>>{
+                     {6}, {5, 6}, {4, 5, 7, 8}, {2, 3, 4, 5, 6, 7, 8}}) {
                 const End end = fused(late, 4, 8, notes);
                 CAPTURE(late.size());
                 CAPTURE(notes);
                 CHECK(end.too_late == 0);
-                // free motion is straight: nothing is lost between two analyses; sums of numbers up to 2 in another order
+                // free motion is straight: nothing is lost between two analyses; sums of numbers up
+                // to 2 in another order
                 CHECK(difference(end, on_time) < 1e-12);
             }
     }
@@ -133,7 +171,7 @@ TEST_SUITE("systems/fusion/late_measurements") {
         CHECK(difference(fused({6}, 4, 3, true), without) == 0);
         CHECK(fused({6}, 4, 3, true).too_late == 1);
         CHECK(fused({6}, 4, 4, true).too_late == 0);
-        CHECK(fused({6}, 4, 0, true).too_late == 1); // no lag: all are too late
+        CHECK(fused({6}, 4, 0, true).too_late == 1);  // no lag: all are too late
         CHECK(fused({1}, 2, 8, false).too_late == 1); // of a time before the first analysis
         FilterSettings printed = settings_with(8);
         printed.kind = FilterKind::printed;
@@ -142,15 +180,18 @@ TEST_SUITE("systems/fusion/late_measurements") {
         CHECK_FALSE(filter.analyse_late(0.5, measured_at(1)).has_value());
     }
 
-    TEST_CASE("a late measurement that cannot be right is refused by the gate, and the body stays") {
+    TEST_CASE(
+        "a late measurement that cannot be right is refused by the gate, and the body stays") {
         FilterSettings settings = settings_with(8);
         settings.gate = 0.999;
         SensorFilter filter(settings);
         Model model;
         for (unsigned k = 1; k <= 5; ++k) {
             const BodyForecast now = model.go_to(0.05 * k);
-            if (k == 3) filter.note(now);
-            else model.give(filter.analyse(now, measured_at(k)));
+            if (k == 3)
+                filter.note(now);
+            else
+                model.give(filter.analyse(now, measured_at(k)));
         }
         const Matrix before = filter.covariance();
         Measured wrong;
@@ -164,19 +205,26 @@ TEST_SUITE("systems/fusion/late_measurements") {
         CHECK((filter.covariance() - before).norm() < 1e-14);
     }
 
-    TEST_CASE("a filter loaded from an archive goes on with the same bits, back over what it remembers too") {
+    TEST_CASE("a filter loaded from an archive goes on with the same bits, back over what it "
+              "remembers too") {
         Model model;
         SensorFilter filter(settings_with(5));
         for (unsigned k = 1; k <= 6; ++k) {
-            if (k == 4) filter.note(model.go_to(0.2));
-            else model.give(filter.analyse(model.go_to(0.05 * k), measured_at(k)));
+            if (k == 4)
+                filter.note(model.go_to(0.2));
+            else
+                model.give(filter.analyse(model.go_to(0.05 * k), measured_at(k)));
         }
         Archive archive;
         filter.save(archive, "filter");
         SensorFilter loaded(settings_with(5));
         loaded.load(archive, "filter");
-        const auto same = [](const Analysis& a, const Analysis& b) { return a.shift == b.shift && a.velocity == b.velocity && a.turn == b.turn && a.spin == b.spin; };
-        const auto a = filter.analyse_late(0.2, measured_at(4)), b = loaded.analyse_late(0.2, measured_at(4));
+        const auto same = [](const Analysis& a, const Analysis& b) {
+            return a.shift == b.shift && a.velocity == b.velocity && a.turn == b.turn &&
+                   a.spin == b.spin;
+        };
+        const auto a = filter.analyse_late(0.2, measured_at(4)),
+                   b = loaded.analyse_late(0.2, measured_at(4));
         REQUIRE((a && b));
         CHECK(same(*a, *b));
         CHECK(a->shift.norm() > 1e-6);
@@ -189,7 +237,13 @@ TEST_SUITE("systems/fusion/late_measurements") {
 
     TEST_CASE("what is left of a correction makes the next one as large as it should be") {
         // the first measurement is all but certain; half of what it says is done
-        SensorFilter filter({.position = 1, .velocity = 0, .attitude = 0, .spin = 0, .acceleration_density = 0, .angular_acceleration_density = 0, .gate = 0.99});
+        SensorFilter filter({.position = 1,
+                             .velocity = 0,
+                             .attitude = 0,
+                             .spin = 0,
+                             .acceleration_density = 0,
+                             .angular_acceleration_density = 0,
+                             .gate = 0.99});
         Measured m;
         m.position = Vec3(1e-2, 0, 0);
         m.position_deviation = 1e-5;
@@ -205,14 +259,16 @@ TEST_SUITE("systems/fusion/late_measurements") {
         CHECK(next.shift.x() == about(left.x() * variance / (variance + 1e-10)).epsilon(1e-9));
     }
 
-    TEST_CASE("a filter that remembers goes on from its own estimate: what is left of a correction is asked for again, and no less is known") {
+    TEST_CASE("a filter that remembers goes on from its own estimate: what is left of a correction "
+              "is asked for again, and no less is known") {
         Model model;
         SensorFilter filter(settings_with(3)), followed(settings_with(3));
         Model other = model;
         model.give(filter.analyse(model.go_to(0.05), measured_at(1)));
         const Analysis a = followed.analyse(other.go_to(0.05), measured_at(1));
         followed.leave(a); // nothing is given
-        const Analysis next = filter.analyse(model.go_to(0.1), measured_at(2)), all = followed.analyse(other.go_to(0.1), measured_at(2));
+        const Analysis next = filter.analyse(model.go_to(0.1), measured_at(2)),
+                       all = followed.analyse(other.go_to(0.1), measured_at(2));
         model.give(next);
         other.give(all);
         CHECK((a.shift.norm() > 1e-3 && all.shift.norm() > next.shift.norm()));
@@ -232,7 +288,8 @@ TEST_SUITE("systems/fusion/late_measurements") {
         information(0, 0) += 1 / (RandomWalk::start * RandomWalk::start);
         for (Eigen::Index k = 0; k < n; ++k) {
             information(k, k) += 1 / (RandomWalk::deviation * RandomWalk::deviation);
-            sum.row(k) = walk.seen[static_cast<std::size_t>(k)].transpose() / (RandomWalk::deviation * RandomWalk::deviation);
+            sum.row(k) = walk.seen[static_cast<std::size_t>(k)].transpose() /
+                         (RandomWalk::deviation * RandomWalk::deviation);
             if (k == 0) continue;
             information(k, k) += 1 / RandomWalk::drift;
             information(k - 1, k - 1) += 1 / RandomWalk::drift;
@@ -249,14 +306,18 @@ TEST_SUITE("systems/fusion/late_measurements") {
         }
     }
 
-    TEST_CASE("smoothed poses are as far off as they say, nearer than without what came later, and not if the drift is taken for another") {
+    TEST_CASE("smoothed poses are as far off as they say, nearer than without what came later, and "
+              "not if the drift is taken for another") {
         constexpr unsigned runs = 150;
         double honest = 0, light = 0, heavy = 0, off = 0, off_before = 0;
         for (unsigned run = 0; run < runs; ++run) {
             const RandomWalk walk(100 + run);
             const auto distance = [&](double drift) {
                 const SmoothedPose pose = walk.filtered(drift).smoothed()[4];
-                return (pose.position - walk.truth[4]).cwiseQuotient(pose.position_deviation).squaredNorm() / (3.0 * runs);
+                return (pose.position - walk.truth[4])
+                           .cwiseQuotient(pose.position_deviation)
+                           .squaredNorm() /
+                       (3.0 * runs);
             };
             honest += distance(RandomWalk::drift);
             light += distance(RandomWalk::drift / 20);

@@ -1,9 +1,9 @@
 #include "engine/signal/attitude.hpp"
-#include "systems/experiments/bench.hpp"
+#include "scenarios/stability/scenes.hpp"
+#include "scenarios/verification/bench.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/pull.hpp"
 #include "systems/output/quantities.hpp"
-#include "systems/stress/scenes.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>
@@ -18,7 +18,8 @@ namespace {
 constexpr double w = 1000; // rad/s, of the springs below
 constexpr double boundless = 1e9;
 
-/// A ball of 1 cm at the origin with a sensor that says nothing, and another far away or in touch, which is held.
+/// A ball of 1 cm at the origin with a sensor that says nothing, and another far away or in touch,
+/// which is held.
 Simulation ball(double dt, double other = 1, bool ledger = false) {
     World world = make_world(Grains::spheres);
     const auto m = world.resource<Materials>().add(linear_material(1e5, 8e4, 0.5));
@@ -33,7 +34,8 @@ Simulation rock(double dt) {
     World world = make_world(Grains::clumps);
     const auto m = world.resource<Materials>().add(linear_material(1e5, 8e4, 0.5));
     world.resource<Materials>().mix();
-    (void)add_clump(world, scaled(stress::small_rock(), 0.01), 0, Vec3::Zero(), exponential_map(Vec3(0.2, -0.4, 0.3)), m);
+    (void)add_clump(world, scaled(stress::small_rock(), 0.01), 0, Vec3::Zero(),
+                    exponential_map(Vec3(0.2, -0.4, 0.3)), m);
     add_sensors(world, {0}, {{}}, {});
     return begin(std::move(world), LawName::linear, dt);
 }
@@ -41,14 +43,18 @@ Simulation rock(double dt) {
 double mass_of(Simulation& sim) { return value_of<InertialMass>(sim, 0); }
 PullRow& pull_of(Simulation& sim) { return value_of<Pull>(sim, 0); }
 
-void pull_to(Simulation& sim, const PullTarget& target, const PullSettings& settings) { give_pull(pull_of(sim), value_of<Guided>(sim, 0), target, settings, 1); }
+void pull_to(Simulation& sim, const PullTarget& target, const PullSettings& settings) {
+    give_pull(pull_of(sim), value_of<Guided>(sim, 0), target, settings, 1);
+}
 
 /// To a place `way` off, from rest: the velocity is kept half a step back.
 void pull_from_rest(Simulation& sim, const Vec3& way, double largest_force) {
     const double m = mass_of(sim), k = m * w * w;
-    pull_to(sim, {value_of<Position>(sim, 0) + way, Vec3::Zero(), Quat::Identity(), Vec3::Zero()}, {k, largest_force, 0.01});
+    pull_to(sim, {value_of<Position>(sim, 0) + way, Vec3::Zero(), Quat::Identity(), Vec3::Zero()},
+            {k, largest_force, 0.01});
     const double force = std::min(k * way.norm(), largest_force);
-    value_of<Velocity>(sim, 0) = -0.5 * sim.world().resource<Clock>().dt * force / m * way.normalized();
+    value_of<Velocity>(sim, 0) =
+        -0.5 * sim.world().resource<Clock>().dt * force / m * way.normalized();
 }
 
 double still_to_go(double t) { return (1 + w * t) * std::exp(-w * t); }
@@ -73,10 +79,12 @@ double error_of_way(double dt) {
     return worst;
 }
 
-/// The same of a turn by 0.4 rad about a principal axis of a rock; `arm`: such that it goes by w too.
+/// The same of a turn by 0.4 rad about a principal axis of a rock; `arm`: such that it goes by w
+/// too.
 double error_of_turn(int axis, double dt) {
     Simulation sim = rock(dt);
-    const double inertia = value_of<InertialInertia>(sim, 0)[axis], angle = 0.4, k = inertia * w * w;
+    const double inertia = value_of<InertialInertia>(sim, 0)[axis], angle = 0.4,
+                 k = inertia * w * w;
     const Quat start = value_of<Orientation>(sim, 0);
     const Vec3 about_axis = start * Vec3(Vec3::Unit(axis));
     const Quat goal = exponential_map(angle * about_axis) * start;
@@ -96,8 +104,10 @@ double error_of_turn(int axis, double dt) {
 } // namespace
 
 TEST_SUITE("systems/fusion/pull") {
-    TEST_CASE("a free ball that is pulled goes to its place as critical damping says, without overshoot, to the second order of the step") {
-        const double coarse = error_of_way(1e-4), fine = error_of_way(5e-5), finer = error_of_way(2.5e-5);
+    TEST_CASE("a free ball that is pulled goes to its place as critical damping says, without "
+              "overshoot, to the second order of the step") {
+        const double coarse = error_of_way(1e-4), fine = error_of_way(5e-5),
+                     finer = error_of_way(2.5e-5);
         CHECK(coarse < 0.2 * std::pow(w * 1e-4, 2));
         CHECK(coarse / fine == about(4).epsilon(0.1));
         CHECK(fine / finer == about(4).epsilon(0.05));
@@ -117,32 +127,39 @@ TEST_SUITE("systems/fusion/pull") {
         Simulation sim = ball(dt);
         const double inertia = value_of<SphereInertia>(sim, 0), k = inertia * w * w;
         const Vec3 axis(0.6, 0, 0.8);
-        pull_to(sim, {Vec3::Zero(), Vec3::Zero(), exponential_map(angle * axis), Vec3::Zero()}, {k, boundless, 1});
+        pull_to(sim, {Vec3::Zero(), Vec3::Zero(), exponential_map(angle * axis), Vec3::Zero()},
+                {k, boundless, 1});
         value_of<AngularMomentum>(sim, 0) = -0.5 * dt * k * angle * axis;
         Vec3 turned = Vec3::Zero();
         for (int n = 1; n * dt < 0.015; ++n) {
             sim.advance();
             turned += dt * value_of<StepSpin>(sim, 0);
-            CHECK(std::abs(1 - turned.dot(axis) / angle - still_to_go(n * dt)) < 0.2 * std::pow(w * dt, 2));
+            CHECK(std::abs(1 - turned.dot(axis) / angle - still_to_go(n * dt)) <
+                  0.2 * std::pow(w * dt, 2));
         }
         CHECK((turned - angle * axis).norm() < 1e-4);
     }
 
-    TEST_CASE("a ball is turned to an attitude that turns on about another axis, as a rock is that knows its own") {
-        // where it should be is ahead by a turn about x and spins about z; the ball's own turns are followed here
+    TEST_CASE("a ball is turned to an attitude that turns on about another axis, as a rock is that "
+              "knows its own") {
+        // where it should be is ahead by a turn about x and spins about z; the ball's own turns are
+        // followed here
         const double dt = 1e-5;
         const Vec3 spin(0, 0, 100);
         const Quat start = exponential_map(Vec3(0.3, 0, 0));
         Simulation sim = ball(dt);
         const double k = value_of<SphereInertia>(sim, 0) * w * w;
-        pull_to(sim, {Vec3::Zero(), Vec3::Zero(), exponential_map(-dt * spin) * start, spin}, {k, boundless, 1});
+        pull_to(sim, {Vec3::Zero(), Vec3::Zero(), exponential_map(-dt * spin) * start, spin},
+                {k, boundless, 1});
         Quat attitude = Quat::Identity();
         const auto goal = [&](int n) { return exponential_map(n * dt * spin) * start; };
         double worst = 0;
         for (int n = 1; n <= 2000; ++n) {
             sim.advance();
             // of the pull in this step, before it turned the ball
-            worst = std::max(worst, attitude_error(goal(n - 1) * attitude.conjugate(), pull_of(sim).attitude).norm());
+            worst = std::max(
+                worst,
+                attitude_error(goal(n - 1) * attitude.conjugate(), pull_of(sim).attitude).norm());
             attitude = exponential_map(dt * value_of<StepSpin>(sim, 0)) * attitude;
         }
         CHECK(worst < 1e-12);
@@ -150,23 +167,31 @@ TEST_SUITE("systems/fusion/pull") {
         CHECK((value_of<StepSpin>(sim, 0) - spin).norm() < 1e-3);
     }
 
-    TEST_CASE("with scaled mass and inertia it is as critically damped, in the time that goes with them") {
+    TEST_CASE("with scaled mass and inertia it is as critically damped, in the time that goes with "
+              "them") {
         const double dt = 1e-4, scale = 9;
         Simulation light = ball(dt / 3), heavy = ball(dt);
         value_of<InertialMass>(heavy, 0) *= scale;
-        for (Simulation* sim : {&light, &heavy}) pull_to(*sim, {Vec3(1e-3, 0, 0), Vec3::Zero(), Quat::Identity(), Vec3::Zero()}, {mass_of(light) * w * w, boundless, 0.01});
+        for (Simulation* sim : {&light, &heavy})
+            pull_to(*sim, {Vec3(1e-3, 0, 0), Vec3::Zero(), Quat::Identity(), Vec3::Zero()},
+                    {mass_of(light) * w * w, boundless, 0.01});
         for (int n = 0; n < 300; ++n) {
             light.advance();
             heavy.advance();
-            CHECK(std::abs(value_of<Position>(light, 0).x() - value_of<Position>(heavy, 0).x()) < 1e-15);
+            CHECK(std::abs(value_of<Position>(light, 0).x() - value_of<Position>(heavy, 0).x()) <
+                  1e-15);
             CHECK(value_of<Position>(heavy, 0).x() <= 1e-3);
         }
     }
 
-    TEST_CASE("a spring stiffer than the step allows is taken for one that it follows: no overshoot at any stiffness") {
+    TEST_CASE("a spring stiffer than the step allows is taken for one that it follows: no "
+              "overshoot at any stiffness") {
         for (const double stiffness : {1e2, 1e5, 1e9, 1e13}) {
             Simulation sim = ball(1e-4);
-            pull_to(sim, {Vec3(1e-3, 0, 0), Vec3::Zero(), exponential_map(Vec3(0, 0, 0.1)), Vec3::Zero()}, {stiffness, boundless, 0.01});
+            pull_to(
+                sim,
+                {Vec3(1e-3, 0, 0), Vec3::Zero(), exponential_map(Vec3(0, 0, 0.1)), Vec3::Zero()},
+                {stiffness, boundless, 0.01});
             double turned = 0;
             for (int n = 0; n < 2000; ++n) {
                 sim.advance();
@@ -179,10 +204,12 @@ TEST_SUITE("systems/fusion/pull") {
         }
     }
 
-    TEST_CASE("with a largest force it comes from afar at the speed that the dashpot allows, as the closed form says, and stops where it should") {
+    TEST_CASE("with a largest force it comes from afar at the speed that the dashpot allows, as "
+              "the closed form says, and stops where it should") {
         const double dt = 1e-5, largest = 0.02;
         Simulation sim = ball(dt);
-        const double m = mass_of(sim), reach = largest / (m * w * w), speed = 0.5 * w * reach, way = 50 * reach;
+        const double m = mass_of(sim), reach = largest / (m * w * w), speed = 0.5 * w * reach,
+                     way = 50 * reach;
         pull_from_rest(sim, Vec3(way, 0, 0), largest);
         double time = 0;
         for (int n = 0; value_of<Position>(sim, 0).x() < way - reach; ++n) {
@@ -200,17 +227,22 @@ TEST_SUITE("systems/fusion/pull") {
         CHECK(value_of<Position>(sim, 0).x() == about(way).epsilon(1e-9));
     }
 
-    TEST_CASE("force and torque never exceed their limits, however fast a rock comes and wherever it should be") {
+    TEST_CASE("force and torque never exceed their limits, however fast a rock comes and wherever "
+              "it should be") {
         Simulation sim = rock(2e-5);
         value_of<Velocity>(sim, 0) = Vec3(-30, 10, 5);
         set_spin(sim.world(), 0, Vec3(300, -100, 200));
         const PullSettings settings{1e4, 0.5, 0.004};
-        pull_to(sim, {Vec3(0.05, 0.02, -0.01), Vec3(1, 0, 0), exponential_map(Vec3(0, 1.5, 0.5)), Vec3(0, 0, 20)}, settings);
+        pull_to(sim,
+                {Vec3(0.05, 0.02, -0.01), Vec3(1, 0, 0), exponential_map(Vec3(0, 1.5, 0.5)),
+                 Vec3(0, 0, 20)},
+                settings);
         double largest_force = 0, largest_torque = 0;
         for (int n = 0; n < 5000; ++n) {
             const Vec3 before = value_of<Velocity>(sim, 0);
             sim.advance();
-            CHECK((value_of<Velocity>(sim, 0) - before).norm() * mass_of(sim) / 2e-5 < settings.largest_force * (1 + 1e-9)); // nothing else acts
+            CHECK((value_of<Velocity>(sim, 0) - before).norm() * mass_of(sim) / 2e-5 <
+                  settings.largest_force * (1 + 1e-9)); // nothing else acts
             largest_force = std::max(largest_force, pull_of(sim).force.norm());
             largest_torque = std::max(largest_torque, pull_of(sim).torque.norm());
         }
@@ -221,17 +253,25 @@ TEST_SUITE("systems/fusion/pull") {
     TEST_CASE("a ball is pulled to where it should be while that moves on") {
         Simulation sim = ball(1e-5);
         const Vec3 place(1e-4, 0, 0), velocity(0.05, 0.02, 0);
-        pull_to(sim, {place, velocity, Quat::Identity(), Vec3::Zero()}, {mass_of(sim) * w * w, boundless, 0.01});
+        pull_to(sim, {place, velocity, Quat::Identity(), Vec3::Zero()},
+                {mass_of(sim) * w * w, boundless, 0.01});
         sim.advance(3000);
         CHECK((value_of<Position>(sim, 0) - (place + 0.03 * velocity)).norm() < 1e-9);
     }
 
-    TEST_CASE("what spring and dashpot do is booked, and the energy balance closes the better the finer the step") {
-        // two balls side by side, one of them held: the other is pressed against it and along it, held with a constant force, let go, and flies off
+    TEST_CASE("what spring and dashpot do is booked, and the energy balance closes the better the "
+              "finer the step") {
+        // two balls side by side, one of them held: the other is pressed against it and along it,
+        // held with a constant force, let go, and flies off
         const auto open = [](double dt) {
             Simulation sim = ball(dt, 0.02, true);
-            pull_to(sim, {Vec3(2e-4, 1e-4, 0), Vec3::Zero(), exponential_map(Vec3(0, 0, 0.02)), Vec3::Zero()}, {4e4, 8, 0.01});
-            const auto run = [&](double time) { sim.advance(static_cast<std::uint64_t>(std::llround(time / dt))); };
+            pull_to(sim,
+                    {Vec3(2e-4, 1e-4, 0), Vec3::Zero(), exponential_map(Vec3(0, 0, 0.02)),
+                     Vec3::Zero()},
+                    {4e4, 8, 0.01});
+            const auto run = [&](double time) {
+                sim.advance(static_cast<std::uint64_t>(std::llround(time / dt)));
+            };
             run(1e-3);
             CHECK(touch_of(sim.world()).pairs == 1);
             hold_pull(pull_of(sim));
@@ -240,7 +280,8 @@ TEST_SUITE("systems/fusion/pull") {
             run(4e-3);
             CHECK(touch_of(sim.world()).pairs == 0);
             CHECK(value_of<Guided>(sim, 0) == 0);
-            const double friction = value_of<FrictionWork>(sim, 0) + value_of<FrictionWork>(sim, 1), work = fusion_work(sim.world());
+            const double friction = value_of<FrictionWork>(sim, 0) + value_of<FrictionWork>(sim, 1),
+                         work = fusion_work(sim.world());
             CHECK(friction > 0.01 * work);
             return std::abs(measure(sim.world()).kinetic_energy + friction - work) / work;
         };
@@ -252,7 +293,10 @@ TEST_SUITE("systems/fusion/pull") {
     TEST_CASE("a run resumed while a rock is pulled, held or just let go has the same bits") {
         const auto make = [] {
             Simulation sim = rock(2e-5);
-            pull_to(sim, {Vec3(1e-3, 2e-4, 0), Vec3(0.01, 0, 0), exponential_map(Vec3(0, 0.5, 0)), Vec3(0, 0, 1)}, {1e3, 0.1, 0.01});
+            pull_to(sim,
+                    {Vec3(1e-3, 2e-4, 0), Vec3(0.01, 0, 0), exponential_map(Vec3(0, 0.5, 0)),
+                     Vec3(0, 0, 1)},
+                    {1e3, 0.1, 0.01});
             return sim;
         };
         for (const int when : {0, 1, 2}) {

@@ -1,5 +1,5 @@
 #include "engine/random.hpp"
-#include "systems/experiments/bench.hpp"
+#include "scenarios/verification/bench.hpp"
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/spread.hpp"
@@ -7,9 +7,8 @@
 #include "tests/about.hpp"
 #include "tests/support.hpp"
 
-#include <doctest/doctest.h>
-
 #include <Eigen/Dense>
+#include <doctest/doctest.h>
 
 #include <algorithm>
 
@@ -24,16 +23,22 @@ struct Chain {
     Simulation sim;
     unsigned balls;
 
-    Chain(unsigned count, const Vec3& d, double friction = 0) : sim(make(count, friction)), balls(count) {
+    Chain(unsigned count, const Vec3& d, double friction = 0)
+        : sim(make(count, friction)), balls(count) {
         sim.advance();
         correct(d);
     }
-    void correct(const Vec3& d) { give_correction(value_of<Correction>(sim, 0), value_of<Guided>(sim, 0), d, Vec3::Zero(), 10); }
+    void correct(const Vec3& d) {
+        give_correction(value_of<Correction>(sim, 0), value_of<Guided>(sim, 0), d, Vec3::Zero(),
+                        10);
+    }
     static Simulation make(unsigned count, double friction) {
         World world = make_world(Grains::spheres);
         const auto m = world.resource<Materials>().add(linear_material(kn, ks, friction));
         world.resource<Materials>().mix();
-        for (unsigned k = 0; k < count; ++k) (void)add_sphere(world, Vec3(k * apart, 0, 0), radius, m, k + 1 == count ? Motion::fixed : Motion::free);
+        for (unsigned k = 0; k < count; ++k)
+            (void)add_sphere(world, Vec3(k * apart, 0, 0), radius, m,
+                             k + 1 == count ? Motion::fixed : Motion::free);
         add_sensors(world, {0}, {{}}, {}, 10);
         return begin(std::move(world), LawName::linear, 1e-6);
     }
@@ -49,11 +54,13 @@ struct Grain {
 };
 
 /// Balls with friction; those with sensors are to go and turn. By step 1 all forces are known.
-Simulation with_sensors(const std::vector<Grain>& balls, const std::vector<EntityId>& sensors, const bris::testing::RunSettings& settings = {.dt = 1e-6}) {
+Simulation with_sensors(const std::vector<Grain>& balls, const std::vector<EntityId>& sensors,
+                        const bris::testing::RunSettings& settings = {.dt = 1e-6}) {
     World world = make_world(Grains::spheres);
     const auto m = world.resource<Materials>().add(linear_material(kn, ks, 0.5));
     world.resource<Materials>().mix();
-    for (const Grain& b : balls) (void)add_sphere(world, b.place, radius, m, b.free ? Motion::free : Motion::fixed);
+    for (const Grain& b : balls)
+        (void)add_sphere(world, b.place, radius, m, b.free ? Motion::free : Motion::fixed);
     add_sensors(world, sensors, std::vector<std::vector<TimedMeasurement>>(sensors.size()), {}, 10);
     return bris::testing::start(std::move(world), settings);
 }
@@ -81,13 +88,17 @@ std::vector<Grain> lattice(int side) {
 }
 
 /// Shifts and turns of all balls by the whole equations, summed spring by spring.
-Eigen::VectorXd dense_solution(const std::vector<Grain>& balls, const std::vector<std::pair<EntityId, Vector6>>& wanted, const SpreadSettings& settings) {
+Eigen::VectorXd dense_solution(const std::vector<Grain>& balls,
+                               const std::vector<std::pair<EntityId, Vector6>>& wanted,
+                               const SpreadSettings& settings) {
     const auto n = static_cast<Eigen::Index>(6 * balls.size());
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
     Eigen::VectorXd b = Eigen::VectorXd::Zero(n);
     Vector6 unit;
     unit << Vec3::Constant(kn), Vec3::Constant(kn * radius * radius);
-    for (std::size_t i = 0; i < balls.size(); ++i) A.diagonal().segment<6>(static_cast<Eigen::Index>(6 * i)) = balls[i].free ? settings.float_free * unit : 1e20 * unit;
+    for (std::size_t i = 0; i < balls.size(); ++i)
+        A.diagonal().segment<6>(static_cast<Eigen::Index>(6 * i)) =
+            balls[i].free ? settings.float_free * unit : 1e20 * unit;
     for (const auto& [ball, way] : wanted) {
         A.diagonal().segment<6>(6 * ball) += settings.hold * unit;
         b.segment<6>(6 * ball) = settings.hold * unit.cwiseProduct(way);
@@ -97,10 +108,13 @@ Eigen::VectorXd dense_solution(const std::vector<Grain>& balls, const std::vecto
             const Vec3 between = balls[i].place - balls[k].place;
             if (between.norm() >= 2 * radius) continue;
             const Vec3 normal = between.normalized(), across = normal.unitOrthogonal();
-            for (const auto& [axis, stiffness] : {std::pair<Vec3, double>{normal, kn}, {across, ks}, {normal.cross(across), ks}}) {
+            for (const auto& [axis, stiffness] :
+                 {std::pair<Vec3, double>{normal, kn}, {across, ks}, {normal.cross(across), ks}}) {
                 Eigen::VectorXd spring = Eigen::VectorXd::Zero(n); // its stretch, of all motions
-                spring.segment<6>(static_cast<Eigen::Index>(6 * i)) << axis, Vec3(-0.5 * between).cross(axis);
-                spring.segment<6>(static_cast<Eigen::Index>(6 * k)) << -axis, Vec3(0.5 * between).cross(-axis);
+                spring.segment<6>(static_cast<Eigen::Index>(6 * i)) << axis,
+                    Vec3(-0.5 * between).cross(axis);
+                spring.segment<6>(static_cast<Eigen::Index>(6 * k)) << -axis,
+                    Vec3(0.5 * between).cross(-axis);
                 A += stiffness * spring * spring.transpose();
             }
         }
@@ -110,10 +124,13 @@ Eigen::VectorXd dense_solution(const std::vector<Grain>& balls, const std::vecto
 } // namespace
 
 TEST_SUITE("systems/fusion/spread") {
-    TEST_CASE("a correction fades along a chain as its springs share the way, and stores the energy of springs in series") {
+    TEST_CASE("a correction fades along a chain as its springs share the way, and stores the "
+              "energy of springs in series") {
         Chain chain(6, Vec3(1e-6, 0, 0)); // five springs
-        const double energy = spread_corrections(chain.sim.world(), {.hold = 1e9, .float_free = 1e-9});
-        for (EntityId k = 0; k < 5; ++k) CHECK(chain.way(k).x() == about(1e-6 * (5 - k) / 5).epsilon(1e-6));
+        const double energy =
+            spread_corrections(chain.sim.world(), {.hold = 1e9, .float_free = 1e-9});
+        for (EntityId k = 0; k < 5; ++k)
+            CHECK(chain.way(k).x() == about(1e-6 * (5 - k) / 5).epsilon(1e-6));
         CHECK(chain.way(5).norm() == 0);
         CHECK(energy == about(0.5 * kn / 5 * 1e-12).epsilon(1e-6));
     }
@@ -124,13 +141,17 @@ TEST_SUITE("systems/fusion/spread") {
             Chain chain(n + 1, Vec3(1e-6, 0, 0));
             const SpreadSettings settings{.float_free = f, .tolerance = 1e-13};
             const double angle = std::acosh(1 + 0.5 * f), whole = std::sinh(n * angle);
-            const double first = 1e-6 * settings.hold / (settings.hold + f + 1 - std::sinh((n - 1) * angle) / whole);
+            const double first =
+                1e-6 * settings.hold / (settings.hold + f + 1 - std::sinh((n - 1) * angle) / whole);
             (void)spread_corrections(chain.sim.world(), settings);
-            for (EntityId k = 0; k < n; ++k) CHECK(std::abs(chain.way(k).x() - first * std::sinh((n - k) * angle) / whole) < 1e-10 * first);
+            for (EntityId k = 0; k < n; ++k)
+                CHECK(std::abs(chain.way(k).x() - first * std::sinh((n - k) * angle) / whole) <
+                      1e-10 * first);
         }
     }
 
-    TEST_CASE("through a lattice that resists shifts and turns it spreads as the whole equations say") {
+    TEST_CASE(
+        "through a lattice that resists shifts and turns it spreads as the whole equations say") {
         const auto balls = lattice(5);
         const EntityId centre = 62, beside = 63, corner = 31;
         std::vector<std::pair<EntityId, Vector6>> wanted(2);
@@ -160,13 +181,16 @@ TEST_SUITE("systems/fusion/spread") {
         Chain chain(6, Vec3(1e-6, 0, 0));
         (void)spread_corrections(chain.sim.world(), {.hold = 1e9, .float_free = 1e-9});
         for (EntityId k = 1; k < 5; ++k) {
-            const double left = chain.way(k - 1).x() - chain.way(k).x(), right = chain.way(k).x() - chain.way(k + 1).x();
+            const double left = chain.way(k - 1).x() - chain.way(k).x(),
+                         right = chain.way(k).x() - chain.way(k + 1).x();
             CHECK(kn * (left - right) == doctest::Approx(0).scale(kn * 1e-6).epsilon(1e-6));
         }
     }
 
-    TEST_CASE("across a chain whose contacts slip the sensor's ball moves alone; where they stick it takes the next one along") {
-        for (const double before : {0.0, 1e-7, 4e-5}) { // m; beyond friction kn overlap / ks they slip
+    TEST_CASE("across a chain whose contacts slip the sensor's ball moves alone; where they stick "
+              "it takes the next one along") {
+        for (const double before :
+             {0.0, 1e-7, 4e-5}) { // m; beyond friction kn overlap / ks they slip
             CAPTURE(before);
             const bool sticks = before == 1e-7;
             Chain chain(6, Vec3(0, before, 0), before > 0 ? 0.5 : 0);
@@ -183,12 +207,15 @@ TEST_SUITE("systems/fusion/spread") {
 
     TEST_CASE("neighbours that nobody holds shift and turn with the sensor's ball as one body") {
         std::vector<Grain> balls; // each touches the three others: they cannot roll on each other
-        for (const Vec3& corner : {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)}) balls.push_back({apart / std::sqrt(8) * corner, true});
+        for (const Vec3& corner :
+             {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)})
+            balls.push_back({apart / std::sqrt(8) * corner, true});
         Simulation sim = with_sensors(balls, {0});
         sim.advance();
         const Vec3 shift(1e-6, 2e-6, -1e-6), turn(1e-4, -2e-4, 3e-4);
         correct(sim, 0, shift, turn);
-        const double energy = spread_corrections(sim.world(), {.hold = 1e3, .float_free = 1e-9, .tolerance = 1e-10});
+        const double energy =
+            spread_corrections(sim.world(), {.hold = 1e3, .float_free = 1e-9, .tolerance = 1e-10});
         for (EntityId b = 0; b < 4; ++b) {
             const Vec3 along = shift + turn.cross(balls[b].place - balls[0].place);
             CHECK((motion(sim, b).head<3>() - along).norm() < 1e-6 * shift.norm());
@@ -225,17 +252,22 @@ TEST_SUITE("systems/fusion/spread") {
         CHECK(motion(sim, inside).norm() == 0);
     }
 
-    TEST_CASE("before and after a restore, in any order of rows, on any number of threads, the same bits") {
+    TEST_CASE("before and after a restore, in any order of rows, on any number of threads, the "
+              "same bits") {
         std::vector<Grain> balls = lattice(6);
         Random random(5, 1);
-        for (Grain& b : balls) b.place += 4e-6 * random.direction(); // some contacts slip, some are open
-        for (std::size_t k = balls.size() - 1; k > 0; --k) std::swap(balls[k], balls[static_cast<std::size_t>(random.uniform(0, static_cast<double>(k)))]);
+        for (Grain& b : balls)
+            b.place += 4e-6 * random.direction(); // some contacts slip, some are open
+        for (std::size_t k = balls.size() - 1; k > 0; --k)
+            std::swap(balls[k],
+                      balls[static_cast<std::size_t>(random.uniform(0, static_cast<double>(k)))]);
         std::vector<EntityId> sensors;
         for (EntityId b = 0; sensors.size() < 3; ++b)
             if (balls[b].free) sensors.push_back(b);
         const auto spread = [&](Simulation& sim) {
             sim.advance();
-            for (const EntityId s : sensors) correct(sim, s, Vec3(1e-6, 2e-6 * s, 0), Vec3(0, 1e-4, 0));
+            for (const EntityId s : sensors)
+                correct(sim, s, Vec3(1e-6, 2e-6 * s, 0), Vec3(0, 1e-4, 0));
             const double energy = spread_corrections(sim.world());
             std::vector<Vector6> all;
             for (EntityId b = 0; b < balls.size(); ++b) all.push_back(motion(sim, b));
@@ -245,13 +277,16 @@ TEST_SUITE("systems/fusion/spread") {
         whole.advance(20);
         const Archive kept = whole.snapshot();
         const auto expected = spread(whole);
-        CHECK(std::ranges::count_if(expected.second, [](const Vector6& m) { return m.norm() > 1e-9; }) > 40);
+        CHECK(std::ranges::count_if(expected.second,
+                                    [](const Vector6& m) { return m.norm() > 1e-9; }) > 40);
         for (const unsigned threads : {1u, 2u}) {
-            Simulation sorted = with_sensors(balls, sensors, {.dt = 1e-6, .threads = threads, .lists = {.sort_every = 1}});
+            Simulation sorted = with_sensors(
+                balls, sensors, {.dt = 1e-6, .threads = threads, .lists = {.sort_every = 1}});
             sorted.restore(kept);
             CHECK(spread(sorted) == expected);
             unsigned moved = 0;
-            for (EntityId b = 0; b < balls.size(); ++b) moved += row_of_body(sorted.world(), b) != row_of_body(whole.world(), b) ? 1u : 0u;
+            for (EntityId b = 0; b < balls.size(); ++b)
+                moved += row_of_body(sorted.world(), b) != row_of_body(whole.world(), b) ? 1u : 0u;
             CHECK(moved > 100);
         }
     }

@@ -1,12 +1,10 @@
-#include "systems/fusion/spring_network.hpp"
-
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
+#include "systems/fusion/spring_network.hpp"
 #include "tests/about.hpp"
 
-#include <doctest/doctest.h>
-
 #include <Eigen/Dense>
+#include <doctest/doctest.h>
 
 #include <algorithm>
 #include <limits>
@@ -15,20 +13,26 @@ using namespace bris;
 
 namespace {
 
-/// Bodies anywhere in a box of 1 m, joined by one to three joints with some before them; some joints lead to what stays.
+/// Bodies anywhere in a box of 1 m, joined by one to three joints with some before them; some
+/// joints lead to what stays.
 SpringNetwork random_network(std::uint32_t bodies) {
     Random random(1, bodies);
     SpringNetwork network;
-    const auto vector = [&] { return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)); };
+    const auto vector = [&] {
+        return Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
+    };
     for (std::uint32_t i = 0; i < bodies; ++i) {
         Hold& hold = network.holds.emplace_back();
         hold.stiffness = Vector6::Constant(i % 7 == 0 ? 1e3 : 1e-3);
         if (i % 7 == 0) hold.wanted << vector(), vector();
         std::vector<std::uint32_t> others;
-        for (unsigned k = 0; k < std::min(i, 4u); ++k) others.push_back(static_cast<std::uint32_t>(random.uniform(0, i)));
+        for (unsigned k = 0; k < std::min(i, 4u); ++k)
+            others.push_back(static_cast<std::uint32_t>(random.uniform(0, i)));
         if (i % 5 == 0) others.push_back(that_stays);
         std::ranges::sort(others); // the same two may be joined twice or three times
-        for (const std::uint32_t other : others) network.joints.push_back({i, other, vector(), vector(), random.direction(), random.uniform(0.5, 2), random.uniform(0, 1)});
+        for (const std::uint32_t other : others)
+            network.joints.push_back({i, other, vector(), vector(), random.direction(),
+                                      random.uniform(0.5, 2), random.uniform(0, 1)});
     }
     return network;
 }
@@ -48,7 +52,8 @@ Eigen::VectorXd dense_solution(const SpringNetwork& network) {
         for (const auto& [axis, k] : {std::pair{j.normal, j.kn}, {across, j.ks}, {along, j.ks}}) {
             Eigen::VectorXd spring = Eigen::VectorXd::Zero(n); // its stretch, of all motions
             spring.segment<6>(6 * j.body) << axis, j.arm.cross(axis);
-            if (j.other != that_stays) spring.segment<6>(6 * j.other) << -axis, -j.other_arm.cross(axis);
+            if (j.other != that_stays)
+                spring.segment<6>(6 * j.other) << -axis, -j.other_arm.cross(axis);
             A += k * spring * spring.transpose();
         }
     }
@@ -57,7 +62,9 @@ Eigen::VectorXd dense_solution(const SpringNetwork& network) {
 
 double difference(const std::vector<Vector6>& motion, const Eigen::VectorXd& other) {
     double largest = 0;
-    for (std::size_t i = 0; i < motion.size(); ++i) largest = std::max(largest, (motion[i] - other.segment<6>(static_cast<Eigen::Index>(6 * i))).norm());
+    for (std::size_t i = 0; i < motion.size(); ++i)
+        largest = std::max(largest,
+                           (motion[i] - other.segment<6>(static_cast<Eigen::Index>(6 * i))).norm());
     return largest;
 }
 
@@ -95,18 +102,25 @@ TEST_SUITE("systems/fusion/spring_network") {
     }
 
     TEST_CASE("two bodies and a wall share the way as springs in series do") {
-        SpringNetwork network{{{Vector6::Constant(1e6), Vector6::Zero()}, {Vector6::Constant(1e-9), Vector6::Zero()}}, {}};
+        SpringNetwork network{
+            {{Vector6::Constant(1e6), Vector6::Zero()}, {Vector6::Constant(1e-9), Vector6::Zero()}},
+            {}};
         network.holds[0].wanted[0] = 1e-3;
-        network.joints = {{1, 0, Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3::UnitX(), 2, 0}, {1, that_stays, Vec3(1, 0, 0), Vec3::Zero(), Vec3::UnitX(), 6, 0}};
+        network.joints = {{1, 0, Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3::UnitX(), 2, 0},
+                          {1, that_stays, Vec3(1, 0, 0), Vec3::Zero(), Vec3::UnitX(), 6, 0}};
         const auto motion = motion_of_least_energy(network, 1e-12);
-        const double held = 1e6 / (1e6 + 1.5); // two springs in series, 1.5 N/m, pull at what holds the first
+        const double held =
+            1e6 / (1e6 + 1.5); // two springs in series, 1.5 N/m, pull at what holds the first
         CHECK(motion[0][0] == about(1e-3 * held).epsilon(1e-9));
         CHECK(motion[1][0] == about(0.25e-3 * held).epsilon(1e-9));
-        CHECK(energy_of_joints(network, motion) == about(0.5 * 1.5 * 1e-6 * held * held).epsilon(1e-9));
+        CHECK(energy_of_joints(network, motion) ==
+              about(0.5 * 1.5 * 1e-6 * held * held).epsilon(1e-9));
     }
 
     TEST_CASE("without joints everybody goes where it is wanted") {
-        SpringNetwork network{{{Vector6::Constant(2), Vector6::Constant(1e-3)}, {Vector6::Constant(1e-3), Vector6::Zero()}}, {}};
+        SpringNetwork network{{{Vector6::Constant(2), Vector6::Constant(1e-3)},
+                               {Vector6::Constant(1e-3), Vector6::Zero()}},
+                              {}};
         const auto motion = motion_of_least_energy(network, 1e-3);
         CHECK(motion[0] == Vector6::Constant(1e-3));
         CHECK(motion[1] == Vector6::Zero());

@@ -1,5 +1,5 @@
 #include "engine/errors.hpp"
-#include "systems/experiments/bench.hpp"
+#include "scenarios/verification/bench.hpp"
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/spread.hpp"
@@ -15,7 +15,8 @@ namespace {
 constexpr double kn = 1e5, dt = 1e-6, share = 0.1;
 constexpr unsigned steps = 20;
 
-/// A ball with a sensor between two that are held, touching both: a correction along x stores kn d^2. The first held one stands for the boundaries.
+/// A ball with a sensor between two that are held, touching both: a correction along x stores kn
+/// d^2. The first held one stands for the boundaries.
 struct Squeezed {
     Simulation sim;
     Squeezed() : sim(make()) { sim.advance(2); }
@@ -24,7 +25,8 @@ struct Squeezed {
         const auto m = world.resource<Materials>().add(linear_material(kn, 4e4, 0));
         world.resource<Materials>().mix();
         (void)add_sphere(world, Vec3::Zero(), 0.01, m);
-        for (const double x : {-0.0199, 0.0199}) (void)add_sphere(world, Vec3(x, 0, 0), 0.01, m, Motion::fixed);
+        for (const double x : {-0.0199, 0.0199})
+            (void)add_sphere(world, Vec3(x, 0, 0), 0.01, m, Motion::fixed);
         add_sensors(world, {0}, {{}}, {}, steps);
         Simulation sim = begin(std::move(world), LawName::linear, dt, true);
         open_account(sim.world(), share);
@@ -32,7 +34,8 @@ struct Squeezed {
     }
     WorkAccount& account() { return sim.world().resource<Fusion>().account; }
     CorrectionRow& correction() { return value_of<Correction>(sim, 0); }
-    /// Boundaries do some work, and an analysis asks for a correction; returns what was given of it.
+    /// Boundaries do some work, and an analysis asks for a correction; returns what was given of
+    /// it.
     double analysis(double of_boundaries, double d) {
         value_of<BoundaryWork>(sim, 1) += of_boundaries;
         Fusion& fusion = sim.world().resource<Fusion>();
@@ -51,7 +54,8 @@ struct Squeezed {
 } // namespace
 
 TEST_SUITE("systems/fusion/work_account") {
-    TEST_CASE("a correction that would store more than it may is cut to what it may, and does that much work") {
+    TEST_CASE("a correction that would store more than it may is cut to what it may, and does that "
+              "much work") {
         const double d = 2e-5, stored = kn * d * d, allowed = 0.2 * stored;
         Squeezed balls;
         CHECK(balls.analysis(allowed / share, d) == about(std::sqrt(0.2) * d));
@@ -64,7 +68,8 @@ TEST_SUITE("systems/fusion/work_account") {
         CHECK(fusion_work(balls.sim.world()) == about(allowed).epsilon(0.03));
     }
 
-    TEST_CASE("one that stores less is given whole, and its bits are those of a world without a limit") {
+    TEST_CASE(
+        "one that stores less is given whole, and its bits are those of a world without a limit") {
         Squeezed limited, free;
         free.account() = {};
         for (Squeezed* balls : {&limited, &free}) {
@@ -72,18 +77,23 @@ TEST_SUITE("systems/fusion/work_account") {
             balls->sim.advance(3 * steps);
             CHECK(balls->account().reduced == 0);
         }
-        CHECK(fingerprint(limited.sim.snapshot(), "bodies/") == fingerprint(free.sim.snapshot(), "bodies/"));
+        CHECK(fingerprint(limited.sim.snapshot(), "bodies/") ==
+              fingerprint(free.sim.snapshot(), "bodies/"));
     }
 
     TEST_CASE("what a filter is not given it does not know") {
         Squeezed balls;
         const double d = 2e-5;
-        const auto deviation = [&] { return std::sqrt(balls.sim.world().resource<Fusion>().filters[0].covariance()(0, 0)); };
+        const auto deviation = [&] {
+            return std::sqrt(balls.sim.world().resource<Fusion>().filters[0].covariance()(0, 0));
+        };
         const double before = deviation(), given = balls.analysis(0.2 * kn * d * d / share, d);
-        CHECK(deviation() * deviation() == about(before * before + (d - given) * (d - given)).epsilon(1e-9));
+        CHECK(deviation() * deviation() ==
+              about(before * before + (d - given) * (d - given)).epsilon(1e-9));
     }
 
-    TEST_CASE("one that would have to be cut to less than a hundredth is refused: the ball stays, and nothing is spent") {
+    TEST_CASE("one that would have to be cut to less than a hundredth is refused: the ball stays, "
+              "and nothing is spent") {
         Squeezed balls;
         const double d = 2e-5;
         CHECK(balls.analysis(0.9e-4 * kn * d * d / share, d) == 0);
@@ -93,10 +103,12 @@ TEST_SUITE("systems/fusion/work_account") {
         balls.sim.advance(steps);
         CHECK(value_of<Position>(balls.sim, 0) == before);
         CHECK(fusion_work(balls.sim.world()) == 0);
-        CHECK(balls.analysis(1.1e-4 * kn * d * d / share, d) > 0); // asked again: half as dear as it seemed
+        CHECK(balls.analysis(1.1e-4 * kn * d * d / share, d) >
+              0); // asked again: half as dear as it seemed
     }
 
-    TEST_CASE("corrections that have cost more than was expected are expected to, and what they have cost too much is paid back") {
+    TEST_CASE("corrections that have cost more than was expected are expected to, and what they "
+              "have cost too much is paid back") {
         const double d = 2e-5, stored = kn * d * d, income = 0.2 * stored;
         Squeezed balls;
         (void)balls.analysis(income / share, d);
@@ -105,14 +117,16 @@ TEST_SUITE("systems/fusion/work_account") {
         CHECK(balls.account().ratio == about(1.5));
         CHECK(balls.account().allowed == about(0.5 * income));
         CHECK(given == about(d * std::sqrt(0.5 * 0.2 / 1.5)));
-        value_of<FusionWork>(balls.sim, 1) -= 3 * income; // taken out, and elsewhere, it counts as well
+        value_of<FusionWork>(balls.sim, 1) -=
+            3 * income; // taken out, and elsewhere, it counts as well
         CHECK(balls.analysis(income / share, d) == 0);
         CHECK(balls.account().owed == about(2.5 * income));
         (void)balls.analysis(2 * income / share, d);
         CHECK(balls.account().owed == about(1.5 * income));
     }
 
-    TEST_CASE("what pulls is given the gain that it may cost, and is let go once it has cost that") {
+    TEST_CASE(
+        "what pulls is given the gain that it may cost, and is let go once it has cost that") {
         Squeezed balls;
         Fusion& fusion = balls.sim.world().resource<Fusion>();
         fusion.pull = {1e4, 1, 0.01};
@@ -120,10 +134,13 @@ TEST_SUITE("systems/fusion/work_account") {
         const auto begin_with = [&](double of_boundaries) {
             value_of<BoundaryWork>(balls.sim, 1) += of_boundaries;
             begin_analysis(balls.sim.world());
-            give_pull(pull, value_of<Guided>(balls.sim, 0), {Vec3(1e-4, 0, 0), Vec3::Zero(), Quat::Identity(), Vec3::Zero()}, fusion.pull, fusion.account.gain);
+            give_pull(pull, value_of<Guided>(balls.sim, 0),
+                      {Vec3(1e-4, 0, 0), Vec3::Zero(), Quat::Identity(), Vec3::Zero()}, fusion.pull,
+                      fusion.account.gain);
         };
         begin_with(1);
-        CHECK(fusion.account.gain == about(share)); // as if at full strength it cost what the boundaries do
+        CHECK(fusion.account.gain ==
+              about(share)); // as if at full strength it cost what the boundaries do
         CHECK(pull.largest_force == about(share));
         value_of<FusionWork>(balls.sim, 0) += 0.02; // a fifth of what it might
         hold_pulls(balls.sim.world());
@@ -141,7 +158,8 @@ TEST_SUITE("systems/fusion/work_account") {
         CHECK(value_of<Guided>(balls.sim, 0) == 0);
     }
 
-    TEST_CASE("pulls that would have to be a hundred times weaker are not given, and are tried again with what is believed to be half as dear") {
+    TEST_CASE("pulls that would have to be a hundred times weaker are not given, and are tried "
+              "again with what is believed to be half as dear") {
         Squeezed balls;
         Fusion& fusion = balls.sim.world().resource<Fusion>();
         fusion.pull = {1e4, 1, 0.01};
@@ -171,7 +189,9 @@ TEST_SUITE("systems/fusion/work_account") {
 
     TEST_CASE("a share below none or above all is refused") {
         Squeezed balls;
-        CHECK_THROWS_WITH_AS(open_account(balls.sim.world(), 1.5), doctest::Contains("found 1.5"), InputError);
-        CHECK_THROWS_WITH_AS(open_account(balls.sim.world(), -0.1), doctest::Contains("found -0.1"), InputError);
+        CHECK_THROWS_WITH_AS(open_account(balls.sim.world(), 1.5), doctest::Contains("found 1.5"),
+                             InputError);
+        CHECK_THROWS_WITH_AS(open_account(balls.sim.world(), -0.1), doctest::Contains("found -0.1"),
+                             InputError);
     }
 }

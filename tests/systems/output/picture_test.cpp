@@ -55,7 +55,8 @@ TEST_SUITE("systems/picture") {
     TEST_CASE("the nearer ball hides the farther one, whatever their order") {
         const DrawnBall near{.centre = Vec3(0, -1, 0), .radius = 0.3, .colour = {255, 0, 0}};
         const DrawnBall far{.centre = Vec3(0, 1, 0), .radius = 0.6, .colour = {0, 0, 255}};
-        for (const auto& balls : {std::vector<DrawnBall>{near, far}, std::vector<DrawnBall>{far, near}}) {
+        for (const auto& balls :
+             {std::vector<DrawnBall>{near, far}, std::vector<DrawnBall>{far, near}}) {
             const Image image = render({.balls = balls}, level, square, 200);
             const Rgb middle = pixel(image, 100, 100);
             CHECK(middle.red > 100);

@@ -1,8 +1,7 @@
-#include "systems/output/stress.hpp"
-
 #include "components/settings.hpp"
-#include "tests/support.hpp"
+#include "systems/output/stress.hpp"
 #include "tests/about.hpp"
+#include "tests/support.hpp"
 
 #include <doctest/doctest.h>
 
@@ -29,7 +28,10 @@ TEST_SUITE("systems/output/stress") {
         sim.advance();
         const Stresses s = measure_stresses(sim.world());
         // sum of force times branch: 3 mg on the floor, 2 mg and mg above
-        const double overlap = mass * g / kn, expected = mass * g * (3 * (radius - 1.5 * overlap) + 2 * (2 * radius - 2 * overlap) + 2 * radius - overlap);
+        const double overlap = mass * g / kn,
+                     expected = mass * g *
+                                (3 * (radius - 1.5 * overlap) + 2 * (2 * radius - 2 * overlap) +
+                                 2 * radius - overlap);
         CHECK(s.contact.axial == about(expected).epsilon(1e-4));
         CHECK(s.boundary.axial == about(expected).epsilon(1e-4));
         CHECK(s.contact.radial == 0);

@@ -1,0 +1,82 @@
+#include "engine/io/gnuplot.hpp"
+
+#include <fmt/format.h>
+
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <sys/wait.h>
+#include <system_error>
+#include <unistd.h>
+
+namespace bris {
+
+namespace {
+
+/// A gnuplot that ends early must not take the simulation with it.
+class IgnorePipeSignal {
+public:
+    IgnorePipeSignal() {
+        struct sigaction ignore {};
+        ignore.sa_handler = SIG_IGN;
+        sigaction(SIGPIPE, &ignore, &before_);
+    }
+    ~IgnorePipeSignal() { sigaction(SIGPIPE, &before_, nullptr); }
+    IgnorePipeSignal(const IgnorePipeSignal&) = delete;
+    IgnorePipeSignal& operator=(const IgnorePipeSignal&) = delete;
+
+private:
+    struct sigaction before_ {};
+};
+
+bool send(std::FILE* to, std::string_view text) {
+    return text.empty() || std::fwrite(text.data(), 1, text.size(), to) == text.size();
+}
+
+bool complain(const std::filesystem::path& png, const char* why) {
+    fmt::print(stderr, "no picture '{}': {}\n", png.string(), why);
+    return false;
+}
+
+} // namespace
+
+std::string gnuplot_quoted(const std::string& text) {
+    std::string out = "'";
+    for (const char c : text) {
+        if (c == '\'')
+            out += "''";
+        else
+            out += c == '\n' ? ' ' : c;
+    }
+    return out + "'";
+}
+
+bool draw_with_gnuplot(const std::filesystem::path& png, unsigned width, unsigned height,
+                       std::string_view commands, std::string_view data) {
+    if (std::system("command -v gnuplot >/dev/null 2>&1") != 0)
+        return complain(png, "gnuplot is not installed (Debian package gnuplot-nox)");
+    std::error_code error;
+    if (png.has_parent_path()) std::filesystem::create_directories(png.parent_path(), error);
+    std::filesystem::path unfinished = png;
+    unfinished += fmt::format(".{}.tmp", getpid());
+    const IgnorePipeSignal guard;
+    std::FILE* const gnuplot = popen("gnuplot >/dev/null 2>&1", "w");
+    if (!gnuplot) return complain(png, "cannot start gnuplot");
+    const std::string head =
+        fmt::format("set encoding utf8\n"
+                    "set terminal pngcairo noenhanced size {},{} font 'DejaVu Sans,11' "
+                    "background '#ffffff'\nset output {}\n",
+                    width, height, gnuplot_quoted(unfinished.string()));
+    const bool sent = send(gnuplot, head) && send(gnuplot, commands) && send(gnuplot, data);
+    const int status = pclose(gnuplot);
+    const bool drawn = sent && WIFEXITED(status) && WEXITSTATUS(status) == 0;
+    if (drawn) std::filesystem::rename(unfinished, png, error);
+    if (!drawn || error) {
+        std::error_code ignored;
+        std::filesystem::remove(unfinished, ignored);
+        return complain(png, drawn ? "cannot write there" : "gnuplot failed");
+    }
+    return true;
+}
+
+} // namespace bris

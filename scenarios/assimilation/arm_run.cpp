@@ -1,0 +1,155 @@
+#include "scenarios/assimilation/arm_run.hpp"
+
+#include "engine/interrupt.hpp"
+#include "engine/signal/attitude.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+#include <utility>
+
+namespace bris {
+
+namespace {
+
+void count_fusion(const World& world, ModelRun& run) {
+    run.fusion_work += fusion_work(world);
+    const Fusion& fusion = world.resource<Fusion>();
+    run.analyses = fusion.records;
+    run.too_dear += fusion.account.reduced;
+    run.much_too_dear += fusion.account.withheld;
+    for (std::size_t s = 0; s < world.table<Sensors>().size(); ++s) {
+        run.accepted += world.column<Sensors, Accepted>()[s];
+        run.refused += world.column<Sensors, Refused>()[s];
+        run.too_late += world.column<Sensors, TooLate>()[s];
+        run.reduced += world.column<Sensors, Reduced>()[s];
+        run.withheld += world.column<Sensors, Withheld>()[s];
+    }
+}
+
+void keep_stage(TriaxialModel& model, ModelRun& run) {
+    const auto now = model.poses();
+    run.points.push_back(model.test().state().points.back());
+    run.displacement.emplace_back();
+    run.rotation.emplace_back();
+    for (std::size_t k = 0; k < now.size(); ++k) {
+        run.displacement.back().push_back(now[k].position - model.start()[k].position);
+        run.rotation.back().push_back(
+            attitude_error(now[k].orientation, model.start()[k].orientation));
+    }
+}
+
+/// What the filters that look back now know of the ways so far, in place of what they knew before.
+void keep_smoothed(const World& world, ModelRun& run) {
+    if (!world.has_resource<Fusion>()) return;
+    const auto host = world.column<Sensors, SensorHost>();
+    run.smoothed.resize(run.sensors);
+    for (std::size_t s = 0; s < host.size(); ++s) {
+        const auto rock =
+            static_cast<std::size_t>(std::ranges::find(run.rocks, host[s]) - run.rocks.begin());
+        auto& way = run.smoothed[rock];
+        const auto window = world.resource<Fusion>().filters[s].smoothed();
+        if (window.empty()) continue;
+        std::erase_if(way, [&](const SmoothedPose& p) { return p.time >= window.front().time; });
+        way.insert(way.end(), window.begin(), window.end());
+    }
+}
+
+} // namespace
+
+ArmRun::ArmRun(const TriaxialScene& scene, const TriaxialSettings& settings,
+               const Archive& specimen, ModelArm arm, std::uint64_t seed, ModelWatch watch,
+               KeptRun* kept)
+    : scene_(scene), settings_(settings), specimen_(specimen), arm_(std::move(arm)), seed_(seed),
+      watch_(std::move(watch)), kept_(kept) {
+    if (!take_up())
+        model_ =
+            std::make_unique<TriaxialModel>(scene_, settings_, specimen_, arm_, arm_.rocks, seed_);
+}
+
+void ArmRun::go_on_to(std::size_t points) {
+    while (!done_ && run_.points.size() < points && advance()) {
+    }
+}
+
+bool ArmRun::take_up() {
+    const auto before = kept_ != nullptr ? kept_->take_up() : std::nullopt;
+    if (!before) return false;
+    run_ = load_run(*before);
+    wall_before_ = run_.wall_time;
+    get_fields(*before, "run/progress", std::tie(told_, done_));
+    if (done_) return true;
+    const RockBelief now = told_ > 0 ? arm_.learned[told_ - 1].rocks : arm_.rocks;
+    model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, arm_,
+                                             arm_.catch_up ? now : arm_.rocks, seed_);
+    model_->believe(scene_, now);
+    model_->load(arm_, *before);
+    return true;
+}
+
+void ArmRun::keep() {
+    if (kept_ == nullptr) return;
+    Archive archive = done_ ? Archive{} : model_->save();
+    run_.wall_time = wall_before_ + seconds_since(began_);
+    save_run(archive, run_);
+    put_fields(archive, "run/progress", std::tie(std::as_const(told_), std::as_const(done_)));
+    kept_->keep(archive);
+}
+
+/// False: the run is over.
+bool ArmRun::advance() {
+    if (!model_->advance(arm_)) {
+        end();
+        return false;
+    }
+    const bool catches_up = model_->stages() < run_.points.size();
+    watch_.progress(model_->test().fraction(), arm_.name + (catches_up ? " catches up: " : ": ") +
+                                                   model_->test().description());
+    if (model_->stages() > run_.points.size()) stage();
+    if (interrupted()) {
+        keep();
+        throw Interrupted(
+            fmt::format("interrupted; {}: go on with --resume and the folder of the results",
+                        kept_ == nullptr ? "the specimen is kept" : "what was done is kept"));
+    }
+    if (kept_ != nullptr && kept_->is_due()) keep();
+    return true;
+}
+
+void ArmRun::stage() {
+    const World& world = model_->world();
+    if (run_.points.empty()) {
+        run_.rocks = model_->rocks();
+        run_.sensors = model_->sensors();
+        run_.start = model_->start();
+        run_.shell = model_->shells();
+        run_.core_porosity = model_->test().state().core_porosity;
+    }
+    keep_stage(*model_, run_);
+    keep_smoothed(world, run_);
+    watch_.stage(world, run_.points.back());
+    if (told_ == arm_.learned.size() ||
+        run_.points.back().axial_strain < arm_.learned[told_].strain - 0.5 * settings_.stage_strain)
+        return;
+    const RockBelief belief = arm_.learned[told_++].rocks;
+    if (!arm_.catch_up) {
+        model_->believe(scene_, belief);
+        model_->rescale();
+        return;
+    }
+    run_.steps += world.resource<Clock>().step;
+    model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, arm_, belief, seed_);
+}
+
+void ArmRun::end() {
+    const World& world = model_->world();
+    run_.boundary_work = model_->boundary_work();
+    run_.steps += world.resource<Clock>().step;
+    if (world.has_resource<Fusion>()) count_fusion(world, run_);
+    run_.wall_time = wall_before_ + seconds_since(began_);
+    done_ = true;
+    keep();
+}
+
+} // namespace bris

@@ -1,0 +1,52 @@
+#pragma once
+
+#include "engine/stopwatch.hpp"
+#include "scenarios/assimilation/kept_run.hpp"
+#include "scenarios/assimilation/model_run.hpp"
+#include "scenarios/assimilation/triaxial_model.hpp"
+
+#include <cstdint>
+#include <memory>
+
+namespace bris {
+
+/// A run of one arm that goes on as far as it is asked to, on one thread at a time; it can be kept
+/// between any two blocks of steps. Scene, settings and specimen have to outlive it, and `kept`,
+/// which may be null.
+class ArmRun {
+public:
+    /// Takes up what was kept of it; nothing is run yet.
+    ArmRun(const TriaxialScene& scene, const TriaxialSettings& settings, const Archive& specimen,
+           ModelArm arm, std::uint64_t seed, ModelWatch watch = {}, KeptRun* kept = nullptr);
+
+    /// Goes on until it has so many points, or to the end of the test; one that was taken up may
+    /// have more. Throws Interrupted, what was done being kept, and SimulationError.
+    void go_on_to(std::size_t points);
+    const ModelRun& run() const { return run_; }
+    ModelRun take() && { return std::move(run_); }
+    const ModelArm& arm() const { return arm_; }
+    /// Where it is now, to be taken up from there. Nothing, if it is kept nowhere.
+    void keep();
+
+private:
+    bool take_up();
+    bool advance();
+    void stage();
+    void end();
+
+    const TriaxialScene& scene_;
+    const TriaxialSettings& settings_;
+    const Archive& specimen_;
+    ModelArm arm_;
+    std::uint64_t seed_;
+    ModelWatch watch_;
+    KeptRun* kept_;
+    Instant began_ = this_instant();
+    double wall_before_ = 0;
+    ModelRun run_;
+    std::unique_ptr<TriaxialModel> model_;
+    std::size_t told_ = 0; // of what was learned
+    bool done_ = false;
+};
+
+} // namespace bris

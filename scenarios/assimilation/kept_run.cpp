@@ -1,0 +1,187 @@
+#include "scenarios/assimilation/kept_run.hpp"
+
+#include "engine/io/checkpoint.hpp"
+
+#include <fmt/format.h>
+
+#include <span>
+
+namespace bris {
+
+namespace {
+
+constexpr auto folder = "runs";
+
+void put(Archive& archive, const std::string& path, const std::vector<double>& numbers) {
+    archive.put(path, std::span<const double>(numbers));
+}
+
+void put_stages(Archive& archive, const std::string& path,
+                const std::vector<std::vector<Vec3>>& stages) {
+    std::vector<double> numbers;
+    for (const auto& stage : stages)
+        for (const Vec3& v : stage) numbers.insert(numbers.end(), v.begin(), v.end());
+    put(archive, path, numbers);
+}
+
+std::vector<std::vector<Vec3>> get_stages(const Archive& archive, const std::string& path,
+                                          std::size_t stages) {
+    const auto numbers = archive.get<double>(path);
+    std::vector<std::vector<Vec3>> all(stages);
+    const std::size_t each = stages > 0 ? numbers.size() / 3 / stages : 0;
+    auto next = numbers.begin();
+    for (auto& stage : all)
+        for (std::size_t k = 0; k < each; ++k, next += 3)
+            stage.emplace_back(next[0], next[1], next[2]);
+    return all;
+}
+
+/// All numbers that a run depends on, but for the specimen's.
+void put_arm(Archive& archive, const TriaxialSettings& s, const ModelArm& arm) {
+    const Corrections& c = arm.corrections;
+    std::vector<double> numbers{s.confining_pressure,
+                                s.stage_strain,
+                                s.final_axial_strain,
+                                s.friction,
+                                s.tolerance,
+                                s.pressure_tolerance,
+                                s.damping,
+                                double(s.move_steps),
+                                double(s.longest_stage),
+                                s.safety,
+                                double(s.mass_scaling),
+                                double(s.gravity),
+                                arm.rocks.friction,
+                                arm.rocks.stiffness,
+                                double(arm.catch_up),
+                                arm.disturbance,
+                                double(static_cast<int>(c.filter.kind)),
+                                c.filter.position,
+                                c.filter.velocity,
+                                c.filter.attitude,
+                                c.filter.spin,
+                                c.filter.acceleration_density,
+                                c.filter.angular_acceleration_density,
+                                c.filter.drift,
+                                c.filter.turning,
+                                c.filter.gate,
+                                double(c.injection_steps),
+                                c.pull.stiffness,
+                                c.pull.largest_force,
+                                c.pull.arm,
+                                double(c.spread),
+                                c.position_noise,
+                                c.attitude_noise,
+                                c.largest_shift,
+                                c.largest_work_share,
+                                c.lateness,
+                                c.note_every,
+                                double(c.filter.lag)};
+    for (const LearnedBelief& b : arm.learned)
+        numbers.insert(numbers.end(), {b.strain, b.rocks.friction, b.rocks.stiffness});
+    put(archive, "arm", numbers);
+    for (const SensorWay& way : arm.ways) {
+        put(archive, "strain", way.strain);
+        put_stages(archive, "way", {way.displacement, way.rotation, way.tilt});
+    }
+}
+
+auto numbers_of(auto& run) {
+    return std::tie(run.sensors, run.fusion_work, run.boundary_work, run.accepted, run.refused,
+                    run.steps, run.wall_time, run.too_late, run.reduced, run.withheld, run.too_dear,
+                    run.much_too_dear, run.core_porosity);
+}
+
+void visit_numbers(SmoothedPose& p, auto&& visit) {
+    visit(p.time);
+    for (int k = 0; k < 4; ++k) visit(p.attitude.coeffs()[k]);
+    for (Vec3* v : {&p.position, &p.position_deviation, &p.attitude_deviation})
+        for (int k = 0; k < 3; ++k) visit((*v)[k]);
+}
+
+} // namespace
+
+void save_poses(Archive& archive, const std::string& path, const std::vector<RockPose>& poses) {
+    std::vector<double> numbers;
+    for (const RockPose& p : poses) {
+        numbers.insert(numbers.end(), p.position.begin(), p.position.end());
+        numbers.insert(numbers.end(), {p.orientation.w(), p.orientation.x(), p.orientation.y(),
+                                       p.orientation.z()});
+    }
+    put(archive, path, numbers);
+}
+
+std::vector<RockPose> load_poses(const Archive& archive, const std::string& path) {
+    const auto numbers = archive.get<double>(path);
+    std::vector<RockPose> poses;
+    for (auto p = numbers.begin(); p != numbers.end(); p += 7)
+        poses.push_back({Vec3(p[0], p[1], p[2]), Quat(p[3], p[4], p[5], p[6])});
+    return poses;
+}
+
+void save_run(Archive& archive, const ModelRun& run) {
+    save_points(archive, "run/points", run.points);
+    put_stages(archive, "run/displacement", run.displacement);
+    put_stages(archive, "run/rotation", run.rotation);
+    archive.put("run/rocks", std::span<const EntityId>(run.rocks));
+    archive.put("run/shell", std::span<const unsigned>(run.shell));
+    save_poses(archive, "run/start", run.start);
+    put_fields(archive, "run/numbers", numbers_of(run));
+    save_records(archive, "run/analyses", run.analyses);
+    for (std::size_t s = 0; s < run.smoothed.size(); ++s) {
+        std::vector<double> numbers;
+        for (SmoothedPose p : run.smoothed[s])
+            visit_numbers(p, [&](double number) { numbers.push_back(number); });
+        put(archive, fmt::format("run/smoothed/{}", s), numbers);
+    }
+}
+
+ModelRun load_run(const Archive& archive) {
+    ModelRun run;
+    run.points = load_points(archive, "run/points");
+    run.displacement = get_stages(archive, "run/displacement", run.points.size());
+    run.rotation = get_stages(archive, "run/rotation", run.points.size());
+    run.rocks = archive.get<EntityId>("run/rocks");
+    run.shell = archive.get<unsigned>("run/shell");
+    run.start = load_poses(archive, "run/start");
+    get_fields(archive, "run/numbers", numbers_of(run));
+    run.analyses = load_records(archive, "run/analyses");
+    for (std::size_t s = 0; archive.find(fmt::format("run/smoothed/{}", s)) != nullptr; ++s) {
+        const auto numbers = archive.get<double>(fmt::format("run/smoothed/{}", s));
+        auto& way = run.smoothed.emplace_back();
+        for (auto next = numbers.begin(); next != numbers.end();)
+            visit_numbers(way.emplace_back(), [&](double& number) { number = *next++; });
+    }
+    return run;
+}
+
+KeptRun::KeptRun(const Common& common, const TriaxialSettings& settings, const Archive& specimen,
+                 const ModelArm& arm)
+    : name_(arm.name) {
+    Archive all;
+    put_arm(all, settings, arm);
+    all.put("name",
+            std::span<const char>(arm.name)); // equal arms of several names run side by side
+    const std::array parts{fingerprint(all), fingerprint(specimen), common.seed};
+    Archive whole;
+    whole.put("parts", std::span<const std::uint64_t>(parts));
+    const auto file = fmt::format("{:016x}.ckpt.h5", fingerprint(whole));
+    file_ = common.out / folder / file;
+    if (std::filesystem::is_directory(common.resume)) before_ = common.resume / folder / file;
+}
+
+std::optional<Archive> KeptRun::take_up() const {
+    if (before_.empty() || !std::filesystem::exists(before_)) return {};
+    return read_checkpoint(before_).state;
+}
+
+void KeptRun::keep(const Archive& archive) {
+    if (file_.empty()) return;
+    std::filesystem::create_directories(file_.parent_path());
+    write_checkpoint(file_, {"model_run", 0, {{"name", name_}}, archive});
+    last_ = this_instant();
+}
+
+void forget_runs(const Common& common) { std::filesystem::remove_all(common.out / folder); }
+
+} // namespace bris

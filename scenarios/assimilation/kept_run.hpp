@@ -1,0 +1,44 @@
+#pragma once
+
+#include "engine/archive.hpp"
+#include "engine/scenario.hpp"
+#include "engine/stopwatch.hpp"
+#include "scenarios/assimilation/model_run.hpp"
+
+#include <filesystem>
+#include <optional>
+
+namespace bris {
+
+void save_poses(Archive& archive, const std::string& path, const std::vector<RockPose>& poses);
+std::vector<RockPose> load_poses(const Archive& archive, const std::string& path);
+void save_run(Archive& archive, const ModelRun& run);
+ModelRun load_run(const Archive& archive);
+
+/// Where the run of an arm is kept, while it goes on and when it is done: a stopped campaign of
+/// runs goes on where it was. Files are named by all that the run depends on, so another run is
+/// never taken for it.
+class KeptRun {
+public:
+    KeptRun() = default; ///< keeps nothing
+    /// In the folder `runs` of the results; `--resume FOLDER` looks there too.
+    KeptRun(const Common& common, const TriaxialSettings& settings, const Archive& specimen,
+            const ModelArm& arm);
+    void keep_every(double interval) { interval_ = interval; } ///< s, of wall time
+
+    /// What was kept of it; nothing: nothing was, or this is no run that goes on.
+    std::optional<Archive> take_up() const;
+    bool is_due() const { return !file_.empty() && seconds_since(last_) >= interval_; }
+    void keep(const Archive& archive);
+
+private:
+    std::filesystem::path file_, before_;
+    std::string name_;
+    double interval_ = 30;
+    Instant last_ = this_instant();
+};
+
+/// Runs that are kept are of no use when all is done.
+void forget_runs(const Common& common);
+
+} // namespace bris

@@ -1,0 +1,20 @@
+#pragma once
+
+#include "engine/named_value.hpp"
+#include "scenarios/assimilation/learning.hpp"
+
+#include <filesystem>
+#include <vector>
+
+namespace bris {
+
+/// Friction and stiffness with their deviations, flat keys for summary.json.
+std::vector<NamedValue> describe(const Gaussian& belief);
+
+/// A line for each window: what was known at its end. Throws OutputError.
+void write_known(const std::filesystem::path& csv, const std::vector<KnownAt>& known);
+
+/// What each world foretold of q, stage by stage. Throws OutputError.
+void write_worlds(const std::filesystem::path& csv, const Worlds& worlds);
+
+} // namespace bris

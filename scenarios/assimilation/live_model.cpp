@@ -1,0 +1,125 @@
+#include "scenarios/assimilation/live_model.hpp"
+
+#include "engine/errors.hpp"
+#include "scenarios/assimilation/generations.hpp"
+#include "scenarios/assimilation/twin.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace bris {
+
+namespace {
+
+std::size_t stages_to(double strain, double stage_strain) {
+    return static_cast<std::size_t>(std::llround(strain / stage_strain));
+}
+
+} // namespace
+
+LiveModel::Generation::Generation(const Gaussian& belief, const Learning& settings,
+                                  double stage_strain, const std::string& name,
+                                  const BeginRuns& begin)
+    : worlds(belief, settings.worlds, name, begin),
+      scatter(std::max<std::size_t>(1, stages_to(settings.first_strain, stage_strain) / 10)) {}
+
+void LiveModel::Generation::go_on_to(std::size_t points) {
+    worlds.go_on_to(points);
+    scatter.add(worlds.worlds());
+}
+
+LiveModel::LiveModel(const LiveModelSettings& settings, BeginRuns begin)
+    : settings_(settings), begin_(std::move(begin)),
+      prior_(prior_of(settings.before, settings.learning)) {
+    answering_.emplace(prior_, settings_.learning, settings_.stage_strain, "first", begin_);
+    answering_->go_on_to(
+        1 + stages_to(std::min(settings_.learning.first_strain, settings_.final_strain),
+                      settings_.stage_strain));
+    forecast_ = state_ = begun_like(answering_->worlds.worlds().runs.front());
+}
+
+/// Once for each window that ends with this stage, from all that has come of it and of those
+/// before: what came late counts from now on.
+void LiveModel::learn_at(double strain, const RecordedTest& so_far, Due due) {
+    const auto ends = window_ends(settings_.learning, settings_.learning.final_strain);
+    const auto passed = std::ranges::find_if(ends.rbegin(), ends.rend(), [&](double end) {
+        return end <= strain + 0.5 * settings_.stage_strain;
+    });
+    if (passed == ends.rend() ||
+        (due == Due::at_window_ends && *passed <= strain - 0.5 * settings_.stage_strain))
+        return;
+    const auto all = learn(prior_, answering_->worlds.worlds(), measured_test(so_far),
+                           settings_.learning, std::min(*passed, strain));
+    if (all.empty()) return;
+    known_.push_back(all.back());
+    known_.back().strain = strain;
+}
+
+bool LiveModel::second_is_due() const {
+    const double first = settings_.learning.first_strain;
+    return !catching_up_ && caught_up_at_ == 0 && lost_second_at_ == 0 &&
+           first < settings_.final_strain &&
+           state_.points.size() >= stages_to(first, settings_.stage_strain);
+}
+
+void LiveModel::next_stage(const RecordedTest& so_far) {
+    go_on();
+    const double strain = next_strain();
+    const std::size_t stage = state_.points.size();
+    const bool caught_up = catching_up_ && catching_up_->worlds.points() > stage;
+    if (caught_up) {
+        retired_ = std::exchange(answering_, std::exchange(catching_up_, {}));
+        caught_up_at_ = strain;
+    }
+    if (stage > 0) learn_at(strain, so_far, caught_up ? Due::now : Due::at_window_ends);
+    if (second_is_due()) {
+        second_begun_ = stage;
+        catching_up_.emplace(spread_around(prior_, known_), settings_.learning,
+                             settings_.stage_strain, "second", begin_);
+    }
+    foretell(forecast_, answering_->worlds.worlds(), belief().mean);
+    state_.points.push_back(forecast_.points.back());
+    state_.displacement.push_back(forecast_.displacement.back());
+    state_.rotation.push_back(forecast_.rotation.back());
+    const SensorInfo& info = so_far.recordings.front().info;
+    if (stage > 0)
+        analyse_stage(
+            state_, forecast_, answering_->scatter.scatter(),
+            {sensor_rocks(forecast_), so_far.ways, info.displacement_noise, info.attitude_noise},
+            stage);
+}
+
+void LiveModel::go_on() {
+    if (done()) return;
+    if (retired_) { // not before the answer
+        retired_->worlds.keep();
+        retired_.reset();
+    }
+    const std::size_t needed = state_.points.size() + 1;
+    answering_->go_on_to(needed);
+    if (catching_up_)
+        catch_up_to(std::min(needed, settings_.catch_up * (state_.points.size() - second_begun_)));
+}
+
+/// Too few worlds are no end of the test while those of the first generation answer it.
+void LiveModel::catch_up_to(std::size_t points) {
+    try {
+        catching_up_->go_on_to(points);
+    } catch (const SimulationError&) { // it has said which worlds
+        lost_second_at_ = next_strain();
+        fmt::print("too few worlds of the second generation are left at {:.2f} % of axial strain: "
+                   "the first one goes on answering\n",
+                   100 * lost_second_at_);
+        retired_ = std::exchange(catching_up_, {});
+    }
+}
+
+void LiveModel::keep() const {
+    for (const auto* generation : {&answering_, &catching_up_, &retired_})
+        if (*generation) (*generation)->worlds.keep();
+}
+
+} // namespace bris

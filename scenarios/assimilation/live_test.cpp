@@ -1,0 +1,471 @@
+#include "scenarios/assimilation/live_test.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
+#include "engine/io/whole_file.hpp"
+#include "engine/signal/median.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+#include <thread>
+#include <utility>
+
+namespace bris {
+
+namespace {
+
+constexpr auto silence_mark =
+    "{\"end\": 1, \"by_silence\": 1}\n"; // in a log: who goes on from it goes on listening
+constexpr double largest_jump = 2e-3; // of axial strain, from one record of the machine to the next
+constexpr std::size_t agreeing = 3;   // records over it, near each other, by which the machine is
+                                      // believed: what was between is lost
+constexpr std::string_view cut_off =
+    "# cut off: ";                      // before a line that lacks its end: it stays one
+constexpr double same_strain = 1e-9;    // of what was asked for and what has come
+constexpr std::size_t fewest_times = 3; // by which a clock is judged
+
+// of a sample
+constexpr std::array sample_names{"strain", "seq", "ax",   "ay",   "az",    "gx",   "gy", "gz",
+                                  "ux",     "uy",  "uz",   "qw",   "qx",    "qy",   "qz", "mx",
+                                  "my",     "mz",  "temp", "batt", "flags", "phase"};
+namespace in_sample {
+constexpr std::size_t strain = 0, sequence = 1, force = 2, rate = 5, displacement = 8,
+                      attitude = 11, field = 15, temperature = 18, battery = 19, flags = 20,
+                      phase = 21;
+}
+constexpr std::uint32_t bits_of(std::size_t first, std::size_t count) {
+    return ((1u << count) - 1) << first;
+}
+bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
+
+std::string logged(const LineSource::Line& line) {
+    return fmt::format("{}{}\n", line.whole ? "" : cut_off, line.text);
+}
+
+} // namespace
+
+LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path log,
+                   std::vector<SensorInfo> infos, const LiveSettings& settings)
+    : lines_(stream), infos_(std::move(infos)), settings_(settings) {
+    require(!infos_.empty(), "stream: expected SmartRocks that send, found none");
+    for (const SensorInfo& info : infos_) sensors_[info.id].clock_offset = info.clock_offset;
+    std::string kept = std::filesystem::exists(log) ? read_whole(log) : "";
+    kept.resize(kept.find_last_of('\n') == std::string::npos
+                    ? 0
+                    : kept.find_last_of('\n') +
+                          1); // a line that was being written is sent again, or lost as others are
+    if (kept.ends_with(silence_mark))
+        kept.resize(kept.size() - std::string_view(silence_mark).size());
+    write_whole(log, kept);
+    std::istringstream before(kept);
+    for (std::string line; std::getline(before, line);) logged_.push_back(line);
+    log_ = std::fopen(log.c_str(), "a");
+    if (log_ == nullptr) throw OutputError(fmt::format("cannot write '{}'", log.string()));
+}
+
+// What has come and was not taken yet would be lost.
+LiveTest::~LiveTest() {
+    std::string rest;
+    if (!over_)
+        while (const auto line = lines_.next(0)) rest += logged(*line);
+    const bool written = std::fwrite(rest.data(), 1, rest.size(), log_) == rest.size();
+    if (std::fclose(log_) != 0 || !written)
+        std::fputs("cannot write the log of the stream: is the disk full?\n", stderr);
+}
+
+void LiveTest::note(const std::string& kind, const std::string& text) {
+    auto& [count, first] = notes_[kind];
+    if (count++ == 0) first = text;
+}
+
+void LiveTest::write_to_log(std::string_view text) {
+    const bool written = std::fwrite(text.data(), 1, text.size(), log_) == text.size();
+    if (std::fflush(log_) != 0 || !written)
+        throw OutputError("cannot write the log of the stream: is the disk full?");
+}
+
+void LiveTest::end(const std::string& why, bool by_sender) {
+    over_ = true;
+    note("end", why);
+    if (by_sender) return; // its own line says so
+    write_to_log(silence_mark);
+}
+
+std::optional<LineSource::Line> LiveTest::next_of_log() {
+    if (logged_.empty()) return {};
+    LineSource::Line line{taken_ + 1, std::move(logged_.front()), this_instant(), true};
+    logged_.pop_front();
+    if (line.text.starts_with(cut_off)) {
+        line.text.erase(0, cut_off.size());
+        line.whole = false;
+    }
+    return line;
+}
+
+bool LiveTest::follow_to(double strain) {
+    waiting_since_ = this_instant();
+    while (!over_ && (machine_.empty() ||
+                      machine_.rbegin()->first < strain + settings_.lateness - same_strain)) {
+        if (interrupted())
+            throw Interrupted("interrupted; what has come is logged: go on with --resume and the "
+                              "folder of the results");
+        if (const auto before = next_of_log()) {
+            take_line(*before, true);
+            continue;
+        }
+        const auto line =
+            lines_.next(std::max(0.0, settings_.patience - seconds_since(waiting_since_)));
+        if (line)
+            take_line(*line, false);
+        else if (interrupted())
+            continue;
+        else if (lines_.over())
+            end(fmt::format("the stream ended after {} lines", taken_), false);
+        else
+            end(fmt::format("nothing {} for {:g} s after {} lines",
+                            machine_.empty() ? "came" : "of the test machine came",
+                            settings_.patience, taken_),
+                false);
+    }
+    followed_ = std::max(followed_, strain);
+    return !machine_.empty() && machine_.rbegin()->first >= strain - same_strain;
+}
+
+void LiveTest::take_line(LineSource::Line line, bool from_log) {
+    line.number = ++taken_; // a sender that is listened to again counts from 1
+    if (machine_.empty())
+        waiting_since_ = this_instant(); // before the test it is enough that anything comes
+    std::optional<StreamRecord> record;
+    try {
+        record = parser_.parse(line);
+    } catch (const InputError& e) {
+        note("unreadable", e.what());
+    }
+    if (record && !from_log) wait_for_its_time(*record);
+    if (!from_log) write_to_log(logged(line)); // before it is used: what was used can be used again
+    if (!record) return;
+    if (record->has("end"))
+        return end(fmt::format("the sender ended it after {} lines", taken_), true);
+    if (!from_log) arrivals_.push_back(record->arrived);
+    take(*record);
+}
+
+/// In a replay a record arrives when it would have.
+void LiveTest::wait_for_its_time(StreamRecord& record) {
+    constexpr double longest = 600; // s: no record waits for a t that is wrong
+    if (settings_.speed <= 0 || !std::isfinite(record.number("t"))) return;
+    if (!begun_) {
+        begun_ = true;
+        began_ = this_instant();
+        first_t_ = record.number("t");
+    }
+    const double due = (record.number("t") - first_t_) / settings_.speed;
+    if (due < 0 || due > seconds_since(began_) + longest) return;
+    while (seconds_since(began_) < due && !interrupted())
+        std::this_thread::sleep_for(
+            std::chrono::duration<double>(std::clamp(due - seconds_since(began_), 0.0, 0.1)));
+    record.arrived =
+        began_ + std::chrono::duration_cast<Instant::duration>(std::chrono::duration<double>(due));
+}
+
+void LiveTest::take(const StreamRecord& record) {
+    if (record.has("id"))
+        take_of_sensor(record);
+    else if (record.has("axial_strain") && record.has("deviatoric_stress_Pa"))
+        take_of_machine(record);
+    else
+        note("unknown",
+             fmt::format(
+                 "line {}: expected an id, or axial_strain and deviatoric_stress_Pa, found neither",
+                 record.line));
+}
+
+void LiveTest::take_of_sensor(const StreamRecord& record) {
+    const double id = record.number("id"), t = record.number("t");
+    const auto found = id >= 0 && id == std::floor(id) && id < 1e9
+                           ? sensors_.find(static_cast<unsigned>(id))
+                           : sensors_.end();
+    if (found == sensors_.end())
+        return note(fmt::format("id {}", id),
+                    fmt::format("line {}: expected the id of a file rock_NN.txt, found {}",
+                                record.line, id));
+    look_for_numbers(record);
+    if (!std::isfinite(t))
+        return note("no time", fmt::format("line {}: sensor {}: t: expected a number, found {}",
+                                           record.line, id, t));
+    if (is_far_off(record, "a sensor", record.number("strain"))) return;
+    SensorRecords& sensor = found->second;
+    const Sample sample = sample_of(record);
+    const auto [place, is_new] = sensor.by_time.emplace(t, sample);
+    if (is_new) {
+        sensor.sent |= sample.sent;
+        if (!clock_.by_time.empty())
+            sensor.ahead.push_back(t - sensor.clock_offset - clock_.by_time.rbegin()->first);
+        sensor.late +=
+            static_cast<std::uint64_t>(record.number("strain") < followed_ - same_strain);
+        return;
+    }
+    ++sensor.twice;
+    if (place->second.sent != sample.sent ||
+        !std::ranges::equal(place->second.numbers, sample.numbers, same_number))
+        note("contradicts",
+             fmt::format(
+                 "line {}: sensor {}: t = {} was sent before with other numbers; the first stand",
+                 record.line, id, t));
+}
+
+/// They are kept as they are, and the intake judges them; strain, phase, seq and flags as if they
+/// had not been sent.
+void LiveTest::look_for_numbers(const StreamRecord& record) {
+    for (const char* name : sample_names) {
+        const double number = record.number(name);
+        const bool whole = name == std::string_view("seq") || name == std::string_view("flags");
+        if (!record.has(name) || (std::isfinite(number) && !(whole && !is_count(number)))) continue;
+        const double id = record.number("id");
+        note(fmt::format("{} of {}", name, id),
+             fmt::format("line {}: sensor {}: {}: expected a {}number, found {}", record.line, id,
+                         name, whole ? "whole " : "", number));
+    }
+}
+
+/// One wrong strain would pass for the end of the test.
+bool LiveTest::is_far_off(const StreamRecord& record, const char* who, double strain) {
+    const double reached = machine_.empty() ? 0 : machine_.rbegin()->first;
+    if (!(strain > reached + largest_jump)) return false;
+    note(std::string("far off, ") + who,
+         fmt::format(
+             "line {}: {}: expected an axial strain near {:.4g}, found {:.4g}: is it in per cent?",
+             record.line, who, reached, strain));
+    return true;
+}
+
+void LiveTest::take_of_machine(const StreamRecord& record) {
+    const double strain = record.number("axial_strain");
+    if (!std::isfinite(strain) || !std::isfinite(record.number("deviatoric_stress_Pa")))
+        return note(
+            "not finite",
+            fmt::format(
+                "line {}: axial_strain, deviatoric_stress_Pa: expected numbers, found {} and {}",
+                record.line, strain, record.number("deviatoric_stress_Pa")));
+    if (is_far_off(record, "the machine", strain)) {
+        if (!astray_.empty() &&
+            !(std::abs(strain - astray_.back().number("axial_strain")) <= largest_jump))
+            astray_.clear();
+        astray_.push_back(record);
+        if (astray_.size() < agreeing) return;
+        note("gap", fmt::format("line {}: the machine goes on at {:.4g} of axial strain; what came "
+                                "before it is lost",
+                                record.line, astray_.front().number("axial_strain")));
+        for (const StreamRecord& r : std::exchange(astray_, {})) believe(r);
+        return;
+    }
+    astray_.clear();
+    believe(record);
+}
+
+void LiveTest::believe(const StreamRecord& record) {
+    const double strain = record.number("axial_strain");
+    waiting_since_ = this_instant();
+    if (!machine_.emplace(strain, record).second)
+        return note(
+            "twice",
+            fmt::format("line {}: the machine sent axial_strain = {} before; the first stands",
+                        record.line, strain));
+    if (std::isfinite(record.number("t"))) clock_.by_time.emplace(record.number("t"), strain);
+    const double phase = record.number("phase");
+    if (!std::isfinite(phase)) return;
+    const auto last = clock_.by_phase.rbegin();
+    if (last == clock_.by_phase.rend() || phase >= last->first || strain < last->second)
+        clock_.by_phase.emplace(phase, strain);
+    else
+        note("phase", fmt::format("line {}: the machine's phase: expected numbers that grow, found "
+                                  "{:.4g} after {:.4g}",
+                                  record.line, phase, last->first));
+}
+
+LiveTest::Sample LiveTest::sample_of(const StreamRecord& record) {
+    Sample sample{{}, 0};
+    for (std::size_t k = 0; k < sample_names.size(); ++k) {
+        const auto found = record.numbers.find(sample_names[k]);
+        sample.numbers[k] = found != record.numbers.end() ? found->second : std::nan("");
+        const bool needs_number =
+            k == in_sample::strain || k == in_sample::phase; // else the machine's is taken
+        if (found != record.numbers.end() && (!needs_number || std::isfinite(found->second)))
+            sample.sent |= bits_of(k, 1);
+    }
+    return sample;
+}
+
+double LiveTest::strain_of(double t, const Sample& sample) const {
+    if ((sample.sent & bits_of(in_sample::strain, 1)) != 0)
+        return sample.numbers[in_sample::strain];
+    if ((sample.sent & bits_of(in_sample::phase, 1)) != 0 && !clock_.by_phase.empty())
+        return strain_between(clock_.by_phase, sample.numbers[in_sample::phase]);
+    return strain_between(clock_.by_time, t);
+}
+
+Recording LiveTest::recording_of(const SensorInfo& info) const {
+    Recording r;
+    r.info = info;
+    const SensorRecords& sensor = sensors_.at(info.id);
+    const bool counted = std::ranges::all_of(sensor.by_time, [&](const auto& one) {
+        return is_count(one.second.numbers[in_sample::sequence]);
+    });
+    const auto any = [&](std::size_t first, std::size_t count) {
+        return (sensor.sent & bits_of(first, count)) != 0;
+    };
+    const bool force = any(in_sample::force, 3), rate = any(in_sample::rate, 3),
+               displacement = any(in_sample::displacement, 3),
+               attitude = any(in_sample::attitude, 4);
+    const bool field = any(in_sample::field, 3), temperature = any(in_sample::temperature, 1),
+               battery = any(in_sample::battery, 1), flags = any(in_sample::flags, 1);
+    for (const auto& [t, one] : sensor.by_time) {
+        const double strain = strain_of(t - sensor.clock_offset, one);
+        if (std::isnan(strain)) continue;
+        const double* n = one.numbers.data();
+        r.time.push_back(t);
+        r.strain.push_back(strain);
+        if (counted) r.sequence.push_back(static_cast<std::uint64_t>(n[in_sample::sequence]));
+        if (force) r.force.push_back(info.force_of(Vec3(n + in_sample::force)));
+        if (rate) r.rate.push_back(info.rate_of(Vec3(n + in_sample::rate)));
+        if (displacement) r.displacement.emplace_back(n + in_sample::displacement);
+        if (attitude)
+            r.attitude.emplace_back(n[in_sample::attitude], n[in_sample::attitude + 1],
+                                    n[in_sample::attitude + 2], n[in_sample::attitude + 3]);
+        if (field) r.field.push_back(info.field_of(Vec3(n + in_sample::field)));
+        if (temperature) r.temperature.push_back(info.temperature_of(n[in_sample::temperature]));
+        if (battery) r.battery.push_back(n[in_sample::battery]);
+        if (flags)
+            r.flags.push_back(is_count(n[in_sample::flags])
+                                  ? static_cast<std::uint64_t>(n[in_sample::flags])
+                                  : 0);
+    }
+    leave_out_flagged(r);
+    return r;
+}
+
+/// By the strains of records that have both, where there are enough; beyond the machine's steps
+/// nothing is known better.
+std::optional<double> LiveTest::clock_ahead(const SensorRecords& sensor) const {
+    std::vector<double> ahead;
+    for (const auto& [t, one] : sensor.by_time) {
+        const double strain = (one.sent & bits_of(in_sample::strain, 1)) != 0
+                                  ? one.numbers[in_sample::strain]
+                                  : std::nan("");
+        if (!(strain > 0)) continue; // at rest any time will do
+        const auto passed = machine_.lower_bound(strain - same_strain);
+        if (passed != machine_.end() && std::isfinite(passed->second.number("t")))
+            ahead.push_back(t - sensor.clock_offset - passed->second.number("t"));
+    }
+    if (ahead.size() < fewest_times) return {};
+    return median(std::move(ahead));
+}
+
+/// A clock that is off puts records without strain where the test was not. One that is behind
+/// cannot be told from records that come late, nor can clocks of all from a machine whose records
+/// do: these are told, not refused.
+void LiveTest::look_at_clocks(RecordedTest& test) const {
+    std::vector<double> steps, of_all;
+    for (auto at = clock_.by_time.begin();
+         at != clock_.by_time.end() && std::next(at) != clock_.by_time.end(); ++at)
+        steps.push_back(std::next(at)->first - at->first);
+    for (const auto& [id, sensor] : sensors_)
+        if (sensor.ahead.size() >= fewest_times) of_all.push_back(median(sensor.ahead));
+    for (std::size_t k = 0; k < test.recordings.size(); ++k) {
+        const SensorInfo& info = test.recordings[k].info;
+        const SensorRecords& sensor = sensors_.at(info.id);
+        std::vector<double> phases; // by which strain is found
+        bool needed = false;
+        for (const auto& [t, one] : sensor.by_time) {
+            if ((one.sent & bits_of(in_sample::strain, 1)) != 0) continue;
+            if ((one.sent & bits_of(in_sample::phase, 1)) != 0 && !clock_.by_phase.empty())
+                phases.push_back(one.numbers[in_sample::phase]);
+            else
+                needed = true;
+        }
+        const auto refuse = [&](const std::string& why) {
+            std::erase_if(test.findings, [&](const Finding& f) {
+                return f.sensor == info.id && f.check == "length";
+            }); // the same, less clearly
+            test.findings.push_back({Finding::Kind::refusal, info.id, "clock", why});
+            test.ways[k] = {};
+        };
+        if (const auto reason = reason_against_phases(phases)) refuse(*reason);
+        const bool none = needed && test.recordings[k].size() == 0;
+        if (none && clock_.by_time.empty())
+            refuse("expected strain in its records, or t in the machine's, found neither");
+        if (steps.empty()) continue;
+        const auto by_strain = clock_ahead(sensor);
+        if (!by_strain && sensor.ahead.size() < fewest_times && !none) continue;
+        const double ahead = by_strain ? *by_strain
+                             : sensor.ahead.empty()
+                                 ? sensor.by_time.begin()->first - sensor.clock_offset -
+                                       clock_.by_time.begin()->first
+                                 : median(sensor.ahead);
+        const double uncertain = 3 * info.clock_offset_deviation + median(steps);
+        if (std::abs(ahead) <= uncertain) continue;
+        const auto text =
+            fmt::format("its t are {:.3g} s {} the machine's {}, expected {:.2g} s at most",
+                        std::abs(ahead), ahead > 0 ? "ahead of" : "behind",
+                        by_strain ? "at the same strain" : "when they come", uncertain);
+        const bool alone = !of_all.empty() && ahead > 0 && ahead - median(of_all) > uncertain;
+        if (none || (needed && (by_strain || alone)))
+            refuse(text + ": give clock_offset");
+        else
+            test.findings.push_back({Finding::Kind::note, info.id, "clock",
+                                     text + (by_strain ? "; its strains are used"
+                                                       : ": clock, or records that come late")});
+    }
+}
+
+TriaxialPoint LiveTest::point_of(const StreamRecord& record) const {
+    TriaxialPoint p;
+    p.axial_strain = record.number("axial_strain");
+    p.deviatoric_stress = record.number("deviatoric_stress_Pa");
+    p.volumetric_strain = record.number("volumetric_strain");
+    for (std::size_t r = 1; record.has(fmt::format("ring_{}_radius_m", r)); ++r)
+        p.ring_radius.push_back(record.number(fmt::format("ring_{}_radius_m", r)));
+    return p;
+}
+
+RecordedTest LiveTest::so_far() const {
+    RecordedTest test;
+    test.pressure = settings_.pressure;
+    for (const SensorInfo& info : infos_) test.recordings.push_back(recording_of(info));
+    for (const auto& [strain, record] : machine_) test.measured.push_back(point_of(record));
+    examine(test, settings_.intake);
+    look_at_clocks(test);
+    return test;
+}
+
+std::vector<double> LiveTest::ages() {
+    std::vector<double> all;
+    for (const Instant arrived : arrivals_) all.push_back(seconds_since(arrived));
+    arrivals_.clear();
+    return all;
+}
+
+std::string LiveTest::report() const {
+    std::string text =
+        fmt::format("{} lines taken, {} records of the test machine to {:.3f} % of axial strain\n",
+                    taken_, machine_.size(), machine_.empty() ? 0 : 100 * machine_.rbegin()->first);
+    for (const auto& [kind, what] : notes_)
+        text += fmt::format("{} time{}: {}\n", what.first, what.first == 1 ? "" : "s", what.second);
+    for (const auto& [id, sensor] : sensors_) {
+        const double last = sensor.by_time.empty()
+                                ? std::nan("")
+                                : strain_of(sensor.by_time.rbegin()->first - sensor.clock_offset,
+                                            sensor.by_time.rbegin()->second);
+        text += fmt::format("sensor {}: {} records, {} late, {} sent again", id,
+                            sensor.by_time.size(), sensor.late, sensor.twice);
+        text += sensor.by_time.empty()
+                    ? "\n"
+                    : fmt::format(", the last at {:.3f} % of axial strain\n", 100 * last);
+    }
+    return text + intake_report(so_far());
+}
+
+} // namespace bris

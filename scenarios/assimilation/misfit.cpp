@@ -1,0 +1,74 @@
+#include "scenarios/assimilation/misfit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+constexpr double same_strain = 1e-5; // of what was measured and a stage
+
+/// At the strains that both curves have, up to one.
+double difference_of(const std::vector<TriaxialPoint>& run,
+                     const std::vector<TriaxialPoint>& measured, double last_strain,
+                     double TriaxialPoint::*value) {
+    double squares = 0, count = 0;
+    for (const TriaxialPoint& m : measured) {
+        const auto stage = stage_at(run, m.axial_strain, same_strain);
+        if (m.axial_strain <= 0 || m.axial_strain > last_strain || !stage ||
+            !std::isfinite(m.*value))
+            continue;
+        squares += std::pow(run[*stage].*value - m.*value, 2);
+        ++count;
+    }
+    return std::sqrt(squares / count);
+}
+
+/// Radial strain of the rings at the end of the run, against what was measured there and at the
+/// start.
+double ring_difference(const std::vector<TriaxialPoint>& run,
+                       const std::vector<TriaxialPoint>& measured) {
+    const auto at_end = stage_at(measured, run.back().axial_strain, same_strain);
+    const std::size_t rings = run.back().ring_radius.size();
+    if (!at_end || measured[*at_end].ring_radius.size() != rings ||
+        measured.front().ring_radius.size() != rings)
+        return std::nan("");
+    double squares = 0, count = 0;
+    for (std::size_t r = 0; r < rings; ++r) {
+        const double found = measured[*at_end].ring_radius[r] / measured.front().ring_radius[r];
+        if (!std::isfinite(found)) continue;
+        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - found, 2);
+        ++count;
+    }
+    return std::sqrt(squares / count);
+}
+
+/// Root mean square of what sensor rocks of the model are off by, as far as they were measured.
+double sensor_difference(const ModelRun& run, const std::vector<SensorWay>& ways,
+                         double last_strain) {
+    double squares = 0, count = 0;
+    for (std::size_t s = 0; s < std::min(run.sensors, ways.size()); ++s) {
+        for (std::size_t k = 0; k < ways[s].strain.size(); ++k) {
+            const auto stage = stage_at(run.points, ways[s].strain[k], same_strain);
+            if (!stage || ways[s].strain[k] > last_strain || !ways[s].displacement[k].allFinite())
+                continue;
+            squares += (run.displacement[*stage][s] - ways[s].displacement[k]).squaredNorm();
+            ++count;
+        }
+    }
+    return std::sqrt(squares / count);
+}
+
+} // namespace
+
+Misfit misfit_of(const ModelRun& run, const RecordedTest& test, double last_strain) {
+    const double last = last_strain + same_strain;
+    return {.q = difference_of(run.points, test.measured, last, &TriaxialPoint::deviatoric_stress),
+            .volumetric_strain =
+                difference_of(run.points, test.measured, last, &TriaxialPoint::volumetric_strain),
+            .ring_strain = ring_difference(run.points, test.measured),
+            .sensor_displacement = sensor_difference(run, test.ways, last)};
+}
+
+} // namespace bris

@@ -1,0 +1,24 @@
+#include "scenarios/assimilation/model_run.hpp"
+
+#include "scenarios/assimilation/arm_run.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
+
+#include <limits>
+
+namespace bris {
+
+ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings,
+                   const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
+                   const ModelWatch& watch, KeptRun* kept) {
+    ArmRun run(scene, settings, specimen, arm, seed, watch, kept);
+    run.go_on_to(std::numeric_limits<std::size_t>::max());
+    return std::move(run).take();
+}
+
+std::optional<std::size_t> stage_of_sample(const ModelRun& run, double strain) {
+    if (run.points.size() < 2) return {};
+    return stage_at(run.points, strain,
+                    0.501 * (run.points[1].axial_strain - run.points[0].axial_strain));
+}
+
+} // namespace bris

@@ -1,0 +1,153 @@
+#include "scenarios/assimilation/triaxial_model.hpp"
+
+#include "components/body.hpp"
+#include "engine/random.hpp"
+#include "engine/signal/attitude.hpp"
+#include "scenarios/assimilation/kept_run.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/triaxial/specimen_state.hpp"
+#include "systems/output/contacts.hpp"
+
+#include <map>
+#include <queue>
+#include <utility>
+
+namespace bris {
+
+namespace {
+
+void disturb(World& world, const std::vector<EntityId>& rocks, double size, std::uint64_t seed) {
+    for (const EntityId id : rocks)
+        value_of<Position>(world, id) += size * Random(seed, id).direction();
+}
+
+/// Sensors on the first rocks, recorded from where they stand now.
+void give_sensors(Simulation& simulation, const ModelArm& arm, const std::vector<RockPose>& start) {
+    const Corrections& c = arm.corrections;
+    World& world = simulation.world();
+    std::vector<std::vector<TimedMeasurement>> samples;
+    std::vector<EntityId> hosts;
+    for (std::size_t s = 0; s < arm.ways.size(); ++s) {
+        if (arm.ways[s].strain.empty()) continue;
+        hosts.push_back(world.resource<Specimen>().smart_rocks[s]);
+        samples.emplace_back();
+        for (std::size_t k = 0; k < arm.ways[s].strain.size(); ++k) {
+            TimedMeasurement m{arm.ways[s].strain[k], {}, arm.ways[s].strain[k] + c.lateness};
+            m.what.position = start[s].position + arm.ways[s].displacement[k];
+            const bool oriented = arm.ways[s].rotation[k].allFinite();
+            if (oriented)
+                m.what.attitude = exponential_map(arm.ways[s].rotation[k]) * start[s].orientation;
+            else
+                m.what.up = (start[s].orientation.conjugate() * Vec3::UnitZ() - arm.ways[s].tilt[k])
+                                .normalized();
+            m.what.velocity = m.what.spin = Vec3::Zero(); // at the end of a stage all is at rest
+            m.what.velocity_deviation = m.what.spin_deviation = 1e-6;
+            m.what.position_deviation = c.position_noise;
+            m.what.attitude_deviation = c.attitude_noise;
+            samples.back().push_back(m);
+        }
+    }
+    if (hosts.empty()) return;
+    add_sensors(world, hosts, std::move(samples), c.filter, c.injection_steps);
+    auto& fusion = world.resource<Fusion>();
+    fusion.by_strain = true;
+    fusion.spread = c.spread;
+    fusion.pull = c.pull;
+    fusion.largest_shift = c.largest_shift;
+    fusion.note_every = c.filter.lag > 0 ? c.note_every : 0;
+    open_account(world, c.largest_work_share);
+    simulation.prepare();
+}
+
+TriaxialSettings with_friction(TriaxialSettings settings, double friction) {
+    settings.friction = friction;
+    return settings;
+}
+
+/// Rocks that touch each of `rocks`, by their places there.
+std::vector<std::vector<std::size_t>> neighbours_of(const World& world,
+                                                    const std::vector<EntityId>& rocks) {
+    std::map<EntityId, std::size_t> place;
+    for (std::size_t k = 0; k < rocks.size(); ++k) place[rocks[k]] = k;
+    std::vector<std::vector<std::size_t>> neighbours(rocks.size());
+    for (const TouchingPair& pair : touching_pairs<SpherePairs>(world)) {
+        const auto a = place.find(pair.names.owner), b = place.find(pair.names.partner);
+        if (a == place.end() || b == place.end()) continue;
+        neighbours[a->second].push_back(b->second);
+        neighbours[b->second].push_back(a->second);
+    }
+    return neighbours;
+}
+
+} // namespace
+
+TriaxialModel::TriaxialModel(const TriaxialScene& scene, const TriaxialSettings& settings,
+                             const Archive& specimen, const ModelArm& arm, const RockBelief& belief,
+                             std::uint64_t seed)
+    : simulation_(make_simulation(scene, 1, false)),
+      test_(simulation_, with_friction(settings, belief.friction)) {
+    simulation_.restore(specimen);
+    const auto& parts = world().resource<Specimen>();
+    rocks_ = parts.smart_rocks;
+    sensors_ = rocks_.size();
+    rocks_.insert(rocks_.end(), parts.rocks.begin(), parts.rocks.end());
+    believe(scene, belief);
+    if (arm.disturbance > 0) disturb(world(), rocks_, arm.disturbance, seed);
+}
+
+void TriaxialModel::believe(const TriaxialScene& scene, const RockBelief& belief) {
+    set_rocks(world(), belief.friction, scene.specimen.clump_stiffness * belief.stiffness);
+}
+
+bool TriaxialModel::advance(const ModelArm& arm) {
+    if (!test_.advance()) return false;
+    if (start_.empty() && stages() > 0)
+        begin_shear(arm, poses(), test_.state().points.back().boundary_work);
+    return true;
+}
+
+void TriaxialModel::begin_shear(const ModelArm& arm, std::vector<RockPose> poses, double work) {
+    start_ = std::move(poses);
+    work_before_ = work;
+    if (!arm.ways.empty()) give_sensors(simulation_, arm, start_);
+}
+
+std::vector<RockPose> TriaxialModel::poses() {
+    std::vector<RockPose> poses;
+    for (const EntityId id : rocks_)
+        poses.push_back({value_of<Position>(world(), id), value_of<Orientation>(world(), id)});
+    return poses;
+}
+
+std::vector<unsigned> TriaxialModel::shells() const {
+    const auto neighbours = neighbours_of(simulation_.world(), rocks_);
+    std::vector<unsigned> shell(rocks_.size(), farthest_shell);
+    std::queue<std::size_t> next;
+    for (std::size_t k = 0; k < sensors_; ++k) {
+        shell[k] = 0;
+        next.push(k);
+    }
+    for (; !next.empty(); next.pop())
+        for (const std::size_t n : neighbours[next.front()])
+            if (shell[next.front()] + 1 < shell[n]) {
+                shell[n] = shell[next.front()] + 1;
+                next.push(n);
+            }
+    return shell;
+}
+
+Archive TriaxialModel::save() const {
+    Archive archive = simulation_.snapshot();
+    archive.put("model/work_before", std::span<const double>(&work_before_, 1));
+    save_poses(archive, "model/start", start_);
+    return archive;
+}
+
+void TriaxialModel::load(const ModelArm& arm, const Archive& archive) {
+    auto poses = load_poses(archive, "model/start");
+    if (!poses.empty())
+        begin_shear(arm, std::move(poses), archive.get<double>("model/work_before").at(0));
+    simulation_.restore(archive);
+}
+
+} // namespace bris

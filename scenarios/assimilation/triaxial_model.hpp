@@ -1,0 +1,58 @@
+#pragma once
+
+#include "engine/archive.hpp"
+#include "engine/simulation.hpp"
+#include "scenarios/assimilation/model_run.hpp"
+#include "scenarios/triaxial/triaxial.hpp"
+
+#include <cstdint>
+#include <vector>
+
+namespace bris {
+
+/// A model at work: the test it runs, and where its rocks stood when shearing began.
+class TriaxialModel {
+public:
+    /// Stands where the specimen was kept.
+    TriaxialModel(const TriaxialScene& scene, const TriaxialSettings& settings,
+                  const Archive& specimen, const ModelArm& arm, const RockBelief& belief,
+                  std::uint64_t seed);
+
+    void believe(const TriaxialScene& scene, const RockBelief& belief);
+    /// Masses and step anew for the contacts there are, after that.
+    void rescale() { test_.rescale(); }
+    /// One block of steps of the test. False: it is done.
+    bool advance(const ModelArm& arm);
+
+    const Simulation& simulation() const { return simulation_; }
+    World& world() { return simulation_.world(); }
+    const TriaxialTest& test() const { return test_; }
+    std::size_t stages() const {
+        return test_.state().points.size();
+    } ///< one at the start of shearing, one for each stage
+    const std::vector<EntityId>& rocks() const { return rocks_; } ///< sensor rocks first
+    std::size_t sensors() const { return sensors_; }
+    const std::vector<RockPose>& start() const { return start_; } ///< empty before shearing
+    std::vector<RockPose> poses();
+    /// J, that the boundaries have done while shearing.
+    double boundary_work() const {
+        return test_.state().points.back().boundary_work - work_before_;
+    }
+    /// Contacts from each rock to the nearest sensor rock, now.
+    std::vector<unsigned> shells() const;
+
+    Archive save() const;
+    void load(const ModelArm& arm, const Archive& archive);
+
+private:
+    void begin_shear(const ModelArm& arm, std::vector<RockPose> poses, double work);
+
+    Simulation simulation_;
+    TriaxialTest test_;
+    std::vector<EntityId> rocks_;
+    std::size_t sensors_ = 0;
+    std::vector<RockPose> start_;
+    double work_before_ = 0;
+};
+
+} // namespace bris

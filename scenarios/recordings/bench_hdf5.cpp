@@ -1,0 +1,172 @@
+#include "scenarios/recordings/bench_hdf5.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/io/hdf5.hpp"
+#include "engine/signal/median.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <span>
+#include <string>
+
+namespace bris {
+
+namespace {
+
+constexpr const char* group = "/bench";
+
+std::string named(const char* dataset) { return fmt::format("{}/{}", group, dataset); }
+
+/// Area over that at the start, point by point.
+std::vector<double> areas_of(const std::vector<TriaxialPoint>& points) {
+    std::vector<double> areas;
+    double volume = 0;
+    for (const TriaxialPoint& p : points) {
+        if (std::isfinite(p.volumetric_strain)) volume = p.volumetric_strain;
+        areas.push_back((1 - volume) / (1 - p.axial_strain));
+    }
+    return areas;
+}
+
+class BenchReader {
+public:
+    explicit BenchReader(const std::filesystem::path& path) : file_(Hdf5File::open(path)) {
+        require(file_.has(group),
+                fmt::format("{}: expected a group {}, or test.csv beside it, found neither",
+                            path.string(), group));
+        require_dataset("time");
+        const auto shape = file_.shape(named("time"));
+        require(shape.size() == 1, fmt::format("{}: expected numbers in one dimension, found {}",
+                                               at("time"), in_words(shape)));
+        records_ = shape.front();
+    }
+
+    Bench read(double pressure) const {
+        const auto time = numbers("time"), strain = numbers("strain"), force = numbers("force"),
+                   confining = numbers("confining");
+        const auto volume = optional_numbers("volumetric_strain"),
+                   phase = optional_numbers("phase");
+        require(records_ > 1, fmt::format("{}: {}: expected at least two records, found {}",
+                                          file_.path().string(), group, records_));
+        for (std::size_t k = 0; k < records_; ++k) require_number("confining", k, confining);
+        require(std::abs(median(confining) / pressure - 1) < 0.05,
+                fmt::format("{}: expected near {:g} Pa, found {:g}", at("confining"), pressure,
+                            median(confining)));
+        const auto rings = rings_of();
+        Bench bench;
+        for (std::size_t k = 0; k < records_; ++k) {
+            require_number("time", k, time, k == 0 || time[k] > time[k - 1]);
+            require(!(strain[k] >= 1),
+                    fmt::format("{}[{}]: expected below 1, found {}: is it in per cent?",
+                                at("strain"), k, strain[k]));
+            require_number("strain", k, strain, k == 0 || strain[k] > strain[k - 1]);
+            require_number("force", k, force);
+            TriaxialPoint& p = bench.points.emplace_back();
+            p.axial_strain = strain[k];
+            p.volumetric_strain = volume ? (*volume)[k] : std::nan("");
+            for (std::size_t r = 0; r < rings.size() / records_; ++r)
+                p.ring_radius.push_back(rings[k * (rings.size() / records_) + r]);
+            bench.clock.by_time.emplace(time[k], strain[k]);
+            if (!phase) continue;
+            require_number("phase", k, *phase, k == 0 || (*phase)[k] >= (*phase)[k - 1]);
+            bench.clock.by_phase.emplace((*phase)[k], strain[k]);
+        }
+        const double area = area_at_start();
+        const auto areas = areas_of(bench.points);
+        for (std::size_t k = 0; k < records_; ++k)
+            bench.points[k].deviatoric_stress = force[k] / (area * areas[k]);
+        return bench;
+    }
+
+private:
+    std::string at(const char* dataset) const {
+        return fmt::format("{}: {}", file_.path().string(), named(dataset));
+    }
+    void require_dataset(const char* dataset) const {
+        require(file_.has(named(dataset)),
+                fmt::format("{}: expected numbers, found none", at(dataset)));
+    }
+    std::vector<double> numbers(const char* dataset) const {
+        require_dataset(dataset);
+        auto all = file_.read<double>(named(dataset));
+        require(all.size() == records_, fmt::format("{}: expected {} numbers as of time, found {}",
+                                                    at(dataset), records_, all.size()));
+        return all;
+    }
+    std::optional<std::vector<double>> optional_numbers(const char* dataset) const {
+        if (!file_.has(named(dataset))) return {};
+        return numbers(dataset);
+    }
+    std::vector<double> rings_of() const {
+        if (!file_.has(named("ring_radius"))) return {};
+        const auto shape = file_.shape(named("ring_radius"));
+        require(shape.size() == 2 && shape[0] == records_,
+                fmt::format("{}: expected {} rows of the rings' radii, found {}", at("ring_radius"),
+                            records_, in_words(shape)));
+        return file_.read<double>(named("ring_radius"));
+    }
+    double area_at_start() const {
+        require(file_.has_attribute(group, "area"),
+                fmt::format("{}: {}: expected an attribute area (m2), found none",
+                            file_.path().string(), group));
+        const auto area = file_.attribute<double>(group, "area");
+        const std::string where = fmt::format("{}: {}: area: expected a number above 0 (m2), found",
+                                              file_.path().string(), group);
+        require(area.size() == 1, fmt::format("{} {} numbers", where, area.size()));
+        require(area[0] > 0 && std::isfinite(area[0]), fmt::format("{} {}", where, area[0]));
+        return area[0];
+    }
+    void require_number(const char* dataset, std::size_t k, const std::vector<double>& all) const {
+        require(std::isfinite(all[k]),
+                fmt::format("{}[{}]: expected a number, found {}", at(dataset), k, all[k]));
+    }
+    void require_number(const char* dataset, std::size_t k, const std::vector<double>& all,
+                        bool grows) const {
+        require_number(dataset, k, all);
+        require(grows, fmt::format("{}[{}]: expected numbers that grow, found {}", at(dataset), k,
+                                   all[k]));
+    }
+
+    Hdf5File file_;
+    std::size_t records_ = 0;
+};
+
+} // namespace
+
+bool has_bench(const std::filesystem::path& path) { return Hdf5File::open(path).has(group); }
+
+Bench read_bench(const std::filesystem::path& path, double pressure) {
+    return BenchReader(path).read(pressure);
+}
+
+void write_bench(const std::filesystem::path& path, const std::vector<TriaxialPoint>& points,
+                 const std::vector<double>& time, double area, double pressure) {
+    Hdf5File file = Hdf5File::open_to_write(path);
+    std::vector<double> strain, force, volume, rings;
+    const auto areas = areas_of(points);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        strain.push_back(points[k].axial_strain);
+        force.push_back(points[k].deviatoric_stress * area * areas[k]);
+        volume.push_back(points[k].volumetric_strain);
+        rings.insert(rings.end(), points[k].ring_radius.begin(), points[k].ring_radius.end());
+    }
+    const std::vector<double> confining(points.size(), pressure);
+    const auto write = [&](const char* dataset, const std::vector<double>& numbers) {
+        file.write(named(dataset), std::span<const double>(numbers));
+    };
+    write("time", time);
+    write("strain", strain);
+    write("force", force);
+    write("confining", confining);
+    write("volumetric_strain", volume);
+    if (!rings.empty())
+        file.write(named("ring_radius"), std::span<const double>(rings),
+                   {points.size(), rings.size() / points.size()});
+    file.set_attribute<double>(group, "area", area);
+    file.close();
+}
+
+} // namespace bris

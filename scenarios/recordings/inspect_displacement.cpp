@@ -1,0 +1,72 @@
+#include "engine/signal/median.hpp"
+#include "scenarios/recordings/inspection.hpp"
+
+namespace bris {
+
+namespace {
+
+/// A single sample that is far off is left to those who use it; one after which all are is not the
+/// rock's way.
+void look_at_jumps(const Inspection& at) {
+    const Recording& r = at.recording;
+    const auto& u = r.displacement;
+    for (std::size_t k = 2; k + 1 < u.size(); ++k) {
+        const double jump = (u[k] - u[k - 1]).norm();
+        const bool was_there = (u[k - 1] - u[k - 2]).norm() < 0.5 * jump,
+                   stays = (u[k + 1] - u[k]).norm() < 0.5 * jump;
+        const bool at_once = r.time[k] - r.time[k - 1] <
+                             3 / r.info.sampling_rate; // across a gap it may have gone far
+        if (jump > at.limits.jump && was_there && stays && at_once)
+            return at.refuse("jump",
+                             fmt::format("its displacement jumps by {:.1f} mm at t = {:.6g} s and "
+                                         "stays there, expected {:.1f} mm at most",
+                                         1e3 * jump, r.time[k], 1e3 * at.limits.jump));
+    }
+}
+
+double height_of_specimen(const Inspection& at) {
+    return std::max(at.limits.height, 2 * at.recording.info.z);
+}
+
+/// The platen drives all that moves: a rock goes as far as it, or slips once.
+void look_at_lengths(const Inspection& at) {
+    const Recording& r = at.recording;
+    const Vec3 start = at.still > 0
+                           ? median(std::vector<Vec3>(r.displacement.begin(),
+                                                      r.displacement.begin() +
+                                                          static_cast<std::ptrdiff_t>(at.still)))
+                           : Vec3(Vec3::Zero());
+    std::size_t astray = 0, first = 0;
+    const auto compared =
+        std::ranges::count_if(r.strain, [](double e) { return std::isfinite(e); });
+    const auto way = [&](std::size_t k) { return (r.displacement[k] - start).norm(); };
+    const auto longest = [&](std::size_t k) {
+        return 2 * r.strain[k] * height_of_specimen(at) + at.limits.jump +
+               5 * r.info.displacement_noise;
+    };
+    for (std::size_t k = at.still; k < r.strain.size(); ++k)
+        if (way(k) > longest(k) && astray++ == 0) first = k;
+    if (astray <= 3 ||
+        static_cast<double>(astray) <= at.limits.astray * static_cast<double>(compared))
+        return;
+    at.refuse("displacement",
+              fmt::format(
+                  "in {} of {} samples it is longer than the test lets a rock go, the first at "
+                  "{:.3f} % of axial strain: expected {:.1f} mm at most, found {:.1f} mm",
+                  astray, compared, 100 * r.strain[first], 1e3 * longest(first), 1e3 * way(first)));
+}
+
+} // namespace
+
+void look_at_displacement(const Inspection& at) {
+    const Recording& r = at.recording;
+    if (r.displacement.empty() ||
+        is_stuck(at, "displacement", r.displacement, r.info.displacement_noise))
+        return;
+    look_at_jumps(at);
+    look_at_scatter(at, "displacement", r.displacement, r.info.displacement_noise,
+                    height_of_specimen(at) * strain_step(at), "mm", 1e-3);
+    if (!r.strain.empty()) look_at_lengths(at);
+}
+
+} // namespace bris

@@ -1,0 +1,293 @@
+#include "scenarios/recordings/intake.hpp"
+
+#include "engine/estimation/linear_fit.hpp"
+#include "engine/signal/median.hpp"
+#include "scenarios/recordings/inspection.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bris {
+
+namespace {
+
+constexpr double degree = pi / 180;
+
+class Intake {
+public:
+    Intake(const Recording& recording, const Vec3& gravity, const IntakeLimits& limits,
+           std::vector<Finding>& findings)
+        : at_{recording, limits, findings}, r_(recording), gravity_(gravity), limits_(limits) {}
+
+    void look() {
+        look_at_flags(at_);
+        if (r_.size() < 2)
+            return refuse("length",
+                          fmt::format("expected two samples or more, found {}", r_.size()));
+        if (!look_at_numbers() || !look_at_times()) return; // what follows would be of no use
+        at_.rest = static_cast<std::size_t>(std::ranges::count_if(
+            r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
+        while (at_.still < at_.rest && (r_.strain.empty() || !(r_.strain[at_.still] > 0)))
+            ++at_.still; // NaN: none was sampled
+        look_at_clock();
+        look_at_count(at_);
+        look_at_device(at_);
+        look_at_field(at_);
+        look_at_displacement(at_);
+        look_at_attitude(at_, gravity_);
+        if (!r_.force.empty()) {
+            look_at_range("force", r_.force, r_.info.force_range, "m/s2");
+            look_at_noise("force", r_.force, r_.info.force_noise, "m/s2/sqrt(Hz)");
+            look_at_gravity();
+        }
+        if (r_.rate.empty()) return;
+        look_at_range("rate", r_.rate, r_.info.rate_range, "rad/s");
+        look_at_noise("rate", r_.rate, r_.info.rate_noise, "rad/s/sqrt(Hz)");
+        if (at_.still > 0) look_at_rates();
+    }
+
+private:
+    void note(std::string check, std::string text) { at_.note(std::move(check), std::move(text)); }
+    void refuse(std::string check, std::string text) {
+        at_.refuse(std::move(check), std::move(text));
+    }
+    Vec3 mean_at_rest(const std::vector<Vec3>& values) const {
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t k = 0; k < at_.rest; ++k) sum += values[k];
+        return sum / static_cast<double>(at_.rest);
+    }
+
+    bool look_at_numbers() {
+        const auto bad = [](const auto& values) {
+            return std::ranges::count_if(values, [](const auto& v) {
+                if constexpr (requires { v.coeffs(); })
+                    return !v.coeffs().allFinite();
+                else if constexpr (requires { v.allFinite(); })
+                    return !v.allFinite();
+                else
+                    return !std::isfinite(v);
+            });
+        };
+        const auto first = [&](const char* channel) {
+            const auto place = r_.first_without.find(channel);
+            return place == r_.first_without.end()
+                       ? ""
+                       : fmt::format(", {}: the first at {}", channel, place->second);
+        };
+        // without these, others can be of use
+        const auto note_missing = [&](const char* channel, const auto& values) {
+            if (const auto count = bad(values); count > 0)
+                note("numbers", fmt::format("{} of {} samples are without{}", count, values.size(),
+                                            first(channel)));
+        };
+        note_missing("strain", r_.strain);
+        note_missing("phase", r_.phase);
+        note_missing("mx my mz", r_.field);
+        note_missing("temp", r_.temperature);
+        note_missing("batt", r_.battery);
+        const auto count =
+            bad(r_.force) + bad(r_.rate) + bad(r_.displacement) + bad(r_.attitude) + bad(r_.time);
+        std::string where;
+        for (const char* channel : {"t", "ax ay az", "gx gy gz", "ux uy uz", "qw qx qy qz"})
+            where += first(channel);
+        if (count > 0)
+            refuse("numbers",
+                   fmt::format("expected finite numbers, found {} that are not{}", count, where));
+        return count == 0;
+    }
+
+    bool look_at_times() {
+        const double nominal = 1 / r_.info.sampling_rate;
+        std::size_t backwards = 0, twice = 0;
+        double widest = 0, squares = 0;
+        for (std::size_t k = 1; k < r_.size(); ++k) {
+            const double gap = r_.time[k] - r_.time[k - 1];
+            backwards += static_cast<std::size_t>(
+                gap < 0 || (!r_.sequence.empty() && r_.sequence[k] < r_.sequence[k - 1]));
+            twice += static_cast<std::size_t>(
+                gap == 0 || (!r_.sequence.empty() && r_.sequence[k] == r_.sequence[k - 1]));
+            widest = std::max(widest, gap);
+            const double jitter = gap - nominal * std::max(1.0, std::round(gap / nominal));
+            squares += jitter * jitter;
+        }
+        const auto steps = static_cast<double>(r_.size() - 1);
+        if (backwards > 0)
+            refuse("order",
+                   fmt::format("expected times and counts that grow, found {} that go back",
+                               backwards));
+        if (twice > 0)
+            refuse("twice", fmt::format("expected each sample once, found {} again", twice));
+        if (backwards + twice > 0) return false;
+        const double lost =
+            1 - steps / std::max(steps, (r_.time.back() - r_.time.front()) / nominal);
+        if (lost > limits_.lost)
+            refuse("gaps",
+                   fmt::format("expected at most {:.0f} % of samples missing, found {:.0f} %",
+                               100 * limits_.lost, 100 * lost));
+        else if (widest > 1.5 * nominal)
+            note("gaps", fmt::format("{:.2f} % of samples are missing, the longest gap is {:.3g} s",
+                                     100 * lost, widest));
+        const double jitter = std::sqrt(squares / steps);
+        if (jitter > 0.1 * nominal)
+            note("jitter",
+                 fmt::format("samples come {:.2g} s off their time, {:.0f} % of the interval",
+                             jitter, 100 * jitter / nominal));
+        return true;
+    }
+
+    void look_at_clock() {
+        if (r_.sequence.size() < 10) return; // too few to tell a drift from jitter
+        std::vector<double> due;
+        for (const std::uint64_t n : r_.sequence)
+            due.push_back(static_cast<double>(n - r_.sequence.front()) / r_.info.sampling_rate);
+        const double drift = fit_line(due, r_.time, due.front(), due.back()).slope - 1;
+        const auto text = fmt::format(
+            "its clock gains {:.3g} of the time that its count of samples tells", drift);
+        if (std::abs(drift) > limits_.clock_drift)
+            refuse("clock", text + fmt::format(", expected {:.1g} at most", limits_.clock_drift));
+        else if (std::abs(drift) > 1e-5)
+            note("clock", text);
+    }
+
+    void look_at_range(const char* what, const std::vector<Vec3>& values, double range,
+                       const char* unit) {
+        const auto full = std::ranges::count_if(
+            values, [&](const Vec3& v) { return v.cwiseAbs().maxCoeff() >= 0.999 * range; });
+        const double share = static_cast<double>(full) / static_cast<double>(values.size());
+        const auto text =
+            fmt::format("{} of {} samples of {} stand at the end of the range, {:.4g} {}", full,
+                        values.size(), what, range, unit);
+        if (share > limits_.saturated)
+            refuse("saturation", text);
+        else if (full > 0)
+            note("saturation", text);
+    }
+
+    void look_at_noise(const char* what, const std::vector<Vec3>& values, double density,
+                       const char* unit) {
+        if (density <= 0 || is_stuck(at_, what, values, density)) return;
+        if (at_.rest < 20)
+            return note("noise",
+                        fmt::format("{}: too few samples at rest to tell, {}", what, at_.rest));
+        const Vec3 mean = mean_at_rest(values);
+        double squares = 0;
+        for (std::size_t k = 0; k < at_.rest; ++k) squares += (values[k] - mean).squaredNorm();
+        const double found = std::sqrt(squares / (3 * static_cast<double>(at_.rest - 1)) /
+                                       r_.info.sampling_rate),
+                     ratio = found / density;
+        if (ratio > limits_.noise_ratio || ratio < 1 / limits_.noise_ratio)
+            note("noise", fmt::format("{} at rest: declared {:.3g} {}, found {:.3g}", what, density,
+                                      unit, found));
+    }
+
+    void look_at_gravity() {
+        const Vec3 pull = mean_at_rest(r_.force);
+        const double g = gravity_.norm(), size = pull.norm();
+        const double limit = limits_.gravity + 3 * r_.info.force_bias / g;
+        if (std::abs(size / g - 1) > limit) {
+            const bool in_g = std::abs(size - 1) < 2 * limits_.gravity,
+                       twice = std::abs(size / (g * g) - 1) < 2 * limits_.gravity;
+            return refuse(
+                "gravity",
+                fmt::format("at rest expected {:.3f} m/s2 within {:.0f} %, found {:.3f}{}", g,
+                            100 * limit, size,
+                            in_g    ? ": the recording seems to be in g"
+                            : twice ? ": the recording seems to be in m/s2, not in g"
+                                    : ""));
+        }
+        const double off =
+            std::acos(std::clamp((r_.info.attitude() * pull).normalized().dot(-gravity_ / g), -1.0,
+                                 1.0)) /
+            degree;
+        if (off > limits_.frame + 3 * r_.info.attitude_deviation)
+            refuse("frame", fmt::format("at rest, turned by its attitude at the start, the force "
+                                        "should point upwards; it is {:.0f} degrees off{}",
+                                        off, off > 165 ? ": the sign seems to be reversed" : ""));
+    }
+
+    /// A rock that lies still turns with the earth; what its rates show beyond that are bias and
+    /// noise.
+    void look_at_rates() {
+        constexpr double earth = 7.3e-5; // rad/s
+        const double found =
+            median(std::vector<Vec3>(r_.rate.begin(),
+                                     r_.rate.begin() + static_cast<std::ptrdiff_t>(at_.still)))
+                .norm();
+        const double expected =
+            2 * earth +
+            8 * std::hypot(r_.info.rate_bias,
+                           r_.info.rate_noise *
+                               std::sqrt(r_.info.sampling_rate / static_cast<double>(at_.still)));
+        if (found > expected)
+            refuse("rate",
+                   fmt::format("at rest expected {:.2g} rad/s at most, found {:.2g}{}", expected,
+                               found, found * degree < expected ? ": they may be in deg/s" : ""));
+    }
+
+    Inspection at_;
+    const Recording& r_;
+    Vec3 gravity_;
+    const IntakeLimits& limits_;
+};
+
+/// Correlation of two series of vectors over the samples that both have.
+double correlation(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+    const std::size_t n = std::min(a.size(), b.size());
+    Vec3 mean_a = Vec3::Zero(), mean_b = Vec3::Zero();
+    for (std::size_t k = 0; k < n; ++k) {
+        mean_a += a[k] / static_cast<double>(n);
+        mean_b += b[k] / static_cast<double>(n);
+    }
+    double ab = 0, aa = 0, bb = 0;
+    for (std::size_t k = 0; k < n; ++k) {
+        ab += (a[k] - mean_a).dot(b[k] - mean_b);
+        aa += (a[k] - mean_a).squaredNorm();
+        bb += (b[k] - mean_b).squaredNorm();
+    }
+    return aa > 0 && bb > 0 ? ab / std::sqrt(aa * bb) : 0;
+}
+
+} // namespace
+
+std::vector<Finding> look_at(const std::vector<Recording>& recordings, const Vec3& gravity,
+                             const IntakeLimits& limits) {
+    std::vector<Finding> findings;
+    for (const Recording& r : recordings) Intake(r, gravity, limits, findings).look();
+    for (std::size_t a = 0; a < recordings.size(); ++a)
+        for (std::size_t b = a + 1; b < recordings.size(); ++b) {
+            const unsigned first = recordings[a].info.id, second = recordings[b].info.id;
+            if (!accepted(findings, first) || !accepted(findings, second) ||
+                correlation(recordings[a].force, recordings[b].force) < limits.same)
+                continue;
+            for (const auto& [one, other] : {std::pair{first, second}, std::pair{second, first}})
+                findings.push_back({Finding::Kind::refusal, one, "same",
+                                    fmt::format("records what sensor {} records", other)});
+        }
+    compare_displacements(recordings, findings);
+    return findings;
+}
+
+bool accepted(const std::vector<Finding>& findings, unsigned sensor) {
+    return std::ranges::none_of(findings, [&](const Finding& f) {
+        return f.sensor == sensor && f.kind == Finding::Kind::refusal;
+    });
+}
+
+std::string intake_report(const std::vector<Finding>& findings,
+                          const std::vector<Recording>& recordings) {
+    std::string text;
+    for (const Recording& r : recordings) {
+        const auto of_sensor = [&](const Finding& f) { return f.sensor == r.info.id; };
+        if (std::ranges::none_of(findings, of_sensor))
+            text += fmt::format("sensor {}: {} samples, nothing found\n", r.info.id, r.size());
+        for (const Finding& f : findings)
+            if (of_sensor(f))
+                text += fmt::format("sensor {}: {}{}: {}\n", f.sensor,
+                                    f.kind == Finding::Kind::refusal ? "refused: " : "", f.check,
+                                    f.text);
+    }
+    return text;
+}
+
+} // namespace bris

@@ -1,0 +1,342 @@
+#include "scenarios/recordings/machine_intake.hpp"
+
+#include "engine/signal/median.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+#include <utility>
+
+namespace bris {
+
+namespace {
+
+constexpr double begun = 2e-3;    // axial strain from which q is of the order of the pressure
+constexpr std::size_t fewest = 3; // samples that make a verdict
+
+struct Range {
+    double lower, upper;
+};
+
+/// How far a sample may be from those beside it.
+struct Neighbourhood {
+    double start; ///< the value before the first
+    double floor,
+        at_end; ///< the least; for the last sample, which only the next will tell from a slip
+    double share, share_at_end; ///< besides, of the neighbour
+};
+
+/// A channel of the machine, from which what is wrong is left out.
+class Channel {
+public:
+    Channel(std::string name, const std::vector<double>& strain, std::vector<double> values,
+            std::vector<Finding>& findings)
+        : values_(std::move(values)), name_(std::move(name)), strain_(strain), findings_(findings) {
+    }
+
+    double operator[](std::size_t k) const { return values_[k]; }
+    bool is_measured(std::size_t k) const { return !std::isnan(values_[k]); }
+    /// Rows where there is a number.
+    std::vector<std::size_t> measured() const {
+        std::vector<std::size_t> rows;
+        for (std::size_t k = 0; k < values_.size(); ++k)
+            if (is_measured(k)) rows.push_back(k);
+        return rows;
+    }
+
+    void refuse(const std::string& text) {
+        findings_.push_back({Finding::Kind::refusal, test_machine, name_, text});
+        std::ranges::fill(values_, std::nan(""));
+    }
+
+    /// `range` of a row, `reason` for a value out of it.
+    void keep_within(auto&& range, auto&& reason, std::size_t long_run) {
+        std::vector<std::size_t> out;
+        const auto all = measured();
+        std::size_t run = 0, longest = 0;
+        for (const std::size_t k : all) {
+            const Range r = range(k);
+            const bool is_out = !(values_[k] >= r.lower && values_[k] <= r.upper);
+            if (is_out) out.push_back(k);
+            longest = std::max(longest, run = is_out ? run + 1 : 0);
+        }
+        if (out.empty()) return;
+        const auto text = [&](std::size_t k) {
+            return fmt::format(
+                "expected {:.4g} to {:.4g}, found {:.4g} at {:.4g} % of axial strain{}",
+                range(k).lower, range(k).upper, values_[k], 100 * strain_[k], reason(k));
+        };
+        if (longest < long_run && (out.size() < fewest || 2 * out.size() <= all.size()))
+            return leave_out(out, all.size(), text(out.front()));
+        refuse(fmt::format("{} of {} records cannot be: {}", out.size(), all.size(),
+                           text(out.back()))); // the last tells most
+    }
+
+    void leave_out_wild(const Neighbourhood& near) {
+        const auto all = measured();
+        std::vector<double> beside,
+            off(all.size(), 0); // the median of three, and how far from it if too far
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            const bool last = i + 1 == all.size();
+            const double x = values_[all[i]], before = i == 0 ? near.start : values_[all[i - 1]],
+                         after = last ? before : values_[all[i + 1]];
+            beside.push_back(std::clamp(x, std::min(before, after), std::max(before, after)));
+            const double limit = last ? near.at_end + near.share_at_end * std::abs(beside[i])
+                                      : near.floor + near.share * std::abs(beside[i]);
+            if (std::abs(x - beside[i]) > limit) off[i] = std::abs(x - beside[i]);
+        }
+        std::vector<std::size_t> wild;
+        std::optional<std::size_t> first;
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            if (off[i] == 0 || (i > 0 && off[i - 1] > off[i]) ||
+                (i + 1 < all.size() && off[i + 1] > off[i]))
+                continue; // it is the one beside it
+            if (!first) first = i;
+            wild.push_back(all[i]);
+        }
+        if (!first) return;
+        const std::size_t k = wild.front();
+        leave_out(
+            wild, all.size(),
+            fmt::format(
+                "expected one near {:.4g} as beside it, found {:.4g} at {:.4g} % of axial strain",
+                beside[*first], values_[k], 100 * strain_[k]));
+    }
+
+    void leave_out_stuck(std::size_t samples, double length) {
+        const auto all = measured();
+        std::vector<std::size_t> stuck;
+        std::string first;
+        for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+            while (end < all.size() && values_[all[end]] == values_[all[begin]]) ++end;
+            const double from = strain_[all[begin]], to = strain_[all[end - 1]];
+            if (end - begin < samples || to - from < length * (1 - 1e-9)) continue;
+            if (stuck.empty())
+                first = fmt::format(
+                    "expected a change, found {:.4g} from {:.4g} to {:.4g} % of axial strain",
+                    values_[all[begin]], 100 * from, 100 * to);
+            for (std::size_t i = begin + 1; i < end; ++i) stuck.push_back(all[i]);
+        }
+        if (stuck.empty()) return;
+        if (stuck.size() + 1 == all.size()) return refuse(first);
+        leave_out(stuck, all.size(), first);
+    }
+
+private:
+    void leave_out(const std::vector<std::size_t>& rows, std::size_t of, const std::string& first) {
+        for (const std::size_t k : rows) values_[k] = std::nan("");
+        findings_.push_back({Finding::Kind::note, test_machine, name_,
+                             fmt::format("{} of {} records left out: {}", rows.size(), of, first)});
+    }
+
+    std::vector<double> values_;
+    std::string name_;
+    const std::vector<double>& strain_;
+    std::vector<Finding>& findings_;
+};
+
+class MachineIntake {
+public:
+    MachineIntake(std::vector<TriaxialPoint>& measured, double pressure,
+                  const MachineLimits& limits)
+        : measured_(measured), pressure_(pressure), limits_(limits) {
+        for (const TriaxialPoint& p : measured) strain_.push_back(p.axial_strain);
+    }
+
+    std::vector<Finding> look() {
+        std::size_t rings = 0;
+        for (const TriaxialPoint& p : measured_) rings = std::max(rings, p.ring_radius.size());
+        note_missing("volumetric_strain",
+                     [](const TriaxialPoint& p) { return p.volumetric_strain; });
+        for (std::size_t r = 0; r < rings; ++r)
+            note_missing(name_of_ring(r), [r](const TriaxialPoint& p) { return radius_of(p, r); });
+        look_at_strain();
+        look_at_q();
+        for (std::size_t r = 0; r < rings; ++r) look_at_ring(r);
+        look_at_volume(); // the rings say whether its sign is right
+        return std::move(findings_);
+    }
+
+private:
+    Channel channel(std::string name, auto&& value) {
+        std::vector<double> values;
+        for (const TriaxialPoint& p : measured_) values.push_back(value(p));
+        return Channel(std::move(name), strain_, std::move(values), findings_);
+    }
+
+    static std::string name_of_ring(std::size_t r) {
+        return fmt::format("ring_{}_radius_m", r + 1);
+    }
+    static double radius_of(const TriaxialPoint& p, std::size_t r) {
+        return r < p.ring_radius.size() ? p.ring_radius[r] : std::nan("");
+    }
+
+    /// Of a channel that there is.
+    void note_missing(const std::string& name, auto&& value) {
+        const auto missing = static_cast<std::size_t>(std::ranges::count_if(
+            measured_, [&](const TriaxialPoint& p) { return std::isnan(value(p)); }));
+        if (missing > 0 && missing < measured_.size())
+            findings_.push_back(
+                {Finding::Kind::note, test_machine, name,
+                 fmt::format("{} of {} records are without", missing, measured_.size())});
+    }
+
+    /// Nothing is of use that was measured who knows where.
+    void look_at_strain() {
+        Channel strain =
+            channel("axial_strain", [](const TriaxialPoint& p) { return p.axial_strain; });
+        strain.keep_within(
+            [&](std::size_t) {
+                return Range{-0.1 * limits_.largest_strain, limits_.largest_strain};
+            },
+            [&](std::size_t k) {
+                return strain[k] > 0 ? ": is it in per cent?" : ": is its sign reversed?";
+            },
+            limits_.long_run);
+        for (std::size_t k = 0; k < measured_.size(); ++k) {
+            if (strain.is_measured(k)) continue;
+            measured_[k].deviatoric_stress = measured_[k].volumetric_strain = std::nan("");
+            std::ranges::fill(measured_[k].ring_radius, std::nan(""));
+        }
+    }
+
+    void look_at_q() {
+        Channel q = channel("deviatoric_stress_Pa",
+                            [](const TriaxialPoint& p) { return p.deviatoric_stress; });
+        look_at_level(q);
+        q.keep_within(
+            [&](std::size_t) {
+                return Range{-pressure_, limits_.largest_q * pressure_};
+            },
+            [](std::size_t) { return ""; }, limits_.long_run);
+        q.leave_out_wild({.start = 0,
+                          .floor = 0.1 * pressure_,
+                          .at_end = 5 * pressure_,
+                          .share = 0.5,
+                          .share_at_end = 0.85});
+        q.leave_out_stuck(limits_.same_samples, limits_.stuck_q);
+        for (std::size_t k = 0; k < measured_.size(); ++k) measured_[k].deviatoric_stress = q[k];
+    }
+
+    void look_at_level(Channel& q) const {
+        const double small = limits_.smallest_q * pressure_;
+        std::vector<double> sheared, later;
+        for (const std::size_t k : q.measured()) {
+            if (strain_[k] > 0) sheared.push_back(q[k]);
+            if (strain_[k] >= begun) later.push_back(q[k]);
+        }
+        const auto negative = std::ranges::count_if(sheared, [&](double x) { return x < -small; });
+        if (sheared.size() >= fewest && 2 * static_cast<std::size_t>(negative) > sheared.size())
+            return q.refuse(fmt::format("expected it positive in compression, found {} of {} "
+                                        "records negative: is its sign reversed?",
+                                        negative, sheared.size()));
+        if (later.size() < fewest || std::abs(median(later)) >= small) return;
+        q.refuse(fmt::format(
+            "expected {:.4g} Pa and more beyond {:.1f} % of axial strain, found {:.4g}{}", small,
+            100 * begun, median(later), 1e3 * median(later) > small ? ": is it in kPa?" : ""));
+    }
+
+    void look_at_ring(std::size_t r) {
+        Channel ring =
+            channel(name_of_ring(r), [&](const TriaxialPoint& p) { return radius_of(p, r); });
+        std::vector<double> radii;
+        for (const std::size_t k : ring.measured()) radii.push_back(ring[k]);
+        if (radii.empty()) return;
+        const double middle = median(radii);
+        if (radii.size() >= fewest && !(middle > 0 && middle < limits_.largest_ring))
+            ring.refuse(fmt::format("expected a radius of less than {:g} m, found {:.4g}",
+                                    limits_.largest_ring, middle));
+        else if (middle > 0) {
+            ring.keep_within(
+                [&](std::size_t) {
+                    return Range{(1 - limits_.ring_strain) * middle,
+                                 (1 + limits_.ring_strain) * middle};
+                },
+                [](std::size_t) { return ""; }, limits_.long_run);
+            ring.leave_out_wild({.start = middle,
+                                 .floor = 0.03 * middle,
+                                 .at_end = 0.3 * middle,
+                                 .share = 0,
+                                 .share_at_end = 0});
+        }
+        for (std::size_t k = 0; k < measured_.size(); ++k)
+            if (r < measured_[k].ring_radius.size()) measured_[k].ring_radius[r] = ring[k];
+    }
+
+    Range possible_volume(std::size_t k) const {
+        const double axial = std::max(0.0, strain_[k]);
+        return {-limits_.dilation * axial - limits_.first_volume,
+                limits_.compaction * axial + limits_.first_volume};
+    }
+
+    void look_at_volume() {
+        Channel volume = channel("volumetric_strain",
+                                 [](const TriaxialPoint& p) { return p.volumetric_strain; });
+        look_at_sign(volume);
+        volume.keep_within([&](std::size_t k) { return possible_volume(k); },
+                           [&](std::size_t k) {
+                               const auto fits = [&](double x) {
+                                   return x >= possible_volume(k).lower &&
+                                          x <= possible_volume(k).upper;
+                               };
+                               return fits(-volume[k]) ? ": is its sign reversed?"
+                                      : fits(0.01 * volume[k]) || fits(-0.01 * volume[k])
+                                          ? ": is it in per cent?"
+                                          : "";
+                           },
+                           limits_.long_run);
+        volume.leave_out_wild(
+            {.start = 0, .floor = 2e-3, .at_end = 2e-2, .share = 0.5, .share_at_end = 0.85});
+        volume.leave_out_stuck(limits_.same_samples, limits_.stuck_volume);
+        for (std::size_t k = 0; k < measured_.size(); ++k)
+            measured_[k].volumetric_strain = volume[k];
+    }
+
+    /// Dense rocks dilate early, and a reversed sign looks like loose ones; but the rings widen or
+    /// do not.
+    void look_at_sign(Channel& volume) const {
+        std::size_t compared = 0, reversed = 0, last = 0;
+        for (const std::size_t k : volume.measured()) {
+            const double of_rings = volume_of_rings(k);
+            if (!(std::abs(of_rings) > limits_.first_volume)) continue;
+            ++compared;
+            if (std::abs(volume[k] + of_rings) > 0.5 * std::abs(of_rings)) continue;
+            ++reversed;
+            last = k;
+        }
+        if (compared < fewest || 2 * reversed <= compared) return;
+        volume.refuse(fmt::format("expected {:.4g} at {:.4g} % of axial strain as the rings tell, "
+                                  "found {:.4g}: is its sign reversed?",
+                                  volume_of_rings(last), 100 * strain_[last], volume[last]));
+    }
+
+    /// NaN: not all rings were measured there, or at the beginning.
+    double volume_of_rings(std::size_t k) const {
+        const auto &before = measured_.front().ring_radius, &now = measured_[k].ring_radius;
+        if (before.empty() || now.size() != before.size()) return std::nan("");
+        double squares = 0, squares_before = 0;
+        for (std::size_t r = 0; r < now.size(); ++r) {
+            squares += now[r] * now[r];
+            squares_before += before[r] * before[r];
+        }
+        return 1 - (1 - strain_[k]) * squares / squares_before;
+    }
+
+    std::vector<TriaxialPoint>& measured_;
+    double pressure_;
+    const MachineLimits& limits_;
+    std::vector<double> strain_;
+    std::vector<Finding> findings_;
+};
+
+} // namespace
+
+std::vector<Finding> look_at_machine(std::vector<TriaxialPoint>& measured, double pressure,
+                                     const MachineLimits& limits) {
+    return MachineIntake(measured, pressure, limits).look();
+}
+
+} // namespace bris

@@ -1,0 +1,286 @@
+#include "scenarios/recordings/recorded_test.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/io/column_map.hpp"
+#include "scenarios/recordings/bench_hdf5.hpp"
+#include "scenarios/recordings/machine_intake.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace bris {
+
+namespace {
+
+/// Fills a clock by a column of the machine, where it has that.
+void read_clock(const CsvTable& table, const char* name, const std::vector<double>& strain,
+                std::map<double, double>& strain_at) {
+    if (!table.has(name)) return;
+    const auto values = table.column(name);
+    double last = -std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < values.size(); ++k) {
+        if (std::isnan(values[k])) continue;
+        require(std::isfinite(values[k]) && values[k] >= last,
+                fmt::format("{}:{}: {}: expected numbers that grow, found {:.10g} after {:.10g}",
+                            table.path.string(), table.lines[k], name, values[k], last));
+        last = values[k];
+        strain_at.emplace(values[k], strain[k]);
+    }
+}
+
+Bench read_test(const std::filesystem::path& csv, const CsvForm& form) {
+    const CsvTable table = read_csv(csv, form);
+    const auto strain = table.column("axial_strain"), q = table.column("deviatoric_stress_Pa");
+    Bench test;
+    auto& points = test.points;
+    const auto volume = table.has("volumetric_strain")
+                            ? table.column("volumetric_strain")
+                            : std::vector<double>(strain.size(), std::nan(""));
+    std::vector<std::vector<double>> rings;
+    for (std::size_t r = 1; table.has(fmt::format("ring_{}_radius_m", r)); ++r)
+        rings.push_back(table.column(fmt::format("ring_{}_radius_m", r)));
+    for (std::size_t k = 0; k < strain.size(); ++k) {
+        const std::string at = fmt::format("{}:{}", csv.string(), table.lines[k]);
+        require(
+            std::isfinite(strain[k]) && (k == 0 || strain[k] > strain[k - 1]),
+            fmt::format("{}: axial_strain: expected numbers that grow, found {}", at, strain[k]));
+        require(std::isfinite(q[k]),
+                fmt::format("{}: deviatoric_stress_Pa: expected a number, found {}", at, q[k]));
+        TriaxialPoint& p = points.emplace_back();
+        p.axial_strain = strain[k];
+        p.deviatoric_stress = q[k];
+        p.volumetric_strain = volume[k];
+        for (const auto& ring : rings) p.ring_radius.push_back(ring[k]);
+    }
+    require(points.size() > 1,
+            fmt::format("{}: expected at least two rows, found {}", csv.string(), points.size()));
+    read_clock(table, "t", strain, test.clock.by_time);
+    read_clock(table, "phase", strain, test.clock.by_phase);
+    return test;
+}
+
+/// What the folder of a test has beside recordings: where the sensor rocks were put.
+void write_poses(const std::filesystem::path& folder, const SpecimenSettings& specimen,
+                 const std::vector<SmartRockPose>& poses) {
+    const double radius = specimen.radius, height = specimen.height;
+    std::vector<std::vector<double>> rows;
+    for (const SmartRockPose& p : poses)
+        rows.push_back({p.position.x() / radius, p.position.y() / radius, p.position.z() / height,
+                        p.orientation.w(), p.orientation.x(), p.orientation.y(),
+                        p.orientation.z()});
+    write_csv(folder / "sensor_poses.csv",
+              {"x_over_radius", "y_over_radius", "z_over_height", "qw", "qx", "qy", "qz"}, rows,
+              {"where the sensor rocks were put"}, 9);
+}
+
+CsvForm form_of(const std::filesystem::path& map, const std::vector<KnownColumn>& known) {
+    return map.empty() ? CsvForm{} : read_column_map(map, known);
+}
+
+} // namespace
+
+std::size_t RecordedTest::refused() const {
+    return static_cast<std::size_t>(std::ranges::count_if(
+        recordings, [&](const Recording& r) { return !accepted(findings, r.info.id); }));
+}
+
+namespace {
+
+std::vector<std::filesystem::path> metadata_files(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    if (!std::filesystem::is_directory(folder))
+        throw OutputError(fmt::format("cannot read folder '{}'", folder.string()));
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().extension() == ".txt" &&
+            entry.path().filename().string().starts_with("rock_"))
+            files.push_back(entry.path());
+    return files;
+}
+
+/// Of all tests in a folder; of a sensor that is in several of them as in the first, by name.
+std::vector<SensorInfo> infos_in_hdf5(const std::filesystem::path& folder) {
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (std::filesystem::exists(entry.path() / "recordings.h5"))
+            files.push_back(entry.path() / "recordings.h5");
+    std::ranges::sort(files);
+    std::map<unsigned, SensorInfo> by_id;
+    for (const auto& file : files)
+        for (const SensorInfo& info : read_sensor_infos_hdf5(file)) by_id.emplace(info.id, info);
+    std::vector<SensorInfo> infos;
+    for (const auto& [id, info] : by_id) infos.push_back(info);
+    return infos;
+}
+
+/// Of two, one would be ignored.
+[[noreturn]] void refuse_both(const std::filesystem::path& folder, const char* csv,
+                              const char* in_hdf5) {
+    throw InputError(
+        fmt::format("{}: expected {} or {}, found both", folder.string(), csv, in_hdf5));
+}
+
+void require_no_map(const char* option, const std::filesystem::path& map,
+                    const std::filesystem::path& hdf5, const char* csv) {
+    require(map.empty(), fmt::format("{}: expected none, as {} is read and no {}, found '{}'",
+                                     option, hdf5.string(), csv, map.string()));
+}
+
+std::vector<Recording> recordings_of(const std::filesystem::path& of_test,
+                                     const std::vector<SensorInfo>& infos,
+                                     const std::filesystem::path& map) {
+    const auto hdf5 = of_test / "recordings.h5", csv = of_test / "recordings.csv";
+    if (!std::filesystem::exists(hdf5))
+        return read_recordings(csv, infos, form_of(map, recording_columns()));
+    if (std::filesystem::exists(csv)) refuse_both(of_test, "recordings.csv", "recordings.h5");
+    require_no_map("--columns", map, hdf5, "recordings.csv");
+    return read_recordings_hdf5(hdf5, infos);
+}
+
+Bench bench_of(const std::filesystem::path& of_test, double pressure,
+               const std::filesystem::path& map) {
+    const auto hdf5 = of_test / "recordings.h5", csv = of_test / "test.csv";
+    const bool in_hdf5 = std::filesystem::exists(hdf5);
+    if (!in_hdf5 || (std::filesystem::exists(csv) && !has_bench(hdf5)))
+        return read_test(csv, form_of(map, machine_columns()));
+    if (std::filesystem::exists(csv)) refuse_both(of_test, "test.csv", "/bench in recordings.h5");
+    require_no_map("--machine-columns", map, hdf5, "test.csv");
+    return read_bench(hdf5, pressure);
+}
+
+} // namespace
+
+const std::vector<KnownColumn>& machine_columns() {
+    using Units = std::vector<ColumnUnit>;
+    static const std::vector<KnownColumn> all = [] {
+        std::vector<KnownColumn> columns{
+            {"axial_strain", Units{{"1"}, {"%", 0.01}}, true},
+            {"deviatoric_stress_Pa", Units{{"Pa"}, {"kPa", 1e3}, {"MPa", 1e6}}, true},
+            {"volumetric_strain", Units{{"1"}, {"%", 0.01}}},
+            {"t", Units{{"s"}, {"ms", 1e-3}, {"min", 60}, {"h", 3600}}},
+            {"phase", Units{{"cycles"}, {"deg", 1.0 / 360}, {"rad", 0.5 / pi}}}};
+        for (int ring = 1; ring <= 64; ++ring)
+            columns.push_back({fmt::format("ring_{}_radius_m", ring), Units{{"m"}, {"mm", 1e-3}}});
+        return columns;
+    }();
+    return all;
+}
+
+std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder) {
+    const auto files = metadata_files(folder);
+    auto infos = files.empty() ? infos_in_hdf5(folder) : std::vector<SensorInfo>{};
+    require(!files.empty() || !infos.empty(),
+            fmt::format("--recordings: expected files rock_NN.txt in '{}', found none",
+                        folder.string()));
+    for (const auto& file : files) infos.push_back(read_sensor_info(file));
+    std::ranges::sort(infos, {}, &SensorInfo::id);
+    const auto twice = std::ranges::adjacent_find(infos, {}, &SensorInfo::id);
+    require(twice == infos.end(),
+            fmt::format(
+                "--recordings: expected an id of its own in each file rock_NN.txt, found {} twice",
+                twice == infos.end() ? 0 : twice->id));
+    return infos;
+}
+
+std::vector<SensorInfo> infos_of_test(const std::filesystem::path& folder, double pressure,
+                                      std::vector<SensorInfo> infos) {
+    const auto hdf5 = folder / folder_of(pressure) / "recordings.h5";
+    if (!std::filesystem::exists(hdf5) || !metadata_files(folder).empty()) return infos;
+    for (const SensorInfo& own : read_sensor_infos_hdf5(hdf5)) {
+        const auto same = std::ranges::find(infos, own.id, &SensorInfo::id);
+        if (same == infos.end())
+            infos.push_back(own);
+        else
+            *same = own;
+    }
+    return infos;
+}
+
+void examine(RecordedTest& test, const IntakeSettings& settings) {
+    for (Recording& r : test.recordings) {
+        if (!settings.displacement) r.displacement.clear();
+        if (!settings.attitude) r.attitude.clear();
+    }
+    IntakeLimits limits;
+    limits.rest = settings.rest;
+    test.ways.clear();
+    test.findings = synchronise(test.recordings, test.clock, settings.interval);
+    const auto of_sensors = look_at(test.recordings, Vec3(0, 0, -9.81), limits);
+    test.findings.insert(test.findings.end(), of_sensors.begin(), of_sensors.end());
+    const auto of_machine = look_at_machine(test.measured, test.pressure);
+    test.findings.insert(test.findings.end(), of_machine.begin(), of_machine.end());
+    for (const Recording& r : test.recordings)
+        test.ways.push_back(accepted(test.findings, r.info.id) ? way_of(r, settings.interval)
+                                                               : SensorWay{});
+}
+
+std::string intake_report(const RecordedTest& test) {
+    std::string text;
+    for (const Finding& f : test.findings)
+        if (f.sensor == test_machine)
+            text +=
+                fmt::format("test machine: {}{}: {}\n",
+                            f.kind == Finding::Kind::refusal ? "refused: " : "", f.check, f.text);
+    if (text.empty())
+        text = fmt::format("test machine: {} records, nothing found\n", test.measured.size());
+    return text + intake_report(test.findings, test.recordings);
+}
+
+RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure,
+                                const std::vector<SensorInfo>& infos,
+                                const IntakeSettings& settings) {
+    RecordedTest test;
+    test.pressure = pressure;
+    test.recordings = recordings_of(folder / folder_of(pressure),
+                                    infos_of_test(folder, pressure, infos), settings.columns);
+    Bench bench = bench_of(folder / folder_of(pressure), pressure, settings.machine_columns);
+    test.measured = std::move(bench.points);
+    test.clock = std::move(bench.clock);
+    examine(test, settings);
+    return test;
+}
+
+void write_recorded_test(const std::filesystem::path& folder, double pressure,
+                         const std::vector<Recording>& recordings, const SpecimenSettings& specimen,
+                         const std::vector<SmartRockPose>& poses,
+                         const std::vector<TriaxialPoint>& measured) {
+    const auto of_test = folder / folder_of(pressure);
+    for (const Recording& r : recordings)
+        write_sensor_info(folder / fmt::format("rock_{:02}.txt", r.info.id), r.info);
+    write_recordings(of_test / "recordings.csv", recordings,
+                     {"sensor rocks in a triaxial test; t by the sensor's own clock (s), strain: "
+                      "axial, of the test",
+                      "ax ay az: specific force (m/s2), gx gy gz: rate (rad/s), in the rock's "
+                      "axes, means of the time since the line before",
+                      "ux uy uz: displacement (m), qw qx qy qz: attitude, body to world, as "
+                      "another means of tracking would measure them"});
+    write_poses(folder, specimen, poses);
+    std::vector<std::vector<double>> rows;
+    std::vector<std::string> names{"axial_strain", "deviatoric_stress_Pa", "volumetric_strain"};
+    for (std::size_t r = 1; r <= measured.front().ring_radius.size(); ++r)
+        names.push_back(fmt::format("ring_{}_radius_m", r));
+    for (const TriaxialPoint& p : measured) {
+        rows.push_back({p.axial_strain, p.deviatoric_stress, p.volumetric_strain});
+        rows.back().insert(rows.back().end(), p.ring_radius.begin(), p.ring_radius.end());
+    }
+    write_csv(of_test / "test.csv", names, rows,
+              {"what the machine measured, stage by stage; compression positive"}, 6);
+}
+
+void write_recorded_test_hdf5(const std::filesystem::path& folder, double pressure,
+                              const std::vector<Recording>& recordings,
+                              const SpecimenSettings& specimen,
+                              const std::vector<SmartRockPose>& poses,
+                              const std::vector<TriaxialPoint>& measured,
+                              const std::vector<double>& time) {
+    const auto path = folder / folder_of(pressure) / "recordings.h5";
+    write_poses(folder, specimen, poses);
+    write_recordings_hdf5(path, recordings);
+    write_bench(path, measured, time, pi * specimen.radius * specimen.radius, pressure);
+}
+
+} // namespace bris

@@ -1,0 +1,257 @@
+#include "engine/errors.hpp"
+#include "engine/io/hdf5.hpp"
+#include "scenarios/recordings/recording.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+#include <utility>
+
+namespace bris {
+
+namespace {
+
+/// Rows of N numbers, one for each sample; empty where the file has none.
+template <std::size_t N>
+std::vector<Eigen::Matrix<double, N, 1>> rows_of(const Hdf5File& file, const std::string& dataset,
+                                                 std::size_t samples) {
+    std::vector<Eigen::Matrix<double, N, 1>> rows;
+    if (!file.has(dataset)) return rows;
+    const Hdf5File::Shape shape = file.shape(dataset),
+                          wanted = N == 1 ? Hdf5File::Shape{samples} : Hdf5File::Shape{samples, N};
+    require(shape == wanted, fmt::format("{}: {}: expected {}, found {}", file.path().string(),
+                                         dataset, in_words(wanted), in_words(shape)));
+    const auto numbers = file.read<double>(dataset);
+    for (std::size_t k = 0; k < samples; ++k)
+        rows.push_back(Eigen::Matrix<double, N, 1>::Map(&numbers[N * k]));
+    return rows;
+}
+
+template <class Row>
+void write_rows(Hdf5File& file, const std::string& dataset, const std::vector<Row>& rows) {
+    if (rows.empty()) return;
+    constexpr auto width = static_cast<std::uint64_t>(Row::SizeAtCompileTime);
+    file.write(dataset, std::span<const double>(rows.front().data(), rows.size() * width),
+               {rows.size(), width});
+}
+
+/// The metadata as attributes of a group.
+struct AttributeWriter {
+    Hdf5File& file;
+    const std::string& group;
+    void operator()(const std::string& name, unsigned value, auto&&...) {
+        file.set_attribute<std::uint32_t>(group, name, value);
+    }
+    void operator()(const std::string& name, double value, auto&&...) {
+        file.set_attribute<double>(group, name, value);
+    }
+    void operator()(const std::string& name, const std::string& value, const std::string&,
+                    const std::string&, std::initializer_list<const char*>) {
+        file.set_attribute(group, name, value);
+    }
+};
+
+/// Those that there are, as flags are typed: what checks these checks them.
+struct AttributeReader {
+    const Hdf5File& file;
+    const std::string& group;
+    std::vector<std::string> typed = {};
+    void operator()(const std::string& name, unsigned, auto&&...) {
+        add(name, [&] { return fmt::format("{}", number<std::uint32_t>(name)); });
+    }
+    void operator()(const std::string& name, double, auto&&...) {
+        add(name, [&] { return fmt::format("{}", number<double>(name)); });
+    }
+    void operator()(const std::string& name, const std::string&, const std::string&,
+                    const std::string&, std::initializer_list<const char*>) {
+        add(name, [&] { return file.text_attribute(group, name); });
+    }
+
+private:
+    template <class T>
+    T number(const std::string& name) const {
+        const auto numbers = file.attribute<T>(group, name);
+        require(numbers.size() == 1,
+                fmt::format("{}: {}: {}: expected one number, found {}", file.path().string(),
+                            group, name, numbers.size()));
+        return numbers.front();
+    }
+    void add(const std::string& name, auto&& text) {
+        if (!file.has_attribute(group, name)) return;
+        std::string flag = name;
+        std::ranges::replace(flag, '_', '-');
+        typed.push_back(fmt::format("--{}={}", flag, text()));
+    }
+};
+
+/// Units of the datasets: name of the attribute, and what the metadata say.
+std::vector<std::pair<std::string, std::string>> units_of(const SensorInfo& info) {
+    return {{"accel_unit", info.force_unit},
+            {"gyro_unit", info.rate_unit},
+            {"mag_unit", info.field_unit},
+            {"temperature_unit", info.temperature_unit},
+            {"battery_unit", info.battery_unit}};
+}
+
+/// Read as numbers of any kind: as counts a negative one or NaN would be another count.
+std::vector<std::uint64_t> counts_of(const Hdf5File& file, const std::string& dataset,
+                                     std::size_t samples, bool nan_is_0) {
+    std::vector<std::uint64_t> counts;
+    const auto rows = rows_of<1>(file, dataset, samples);
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        const double n = nan_is_0 && std::isnan(rows[k][0]) ? 0 : rows[k][0];
+        if (!is_count(n))
+            throw InputError(fmt::format("{}: {}[{}]: expected a whole number from 0 on, found {}",
+                                         file.path().string(), dataset, k, n));
+        counts.push_back(static_cast<std::uint64_t>(n));
+    }
+    return counts;
+}
+
+/// Times of the samples, one after another.
+std::vector<double> times_of(const Hdf5File& file, const std::string& dataset) {
+    const auto shape = file.shape(dataset);
+    require(shape.size() == 1, fmt::format("{}: {}: expected numbers in one dimension, found {}",
+                                           file.path().string(), dataset, in_words(shape)));
+    return file.read<double>(dataset);
+}
+
+Recording read_one(const Hdf5File& file, const SensorInfo& info) {
+    const std::string own = fmt::format("/sensors/{}", info.id), group = own + "/";
+    Recording r;
+    r.info = info;
+    if (!file.has(group + "time")) return r; // of this one nothing was recorded
+    for (const auto& [name, unit] : units_of(info)) {
+        const std::string found =
+            file.has_attribute(own, name) ? file.text_attribute(own, name) : unit;
+        require(found == unit, fmt::format("{}: {}: {}: expected {} as in the metadata, found {}",
+                                           file.path().string(), own, name, unit, found));
+    }
+    r.time = times_of(file, group + "time");
+    const std::size_t samples = r.size();
+    r.sequence = counts_of(file, group + "sequence", samples, false);
+    r.flags = counts_of(file, group + "flags", samples, true);
+    const auto look = [&](const char* dataset, const char* channel, std::size_t k,
+                          const auto& numbers) {
+        if (numbers.allFinite() || (!r.flags.empty() && info.leaves_out(r.flags[k]))) return;
+        r.look_for_numbers(channel, numbers,
+                           fmt::format("{}: {}{}[{}]", file.path().string(), group, dataset, k));
+    };
+    for (std::size_t k = 0; k < samples; ++k)
+        look("time", "t", k, Eigen::Matrix<double, 1, 1>(r.time[k]));
+    const auto read = [&]<std::size_t N>(const char* dataset, const char* channel,
+                                         std::integral_constant<std::size_t, N>, auto&& keep) {
+        const auto rows = rows_of<N>(file, group + dataset, samples);
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            look(dataset, channel, k, rows[k]);
+            keep(rows[k]);
+        }
+    };
+    constexpr std::integral_constant<std::size_t, 1> number;
+    constexpr std::integral_constant<std::size_t, 3> vector;
+    constexpr std::integral_constant<std::size_t, 4> quaternion;
+    read("accel", "ax ay az", vector, [&](const auto& v) { r.force.push_back(info.force_of(v)); });
+    read("gyro", "gx gy gz", vector, [&](const auto& v) { r.rate.push_back(info.rate_of(v)); });
+    read("mag", "mx my mz", vector, [&](const auto& v) { r.field.push_back(info.field_of(v)); });
+    read("displacement", "ux uy uz", vector, [&](const auto& v) { r.displacement.push_back(v); });
+    read("quat", "qw qx qy qz", quaternion,
+         [&](const auto& q) { r.attitude.emplace_back(q[0], q[1], q[2], q[3]); });
+    read("strain", "strain", number, [&](const auto& v) { r.strain.push_back(v[0]); });
+    read("phase", "phase", number, [&](const auto& v) { r.phase.push_back(v[0]); });
+    read("temperature", "temp", number,
+         [&](const auto& v) { r.temperature.push_back(info.temperature_of(v[0])); });
+    read("battery", "batt", number, [&](const auto& v) { r.battery.push_back(v[0]); });
+    leave_out_flagged(r);
+    return r;
+}
+
+} // namespace
+
+std::vector<SensorInfo> read_sensor_infos_hdf5(const std::filesystem::path& path) {
+    const Hdf5File file = Hdf5File::open(path);
+    require(file.has("/sensors"),
+            fmt::format("{}: expected a group /sensors, found none", path.string()));
+    std::vector<SensorInfo> infos;
+    for (const std::string& name : file.names("/sensors")) {
+        const std::string group = "/sensors/" + name;
+        SensorInfo info;
+        AttributeReader reader{file, group};
+        info.describe(reader);
+        Options options;
+        info.describe(options);
+        try {
+            (void)options.parse(reader.typed);
+        } catch (const InputError& e) {
+            throw InputError(fmt::format("{}: {}: {}", path.string(), group, e.what()));
+        }
+        require(std::to_string(info.id) == name,
+                fmt::format("{}: {}: expected an attribute id as its name, found {}", path.string(),
+                            group, info.id));
+        check_sensor_info(info, fmt::format("{}: {}", path.string(), group));
+        infos.push_back(info);
+    }
+    std::ranges::sort(infos, {},
+                      &SensorInfo::id); // their names are in the order of words: 10 before 2
+    return infos;
+}
+
+std::vector<Recording> read_recordings_hdf5(const std::filesystem::path& path,
+                                            const std::vector<SensorInfo>& sensors) {
+    const Hdf5File file = Hdf5File::open(path);
+    require(file.has("/sensors"),
+            fmt::format("{}: expected a group /sensors, found none", path.string()));
+    for (const std::string& name : file.names("/sensors"))
+        require(std::ranges::any_of(
+                    sensors, [&](const SensorInfo& s) { return std::to_string(s.id) == name; }),
+                fmt::format("{}: /sensors/{}: expected the id of a metadata file, found {}",
+                            path.string(), name, name));
+    std::vector<Recording> recordings;
+    for (const SensorInfo& info : sensors) {
+        const auto same = [&](const Recording& r) { return r.info.id == info.id; };
+        require(std::ranges::none_of(recordings, same),
+                fmt::format("sensor {}: expected one metadata file, found two", info.id));
+        recordings.push_back(read_one(file, info));
+    }
+    return recordings;
+}
+
+void write_recordings_hdf5(const std::filesystem::path& path,
+                           const std::vector<Recording>& recordings) {
+    Hdf5File file = Hdf5File::create(path);
+    for (const Recording& r : recordings) {
+        const std::string own = fmt::format("/sensors/{}", r.info.id), group = own + "/";
+        file.make_group(own); // what is known of a sensor stays, also if it recorded nothing
+        if (!r.time.empty()) file.write(group + "time", std::span<const double>(r.time));
+        std::vector<Vec3> force, rate, field;
+        for (const Vec3& f : r.force) force.push_back(r.info.recorded_force(f));
+        for (const Vec3& w : r.rate) rate.push_back(r.info.recorded_rate(w));
+        for (const Vec3& b : r.field) field.push_back(r.info.recorded_field(b));
+        std::vector<Eigen::Vector4d> attitude;
+        for (const Quat& q : r.attitude) attitude.emplace_back(q.w(), q.x(), q.y(), q.z());
+        std::vector<double> temperature;
+        for (const double kelvin : r.temperature)
+            temperature.push_back(r.info.recorded_temperature(kelvin));
+        write_rows(file, group + "accel", force);
+        write_rows(file, group + "gyro", rate);
+        write_rows(file, group + "mag", field);
+        write_rows(file, group + "displacement", r.displacement);
+        write_rows(file, group + "quat", attitude);
+        const auto write = [&](const char* dataset, const auto& numbers) {
+            if (!numbers.empty()) file.write(group + dataset, std::span(numbers));
+        };
+        write("strain", r.strain);
+        write("phase", r.phase);
+        write("temperature", temperature);
+        write("battery", r.battery);
+        write("sequence", r.sequence);
+        SensorInfo info = r.info;
+        AttributeWriter writer{file, own};
+        info.describe(writer);
+        for (const auto& [name, unit] : units_of(info)) file.set_attribute(own, name, unit);
+    }
+    file.close();
+}
+
+} // namespace bris

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "engine/archive.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// What was measured at the end of a stage (or of consolidation). Compression positive.
+struct TriaxialPoint {
+    double axial_strain = 0;      ///< -, platen travel / height at the start of shearing
+    double volumetric_strain = 0; ///< -, of the polygon's volume
+    double axial_stress = 0;      ///< Pa, mean force on the platens / (volume / height)
+    double radial_stress = 0;     ///< Pa, of the rings, weighted by their areas
+    double deviatoric_stress = 0; ///< Pa
+    double boundary_axial = 0,
+           boundary_radial = 0; ///< Pa, all boundary forces times their places over the volume
+    double contact_axial = 0,
+           contact_radial = 0;   ///< Pa, Love-Weber: contact forces times branch vectors
+    double unbalanced = 0;       ///< -
+    double worst_ring_error = 0; ///< -, largest relative error of a ring's pressure
+    double mean_ring_error = 0;  ///< -
+    double coordination = 0;     ///< touching rocks per rock
+    double inertial_number =
+        0; ///< -, strain rate of the move * mean size * sqrt(density / mean stress), scaled masses
+    double boundary_work = 0, friction_work = 0, damping_work = 0,
+           scaling_work = 0;         ///< J, since the specimen was begun
+    double stored = 0, kinetic = 0;  ///< J, now: elastic, and of weight if it acts
+    double steps = 0;                ///< of this stage
+    std::vector<double> ring_radius; ///< m, mean of the ring's elements
+
+    /// Calls visit(name, unit, number) for each number but the rings'.
+    void visit(auto&& visit_one) {
+        visit_one("axial_strain", "", axial_strain);
+        visit_one("volumetric_strain", "", volumetric_strain);
+        visit_one("axial_stress", "Pa", axial_stress);
+        visit_one("radial_stress", "Pa", radial_stress);
+        visit_one("deviatoric_stress", "Pa", deviatoric_stress);
+        visit_one("boundary_stress_axial", "Pa", boundary_axial);
+        visit_one("boundary_stress_radial", "Pa", boundary_radial);
+        visit_one("contact_stress_axial", "Pa", contact_axial);
+        visit_one("contact_stress_radial", "Pa", contact_radial);
+        visit_one("unbalanced_ratio", "", unbalanced);
+        visit_one("mean_ring_error", "", mean_ring_error);
+        visit_one("worst_ring_error", "", worst_ring_error);
+        visit_one("coordination_number", "", coordination);
+        visit_one("inertial_number", "", inertial_number);
+        visit_one("boundary_work", "J", boundary_work);
+        visit_one("stored_energy", "J", stored);
+        visit_one("friction_work", "J", friction_work);
+        visit_one("damping_work", "J", damping_work);
+        visit_one("scaling_work", "J", scaling_work);
+        visit_one("kinetic_energy", "J", kinetic);
+        visit_one("steps", "", steps);
+    }
+};
+
+void save_points(Archive& archive, const std::string& path,
+                 const std::vector<TriaxialPoint>& points);
+std::vector<TriaxialPoint> load_points(const Archive& archive, const std::string& path);
+
+/// The stage nearest to an axial strain, within `tolerance`; nothing: there is none.
+std::optional<std::size_t> stage_at(const std::vector<TriaxialPoint>& points, double strain,
+                                    double tolerance);
+
+/// What the results of a test at that pressure (Pa) are kept under, as 55kPa.
+std::string folder_of(double pressure);
+
+} // namespace bris

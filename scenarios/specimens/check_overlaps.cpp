@@ -1,0 +1,94 @@
+#include "components/boundary.hpp"
+#include "components/kinds.hpp"
+#include "components/membrane_surface.hpp"
+#include "components/settings.hpp"
+#include "components/sphere.hpp"
+#include "engine/errors.hpp"
+#include "scenarios/specimens/check_scene.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/contact/facet_geometry.hpp"
+
+#include <fmt/format.h>
+
+namespace bris {
+
+namespace {
+
+struct Deepest {
+    double ratio = 0;   ///< overlap over the mean radius
+    double overlap = 0; ///< m
+    PairNames names{nobody, nobody, 0, 0};
+
+    void look(const PairNames& who, double found, double radius) {
+        if (!(found > ratio * radius)) return;
+        ratio = found / radius;
+        overlap = found;
+        names = who;
+    }
+};
+
+/// Distance (m) of a sphere's centre from a boundary part; negative behind a plane or the membrane.
+double distance_from_plane(const World& world, Row plane, Row host, const Vec3& x) {
+    const PlaneShape& shape = world.column<Planes, LocalPlane>()[plane];
+    return (x - world.column<Bodies, Position>()[host] - shape.point).dot(shape.normal);
+}
+
+double distance_from_facet(const World& world, Row facet, Row host, const Vec3& x) {
+    const auto& local = world.column<Facets, LocalFacet>()[facet].corners;
+    FacetPlaceRow place{};
+    for (std::size_t k = 0; k < 4; ++k)
+        place.corners[k] = world.column<Bodies, Position>()[host] + local[k];
+    place.normal = (local[1] - local[0]).cross(local[2] - local[0]).normalized();
+    return std::abs(detail::nearest_on_mesh_facet(place, x).distance);
+}
+
+double distance_from_membrane(const World& world, Row sector, const Vec3& x) {
+    const auto& membrane = world.resource<Membrane>();
+    const MembraneSurface surface(membrane, world.column<Elements, ElementRadius>().data());
+    return surface.nearest(static_cast<int>(sector), x.dot(membrane.outward[sector]), x.z())
+        .distance;
+}
+
+template <class Pairs>
+void look_at(const World& world, Deepest& deepest) {
+    if (!world.has<Pairs>()) return;
+    const auto names = world.column<Pairs, PairKey>();
+    const auto rows = world.column<Pairs, PairRows>();
+    const auto place = world.column<Spheres, SpherePlace>();
+    for (std::size_t k = 0; k < names.size(); ++k) {
+        const PlaceRow& own = place[rows[k].sphere];
+        const Vec3 x = detail::centre_of(own);
+        if constexpr (std::is_same_v<Pairs, SpherePairs>) {
+            const PlaceRow& other = place[rows[k].other];
+            const double reach = own.radius + other.radius;
+            deepest.look(names[k], reach - (x - detail::centre_of(other)).norm(), reach / 2);
+        } else {
+            double distance = 0;
+            if constexpr (std::is_same_v<Pairs, PlanePairs>)
+                distance = distance_from_plane(world, rows[k].other, rows[k].partner_body, x);
+            else if constexpr (std::is_same_v<Pairs, FacetPairs>)
+                distance = distance_from_facet(world, rows[k].other, rows[k].partner_body, x);
+            else
+                distance = distance_from_membrane(world, rows[k].other, x);
+            deepest.look(names[k], own.radius - distance, own.radius);
+        }
+    }
+}
+
+} // namespace
+
+void check_overlaps(World& world) {
+    refresh_pairs(world);
+    Deepest deepest;
+    for_each_kind_of_pair([&]<class Pairs>() { look_at<Pairs>(world, deepest); });
+    invalidate_lists(world);
+    const double limit = world.resource<Limits>().overlap;
+    require(deepest.ratio <= limit,
+            fmt::format("bodies {} and {}: overlap at the start: expected at most {:g} of the mean "
+                        "radius, found {:.4g} ({:.4g} m); "
+                        "start them farther apart, or relax",
+                        deepest.names.owner, deepest.names.partner, limit, deepest.ratio,
+                        deepest.overlap));
+}
+
+} // namespace bris

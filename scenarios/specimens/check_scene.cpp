@@ -1,0 +1,156 @@
+#include "scenarios/specimens/check_scene.hpp"
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/settings.hpp"
+#include "components/sphere.hpp"
+#include "engine/errors.hpp"
+#include "engine/options.hpp"
+#include "engine/ordering.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <string>
+
+namespace bris {
+
+namespace {
+
+std::string text_of(const Range& range) {
+    const bool low = std::isfinite(range.low), high = std::isfinite(range.high);
+    if (low && high)
+        return fmt::format("{} {:g} {} {:g}", range.low_accepted ? "from" : "above", range.low,
+                           range.high_accepted ? "to" : "to below", range.high);
+    if (low) return fmt::format("{} {:g}", range.low_accepted ? "at least" : "above", range.low);
+    return "a finite number";
+}
+
+bool holds(const Range& range, double value) {
+    return std::isfinite(value) && (range.low_accepted ? value >= range.low : value > range.low) &&
+           (range.high_accepted ? value <= range.high : value < range.high);
+}
+
+void expect(const std::string& whose, const char* what, double value, const Range& range,
+            const char* unit) {
+    if (holds(range, value)) return;
+    const std::string space = *unit == '\0' ? "" : " ";
+    throw InputError(fmt::format("{}: {}: expected {}{}{}, found {:g}{}{}", whose, what,
+                                 text_of(range), space, unit, value, space, unit));
+}
+
+void expect_finite(const std::string& whose, const char* what, const Vec3& value,
+                   const char* unit) {
+    for (const double x : {value.x(), value.y(), value.z()}) expect(whose, what, x, Range{}, unit);
+}
+
+void check_material(const Material& m, LawName law) {
+    const std::string whose = "material '" + m.name + "'";
+    expect(whose, "density", m.density, at_least(0), "kg/m3");
+    expect(whose, "friction", m.friction, at_least(0), "");
+    expect(whose, "normal damping", m.normal_damping, at_least(0), "1/s");
+    expect(whose, "shear damping", m.shear_damping, at_least(0), "1/s");
+    expect(whose, "restitution", m.restitution, within(0, 1), "");
+    expect(whose, "rolling friction", m.rolling_friction, at_least(0), "");
+    expect(whose, "twisting friction", m.twisting_friction, at_least(0), "");
+    expect(whose, "Poisson's ratio", m.poisson_ratio,
+           Range{.low = -1, .high = 0.5, .low_accepted = false}, "");
+    // what the law does not read may be absent, but not nonsense
+    expect(whose, "Young's modulus", m.young_modulus, is_hertz(law) ? above(0) : at_least(0), "Pa");
+    expect(whose, "normal stiffness", m.normal_stiffness, is_hertz(law) ? at_least(0) : above(0),
+           "N/m");
+    expect(whose, "shear stiffness", m.shear_stiffness, at_least(0), "N/m");
+}
+
+void check_policy(const ContactPolicy& policy, LawName law) {
+    expect("contact policy", "rolling stiffness ratio", policy.rolling_stiffness_ratio,
+           has_rolling(law) ? above(0) : at_least(0), "");
+    expect("contact policy", "rolling damping ratio", policy.rolling_damping_ratio, at_least(0),
+           "");
+}
+
+/// What the laws make of two materials, properties given for the pair included.
+void check_pair(const Materials& materials, std::uint32_t a, std::uint32_t b, LawName law) {
+    const std::string whose =
+        "materials '" + materials.list[a].name + "' and '" + materials.list[b].name + "'";
+    const std::uint32_t pair = materials.pair(a, b);
+    const LawRow& row = materials.pairs(law)[pair];
+    expect(whose, is_hertz(law) ? "effective modulus" : "stiffness of a contact", row.kn, above(0),
+           is_hertz(law) ? "Pa" : "N/m");
+    expect(whose, is_hertz(law) ? "effective shear modulus" : "shear stiffness of a contact",
+           row.ks, at_least(0), is_hertz(law) ? "Pa" : "N/m");
+    expect(whose, "friction", row.friction, at_least(0), "");
+    const bool calibrated =
+        materials.policy.tension == Tension::calibrated; // then no dashpot is stiff enough for 0
+    expect(whose, calibrated ? "restitution under calibrated tension" : "restitution",
+           materials.restitution[pair], Range{.low = 0, .high = 1, .low_accepted = !calibrated},
+           "");
+    if (!has_rolling(law)) return;
+    expect(whose, "rolling friction", materials.rolling_pairs[pair].rolling_friction, at_least(0),
+           "");
+    expect(whose, "twisting friction", materials.rolling_pairs[pair].twisting_friction, at_least(0),
+           "");
+}
+
+void check_body(const Table& bodies, Row b) {
+    const std::string whose = fmt::format("body {}", bodies.column<BodyId>()[b]);
+    expect_finite(whose, "position", bodies.column<Position>()[b], "m");
+    expect_finite(whose, "velocity", bodies.column<Velocity>()[b], "m/s");
+    expect_finite(whose, "spin", bodies.column<Spin>()[b], "rad/s");
+    expect(whose, "bounding radius", bodies.column<BoundingRadius>()[b], at_least(0), "m");
+    if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free)) return;
+    expect(whose, "mass", bodies.column<Mass>()[b], above(0), "kg");
+    expect(whose, "inertial mass", bodies.column<InertialMass>()[b], above(0), "kg");
+    if (bodies.has<SphereInertia>()) {
+        expect(whose, "inertia", bodies.column<SphereInertia>()[b], above(0), "kg m2");
+        return;
+    }
+    const Vec3& inertia = bodies.column<InertialInertia>()[b];
+    for (const double moment : {inertia.x(), inertia.y(), inertia.z()})
+        expect(whose, "inertia", moment, above(0), "kg m2");
+    expect(whose, "norm of the orientation", bodies.column<Orientation>()[b].norm(),
+           within(1 - 1e-6, 1 + 1e-6), "");
+}
+
+} // namespace
+
+void check_scene(const World& world, LawName law) {
+    const Table& bodies = world.table<Bodies>();
+    require(bodies.size() > 0, "scene: expected at least one body, found none");
+    const auto material = bodies.column<MaterialOf>();
+    const auto rows = rows_by_id(bodies.column<BodyId>());
+    const auto& all = world.resource<Materials>();
+    const auto& materials = all.list;
+    for (const Row b : rows)
+        require(material[b] < materials.size(),
+                fmt::format("body {}: material: expected one of {}, found number {}",
+                            bodies.column<BodyId>()[b], materials.size(), material[b]));
+    std::vector<bool> used(materials.size());
+    for (const Row b : rows) used[material[b]] = true;
+    for (std::size_t m = 0; m < used.size(); ++m)
+        if (used[m]) check_material(materials[m], law);
+    check_policy(all.policy, law);
+    for (std::uint32_t a = 0; a < used.size(); ++a)
+        for (std::uint32_t b = a; b < used.size(); ++b)
+            if (used[a] && used[b]) check_pair(all, a, b, law);
+    for (const Row b : rows) check_body(bodies, b);
+    const auto ball = world.column<Spheres, LocalBall>();
+    const auto parent = world.column<Spheres, ParentId>();
+    for (std::size_t s = 0; s < ball.size(); ++s) {
+        const std::string whose = fmt::format("body {}", parent[s]);
+        expect(whose, "radius of a sphere", ball[s].radius, above(0), "m");
+        expect_finite(whose, "place of a sphere", ball[s].centre, "m");
+    }
+    expect("clock", "step", world.resource<Clock>().dt, at_least(0),
+           "s"); // 0: a procedure will choose it
+    const auto& limits = world.resource<Limits>();
+    expect("limits", "overlap", limits.overlap, above(0), "radii");
+    expect("limits", "speed", limits.speed, above(0), "m/s");
+    if (world.has_resource<Gravity>())
+        expect_finite("scene", "gravity", world.resource<Gravity>().value, "m/s2");
+    if (world.has_resource<LocalDamping>())
+        expect("scene", "local damping", world.resource<LocalDamping>().fraction,
+               Range{.low = 0, .high = 1, .high_accepted = false}, "");
+}
+
+} // namespace bris

@@ -1,0 +1,39 @@
+#include "scenarios/specimens/sphere_bed.hpp"
+
+#include "engine/random.hpp"
+#include "scenarios/specimens/scene.hpp"
+
+#include <cmath>
+
+namespace bris {
+
+World make_sphere_bed(const SphereBed& s) {
+    World world = make_world(Grains::spheres);
+    // two partners act in series: each has twice the stiffness of their contact
+    const auto material = world.resource<Materials>().add(
+        {"grain", s.density, 2 * s.normal_stiffness, 4.0 / 7 * s.normal_stiffness, s.friction,
+         s.damping_rate, s.damping_rate / 2});
+    const double largest = s.radius * (1 + s.size_spread), pitch = 2.05 * largest;
+    const auto side = static_cast<unsigned>(std::ceil(std::cbrt(0.5 * s.spheres)));
+    // overlapping spheres stand closer in the middle of the same floor
+    const double between = s.start_overlap > 0 ? 2 * s.radius * (1 - s.start_overlap) : pitch;
+    const double width = side * pitch, height = (s.spheres / (side * side) + 2) * pitch;
+    for (unsigned n = 0; n < s.spheres; ++n) {
+        Random random(s.seed, n);
+        const double radius = s.radius * random.uniform(1 - s.size_spread, 1 + s.size_spread);
+        const Vec3 place(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
+        const Vec3 corner(side * between / 2, side * between / 2, 0.5 * (between - pitch));
+        add_sphere(world, between * place - corner + 0.02 * largest * random.direction(),
+                   s.size_spread > 0 ? radius : s.radius, material);
+    }
+    const Vec3 low(-width / 2, -width / 2, 0), high(width / 2, width / 2, height);
+    add_box(world, low, high, material);
+    auto& limits = world.resource<Limits>();
+    limits.low = low;
+    limits.high = high;
+    world.add_resource<Gravity>();
+    world.resource<Clock>().dt = s.step;
+    return world;
+}
+
+} // namespace bris

@@ -1,0 +1,105 @@
+// S9: starts that stand deep in each other: refused, or relaxed without a bang.
+#include "scenarios/specimens/check_scene.hpp"
+#include "scenarios/specimens/relax.hpp"
+#include "scenarios/stability/cases.hpp"
+#include "scenarios/stability/scenes.hpp"
+#include "systems/broadphase/lists.hpp"
+
+#include <fmt/format.h>
+
+#include <cstring>
+
+namespace bris {
+
+namespace {
+
+using namespace stress;
+
+constexpr double radius = 0.01;
+
+/// Spheres in a row, each overlapping the next by a part of the diameter.
+World row_of_spheres(unsigned count, double overlap) {
+    World world = make_world(Grains::spheres);
+    const auto grain = world.resource<Materials>().add(linear_material(1e5, 3e4, 0.5));
+    for (unsigned k = 0; k < count; ++k)
+        add_sphere(world, Vec3(2 * radius * (1 - overlap) * k, 0, 0), radius, grain);
+    return world;
+}
+
+World spheres_in_a_floor() {
+    World world = row_of_spheres(3, 0.3);
+    add_floor(world, 0); // their centres lie in it
+    return world;
+}
+
+/// Two clumps, the second `ratio` times as large and `shift` of its radius aside.
+World clump_in_clump(double ratio, double shift) {
+    World world = make_world(Grains::clumps);
+    const auto grain = world.resource<Materials>().add(linear_material(1e5, 3e4, 0.5));
+    const Clump rock = scaled(small_rock(), 0.03);
+    add_clump(world, rock, 0, Vec3::Zero(), Quat::Identity(), grain);
+    add_clump(world, scaled(rock, ratio), 0, Vec3(shift * rock.bounding_radius, 0, 0),
+              Quat::Identity(), grain);
+    return world;
+}
+
+std::vector<Vec3> places(const World& world) {
+    const auto column = world.column<Bodies, Position>();
+    return {column.begin(), column.end()};
+}
+
+bool same_bits(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
+}
+
+bool all_finite(const std::vector<Vec3>& list) {
+    return std::ranges::all_of(list, [](const Vec3& x) { return x.allFinite(); });
+}
+
+void add_rows(StressRows& rows, const std::string& what, const World& scene) {
+    World refused(scene);
+    add_lists(refused, LawName::linear);
+    const std::string message = refusal_of([&] { check_overlaps(refused); });
+    rows.push_back({"S9", what + ": as it is", "refused before the first step",
+                    message.empty() ? "accepted" : message, !message.empty()});
+
+    World relaxed(scene), again(scene);
+    const Relaxed r = relax(relaxed, LawName::linear);
+    relax(again, LawName::linear, {.threads = 3});
+    rows.push_back(
+        {"S9", what + ": relaxed",
+         fmt::format("overlap <= 1 % of a diameter, speed <= {:.2g} m/s", r.speed_limit),
+         r.done
+             ? fmt::format("{:.2f} %, {:.2g} m/s after {} steps", 100 * r.overlap, r.speed, r.steps)
+             : r.left,
+         r.done && r.overlap <= 0.01 && r.speed <= r.speed_limit && all_finite(places(relaxed))});
+    rows.push_back({"S9", what + ": on the way", "kinetic energy <= elastic energy of the start",
+                    fmt::format("{:.3g} of {:.3g} J", r.peak_energy, r.stored_energy),
+                    r.peak_energy <= r.stored_energy && r.stored_energy > 0});
+    const bool same = same_bits(places(relaxed), places(again));
+    rows.push_back({"S9", what + ": once more on 3 threads", "same bits",
+                    same ? "same" : "other places", same});
+
+    add_lists(relaxed, LawName::linear);
+    const std::string still = refusal_of([&] { check_overlaps(relaxed); });
+    rows.push_back({"S9", what + ": the relaxed start", "accepted",
+                    still.empty() ? "accepted" : still, still.empty()});
+}
+
+} // namespace
+
+StressRows stress_deep_overlap(const StressSettings& s) {
+    StressRows rows;
+    add_rows(rows, "two spheres, 50 % overlap", row_of_spheres(2, 0.5));
+    add_rows(rows, "two spheres, 99 % overlap", row_of_spheres(2, 0.99));
+    add_rows(rows, "two spheres, one centre", row_of_spheres(2, 1));
+    add_rows(rows, fmt::format("{} spheres, one centre", s.full ? 200 : 20),
+             row_of_spheres(s.full ? 200 : 20, 1));
+    add_rows(rows, "three spheres in a floor", spheres_in_a_floor());
+    add_rows(rows, "identical clumps in one place", clump_in_clump(1, 0));
+    add_rows(rows, "a clump inside a clump", clump_in_clump(0.4, 0.05));
+    add_rows(rows, "clumps half in each other", clump_in_clump(1, 0.8));
+    return rows;
+}
+
+} // namespace bris

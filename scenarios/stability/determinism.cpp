@@ -1,0 +1,107 @@
+// S1: the same bits on any number of threads, with any skin, in any order of the rows.
+#include "engine/random.hpp"
+#include "scenarios/stability/cases.hpp"
+#include "scenarios/stability/scenes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <thread>
+
+namespace bris {
+
+namespace {
+
+using namespace stress;
+
+/// Bodies in another order in memory, spheres with them.
+void shuffle_rows(World& world, std::uint64_t seed) {
+    Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
+    std::vector<Row> order(bodies.size());
+    std::iota(order.begin(), order.end(), Row{0});
+    Random random(seed, 11);
+    for (std::size_t k = order.size(); k > 1; --k)
+        std::swap(order[k - 1], order[random.bits() % k]);
+    std::vector<Row> sphere_order;
+    for (const Row b : order) // rows are ids before the first step
+        for (Row s = 0; s < spheres.size(); ++s)
+            if (spheres.column<ParentId>()[s] == b) sphere_order.push_back(s);
+    bodies.permute(order);
+    spheres.permute(sphere_order);
+}
+
+struct Variant {
+    std::string name;
+    Setup setup;
+    bool shuffled = false;
+};
+
+std::vector<Variant> variants(double diameter, unsigned threads) {
+    const Setup plain{.dt = 2e-5, .law = LawName::linear_viscous, .schedule = {.grain = 16}};
+    std::vector<Variant> list{{"1 thread, skins that follow the work", plain},
+                              {"once more, in another simulation", plain}};
+    for (const unsigned n :
+         {2u, 3u, 7u, std::max({threads, std::thread::hardware_concurrency(), 4u})}) {
+        list.push_back({fmt::format("{} threads", n), plain});
+        list.back().setup.threads = n;
+    }
+    for (const double percent : {0.3, 1.0, 5.0}) {
+        list.push_back({fmt::format("skin {} % of the diameter", percent), plain});
+        list.back().setup.lists = {.outer_skin = 2 * percent / 100 * diameter,
+                                   .inner_skin = percent / 100 * diameter,
+                                   .tune = false};
+    }
+    list.push_back({"rows shuffled and never sorted", plain, true});
+    list.back().setup.lists.sort_every = 0;
+    list.push_back({"rows shuffled, sorted at every refresh", plain, true});
+    list.back().setup.lists.sort_every = 1;
+    list.push_back({"systems in another valid order", plain});
+    list.back().setup.schedule.last_order = true;
+    list.push_back({"systems one after the other", plain});
+    list.back().setup.schedule = {.serial = true, .fused = false, .grain = 16};
+    return list;
+}
+
+/// Hashes of all state along a run.
+std::vector<std::uint64_t> hashes(const Tumble& scene, const Variant& v, unsigned marks,
+                                  unsigned each) {
+    World world = tumbling(scene);
+    if (v.shuffled) shuffle_rows(world, scene.seed);
+    Simulation simulation = begin(std::move(world), v.setup);
+    std::vector<std::uint64_t> list;
+    for (unsigned k = 0; k < marks; ++k) {
+        simulation.advance(each);
+        list.push_back(fingerprint(simulation.snapshot()));
+    }
+    return list;
+}
+
+} // namespace
+
+StressRows stress_determinism(const StressSettings& s) {
+    StressRows rows;
+    const unsigned marks = s.full ? 20 : 4, each = s.full ? 1000 : 250;
+    for (const Grains grains : {Grains::spheres, Grains::clumps}) {
+        const Tumble scene{
+            .grains = grains, .bodies = grains == Grains::spheres ? 120u : 40u, .seed = s.seed};
+        const double diameter = 2 * mean_radius(tumbling(scene));
+        std::vector<std::uint64_t> reference;
+        for (const Variant& v : variants(diameter, s.threads)) {
+            const auto found = hashes(scene, v, marks, each);
+            if (reference.empty()) reference = found;
+            const auto [mine, other] = std::ranges::mismatch(found, reference);
+            const bool same = mine == found.end();
+            rows.push_back(
+                {"S1",
+                 fmt::format("{}: {}", grains == Grains::spheres ? "spheres" : "clumps", v.name),
+                 fmt::format("same hash at {} marks, {} steps apart", marks, each),
+                 same ? fmt::format("{:016x} at the end", found.back())
+                      : fmt::format("differs at step {}", (mine - found.begin() + 1) * each),
+                 same});
+        }
+    }
+    return rows;
+}
+
+} // namespace bris

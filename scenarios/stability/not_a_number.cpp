@@ -1,0 +1,112 @@
+// S22: a number that is none, anywhere in the state, is caught at once, and the last good state
+// goes on.
+#include "components/pair.hpp"
+#include "engine/random.hpp"
+#include "scenarios/stability/cases.hpp"
+#include "scenarios/stability/scenes.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace bris {
+
+namespace {
+
+using namespace stress;
+
+constexpr unsigned block = 50; // steps
+constexpr double none = std::numeric_limits<double>::quiet_NaN();
+
+/// Places in the state that are hit in turn.
+constexpr std::array places{"position", "velocity", "angular momentum", "spring"};
+
+/// Puts a NaN where `place` says, at a body of the scene.
+void hit(World& world, std::size_t place, EntityId body, Random& random) {
+    const auto axis = static_cast<Eigen::Index>(random.bits() % 3);
+    if (place == 0)
+        value_of<Position>(world, body)[axis] = none;
+    else if (place == 1)
+        value_of<Velocity>(world, body)[axis] = none;
+    else if (place == 2)
+        value_of<AngularMomentum>(world, body)[axis] = none;
+    else {
+        const auto spring = world.column<SpherePairs, Spring>();
+        std::vector<std::size_t> stretched;
+        for (std::size_t k = 0; k < spring.size(); ++k)
+            if (Spring::keep(spring[k])) stretched.push_back(k);
+        if (!stretched.empty())
+            spring[stretched[random.bits() % stretched.size()]].x = none;
+        else
+            value_of<Position>(world, body)[axis] = none;
+    }
+}
+
+/// Whether nothing of it is left: a spring whose pair parts in the next step is thrown away unread.
+bool all_finite(const World& world) {
+    const Table& bodies = world.table<Bodies>();
+    for (Row b = 0; b < bodies.size(); ++b)
+        if (!bodies.column<Position>()[b].allFinite() ||
+            !bodies.column<Velocity>()[b].allFinite() ||
+            !bodies.column<AngularMomentum>()[b].allFinite())
+            return false;
+    return std::ranges::all_of(world.column<SpherePairs, Spring>(),
+                               [](const SpringRow& s) { return std::isfinite(s.x + s.y + s.z); });
+}
+
+struct Outcome {
+    unsigned discarded = 0, caught = 0, named = 0, recovered = 0, tries = 0;
+};
+
+void attack(const Tumble& scene, std::size_t place, std::uint64_t draw, Outcome& o) {
+    Random random(scene.seed, 2200 + draw);
+    Simulation simulation = begin(tumbling(scene), {.dt = 2e-5, .law = LawName::linear_viscous});
+    simulation.advance(300 + random.bits() % 600);
+    const Archive good = simulation.snapshot();
+    simulation.advance(block);
+    const auto expected = fingerprint(simulation.snapshot());
+    simulation.restore(good);
+    simulation.advance(1); // lists are there when the number turns bad
+    const auto body = static_cast<EntityId>(random.bits() % scene.bodies);
+    hit(simulation.world(), place, body, random);
+    const std::string message = refusal_of([&] { simulation.advance(block); });
+    ++o.tries;
+    o.discarded += message.empty() && all_finite(simulation.world()) ? 1u : 0u;
+    o.caught += message.empty() ? 0u : 1u;
+    o.named +=
+        message.find("body") != std::string::npos && message.find("step") != std::string::npos ? 1u
+                                                                                               : 0u;
+    simulation.restore(good);
+    simulation.advance(block);
+    o.recovered += fingerprint(simulation.snapshot()) == expected ? 1u : 0u;
+}
+
+} // namespace
+
+StressRows stress_not_a_number(const StressSettings& s) {
+    StressRows rows;
+    const unsigned tries = s.full ? 100 : 6;
+    for (const Grains grains : {Grains::spheres, Grains::clumps})
+        for (std::size_t place = 0; place < places.size(); ++place) {
+            const Tumble scene{
+                .grains = grains, .bodies = grains == Grains::spheres ? 60u : 20u, .seed = s.seed};
+            Outcome o;
+            for (unsigned k = 0; k < tries; ++k) attack(scene, place, k, o);
+            const char* what = grains == Grains::spheres ? "spheres" : "clumps";
+            rows.push_back(
+                {"S22", fmt::format("{}: NaN in a {}", what, places[place]),
+                 fmt::format("caught within {} steps, body named; or gone with its contact", block),
+                 fmt::format("{} of {} caught, {} named, {} gone", o.caught, o.tries, o.named,
+                             o.discarded),
+                 o.caught + o.discarded == tries && o.named == o.caught && o.caught > 0});
+            rows.push_back({"S22", fmt::format("{}: going on from the snapshot before it", what),
+                            "same hash as if nothing had been",
+                            fmt::format("{} of {}", o.recovered, o.tries), o.recovered == tries});
+        }
+    return rows;
+}
+
+} // namespace bris

@@ -1,0 +1,75 @@
+#include "scenarios/stability/suite.hpp"
+
+#include "engine/errors.hpp"
+#include "scenarios/stability/cases.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace bris {
+
+namespace {
+
+constexpr std::array cases{
+    StressCase{"S1", "threads, skins and the order of rows", stress_determinism},
+    StressCase{"S4", "limit of the time step", stress_step_limit},
+    StressCase{"S5", "equilibria of nothing", stress_vacuous_equilibrium},
+    StressCase{"S6", "energy ledger", stress_energy_ledger},
+    StressCase{"S7", "servo", stress_servo},
+    StressCase{"S8", "ratios of size and mass", stress_size_ratio},
+    StressCase{"S9", "deep overlaps", stress_deep_overlap},
+    StressCase{"S10", "fast impacts", stress_fast_impact},
+    StressCase{"S11", "sensors that say what cannot be", stress_sensors},
+    StressCase{"S12", "long drift", stress_long_drift},
+    StressCase{"S13", "restitution and friction", stress_restitution},
+    StressCase{"S14", "units", stress_unit_scaling},
+    StressCase{"S15", "frames of reference", stress_frames},
+    StressCase{"S16", "momentum", stress_momentum},
+    StressCase{"S20", "absurd parameters", stress_absurd_parameters},
+    StressCase{"S22", "what is not a number", stress_not_a_number},
+    StressCase{"S25", "lists made anew", stress_lists},
+    StressCase{"S27", "clumps as rigid bodies", stress_clump_dynamics},
+};
+
+} // namespace
+
+std::span<const StressCase> stress_cases() { return cases; }
+
+const StressCase& stress_case(std::string_view id) {
+    const auto found = std::ranges::find(cases, id, &StressCase::id);
+    std::string known;
+    for (const StressCase& c : cases) known += fmt::format("{}{}", known.empty() ? "" : ", ", c.id);
+    require(found != cases.end(),
+            fmt::format("--case: expected one of {}, found \"{}\"", known, id));
+    return *found;
+}
+
+StressRows run_case(const StressCase& which, const StressSettings& settings) {
+    try {
+        return which.run(settings);
+    } catch (const SimulationError& error) {
+        return {{std::string(which.id), "the case", "comes to its end", error.what(), false}};
+    }
+}
+
+std::string table_of(const StressRows& rows) {
+    std::array<std::size_t, 3> width{};
+    for (const StressRow& r : rows) {
+        width[0] = std::max(width[0], r.what.size());
+        width[1] = std::max(width[1], r.criterion.size());
+        width[2] = std::max(width[2], r.found.size());
+    }
+    std::string text;
+    for (const StressRow& r : rows)
+        text += fmt::format("{:4} {:4}  {:{}}  {:{}}  {:{}}\n", r.pass ? "pass" : "FAIL", r.id,
+                            r.what, width[0], r.criterion, width[1], r.found, width[2]);
+    return text;
+}
+
+std::size_t failures(const StressRows& rows) {
+    return static_cast<std::size_t>(std::ranges::count(rows, false, &StressRow::pass));
+}
+
+} // namespace bris

@@ -1,0 +1,171 @@
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/material.hpp"
+#include "components/platen.hpp"
+#include "components/settings.hpp"
+#include "engine/errors.hpp"
+#include "engine/ordering.hpp"
+#include "engine/random.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/triaxial/growth.hpp"
+#include "scenarios/triaxial/specimen_state.hpp"
+#include "scenarios/triaxial/triaxial.hpp"
+#include "systems/broadphase/lists.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <tuple>
+
+namespace bris {
+
+namespace {
+
+constexpr double growth_per_step = 2e-4; // relative, of exchanged rocks
+constexpr double squeezing_limit =
+    1e-2; // overlap, of a rock's bounding radius, at which it waits for room
+constexpr std::uint64_t compaction_block = 50; // steps at one energy, and between exchanges
+constexpr std::uint64_t porosity_steps = 250;  // between measurements
+constexpr std::uint64_t exchange_steps =
+    2000;                          // with exchanges, then as many without, in which rocks grow full
+constexpr double swelling = 0.002; // of the core porosity, from the compaction pressure to a test's
+constexpr std::uint64_t vibration_stream = 3001, exchange_stream = 4001;
+
+template <class... Columns>
+void swap_rows(World& world, Row a, Row b) {
+    (std::swap(world.column<Bodies, Columns>()[a], world.column<Bodies, Columns>()[b]), ...);
+}
+
+/// A squeezed rock and one of the same shape, a little smaller, that is squeezed less change
+/// places, with all their motion; the larger one starts with the smaller one's size and has to
+/// grow. A rock that finds no room to grow gives its place back in the same way. `tries` pairs are
+/// drawn, `only_stuck`: of which only such rocks are taken. The set of rocks, and so the grading,
+/// stays what it is.
+void exchange_rocks(World& world, std::span<const double> squeezed, std::uint64_t draw,
+                    std::size_t tries, bool only_stuck) {
+    constexpr double least_ratio = 0.9; // of sizes
+    const auto& specimen = world.resource<Specimen>();
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    const auto shape = world.column<Bodies, ShapeOf>();
+    const auto growth = world.column<Bodies, Growth>();
+    std::vector<EntityId> order = specimen.rocks; // by shape, then size: partners are neighbours
+    std::sort(order.begin(), order.end(), [&](EntityId a, EntityId b) {
+        return std::tuple(shape[rows[a]], specimen.scale[a], a) <
+               std::tuple(shape[rows[b]], specimen.scale[b], b);
+    });
+    Random random(specimen.seed + draw, exchange_stream);
+    for (std::size_t k = 0; k < tries; ++k) {
+        const std::size_t i = random.bits() % (order.size() - 1);
+        const Row small = rows[order[i]], large = rows[order[i + 1]];
+        const double ratio = specimen.scale[order[i]] / specimen.scale[order[i + 1]];
+        if (shape[small] != shape[large] || ratio < least_ratio ||
+            squeezed[large] <= squeezed[small])
+            continue;
+        if (growth[small] < 1 || growth[large] < ratio || (only_stuck && growth[large] == 1))
+            continue;
+        swap_rows<Position, Orientation, Velocity, Acceleration, AngularMomentum, Spin, StepSpin,
+                  InertialMass, InertialInertia>(world, small, large);
+        growth[large] = ratio;
+        invalidate_lists(world);
+    }
+}
+
+/// The speed (m/s) at which vibrated rocks move: `vibration` of their mean bounding radius in a
+/// step.
+double vibration_speed(const World& world, double vibration) {
+    const auto& rocks = world.resource<Specimen>().rocks;
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    double radius = 0;
+    for (const EntityId id : rocks) radius += world.column<Bodies, BoundingRadius>()[rows[id]];
+    return vibration * radius / static_cast<double>(rocks.size()) / world.resource<Clock>().dt;
+}
+
+/// Gives the rocks, together, the kinetic energy of a speed in each of their six freedoms. Their
+/// velocities keep their directions and ratios: drawn anew they would act as a drag on the whole.
+void vibrate(World& world, double speed) {
+    const auto& rocks = world.resource<Specimen>().rocks;
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    const auto velocity = world.column<Bodies, Velocity>();
+    const auto momentum = world.column<Bodies, AngularMomentum>();
+    const auto spin = world.column<Bodies, Spin>();
+    const auto mass = world.column<Bodies, InertialMass>();
+    double found = 0, wanted = 0; // twice the energies
+    for (const EntityId id : rocks) {
+        const Row r = rows[id];
+        found += mass[r] * velocity[r].squaredNorm() + momentum[r].dot(spin[r]);
+        wanted += 6 * mass[r] * speed * speed;
+    }
+    const double scale = std::sqrt(wanted / found);
+    for (const EntityId id : rocks) {
+        velocity[rows[id]] *= scale;
+        momentum[rows[id]] *= scale;
+    }
+    show_velocities(world);
+}
+
+/// Held sensor rocks sink with the platen: over some steps, to where its height now puts them.
+void lead_sensor_rocks(World& world, std::uint64_t steps) {
+    const double time = static_cast<double>(steps) * world.resource<Clock>().dt;
+    for (const SensorDrift& d : sensor_drift(world))
+        world.column<Bodies, DriveVelocity>()[row_of_body(world, d.body)] =
+            (d.given - d.now) / time;
+}
+
+} // namespace
+
+void TriaxialTest::start_compaction() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    auto& platen = world.resource<Platen>();
+    const auto& specimen = world.resource<Specimen>();
+    const auto& materials = world.resource<Materials>();
+    platen.controlled = true;
+    platen.target_pressure = settings_.compaction_pressure;
+    platen.contact_stiffness =
+        materials.linear_pairs[materials.pair(specimen.rock_material, specimen.platen_material)].kn;
+    platen.largest_step = 2e-5 * specimen.height;
+    world.resource<LocalDamping>().fraction = 0; // the vibration's energy is set block by block
+    Random random(specimen.seed, vibration_stream);
+    const double speed = vibration_speed(world, settings_.vibration);
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    for (const EntityId id : specimen.rocks)
+        world.column<Bodies, Velocity>()[rows[id]] = speed * random.normal() * random.direction();
+    show_velocities(world);
+    state.prepared_porosity = 1;
+    state.phase = TriaxialPhase::compact;
+    state.phase_steps = 0;
+}
+
+// The vibrating table: rocks in a rigid mould, under the surcharge of the top platen, are kept in
+// agitation without friction until the core is dense enough. Agitation alone jams above the
+// porosity of a table that runs for minutes, in which stones find gaps of their size; exchanges
+// stand for that, with spells in which the exchanged rocks grow to their size.
+void TriaxialTest::compact() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    const auto& rocks = world.resource<Specimen>().rocks;
+    vibrate(world, vibration_speed(world, settings_.vibration));
+    lead_sensor_rocks(world, compaction_block);
+    run(compaction_block);
+    rescale();
+    const bool measured = state.phase_steps % porosity_steps == 0;
+    if (measured) state.prepared_porosity = porosity(world, core(world), 120);
+    // an exchange leaves rocks that must grow yet: only when all are full does a porosity count
+    const bool wanted = std::abs(state.prepared_porosity + swelling - settings_.porosity) <=
+                        0.5 * settings_.porosity_tolerance;
+    const bool exchanging = state.phase_steps / exchange_steps % 2 == 0;
+    const auto squeezed = largest_overlaps(world);
+    if (exchanging) exchange_rocks(world, squeezed, state.phase_steps, rocks.size() / 20, wanted);
+    const bool full =
+        grow_rocks(world, rocks, squeezed, 1 + growth_per_step * compaction_block, squeezing_limit);
+    if (measured && wanted && full) return start_consolidation();
+    if (state.phase_steps < settings_.longest_compaction) return;
+    throw SimulationError(
+        fmt::format("compaction: expected a core porosity of {:.3f} +/- {:.3f}, came to {:.4f} at "
+                    "a platen pressure of {:.0f} kPa "
+                    "after {} steps; try a lower compaction friction or a higher porosity",
+                    settings_.porosity, settings_.porosity_tolerance, state.prepared_porosity,
+                    world.resource<Platen>().pressure / 1e3, state.phase_steps));
+}
+
+} // namespace bris

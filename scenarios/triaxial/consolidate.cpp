@@ -1,0 +1,106 @@
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/membrane.hpp"
+#include "components/platen.hpp"
+#include "components/settings.hpp"
+#include "engine/errors.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/triaxial/specimen_state.hpp"
+#include "scenarios/triaxial/triaxial.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/output/balance.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bris {
+
+namespace {
+
+/// Everything that is free stands still.
+void stop_rocks(World& world) {
+    const auto stop = [&]<class Column>() {
+        for (auto& value : world.column<Bodies, Column>()) value.setZero();
+    };
+    stop.template operator()<Velocity>();
+    stop.template operator()<AngularMomentum>();
+    stop.template operator()<Spin>();
+    stop.template operator()<StepSpin>();
+}
+
+} // namespace
+
+void TriaxialTest::begin_compacted() {
+    World& world = simulation_.world();
+    set_friction(world, settings_.compaction_friction); // as of a specimen that was compacted here,
+                                                        // until its own acts
+    world.resource<Gravity>().value.setZero();
+    forget_lists(world); // rows of spheres are known from here on
+    world.resource<TriaxialState>().prepared_porosity = porosity(world, core(world), 120);
+    start_consolidation();
+}
+
+void TriaxialTest::start_consolidation() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    auto& membrane = world.resource<Membrane>();
+    auto& platen = world.resource<Platen>();
+    const double top = platen_height(world);
+    membrane.ring_height = top / membrane.rings;
+    world.resource<LocalDamping>().fraction = settings_.damping;
+    for (const EntityId id : world.resource<Specimen>().smart_rocks)
+        world.column<Bodies, MotionOf>()[row_of_body(world, id)] =
+            static_cast<std::uint32_t>(Motion::free);
+    stop_rocks(world);
+    if (settings_.gravity) world.resource<Gravity>().value = Vec3(0, 0, -9.81);
+    membrane.active = platen.controlled = true;
+    membrane.aim =
+        platen.aim = {}; // what follows starts from rest: no pressure is held that could change
+    membrane.contact_stiffness = platen.contact_stiffness = wall_contact_stiffness(world);
+    membrane.largest_step = platen.largest_step = 2e-6 * top;
+    invalidate_lists(world);
+    state.phase = TriaxialPhase::consolidate;
+    state.phase_steps = 0;
+    rescale();
+}
+
+void TriaxialTest::consolidate() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    // set here: one specimen may be taken to several pressures and frictions from the same snapshot
+    if (state.phase_steps == 0) set_friction(world, settings_.friction);
+    world.resource<Membrane>().target_pressure = settings_.confining_pressure;
+    world.resource<Platen>().target_pressure = settings_.confining_pressure;
+    run(50);
+    if (state.phase_steps % 500 == 0) rescale();
+    if (state.phase_steps >= 1000 && is_in_equilibrium()) return start_shear();
+    if (state.phase_steps > 10 * settings_.longest_stage)
+        throw SimulationError(
+            fmt::format("consolidation: no equilibrium after {} steps: unbalanced ratio {:.2e}",
+                        state.phase_steps, measure_balance(world).unbalanced_ratio));
+}
+
+void TriaxialTest::start_shear() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    auto& platen = world.resource<Platen>();
+    state.height = platen_height(world);
+    state.volume = specimen_volume(world);
+    state.global_porosity =
+        1 - solid_volume(world, {2 * membrane_radius(world), 0, state.height}, 240) / state.volume;
+    state.core_porosity = porosity(world, core(world), 240);
+    for (const SensorDrift& d : sensor_drift(world)) {
+        state.drift = std::max(state.drift, (d.now - d.given).norm());
+        state.turn = std::max(state.turn, d.turn);
+    }
+    platen.controlled = false;
+    platen.speed = 0;
+    state.phase = TriaxialPhase::shear;
+    state.stage = 0;
+    state.phase_steps = 0;
+    state.points.push_back(measure_point());
+    rescale();
+}
+
+} // namespace bris

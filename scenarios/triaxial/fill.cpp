@@ -1,0 +1,136 @@
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/platen.hpp"
+#include "components/settings.hpp"
+#include "engine/errors.hpp"
+#include "engine/ordering.hpp"
+#include "engine/random.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/triaxial/growth.hpp"
+#include "scenarios/triaxial/specimen_state.hpp"
+#include "scenarios/triaxial/triaxial.hpp"
+#include "systems/broadphase/lists.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bris {
+
+namespace {
+
+constexpr double first_scale = 0.45;     // at which rocks are put at random places without touching
+constexpr double growth_per_step = 2e-4; // relative, while nothing resists
+constexpr double squeezing_limit =
+    2e-3; // overlap, of a rock's bounding radius, at which it waits for room
+constexpr std::uint64_t growth_block = 20; // steps at one size
+constexpr std::uint64_t patience = 20000; // steps, after which rocks that jam may be squeezed by as
+                                          // much again: compaction frees them
+constexpr std::uint64_t placing_stream = 2001;
+
+std::span<const EntityId> rocks_of_lift(const Specimen& specimen, std::uint64_t lift,
+                                        unsigned lifts) {
+    const std::size_t n = specimen.rocks.size(), first = n * lift / lifts,
+                      last = n * (lift + 1) / lifts;
+    return std::span(specimen.rocks).subspan(first, last - first);
+}
+
+/// Puts the rocks of a lift at random places between two heights, their bounding spheres at
+/// `scale` clear of each other and of the held sensor rocks.
+void place_lift(World& world, std::span<const EntityId> lift, double low, double high,
+                double scale) {
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    const auto& specimen = world.resource<Specimen>();
+    const double wall = membrane_radius(world);
+    const auto position = world.column<Bodies, Position>();
+    const auto motion = world.column<Bodies, MotionOf>();
+    const auto radius = world.column<Bodies, BoundingRadius>();
+    const auto run = world.column<Bodies, SpheresOf>();
+    struct Placed {
+        Vec3 position;
+        double radius;
+    };
+    std::vector<Placed> placed;
+    for (Row b = 0; b < motion.size();
+         ++b) // what is already there: held sensor rocks, earlier lifts
+        if (run[b].count > 0 && position[b].z() > 0) placed.push_back({position[b], radius[b]});
+    std::vector<EntityId> order(lift.begin(), lift.end());
+    std::sort(order.begin(), order.end(), [&](EntityId a, EntityId b) {
+        return radius[rows[a]] != radius[rows[b]] ? radius[rows[a]] > radius[rows[b]] : a < b;
+    });
+    for (const EntityId id : order) {
+        const Row r = rows[id];
+        Random random(specimen.seed, placing_stream + id);
+        double size = scale * radius[r];
+        for (int attempt = 1;; ++attempt) {
+            if (attempt % 500 == 0) size *= 0.97; // a tight place: bounding spheres may overlap
+            const double away = (wall - size) * std::sqrt(random.uniform()),
+                         angle = 2 * pi * random.uniform();
+            const Vec3 x(away * std::cos(angle), away * std::sin(angle),
+                         random.uniform(low + size, high - size));
+            if (std::any_of(placed.begin(), placed.end(), [&](const Placed& p) {
+                    return (p.position - x).squaredNorm() < (size + p.radius) * (size + p.radius);
+                }))
+                continue;
+            position[r] = x;
+            placed.push_back({x, size});
+            break;
+        }
+        motion[r] = static_cast<std::uint32_t>(Motion::free);
+    }
+}
+
+} // namespace
+
+// A lift is grown in place between the lifts below and the top platen, without friction (inventory
+// T8: pouring alone does not reach the porosity).
+void TriaxialTest::start_lift() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    const auto& specimen = world.resource<Specimen>();
+    const double height = specimen.looseness * specimen.height;
+    if (state.lift == 0) {
+        set_friction(world, settings_.compaction_friction);
+        world.resource<Gravity>().value.setZero();
+        world.resource<LocalDamping>().fraction = settings_.damping;
+        forget_lists(world); // rows of spheres are known from here on
+    }
+    const double lid = height * static_cast<double>(state.lift + 1) / settings_.lifts;
+    const auto lift = rocks_of_lift(specimen, state.lift, settings_.lifts);
+    place_lift(world, lift, height * static_cast<double>(state.lift) / settings_.lifts, lid,
+               first_scale);
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    for (const EntityId id : lift) world.column<Bodies, Growth>()[rows[id]] = first_scale;
+    resize_rocks(world, lift);
+    world.column<Bodies, Position>()[row_of_body(world, specimen.top)] = Vec3(0, 0, lid);
+    world.resource<Platen>().speed = 0;
+    state.phase_steps = 0;
+    rescale();
+}
+
+// Every block ends with the masses of the next: it begins from State alone, or a resumed run, which
+// has no contacts before its first step, would take other masses.
+void TriaxialTest::fill() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    if (state.lift == 0 && state.phase_steps == 0) start_lift();
+    run(growth_block);
+    const bool grown =
+        grow_rocks(world, rocks_of_lift(world.resource<Specimen>(), state.lift, settings_.lifts),
+                   largest_overlaps(world), 1 + growth_per_step * growth_block,
+                   squeezing_limit * static_cast<double>(1 + state.phase_steps / patience));
+    if (!grown && state.phase_steps > 10 * settings_.longest_stage)
+        throw SimulationError(
+            fmt::format("filling: lift {} of {} has no room for its rocks after {} steps; "
+                        "try more rocks or a higher initial porosity",
+                        state.lift + 1, settings_.lifts, state.phase_steps));
+    if (grown) {
+        run(200);
+        state.phase_steps = 0;
+        if (++state.lift < settings_.lifts) return start_lift();
+        start_compaction();
+    }
+    rescale();
+}
+
+} // namespace bris

@@ -1,0 +1,179 @@
+#include "components/body.hpp"
+#include "components/material.hpp"
+#include "components/settings.hpp"
+#include "engine/errors.hpp"
+#include "engine/ordering.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/triaxial/specimen_state.hpp"
+#include "scenarios/triaxial/triaxial.hpp"
+#include "systems/fusion/fuse.hpp"
+#include "systems/fusion/spread.hpp"
+#include "systems/output/balance.hpp"
+#include "systems/output/porosity.hpp"
+#include "systems/output/quantities.hpp"
+#include "systems/output/stress.hpp"
+#include "systems/servo/membrane.hpp"
+#include "systems/servo/platen.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bris {
+
+namespace {
+
+// strain rate * d * sqrt(density / mean stress), with the masses that move: d of the mean rock by
+// mass
+double inertial_number(const World& world, const std::vector<Row>& rows, double rate,
+                       double stress) {
+    const Table& bodies = world.table<Bodies>();
+    const auto mass = bodies.column<Mass>();
+    const auto inertial = bodies.column<InertialMass>();
+    const auto& materials = world.resource<Materials>();
+    const auto material = bodies.column<MaterialOf>();
+    double all = 0, moving = 0, size = 0;
+    for (const Row r : rows) {
+        if (!(mass[r] > 0)) continue;
+        all += mass[r];
+        moving += inertial[r];
+        size += mass[r] * std::cbrt(6 * mass[r] / (pi * materials.list[material[r]].density));
+    }
+    const double density = materials.list[world.resource<Specimen>().rock_material].density;
+    return rate * size / all * std::sqrt(density * moving / all / stress);
+}
+
+} // namespace
+
+TriaxialPoint TriaxialTest::measure_point() const {
+    const World& world = simulation_.world();
+    const TriaxialState& s = state();
+    const auto& membrane = world.resource<Membrane>();
+    const auto& specimen = world.resource<Specimen>();
+    const Table& bodies = world.table<Bodies>();
+    const auto rows = rows_by_id(bodies.column<BodyId>());
+    const double top = bodies.column<Position>()[rows[specimen.top]].z();
+
+    TriaxialPoint p;
+    const double volume = specimen_volume(world);
+    for (const double pressure : membrane.pressure) {
+        const double error = std::abs(pressure / membrane.target_pressure - 1);
+        p.worst_ring_error = std::max(p.worst_ring_error, error);
+        p.mean_ring_error += error / static_cast<double>(membrane.pressure.size());
+    }
+    const Table& elements = world.table<Elements>();
+    double area = 0, push = 0;
+    p.ring_radius.assign(membrane.rings, 0);
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+        p.ring_radius[e / membrane.sectors] +=
+            elements.column<ElementRadius>()[e] / membrane.sectors;
+        push += elements.column<ElementPush>()[e];
+        area += elements.column<ElementArea>()[e];
+    }
+    const auto force = bodies.column<Force>();
+    p.axial_stress =
+        0.5 * (force[rows[specimen.top]].z() - force[rows[specimen.bottom]].z()) * top / volume;
+    p.radial_stress = push / area;
+    p.deviatoric_stress = p.axial_stress - p.radial_stress;
+    p.axial_strain = s.height > 0 ? 1 - top / s.height : 0;
+    p.volumetric_strain = s.volume > 0 ? 1 - volume / s.volume : 0;
+
+    const Stresses stresses = measure_stresses(world);
+    p.contact_axial = stresses.contact.axial / volume;
+    p.contact_radial = stresses.contact.radial / volume;
+    p.boundary_axial = stresses.boundary.axial / volume;
+    p.boundary_radial = stresses.boundary.radial / volume;
+
+    const Quantities q = measure(world);
+    p.unbalanced = q.unbalanced_ratio;
+    p.coordination = q.coordination;
+    p.stored = q.elastic_energy;
+    if (settings_.gravity)
+        for (const Row r : rows)
+            p.stored -= bodies.column<Mass>()[r] *
+                        world.resource<Gravity>().value.dot(bodies.column<Position>()[r]);
+    p.kinetic = q.kinetic_energy;
+    p.boundary_work = sum_by_id(rows, bodies.column<BoundaryWork>());
+    p.friction_work = sum_by_id(rows, bodies.column<FrictionWork>());
+    p.damping_work = sum_by_id(rows, bodies.column<DampingWork>());
+    p.scaling_work = sum_by_id(rows, bodies.column<ScalingWork>());
+    p.steps = static_cast<double>(s.phase_steps);
+    if (s.phase == TriaxialPhase::shear && s.phase_steps > 0)
+        p.inertial_number = inertial_number(world, rows,
+                                            settings_.stage_strain /
+                                                (settings_.move_steps * world.resource<Clock>().dt),
+                                            (p.axial_stress + 2 * p.radial_stress) / 3);
+    return p;
+}
+
+// One stage's travel, begun and ended at rest: a sudden start would send a wave through the
+// specimen.
+void TriaxialTest::move_platen() {
+    World& world = simulation_.world();
+    auto& platen = world.resource<Platen>();
+    constexpr unsigned parts = ramp_parts;
+    const std::uint64_t steps = settings_.move_steps / parts;
+    const double mean = settings_.stage_strain * state().height /
+                        (static_cast<double>(parts * steps) * world.resource<Clock>().dt);
+    for (unsigned k = 0; k < parts; ++k) {
+        platen.speed = mean * (1 - std::cos(2 * pi * (k + 0.5) / parts));
+        run(steps);
+    }
+    platen.speed = 0;
+}
+
+// Sensors that have recorded this strain correct their rocks; the stage then comes to rest again.
+// False: there are none, none is let in, or it has been done.
+bool TriaxialTest::analyse() {
+    World& world = simulation_.world();
+    if (!world.has_resource<Fusion>()) return false;
+    auto& fusion = world.resource<Fusion>();
+    fusion.strain = static_cast<double>(state().stage + 1) * settings_.stage_strain;
+    if (!fusion_is_due(world) || dismiss_samples(world)) return false;
+    begin_analysis(world);
+    const std::size_t first_record = fusion.records.size();
+    run(1);
+    const double spread = fusion.spread ? spread_corrections(world) : 0;
+    if (limits_corrections(world))
+        limit_corrections(world, first_record,
+                          fusion.spread ? spread : energy_of_corrections(world));
+    run(fusion.injection_steps);
+    return true;
+}
+
+void TriaxialTest::shear() {
+    World& world = simulation_.world();
+    auto& state = world.resource<TriaxialState>();
+    const auto stages = static_cast<std::uint64_t>(
+        std::llround(settings_.final_axial_strain / settings_.stage_strain));
+    if (state.stage >= stages) {
+        state.phase = TriaxialPhase::done;
+        return;
+    }
+    if (state.phase_steps == 0) {
+        if (world.has_resource<Fusion>()) hold_pulls(world);
+        move_platen();
+    }
+    run(20);
+    if (is_in_equilibrium()) {
+        if (analyse()) return;
+        ++state.stage;
+        state.points.push_back(measure_point());
+        state.phase_steps = 0;
+        rescale();
+        return;
+    }
+    if (state.phase_steps % 200 < 20) keep_stable();
+    if (state.phase_steps > settings_.longest_stage) {
+        const Balance balance = measure_balance(world);
+        throw SimulationError(fmt::format(
+            "stage {} (axial strain {:.4f}): no equilibrium after {} steps: unbalanced ratio "
+            "{:.2e} (wanted {:.1e}), "
+            "{} contacts of {} rocks",
+            state.stage + 1, static_cast<double>(state.stage + 1) * settings_.stage_strain,
+            state.phase_steps, balance.unbalanced_ratio, settings_.tolerance, balance.contacts,
+            balance.free_bodies));
+    }
+}
+
+} // namespace bris

@@ -1,0 +1,153 @@
+#include "scenarios/triaxial/triaxial.hpp"
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/material.hpp"
+#include "components/membrane.hpp"
+#include "components/platen.hpp"
+#include "components/settings.hpp"
+#include "scenarios/triaxial/equilibrium.hpp"
+#include "scenarios/triaxial/true_masses.hpp"
+#include "systems/contact/mass_scaling.hpp"
+#include "systems/output/balance.hpp"
+#include "systems/output/stress.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bris {
+
+void TriaxialState::save(Archive& archive) const {
+    const std::array<std::uint64_t, 4> counts{static_cast<std::uint64_t>(phase), lift, stage,
+                                              phase_steps};
+    archive.put("triaxial/counts", std::span<const std::uint64_t>(counts));
+    put_fields(archive, "triaxial/numbers", fields(*this));
+    save_points(archive, "triaxial", points);
+}
+
+void TriaxialState::load(const Archive& archive) {
+    const auto counts = archive.get<std::uint64_t>("triaxial/counts");
+    phase = static_cast<TriaxialPhase>(counts.at(0));
+    lift = counts.at(1);
+    stage = counts.at(2);
+    phase_steps = counts.at(3);
+    get_fields(archive, "triaxial/numbers", fields(*this));
+    points = load_points(archive, "triaxial");
+}
+
+TriaxialTest::TriaxialTest(Simulation& simulation, TriaxialSettings settings)
+    : simulation_(simulation), settings_(settings) {
+    World& world = simulation_.world();
+    if (!world.has_resource<TriaxialState>()) world.add_resource<TriaxialState>();
+}
+
+const TriaxialState& TriaxialTest::state() const {
+    return static_cast<const World&>(simulation_.world()).resource<TriaxialState>();
+}
+
+void TriaxialTest::run(std::uint64_t steps) {
+    simulation_.advance(steps);
+    simulation_.world().resource<TriaxialState>().phase_steps += steps;
+}
+
+// masses, and the step that goes with them, for the contacts of the last step
+void TriaxialTest::rescale() {
+    World& world = simulation_.world();
+    const bool scaled = settings_.mass_scaling || state().phase < TriaxialPhase::consolidate;
+    const double dt = scaled ? scale_masses(world, 0, settings_.safety, false).dt
+                             : settings_.safety * restore_masses(world);
+    world.resource<Clock>().change_step(dt);
+}
+
+// contacts have come since the stage began: where they make the step too long, masses are raised,
+// or it is cut
+void TriaxialTest::keep_stable() {
+    World& world = simulation_.world();
+    auto& clock = world.resource<Clock>();
+    if (settings_.mass_scaling) {
+        scale_masses(world, clock.dt, settings_.safety, true);
+        return;
+    }
+    const double dt = settings_.safety * restore_masses(world);
+    if (dt < clock.dt) clock.change_step(dt);
+}
+
+bool TriaxialTest::advance() {
+    switch (state().phase) {
+    case TriaxialPhase::fill:
+        fill();
+        break;
+    case TriaxialPhase::compact:
+        compact();
+        break;
+    case TriaxialPhase::consolidate:
+        consolidate();
+        break;
+    case TriaxialPhase::shear:
+        shear();
+        break;
+    case TriaxialPhase::done:
+        break;
+    }
+    return state().phase != TriaxialPhase::done;
+}
+
+bool TriaxialTest::is_in_equilibrium() const {
+    const World& world = simulation_.world();
+    const Balance balance = measure_balance(world);
+    if (!carries_load(balance)) return false;
+    if (!(balance.unbalanced_ratio <= settings_.tolerance)) return false;
+    const auto& membrane = world.resource<Membrane>();
+    const auto off = [&](double pressure) {
+        return !(std::abs(pressure / settings_.confining_pressure - 1) <=
+                 settings_.pressure_tolerance);
+    };
+    if (std::any_of(membrane.pressure.begin(), membrane.pressure.end(), off)) return false;
+    const auto& platen = world.resource<Platen>();
+    if (platen.controlled && off(platen.pressure)) return false;
+    // small forces left on many rocks weigh more in the stress of a large specimen
+    return measure_stresses(world).mismatch() <= settings_.pressure_tolerance;
+}
+
+double TriaxialTest::fraction() const {
+    const TriaxialState& s = state();
+    const double stages = settings_.final_axial_strain / settings_.stage_strain;
+    switch (s.phase) {
+    case TriaxialPhase::fill:
+        return 0.03 * static_cast<double>(s.lift) / settings_.lifts;
+    case TriaxialPhase::compact:
+        return 0.03;
+    case TriaxialPhase::consolidate:
+        return 0.06;
+    case TriaxialPhase::shear:
+        return 0.08 + 0.92 * static_cast<double>(s.stage) / stages;
+    case TriaxialPhase::done:
+        break;
+    }
+    return 1;
+}
+
+std::string TriaxialTest::description() const {
+    const TriaxialState& s = state();
+    const auto& clock = simulation_.world().resource<Clock>();
+    const std::string where = fmt::format("{:.0f} kPa, ", settings_.confining_pressure / 1e3);
+    switch (s.phase) {
+    case TriaxialPhase::fill:
+        return where + fmt::format("filling lift {} of {}", s.lift + 1, settings_.lifts);
+    case TriaxialPhase::compact:
+        return where + fmt::format("compacting, core porosity {:.3f}", s.prepared_porosity);
+    case TriaxialPhase::consolidate:
+        return where + "consolidating";
+    case TriaxialPhase::shear:
+        return where + fmt::format("axial strain {:.2f} %, q {:.0f} kPa, step {}",
+                                   100 * static_cast<double>(s.stage) * settings_.stage_strain,
+                                   s.points.empty() ? 0.0 : s.points.back().deviatoric_stress / 1e3,
+                                   clock.step);
+    case TriaxialPhase::done:
+        break;
+    }
+    return where + "done";
+}
+
+} // namespace bris

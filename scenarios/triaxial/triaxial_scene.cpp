@@ -1,0 +1,126 @@
+#include "scenarios/triaxial/triaxial_scene.hpp"
+
+#include "engine/assets.hpp"
+#include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/memory.hpp"
+#include "scenarios/rocks/clump_library.hpp"
+#include "scenarios/specimens/check_scene.hpp"
+#include "scenarios/specimens/memory_estimate.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/contact/ledger.hpp"
+#include "systems/steps.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+/// What the walls add to the porosity of a specimen of fewer rocks than the usual 400: it goes with
+/// the rocks' size over the specimen's. 0.06 was measured: core and whole at 400 and 4 000 rocks.
+double wall_porosity(std::size_t rocks) {
+    return 0.06 * std::max(0.0, std::cbrt(400.0 / static_cast<double>(rocks)) - 1);
+}
+
+std::vector<Clump> sensor_shapes(const Triaxial& t, const std::vector<Clump>& library) {
+    std::vector<Clump> shapes;
+    for (const auto name : cells_of(t.sensor_shape)) {
+        const auto found = std::ranges::find(library, name, &Clump::name);
+        require(found != library.end(),
+                fmt::format(
+                    "--sensor-shape: expected a clump of assets/clumps, or several, found \"{}\"",
+                    name));
+        shapes.push_back(scaled(*found, t.specimen.smartrock_size / found->sieve));
+    }
+    return shapes;
+}
+
+/// How many of the sensor rocks take the k-th shape in turn.
+std::size_t share_of(std::size_t k, std::size_t sensors, std::size_t shapes) {
+    return sensors / shapes + (k < sensors % shapes ? 1 : 0);
+}
+
+double largest_radius(const std::vector<Clump>& shapes) {
+    return std::ranges::max_element(shapes, {}, &Clump::bounding_radius)->bounding_radius;
+}
+
+} // namespace
+
+void check_test(const Triaxial& t) {
+    const double stages = t.test.final_axial_strain / t.test.stage_strain;
+    require(stages > 0.999 && std::abs(stages - std::round(stages)) < 1e-6 * stages,
+            fmt::format(
+                "--final-axial-strain: expected a multiple of --stage-strain, found {:g} and {:g}",
+                t.test.final_axial_strain, t.test.stage_strain));
+    require(t.test.move_steps % ramp_parts == 0,
+            fmt::format("--move-steps: expected a multiple of {}, found {}", ramp_parts,
+                        t.test.move_steps));
+    std::vector<std::string> names;
+    for (const double pressure : t.confining_pressure) names.push_back(folder_of(pressure));
+    std::ranges::sort(names);
+    const auto twice = std::ranges::adjacent_find(names);
+    require(twice == names.end(),
+            "--confining-pressure: expected different pressures, found twice " +
+                (twice == names.end() ? "" : *twice));
+}
+
+TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
+    const std::filesystem::path assets = assets_folder();
+    TriaxialScene s;
+    s.clumps = read_clumps(assets / "clumps");
+    s.smart_rocks = sensor_shapes(t, s.clumps);
+    std::erase_if(s.clumps, [](const Clump& c) { return c.name == "cube"; });
+    s.grading = read_grading(assets / "gradings" / (t.grading + ".csv"));
+    s.specimen = t.specimen;
+    s.specimen.seed = seed;
+    s.specimen.friction = t.test.friction;
+    const auto room_for = [&](std::size_t sensors) {
+        require(sensors < t.bodies,
+                fmt::format("--bodies: expected more than the {} sensor rocks, found {}", sensors,
+                            t.bodies));
+        s.sample = sample_rocks(s.grading, s.clumps, t.bodies - sensors, seed);
+        double solids = s.sample.solid_volume;
+        for (std::size_t k = 0; k < s.smart_rocks.size(); ++k)
+            solids += static_cast<double>(share_of(k, sensors, s.smart_rocks.size())) *
+                      s.smart_rocks[k].volume;
+        s.specimen.radius =
+            radius_for(solids, t.initial_porosity + wall_porosity(t.bodies), s.specimen.sectors);
+        s.specimen.height = 4 * s.specimen.radius;
+        return SensorRoom{s.specimen.radius, s.specimen.height, largest_radius(s.smart_rocks)};
+    };
+    if (!t.sensor_poses.empty()) {
+        s.poses =
+            read_smart_rock_poses(t.sensor_poses, room_for(read_csv(t.sensor_poses).rows.size()));
+    } else {
+        const std::size_t sensors = smart_rock_count(room_for(10));
+        s.poses = smart_rock_poses(room_for(sensors), seed, sensors);
+    }
+    return s;
+}
+
+void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit,
+                        double stages_kept) {
+    constexpr double spheres_each = 30;         // of the clump library
+    constexpr double motion = 2 * sizeof(Vec3); // of a rock in a stage: displacement and rotation
+    require_memory("bodies", t.bodies,
+                   bytes_of_rocks(t.bodies, spheres_each, worlds) + motion * stages_kept * t.bodies,
+                   limit);
+}
+
+Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {
+    World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rocks, s.sample.rocks, s.poses);
+    check_scene(world, LawName::linear);
+    add_lists(world, LawName::linear);
+    add_ledger(world);
+    world.add_resource<TriaxialState>();
+    Simulation simulation(std::move(world), steps(LawName::linear, true), threads,
+                          {.serial = serial});
+    simulation.on_restore(forget_lists);
+    return simulation;
+}
+
+} // namespace bris

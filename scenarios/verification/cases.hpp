@@ -1,0 +1,49 @@
+#pragma once
+
+#include "scenarios/verification/check.hpp"
+
+#include <span>
+
+namespace bris {
+
+/// A group of checks: an experiment with an exact answer, or a family of them.
+struct VerificationCase {
+    const char* name;
+    const char* source; ///< of the exact values
+    void (*run)(Checks&);
+};
+
+std::span<const VerificationCase> verification_cases();
+
+/// Runs a group. Throws InputError for a name that is none.
+std::vector<Check> verify(const std::string& name);
+
+namespace detail {
+void verify_elastic_impacts(Checks&);
+void verify_impact_scaling(Checks&);
+void verify_restitution(Checks&);
+void verify_oblique_impacts(Checks&);
+void verify_slip_impacts(Checks&);
+void verify_spinning_impacts(Checks&);
+void verify_energy_defect(Checks&);
+void verify_surfaces(Checks&);
+void verify_bouncing(Checks&);
+void verify_stack(Checks&);
+void verify_rolling(Checks&);
+void verify_array(Checks&);
+void verify_local_damping(Checks&);
+void verify_top(Checks&);
+void verify_pendulum(Checks&);
+void verify_mass_properties(Checks&);
+void verify_chains(Checks&);
+void verify_crystals(Checks&);
+void verify_waves(Checks&);
+void verify_stability(Checks&);
+void verify_contact_pair(Checks&);
+void verify_descriptions(Checks&);
+void verify_gas(Checks&);
+void verify_cooling(Checks&);
+void verify_rest(Checks&);
+} // namespace detail
+
+} // namespace bris

@@ -1,0 +1,35 @@
+#pragma once
+
+#include "scenarios/verification/bench.hpp"
+#include "scenarios/verification/impact.hpp"
+
+namespace bris::detail {
+
+/// Elastic constants and density of a metal or plastic, as Chung and Ooi (2011) list them.
+inline Material elastic(const char* name, double young, double poisson, double density,
+                        double restitution = 1, double friction = 0) {
+    Material m;
+    m.name = name;
+    m.young_modulus = young;
+    m.poisson_ratio = poisson;
+    m.density = density;
+    m.restitution = restitution;
+    m.friction = friction;
+    return m;
+}
+
+/// A sphere on a rigid wall: the pair has the sphere's own restitution and friction.
+inline Impact on_wall(const Material& material, double radius, double speed, LawName law) {
+    Impact s;
+    s.radius = radius;
+    s.material = material;
+    s.partner_material = rigid_material(material.friction);
+    s.partner_material.restitution = material.restitution;
+    s.law = law;
+    s.speed = speed;
+    return s;
+}
+
+inline constexpr double degree = pi / 180;
+
+} // namespace bris::detail

@@ -1,0 +1,77 @@
+#include "scenarios/verification/rest.hpp"
+
+#include "components/settings.hpp"
+#include "engine/random.hpp"
+#include "scenarios/verification/bench.hpp"
+#include "systems/output/quantities.hpp"
+#include "systems/output/stress.hpp"
+
+#include <cmath>
+
+namespace bris {
+
+RestResult measure(const SmallBetweenLarge& s) {
+    constexpr double radius = 1e-3, kn = 1e4, g = 9.81;
+    World world = make_world(Grains::spheres);
+    Material m = linear_material(kn, 0.8 * kn, s.friction);
+    const double mass = m.density * 4 / 3 * pi * radius * radius * radius,
+                 omega = std::sqrt(kn / mass);
+    m.normal_damping = m.shear_damping = 0.5 * omega;
+    const auto material = world.resource<Materials>().add(m);
+    const double large = s.ratio * radius, reach = large + radius;
+    for (const double x : {-large, large})
+        add_sphere(world, Vec3(x, 0, 0), large, material, Motion::fixed);
+    // beside the middle, on one of the two: it rolls down into the valley
+    const double x = s.offset * radius, z = std::sqrt(reach * reach - (large + x) * (large + x));
+    const EntityId small = add_sphere(
+        world, Vec3(-x, 0, std::max(z, std::sqrt(reach * reach - (large - x) * (large - x)))),
+        radius, material);
+    world.add_resource<Gravity>({Vec3(0, 0, -g)});
+    const double dt = 0.1 / omega;
+    Simulation sim = begin(std::move(world), LawName::linear_viscous, dt);
+    const auto steps = static_cast<std::uint64_t>(60 * std::sqrt(radius / g) / dt);
+    sim.advance(steps - steps / 10);
+    const Vec3 before = value_of<Position>(sim, small);
+    sim.advance(steps / 10);
+    RestResult r;
+    r.speed = value_of<Velocity>(sim, small).norm() / std::sqrt(g * radius);
+    r.spin = value_of<Spin>(sim, small).norm() * std::sqrt(radius / g);
+    r.travel = (value_of<Position>(sim, small) - before).norm() / radius;
+    r.unbalanced = value_of<Force>(sim, small).norm() / (mass * g);
+    return r;
+}
+
+PackingResult measure(const Packing& s) {
+    constexpr double radius = 0.01, kn = 1e5;
+    World world = make_world(Grains::spheres);
+    Material m = linear_material(kn, 0.8 * kn, 0.5);
+    const double omega = std::sqrt(kn / (m.density * 4 / 3 * pi * radius * radius * radius));
+    m.normal_damping = m.shear_damping =
+        0.2 * omega; // six contacts a sphere, and 5/2 of it for its spin: below 2 / dt
+    const auto material = world.resource<Materials>().add(m);
+    const double pitch = 2.05 * radius;
+    for (unsigned i = 0; i < s.side * s.side * s.side; ++i) {
+        Random random(s.seed, i);
+        const Vec3 site =
+            pitch * Vec3(i % s.side + 0.5, i / s.side % s.side + 0.5, i / s.side / s.side + 0.5);
+        add_sphere(world, site + 0.02 * radius * random.direction(),
+                   radius * random.uniform(0.8, 1), material);
+    }
+    add_box(world, Vec3::Zero(), pitch * Vec3(s.side, s.side, 3 * s.side), material);
+    world.add_resource<Gravity>();
+    world.add_resource(LocalDamping{0.5}); // calms what rolls freely, which no contact does
+    Simulation sim = begin(std::move(world), LawName::linear_viscous, 0.1 / omega);
+    PackingResult r;
+    for (int k = 0; k < 60; ++k) {
+        sim.advance(1000);
+        const Quantities q = measure(sim.world());
+        r.unbalanced_ratio = q.unbalanced_ratio;
+        r.floor_force_error = std::abs(q.boundary_force.z() / q.weight.z() - 1);
+        r.coordination = q.coordination;
+        if (r.unbalanced_ratio < 1e-12) break;
+    }
+    r.stress_mismatch = measure_stresses(sim.world()).mismatch();
+    return r;
+}
+
+} // namespace bris

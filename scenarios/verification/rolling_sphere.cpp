@@ -1,0 +1,62 @@
+#include "scenarios/verification/rolling_sphere.hpp"
+
+#include "components/settings.hpp"
+#include "engine/errors.hpp"
+#include "scenarios/verification/bench.hpp"
+
+#include <cmath>
+
+namespace bris {
+
+RollingSphereResult measure(const RollingSphere& s) {
+    require(!is_hertz(s.law), "roll: expected a linear law");
+    require(s.slope >= 0 && s.slope < pi / 2, "roll: expected a slope from 0 to pi/2 rad");
+    World world = make_world(Grains::spheres);
+    const auto material = world.resource<Materials>().add(s.material);
+    world.resource<Materials>().policy = s.policy;
+    world.resource<Materials>().mix();
+    add_floor(world, material);
+    const EntityId ball = add_sphere(world, Vec3::Zero(), s.radius, material);
+    const double mass = value_of<InertialMass>(world, ball), kn = 0.5 * s.material.normal_stiffness;
+    const double dt = s.step * std::sqrt(mass / kn);
+    value_of<Position>(world, ball).z() =
+        s.radius - mass * s.gravity * std::cos(s.slope) / kn; // in balance from the start
+    value_of<Velocity>(world, ball).x() = s.speed;
+    set_spin(world, ball, Vec3(0, s.spin, s.twist));
+    world.add_resource<Gravity>({s.gravity * Vec3(std::sin(s.slope), 0, -std::cos(s.slope))});
+    Simulation sim = begin(std::move(world), s.law, dt);
+
+    RollingSphereResult r;
+    r.slip_end = std::nan("");
+    r.first_kinetic_energy = free_kinetic_energy(sim.world(), ball);
+    r.steps = static_cast<std::uint64_t>(std::ceil(s.duration / dt));
+    const double limit = s.material.friction;
+    double half_speed = 0, half_time = 0;
+    Vec3 half_spin = Vec3::Zero();
+    bool slipped = false;
+    for (std::uint64_t k = 0; k < r.steps; ++k) {
+        sim.advance();
+        const double ratio = touch_of(sim.world()).friction_ratio;
+        r.friction_ratio = std::max(r.friction_ratio, ratio);
+        slipped = slipped || ratio > limit * (1 - 1e-9);
+        if (slipped && std::isnan(r.slip_end) && ratio < limit * (1 - 1e-9))
+            r.slip_end = dt * (static_cast<double>(k) - 0.5);
+        if (k == r.steps / 2) {
+            half_speed = value_of<Velocity>(sim, ball).x();
+            half_spin = value_of<Spin>(sim, ball);
+            half_time = sim.world().resource<Clock>().time();
+        }
+    }
+    const double time = sim.world().resource<Clock>().time() - half_time;
+    const Vec3 spin = value_of<Spin>(sim, ball);
+    r.speed = value_of<Velocity>(sim, ball).x();
+    r.spin = spin.y();
+    r.twist = spin.z();
+    r.acceleration = (r.speed - half_speed) / time;
+    r.spin_acceleration = (spin.y() - half_spin.y()) / time;
+    r.twist_acceleration = (spin.z() - half_spin.z()) / time;
+    r.kinetic_energy = free_kinetic_energy(sim.world(), ball);
+    return r;
+}
+
+} // namespace bris

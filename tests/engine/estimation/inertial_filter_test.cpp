@@ -1,0 +1,276 @@
+#include "engine/estimation/chi_squared.hpp"
+#include "engine/estimation/inertial_filter.hpp"
+#include "engine/random.hpp"
+#include "tests/about.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+
+namespace {
+
+const Mat3 one = Mat3::Identity();
+const Vec3 earth(0, 0, -9.81);
+
+Quat about_y(double angle) { return exponential_map(Vec3(0, angle, 0)); }
+
+InertialFilter exact_filter() {
+    InertialFilter f;
+    f.gravity = earth;
+    f.begin(1e-3, 1e-3, 1e-3, 1e-3, 1e-3, 1e-3);
+    return f;
+}
+
+/// Draws an error of the filter's own covariance into its state.
+void disturb(InertialFilter& f, Random& random) {
+    Vector z(InertialFilter::size);
+    for (int k = 0; k < InertialFilter::size; ++k) z[k] = random.normal();
+    const Vector e = f.error().root * z;
+    f.state.position -= e.segment<3>(0);
+    f.state.velocity -= e.segment<3>(3);
+    f.state.orientation = exponential_map(-e.segment<3>(6)) * f.state.orientation;
+    f.state.spin -= e.segment<3>(9);
+    f.bias_of_force -= e.segment<3>(12);
+    f.bias_of_rate -= e.segment<3>(15);
+}
+
+/// Squared distance of the error of a filter (NEES) after every kind of observation of a body that
+/// tumbles under white noise of acceleration; it believes `noise_factor` times as much of that.
+double error_of_tumbling(double noise_factor, std::uint64_t run) {
+    constexpr double dt = 0.02, density = 1e-3; // s, (m/s2)2/Hz and (rad/s2)2/Hz
+    Random random(77, run);
+    const auto noise3 = [&](double s) {
+        return Vec3(s * random.normal(), s * random.normal(), s * random.normal());
+    };
+    RigidState truth{.orientation = random.rotation(), .spin = Vec3(0.5, -0.3, 0.8)};
+    InertialFilter f;
+    f.gravity = earth;
+    f.begin(0.01, 0.02, 0.03, 0.02, 0.05, 0.01);
+    f.state = truth;
+    const Vec3 force_bias = Vec3::Zero(), rate_bias = Vec3::Zero(), arm(0.1, -0.2, 0.05),
+               north(1, 0, 0.4);
+    disturb(f, random);
+    for (int k = 0; k < 40; ++k) {
+        const Vec3 push = noise3(std::sqrt(density / dt)), twist = noise3(std::sqrt(density / dt));
+        // the truth under an acceleration that is constant within the step: covariance T^3/4 for
+        // T^3/3, no matter here
+        truth.position += dt * truth.velocity + 0.5 * dt * dt * push;
+        truth.velocity += dt * push;
+        truth.orientation =
+            exponential_map(dt * (truth.spin + 0.5 * dt * twist)) * truth.orientation;
+        truth.spin += dt * twist;
+        f.advance(dt, noise_factor * density, noise_factor * density);
+        const Quat to_body = truth.orientation.conjugate();
+        const Vec3 r = truth.orientation * arm,
+                   force =
+                       to_body * Vec3(truth.spin.cross(truth.spin.cross(r)) - earth) + force_bias;
+        if (k % 4 == 0) (void)f.observe_position(truth.position + noise3(1e-3), 1e-6 * one);
+        if (k % 4 == 1) (void)f.observe_force(force + noise3(1e-2), Vec3::Zero(), arm, 1e-4 * one);
+        if (k % 4 == 2)
+            (void)f.observe_rate(to_body * truth.spin + rate_bias + noise3(1e-3), 1e-6 * one);
+        if (k % 4 == 3) (void)f.observe_vector(to_body * north + noise3(1e-2), north, 1e-4 * one);
+    }
+    Vector e(InertialFilter::size);
+    e << truth.position - f.state.position, truth.velocity - f.state.velocity,
+        attitude_error(truth.orientation, f.state.orientation), truth.spin - f.state.spin,
+        force_bias - f.bias_of_force, rate_bias - f.bias_of_rate;
+    return squared_distance(f.error(), e);
+}
+
+double mean_error_of_tumbling(double noise_factor, std::uint64_t runs) {
+    double sum = 0;
+    for (std::uint64_t run = 0; run < runs; ++run) sum += error_of_tumbling(noise_factor, run);
+    return sum / static_cast<double>(runs);
+}
+
+} // namespace
+
+TEST_SUITE("engine/signal/inertial_filter") {
+    TEST_CASE("a rotation vector is what its exponential map came from, up to half a turn") {
+        Random random(1, 0);
+        for (int k = 0; k < 1000; ++k) {
+            const Vec3 v = random.uniform(0, 3.14) * random.direction();
+            CHECK((rotation_vector(exponential_map(v)) - v).norm() < 1e-13);
+        }
+        CHECK(rotation_vector(Quat::Identity()).norm() == 0);
+        CHECK((rotation_vector(exponential_map(Vec3(1e-200, 0, 0))) - Vec3(1e-200, 0, 0)).norm() <
+              1e-210);
+    }
+
+    TEST_CASE("at a constant rate the attitude is exact") {
+        InertialFilter f = exact_filter();
+        const Vec3 rate(0.3, -0.2, 0.5);
+        for (int k = 0; k < 10000; ++k) f.advance(1e-3, {Vec3::Zero(), rate}, {});
+        // q(10 s), from the closed form
+        const Quat exact(-0.9982371903219421, 0.028883890394124045, -0.019255926929416033,
+                         0.04813981732354008);
+        CHECK(attitude_error(exact, f.state.orientation).norm() < 1e-11);
+        CHECK((f.state.spin - f.state.orientation * rate).norm() < 1e-12);
+    }
+
+    TEST_CASE("coning at 5 Hz drifts as it should, which a sum of rotation vectors misses") {
+        // rate a w (cos wt, sin wt, 0), a = 0.05 rad, w = 10 pi: attitude after 10 s by a fine
+        // integration (DOP853)
+        const double a = 0.05, w = 10 * pi, dt = 1e-3;
+        const Quat exact(0.9808091843410391, 0.009736342683900369, 0, 0.1947268536781745);
+        InertialFilter f = exact_filter();
+        Vec3 sum = Vec3::Zero();
+        for (int k = 0; k < 10000; ++k) {
+            const double t =
+                (k + 0.5) *
+                dt; // a step's mean rate, and the coning within it (Bortz 1971), by its middle
+            const double mean = std::sin(0.5 * w * dt) / (0.5 * w * dt);
+            const Vec3 rate = a * w * mean * Vec3(std::cos(w * t), std::sin(w * t), 0);
+            f.advance(dt, {Vec3::Zero(), rate}, {});
+            sum += dt * rate;
+        }
+        CHECK(attitude_error(exact, f.state.orientation).norm() < 1e-3);
+        CHECK(attitude_error(exact, exponential_map(sum)).norm() > 0.3);
+    }
+
+    TEST_CASE("pitch goes through a right angle, and yaw past half a turn, without a jump") {
+        InertialFilter f = exact_filter();
+        f.state.orientation = about_y(pi / 3);
+        double worst = 0;
+        for (int k = 1; k <= 6000; ++k) { // 60 to 120 degrees at 10 degrees a second
+            f.advance(1e-3, {Vec3::Zero(), Vec3(0, pi / 18, 0)}, {.force = 1e-6, .rate = 1e-6});
+            const Quat truth = about_y(pi / 3 + k * 1e-3 * pi / 18);
+            if (k % 10 == 0) (void)f.observe_attitude(truth, 1e-6 * one);
+            worst = std::max(worst, attitude_error(truth, f.state.orientation).norm());
+        }
+        CHECK(worst < 1e-6);
+
+        const auto yaw = [](double degrees) {
+            return exponential_map(Vec3(0, 0, degrees * pi / 180));
+        };
+        f.state.orientation = yaw(179);
+        CHECK(f.observe_attitude(yaw(-179), one).innovation.norm() ==
+              about(2 * pi / 180).epsilon(1e-9));
+
+        // twice round, 120 degrees a second, on a body that is tilted
+        f = exact_filter();
+        f.state.orientation = yaw(170) * about_y(0.3);
+        worst = 0;
+        for (int k = 1; k <= 6000; ++k) {
+            const Vec3 rate = about_y(-0.3) * Vec3(0, 0, 2 * pi / 3);
+            f.advance(1e-3, {Vec3::Zero(), rate}, {.force = 1e-6, .rate = 1e-6});
+            const double degrees = 170 + 0.12 * k; // and as a compass says it, from -180 to 180
+            const Quat truth = yaw(degrees - 360 * std::round(degrees / 360)) * about_y(0.3);
+            if (k % 10 == 0) (void)f.observe_attitude(truth, 1e-6 * one);
+            worst = std::max(worst, attitude_error(truth, f.state.orientation).norm());
+        }
+        CHECK(worst < 1e-6);
+    }
+
+    TEST_CASE("gravity tells tilt and never yaw; a second direction tells yaw") {
+        Random random(5, 0);
+        const Quat truth = random.rotation();
+        InertialFilter f = exact_filter();
+        f.begin(1e-3, 1e-3, 0.05, 1e-6, 1e-6, 1e-6);
+        f.state.orientation = truth * exponential_map(Vec3(0.02, -0.03, 0.01));
+        const Vec3 down = truth.conjugate() * Vec3(-earth), up = Vec3(0, 0, 1);
+        const auto yaw_deviation = [&] {
+            return std::sqrt(f.covariance()(8, 8)); // about the vertical
+        };
+        const auto tilt = [&] {
+            return (f.state.orientation * Vec3(truth.conjugate() * up)).cross(up).norm();
+        };
+        for (int k = 0; k < 20; ++k)
+            (void)f.observe_force(down, Vec3::Zero(), Vec3::Zero(), 1e-6 * one);
+        CHECK(tilt() < 1e-5);
+        CHECK(yaw_deviation() == about(0.05).epsilon(1e-6)); // as uncertain as before
+        const Vec3 north(1, 0, 0.4);
+        for (int k = 0; k < 20; ++k)
+            (void)f.observe_vector(truth.conjugate() * north, north, 1e-8 * one);
+        CHECK(yaw_deviation() < 1e-3);
+        CHECK(attitude_error(truth, f.state.orientation).norm() < 1e-4);
+    }
+
+    TEST_CASE("alone, an inertial sensor loses its place as the third power of time") {
+        // 100 micro-g per root hertz: 0.57 mm after 1 s, 18 mm after 10 s
+        InertialFilter f;
+        f.gravity = earth;
+        f.begin(0, 0, 0, 0, 0, 0);
+        const InertialNoise noise{.force = 100e-6 * 9.80665};
+        for (int k = 1; k <= 2000; ++k) {
+            f.advance(5e-3, {Vec3(-earth), Vec3::Zero()}, noise);
+            if (k != 200 && k != 2000) continue;
+            const double t = k * 5e-3;
+            CHECK(std::sqrt(f.covariance()(0, 0)) ==
+                  about(noise.force * std::sqrt(t * t * t / 3)).epsilon(1e-4));
+        }
+        CHECK(std::sqrt(f.covariance()(0, 0)) == about(0.0179).epsilon(0.01));
+        CHECK(f.state.position.norm() < 1e-12);
+    }
+
+    TEST_CASE("a body at rest between loads tells its biases") {
+        InertialFilter f;
+        f.gravity = earth;
+        f.begin(1e-4, 1e-4, 1e-6, 1e-3, 0.2, 0.02);
+        const Vec3 force_bias(0.05, -0.1, 0.02), rate_bias(0.003, -0.001, 0.002);
+        const InertialNoise noise{1e-3, 1e-4, 1e-6, 1e-7};
+        for (int k = 0; k < 400; ++k) {
+            f.advance(5e-3, {Vec3(force_bias - earth), rate_bias}, noise);
+            (void)f.observe_velocity(Vec3::Zero(), 1e-8 * one);
+            (void)f.observe_spin(Vec3::Zero(), 1e-10 * one);
+        }
+        CHECK((f.bias_of_force - force_bias).norm() < 1e-3);
+        CHECK((f.bias_of_rate - rate_bias).norm() < 1e-4);
+        CHECK(f.state.position.norm() < 1e-4);
+    }
+
+    TEST_CASE("the error is as large as the filter believes, after every kind of observation of a "
+              "tumbling body, and not if it believes ten times "
+              "as much or as little noise") {
+        constexpr int runs = 300;
+        const Band band = chi_squared_band(0.95, InertialFilter::size, runs);
+        const double right = mean_error_of_tumbling(1, runs),
+                     much = mean_error_of_tumbling(10, runs),
+                     little = mean_error_of_tumbling(0.1, runs);
+        CAPTURE(right);
+        CAPTURE(much);
+        CAPTURE(little);
+        CHECK(band.holds(right));
+        CHECK(much < band.low);
+        CHECK(little > band.high);
+    }
+
+    TEST_CASE("an outlier is refused and changes nothing") {
+        InertialFilter f = exact_filter();
+        f.gate = chi_squared_quantile(0.99, 3);
+        const auto before = f.covariance();
+        const Verdict verdict = f.observe_position(Vec3(1, 0, 0), 1e-6 * one);
+        CHECK_FALSE(verdict.accepted);
+        CHECK(verdict.squared_distance > 1e5);
+        CHECK(f.state.position.norm() == 0);
+        CHECK(f.covariance() == before);
+        CHECK_FALSE(f.observe_position(Vec3(std::nan(""), 0, 0), one).accepted);
+        CHECK(f.observe_position(Vec3(1e-3, 0, 0), 1e-6 * one).accepted);
+    }
+
+    TEST_CASE("a forecast moves the state there, and its uncertainty adds") {
+        InertialFilter f = exact_filter();
+        Matrix noise = Matrix::Zero(12, 12);
+        noise.diagonal().head<3>().setConstant(4e-6);
+        const RigidState there{Vec3(1, 2, 3), Vec3::Zero(), about_y(0.4), Vec3::Zero()};
+        f.move_to(there, noise);
+        CHECK((f.state.position - there.position).norm() == 0);
+        CHECK(f.covariance()(0, 0) == about(5e-6));
+        CHECK(f.covariance()(6, 6) == about(1e-6));
+        (void)f.observe_position(Vec3(1.001, 2, 3), 5e-6 * one);
+        CHECK(f.state.position.x() == about(1.0005).epsilon(1e-9));
+    }
+
+    TEST_CASE("a covariance stays finite, and of full rank, over very many updates") {
+        InertialFilter f = exact_filter();
+        double least = 1;
+        for (int k = 0; k < 20000; ++k) {
+            f.advance(1e-3, {Vec3(-earth), Vec3(0.1, 0.2, 0.3)}, {1e-4, 1e-5, 1e-7, 1e-8});
+            (void)f.observe_position(Vec3::Zero(), 1e-16 * one);
+            (void)f.observe_attitude(f.state.orientation, 1e-20 * one);
+            least = std::min(least, f.error().root.diagonal().cwiseAbs().minCoeff());
+        }
+        CHECK(least > 0); // a root's covariance is positive if no number of its diagonal is 0
+        CHECK(f.error().root.allFinite());
+    }
+}

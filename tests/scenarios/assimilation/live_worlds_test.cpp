@@ -1,0 +1,153 @@
+#include "scenarios/assimilation/arm_run.hpp"
+#include "scenarios/assimilation/live_model.hpp"
+#include "scenarios/assimilation/run_models.hpp"
+#include "tests/scenarios/assimilation/small_specimen.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <iterator>
+
+using namespace bris;
+
+namespace {
+
+/// What a test of a specimen records: that of one more world, whose rocks are as given.
+RecordedTest recorded(const ModelRun& truth, std::size_t stage) {
+    RecordedTest test;
+    for (std::size_t s = 0; s < truth.sensors; ++s) {
+        test.recordings.emplace_back().info.displacement_noise = 1e-6;
+        SensorWay& way = test.ways.emplace_back();
+        for (std::size_t k = 3; k <= stage; k += 3) {
+            way.strain.push_back(truth.points[k].axial_strain);
+            way.displacement.push_back(truth.displacement[k][s]);
+            way.rotation.push_back(truth.rotation[k][s]);
+            way.tilt.push_back(Vec3::Constant(std::nan("")));
+        }
+    }
+    test.measured.assign(truth.points.begin(),
+                         truth.points.begin() + static_cast<std::ptrdiff_t>(stage) + 1);
+    return test;
+}
+
+/// A specimen, and a model of it that can be made again and again.
+struct Live {
+    TriaxialScene scene = testing::small_scene();
+    TriaxialSettings settings = testing::short_test();
+    Archive specimen = testing::prepared(scene);
+    ModelRun truth = run_model(scene, settings, specimen, {.rocks = {0.6, 1.2}}, 1);
+    Progress progress{1, Progress::Style::quiet};
+
+    LiveModel model(const Common& common) {
+        Learning learning;
+        learning.worlds = 6;
+        learning.first_strain = 4e-4;
+        return LiveModel(
+            {{0.5, 1}, learning, settings.stage_strain, settings.final_axial_strain, 2},
+            [&](const std::vector<ModelArm>& arms) {
+                return begin_models(scene, settings, specimen, arms, common, progress);
+            });
+    }
+    void follow(LiveModel& model, std::size_t stages) const {
+        while (model.state().points.size() < stages) {
+            model.next_stage(recorded(truth, model.state().points.size()));
+            model.go_on();
+        }
+    }
+};
+
+Common common_in(const std::filesystem::path& out, unsigned threads) {
+    Common common;
+    common.out = out;
+    common.threads = threads;
+    common.quiet = true;
+    return common;
+}
+
+void check_same_bits(const LiveModel& a, const LiveModel& b) {
+    CHECK(a.state().displacement == b.state().displacement);
+    CHECK(a.state().rotation == b.state().rotation);
+    CHECK(a.forecast().displacement == b.forecast().displacement);
+    REQUIRE(a.state().points.size() == b.state().points.size());
+    for (std::size_t k = 0; k < a.state().points.size(); ++k)
+        CHECK(a.state().points[k].deviatoric_stress == b.state().points[k].deviatoric_stress);
+    CHECK(a.belief().mean == b.belief().mean);
+    CHECK(a.belief().root == b.belief().root);
+    CHECK(a.caught_up_at() == b.caught_up_at());
+}
+
+std::size_t files_in(const std::filesystem::path& folder) {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder),
+                                                  std::filesystem::directory_iterator()));
+}
+
+} // namespace
+
+TEST_SUITE("procedure/live_worlds") {
+    TEST_CASE("a model stopped before, while and after its second generation catches up goes on to "
+              "the same bits, on one thread or two") {
+        Live live;
+        const TemporaryDirectory whole, parts;
+        const Common once = common_in(whole.path(), 2);
+        LiveModel model = live.model(once);
+        live.follow(model, 21);
+        REQUIRE(model.done());
+        REQUIRE(model.caught_up_at() > 8e-4);
+        REQUIRE(model.caught_up_at() < 15e-4);
+        Common again = common_in(parts.path(), 1);
+        again.resume = again.out;
+        std::size_t last = 0;
+        for (const std::size_t stages :
+             {std::size_t{3}, std::size_t{7},
+              std::size_t{16}}) { // stopped there, then begun again from the start
+            LiveModel stopped = live.model(again);
+            live.follow(stopped, stages);
+            stopped.keep();
+            const std::size_t files = files_in(parts / "runs");
+            CHECK(files == (stages > 5 ? 12 : 6));
+            CHECK(stages > last);
+            last = stages;
+        }
+        again.threads = 2;
+        LiveModel gone_on = live.model(again);
+        live.follow(gone_on, 21);
+        check_same_bits(gone_on, model);
+    }
+
+    TEST_CASE("what was kept of worlds is not run again, and none of it is used before its stage") {
+        Live live;
+        const TemporaryDirectory folder;
+        Common common = common_in(folder.path(), 2);
+        const std::vector<ModelArm> arms{{.name = "one", .rocks = {0.7, 1}},
+                                         {.name = "other", .rocks = {0.5, 1}}};
+        std::vector<ModelRun> runs, again;
+        const RunsAtWork first =
+            begin_models(live.scene, live.settings, live.specimen, arms, common, live.progress);
+        first.go_on(runs, 9);
+        first.keep();
+        common.resume = common.out;
+        unsigned blocks = 0;
+        KeptRun kept(common, live.settings, live.specimen, arms[1]);
+        ArmRun taken_up(live.scene, live.settings, live.specimen, arms[1], 1,
+                        {.progress = [&](double, const std::string&) { ++blocks; }}, &kept);
+        taken_up.go_on_to(9);
+        CHECK(blocks == 0);
+        const RunsAtWork second =
+            begin_models(live.scene, live.settings, live.specimen, arms, common, live.progress);
+        for (const std::size_t points : {std::size_t{2}, std::size_t{5}, std::size_t{12}}) {
+            second.go_on(again, points);
+            CHECK(again[0].points.size() == points);
+            CHECK(again[1].displacement.size() == points);
+        }
+        first.go_on(runs, 12);
+        for (std::size_t k = 0; k < 2; ++k) {
+            CHECK(again[k].displacement == runs[k].displacement);
+            CHECK(again[k].rotation == runs[k].rotation);
+            CHECK(again[k].rocks == runs[k].rocks);
+            CHECK(again[k].points.back().deviatoric_stress ==
+                  runs[k].points.back().deviatoric_stress);
+        }
+    }
+}

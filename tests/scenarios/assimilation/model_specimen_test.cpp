@@ -1,0 +1,211 @@
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/sphere.hpp"
+#include "engine/errors.hpp"
+#include "scenarios/assimilation/model_specimen.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/triaxial/growth.hpp"
+#include "scenarios/triaxial/specimen_state.hpp"
+#include "tests/about.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <cmath>
+
+using namespace bris;
+
+namespace {
+
+const auto nobody_watches = [](double, const std::string&) {};
+
+// 60 rocks, loosely packed: soon made, and every mechanism is there
+Triaxial small() {
+    Triaxial t;
+    t.bodies = 60;
+    t.test.porosity = 0.42;
+    t.test.porosity_tolerance = 0.04;
+    t.test.confining_pressure = 55e3;
+    t.test.final_axial_strain = 2e-4;
+    t.initial_porosity = 0.42;
+    return t;
+}
+
+Common in(const std::filesystem::path& out) {
+    Common common;
+    common.out = out;
+    common.threads = 1;
+    common.settings.emplace_back("seed", common.seed);
+    return common;
+}
+
+struct Truth {
+    TemporaryDirectory folder;
+    Common common = in(folder.path());
+    Triaxial described = small();
+    PreparedSpecimen specimen{make_scene(described, 1), {}};
+
+    Truth() {
+        specimen.state = make_specimen(specimen.scene, described.test, common, nobody_watches);
+    }
+    PreparedSpecimen model(const ModelMismatch& mismatch) const {
+        return make_model_specimen(described, described.test, specimen, mismatch, common,
+                                   nobody_watches);
+    }
+};
+
+/// Made once; all cases read it.
+const Truth& the_truth() {
+    static const Truth truth;
+    return truth;
+}
+
+Simulation restored(const PreparedSpecimen& specimen) {
+    Simulation simulation = make_simulation(specimen.scene, 1, false);
+    simulation.restore(specimen.state);
+    return simulation;
+}
+
+std::vector<EntityId> all_rocks(const World& world) {
+    std::vector<EntityId> rocks = world.resource<Specimen>().smart_rocks;
+    rocks.insert(rocks.end(), world.resource<Specimen>().rocks.begin(),
+                 world.resource<Specimen>().rocks.end());
+    return rocks;
+}
+
+/// Root mean square distance (m) of rocks in one specimen from those in another.
+double apart(Simulation& a, Simulation& b) {
+    double squares = 0;
+    const auto rocks = all_rocks(a.world());
+    for (const EntityId id : rocks)
+        squares += (value_of<Position>(a, id) - value_of<Position>(b, id)).squaredNorm();
+    return std::sqrt(squares / static_cast<double>(rocks.size()));
+}
+
+void check_same_masses(Simulation& simulation, Simulation& before) {
+    for (const EntityId id : all_rocks(before.world())) {
+        CHECK(value_of<Mass>(simulation, id) == value_of<Mass>(before, id));
+        CHECK(value_of<Inertia>(simulation, id) == value_of<Inertia>(before, id));
+        CHECK(value_of<MotionOf>(simulation, id) == static_cast<std::uint32_t>(Motion::free));
+    }
+}
+
+/// The largest overlap (m) in the next step, and the diameter (m) of the largest ball.
+struct Deepest {
+    double overlap, diameter;
+};
+Deepest deepest(Simulation& simulation) {
+    simulation.advance();
+    double radius = 0;
+    for (const Ball& ball : simulation.world().column<Spheres, LocalBall>())
+        radius = std::max(radius, ball.radius);
+    return {std::ranges::max(largest_overlaps(simulation.world())), 2 * radius};
+}
+
+} // namespace
+
+TEST_SUITE("procedure/model_specimen") {
+    TEST_CASE("rocks of a model start off their true places, all in one mould, with their masses, "
+              "and overlap by a hundredth of a ball at most") {
+        const Truth& truth = the_truth();
+        Simulation before = restored(truth.specimen);
+        for (const ModelMismatch& mismatch : {ModelMismatch{}, ModelMismatch{.placement = 1e-3},
+                                              ModelMismatch{.placement = 2e-3, .turn = 0.05}}) {
+            CAPTURE(mismatch.name());
+            Simulation simulation = make_simulation(truth.specimen.scene, 1, false);
+            TriaxialTest test(simulation, truth.described.test);
+            const Relaxed relaxed =
+                fill_like(simulation, test, truth.specimen.scene, truth.specimen, mismatch, 1);
+            CHECK(relaxed.done);
+            CHECK(test.state().phase == TriaxialPhase::consolidate);
+            const double off = apart(simulation, before);
+            if (mismatch.any()) CHECK(relaxed.first_overlap > 0.02);
+            if (mismatch.placement > 0) {
+                CHECK(off > 0.2 * mismatch.placement); // some fall back to where they came from
+                CHECK(off < 1.5 * mismatch.placement);
+            }
+            if (!mismatch.any()) CHECK(off < 1e-4);
+            CHECK(platen_height(simulation.world()) == platen_height(before.world()));
+            CHECK(membrane_radius(simulation.world()) == membrane_radius(before.world()));
+            check_same_masses(simulation, before);
+            const Deepest d = deepest(simulation);
+            CHECK(d.overlap > 0);
+            CHECK(d.overlap <= 0.011 * d.diameter); // a step later
+        }
+    }
+
+    TEST_CASE("a model of another specimen comes to rest at the truth's pressure, about as dense, "
+              "and sensors tell of their own starts") {
+        const Truth& truth = the_truth();
+        const PreparedSpecimen off = truth.model({.placement = 2e-3}),
+                               round = truth.model({.spheres = 8}),
+                               other = truth.model({.packing = 7});
+        Simulation true_one = restored(truth.specimen), rounder = restored(round);
+        check_same_masses(rounder, true_one);
+        CHECK(rounder.world().table<Spheres>().size() == 8 * truth.described.bodies);
+        Progress progress(2, Progress::Style::quiet);
+        const std::vector<const PreparedSpecimen*> specimens{&truth.specimen, &off, &round, &other};
+        const std::vector<ModelArm> arms{{.name = "truth", .rocks = {}},
+                                         {.name = "off", .rocks = {}},
+                                         {.name = "round", .rocks = {}},
+                                         {.name = "other", .rocks = {}}};
+        const auto runs =
+            run_models(specimens, truth.described.test, arms, 2e-4, truth.common, progress);
+        for (std::size_t k = 0; k < runs.size(); ++k) {
+            CAPTURE(arms[k].name);
+            const TriaxialPoint& start = runs[k].points.front();
+            CHECK(start.worst_ring_error <= truth.described.test.pressure_tolerance);
+            CHECK(start.radial_stress == about(truth.described.test.confining_pressure)
+                                             .epsilon(truth.described.test.pressure_tolerance));
+            CHECK(start.unbalanced <= truth.described.test.tolerance);
+            CHECK(std::abs(runs[k].core_porosity - runs[0].core_porosity) <
+                  (k == 3 ? 0.06 : 0.02)); // each of two packings within its tolerance
+            for (const Vec3& u : runs[k].displacement.front()) CHECK(u == Vec3::Zero());
+            CHECK(runs[k].sensors == runs[0].sensors);
+        }
+        CHECK(starts_apart(runs[0], runs[0]).distance == 0);
+        const StartsApart placed = starts_apart(runs[1], runs[0]),
+                          packed = starts_apart(runs[3], runs[0]);
+        CHECK(placed.distance > 0.4e-3);
+        CHECK(placed.distance < 4e-3);
+        CHECK(placed.angle > 0);
+        CHECK(packed.distance >
+              10 * packed.sensor_distance); // sensor rocks alone are where the truth has them
+    }
+
+    TEST_CASE("a model's specimen is the same each time it is made, another by another seed, and "
+              "is taken up where it was kept") {
+        const Truth& truth = the_truth();
+        const ModelMismatch placed{.placement = 2e-3};
+        Common common = truth.common;
+        const auto made = [&] {
+            return fingerprint(make_model_specimen(truth.described, truth.described.test,
+                                                   truth.specimen, placed, common, nobody_watches)
+                                   .state);
+        };
+        common.seed = 2;
+        const auto other = made();
+        common.seed = 1;
+        const auto first = made();
+        CHECK(other != first);
+        CHECK(made() == first);
+        // from the folder: nothing is made again, so what is wrong there is not mended
+        common.resume = common.out;
+        CHECK(made() == first);
+        std::filesystem::copy_file(common.out / "specimen.ckpt.h5",
+                                   common.out / placed.name() / "specimen.ckpt.h5",
+                                   std::filesystem::copy_options::overwrite_existing);
+        CHECK_THROWS_AS(made(), InputError);
+        CHECK(ModelMismatch{.placement = 2e-3}.name() == "model_2_mm");
+        CHECK(ModelMismatch{.spheres = 8, .packing = 7}.name() == "model_packing_7_8_spheres");
+    }
+
+    TEST_CASE("only a specimen that differs is given a scatter, and another packing the largest") {
+        CHECK(ModelMismatch{}.specimen_scatter() == 0);
+        CHECK(ModelMismatch{.placement = 1e-3}.specimen_scatter() > 0);
+        CHECK(ModelMismatch{.spheres = 8}.specimen_scatter() > 0);
+        CHECK(ModelMismatch{.packing = 2}.specimen_scatter() >
+              ModelMismatch{.spheres = 8}.specimen_scatter());
+    }
+}

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "scenarios/assimilation/model_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris::testing {
+
+/// A stage of a model of one line: q by friction and stiffness, and by a push of its own that grows
+/// over 0.5 % of strain.
+inline TriaxialPoint simple_point(const RockBelief& rocks, double strain, double push) {
+    TriaxialPoint p;
+    p.axial_strain = strain;
+    const double stiff = 1e8 * rocks.stiffness * strain,
+                 strong = 4e5 * std::pow(rocks.friction, 0.8) *
+                          (1 + push * std::min(1.0, strain / 5e-3));
+    p.deviatoric_stress = stiff * strong / (stiff + strong);
+    p.ring_radius.assign(8, 0.1);
+    return p;
+}
+
+} // namespace bris::testing

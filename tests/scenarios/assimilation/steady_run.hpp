@@ -1,0 +1,43 @@
+#pragma once
+
+#include "engine/signal/attitude.hpp"
+#include "scenarios/assimilation/model_run.hpp"
+
+#include <cmath>
+
+namespace bris::testing {
+
+/// Three sensor rocks that drift and turn steadily over 1 % of strain.
+inline ModelRun steady_run() {
+    ModelRun run;
+    run.sensors = 3;
+    for (int s = 0; s < 3; ++s) {
+        run.rocks.push_back(static_cast<EntityId>(s));
+        run.start.push_back(
+            {Vec3(0.03 * s, 0.05, 0.1), exponential_map(Vec3(0.4 * s, 1, -0.3 * s))});
+    }
+    for (int stage = 0; stage <= 100; ++stage) {
+        TriaxialPoint p;
+        p.axial_strain = 1e-4 * stage;
+        p.deviatoric_stress = 1e5 * (1 - std::exp(-stage / 20.0));
+        p.volumetric_strain = -1e-5 * stage;
+        p.ring_radius.assign(8, 0.075 + 1e-6 * stage);
+        run.points.push_back(p);
+        run.displacement.emplace_back();
+        run.rotation.emplace_back();
+        for (int s = 0; s < 3; ++s) {
+            run.displacement.back().push_back(1e-5 * stage * Vec3(1, s, -1));
+            run.rotation.back().push_back(1e-3 * stage * Vec3(0.3 * s, -0.2, 1));
+        }
+    }
+    return run;
+}
+
+inline TriaxialScene scene_of(const ModelRun& run) {
+    TriaxialScene scene;
+    for (std::size_t s = 0; s < run.sensors; ++s)
+        scene.poses.push_back({run.start[s].position, run.start[s].orientation});
+    return scene;
+}
+
+} // namespace bris::testing

@@ -1,0 +1,187 @@
+#include "engine/errors.hpp"
+#include "engine/io/hdf5.hpp"
+#include "scenarios/assimilation/twin.hpp"
+#include "scenarios/recordings/bench_hdf5.hpp"
+#include "scenarios/recordings/recorded_test.hpp"
+#include "tests/about.hpp"
+#include "tests/scenarios/assimilation/steady_run.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <span>
+
+using namespace bris;
+
+TEST_SUITE("procedure/bench_hdf5") {
+    TEST_CASE("a test written as one HDF5 file is the test written as CSV files") {
+        const TemporaryDirectory csv, hdf5;
+        const ModelRun truth = testing::steady_run();
+        const auto recordings = record_sensors(truth, {}, 1);
+        std::vector<double> time;
+        for (const TriaxialPoint& p : truth.points) time.push_back(60 + 1.2e4 * p.axial_strain);
+        write_recorded_test(csv.path(), 110e3, recordings, testing::scene_of(truth).specimen,
+                            testing::scene_of(truth).poses, truth.points);
+        write_recorded_test_hdf5(hdf5.path(), 110e3, recordings, testing::scene_of(truth).specimen,
+                                 testing::scene_of(truth).poses, truth.points, time);
+        const auto infos = read_sensor_infos(hdf5.path()); // there is no other file than that
+        REQUIRE(infos.size() == 3);
+        CHECK(infos[2].attitude().coeffs() == read_sensor_infos(csv.path())[2].attitude().coeffs());
+        const RecordedTest a = read_recorded_test(csv.path(), 110e3, read_sensor_infos(csv.path()),
+                                                  {}),
+                           b = read_recorded_test(hdf5.path(), 110e3, infos, {});
+        CHECK(b.refused() == 0);
+        REQUIRE(b.measured.size() == 101);
+        for (std::size_t k = 0; k < 101; ++k) {
+            CHECK(std::abs(b.measured[k].deviatoric_stress - truth.points[k].deviatoric_stress) <
+                  1e-9);
+            CHECK(b.measured[k].axial_strain == truth.points[k].axial_strain);
+            CHECK(b.measured[k].volumetric_strain == truth.points[k].volumetric_strain);
+            CHECK(b.measured[k].ring_radius == truth.points[k].ring_radius);
+        }
+        CHECK(b.clock.by_time.size() == 101);
+        REQUIRE(a.ways[1].strain.size() == b.ways[1].strain.size());
+        for (std::size_t k = 0; k < a.ways[1].strain.size(); ++k)
+            CHECK((a.ways[1].displacement[k] - b.ways[1].displacement[k]).norm() <
+                  1e-8); // of seven digits
+    }
+
+    TEST_CASE("without metadata files each pressure's own file tells of its sensors, also of one "
+              "that others lack") {
+        const TemporaryDirectory folder;
+        const ModelRun truth = testing::steady_run();
+        const auto recordings = record_sensors(truth, {}, 1);
+        auto of_first = recordings;
+        of_first.pop_back();
+        of_first[0].info.clock_offset = 7;
+        std::vector<double> time;
+        for (const TriaxialPoint& p : truth.points) time.push_back(60 + 1.2e4 * p.axial_strain);
+        write_recorded_test_hdf5(folder.path(), 110e3, of_first, testing::scene_of(truth).specimen,
+                                 testing::scene_of(truth).poses, truth.points,
+                                 time); // 110kPa stands before 55kPa
+        write_recorded_test_hdf5(folder.path(), 55e3, recordings, testing::scene_of(truth).specimen,
+                                 testing::scene_of(truth).poses, truth.points, time);
+        const auto infos = read_sensor_infos(folder.path());
+        REQUIRE(infos.size() == 3);
+        const RecordedTest a = read_recorded_test(folder.path(), 110e3, infos, {}),
+                           b = read_recorded_test(folder.path(), 55e3, infos, {});
+        CHECK(a.recordings[0].info.clock_offset == 7);
+        CHECK(b.recordings[0].info.clock_offset == 0);
+        CHECK(a.refused() == 1);
+        CHECK(intake_report(a).find(
+                  "sensor 3: refused: length: expected two samples or more, found 0") !=
+              std::string::npos);
+        CHECK(b.refused() == 0);
+        CHECK(infos_of_test(folder.path(), 55e3, infos)[0].clock_offset == 0);
+        write_sensor_info(folder / "rock_01.txt", of_first[0].info); // these say it for all
+        CHECK(infos_of_test(folder.path(), 55e3, infos)[0].clock_offset == 7);
+    }
+
+    TEST_CASE("what two files tell is refused, and a map of columns where no CSV file is read") {
+        const TemporaryDirectory folder;
+        const ModelRun truth = testing::steady_run();
+        const auto recordings = record_sensors(truth, {}, 1);
+        std::vector<double> time;
+        for (const TriaxialPoint& p : truth.points) time.push_back(60 + 1.2e4 * p.axial_strain);
+        write_recorded_test_hdf5(folder.path(), 55e3, recordings, testing::scene_of(truth).specimen,
+                                 testing::scene_of(truth).poses, truth.points, time);
+        const auto infos = read_sensor_infos(folder.path());
+        const auto why = [&](const IntakeSettings& settings) {
+            return message_of<InputError>(
+                [&] { (void)read_recorded_test(folder.path(), 55e3, infos, settings); });
+        };
+        const auto has = [](const std::string& text, const char* part) {
+            INFO(text);
+            return text.find(part) != std::string::npos;
+        };
+        CHECK(why({}).empty());
+        CHECK(has(why({.columns = "map.txt"}), "--columns: expected none, as "));
+        CHECK(has(why({.machine_columns = "map.txt"}),
+                  "recordings.h5 is read and no test.csv, found 'map.txt'"));
+        write_recorded_test(folder.path(), 55e3, recordings, testing::scene_of(truth).specimen,
+                            testing::scene_of(truth).poses, truth.points);
+        CHECK(has(why({}), "55kPa: expected recordings.csv or recordings.h5, found both"));
+        std::filesystem::remove(folder / "55kPa" / "recordings.csv");
+        CHECK(has(why({}), "55kPa: expected test.csv or /bench in recordings.h5, found both"));
+        write_recordings_hdf5(folder / "55kPa" / "recordings.h5", recordings);
+        CHECK(why({}).empty()); // sensors there, the machine in test.csv
+        std::filesystem::remove(folder / "55kPa" / "test.csv");
+        CHECK(has(why({}),
+                  "recordings.h5: expected a group /bench, or test.csv beside it, found neither"));
+    }
+
+    TEST_CASE("the stress of a force is that on the area as it is by then") {
+        const TemporaryDirectory folder;
+        TriaxialPoint p;
+        p.axial_strain = 0.1;
+        p.volumetric_strain = -0.05;
+        p.deviatoric_stress = 2e5;
+        Hdf5File::create(folder / "a.h5").close();
+        write_bench(folder / "a.h5", {TriaxialPoint{}, p}, {0, 1}, 0.018, 55e3);
+        const Hdf5File file = Hdf5File::open(folder / "a.h5");
+        CHECK(file.read<double>("/bench/force")[1] == about(2e5 * 0.018 * 1.05 / 0.9)); // N
+        CHECK(file.read<double>("/bench/confining") == std::vector<double>{55e3, 55e3});
+        CHECK(read_bench(folder / "a.h5", 55e3).points[1].deviatoric_stress == about(2e5));
+    }
+
+    TEST_CASE("a bench of another pressure, shape or order, or without an area, is refused and "
+              "says where") {
+        const auto why = [](auto&& change) {
+            const TemporaryDirectory folder;
+            const ModelRun truth = testing::steady_run();
+            std::vector<double> time;
+            for (const TriaxialPoint& p : truth.points) time.push_back(1.2e4 * p.axial_strain);
+            Hdf5File::create(folder / "a.h5").close();
+            write_bench(folder / "a.h5", truth.points, time, 0.018, 55e3);
+            {
+                Hdf5File file = Hdf5File::open_to_write(folder / "a.h5");
+                change(file);
+                file.close();
+            }
+            return message_of<InputError>([&] { (void)read_bench(folder / "a.h5", 55e3); });
+        };
+        const auto put = [](const char* name, std::vector<double> numbers) {
+            return [name, numbers](Hdf5File& file) {
+                if (file.has(name)) file.remove(name);
+                file.write(name, std::span<const double>(numbers));
+            };
+        };
+        const auto has = [](const std::string& text, const char* part) {
+            INFO(text);
+            return text.find(part) != std::string::npos;
+        };
+        CHECK(why([](Hdf5File&) {}).empty());
+        CHECK(has(why(put("/bench/confining", std::vector<double>(101, 55.0))),
+                  "a.h5: /bench/confining: expected near 55000 Pa, found 55"));
+        CHECK(has(why(put("/bench/force", std::vector<double>(7, 1.0))),
+                  "/bench/force: expected 101 numbers as of time, found 7"));
+        CHECK(has(why(put("/bench/strain", std::vector<double>(101, 0.0))),
+                  "/bench/strain[1]: expected numbers that grow, found 0"));
+        CHECK(has(why(put("/bench/force", std::vector<double>(101, std::nan("")))),
+                  "/bench/force[0]: expected a number, found nan"));
+        CHECK(has(why(put("/bench/ring_radius", std::vector<double>(101, 0.07))),
+                  "/bench/ring_radius: expected 101 rows"));
+        CHECK(has(why([](Hdf5File& file) { file.set_attribute<double>("/bench", "area", 0); }),
+                  "area: expected a number above 0 (m2), found 0"));
+        std::vector<double> percent(101, 0);
+        for (std::size_t k = 1; k < 101; ++k) percent[k] = 0.25 * static_cast<double>(k);
+        CHECK(has(why(put("/bench/strain", percent)),
+                  "/bench/strain[4]: expected below 1, found 1: is it in per cent?"));
+        CHECK(has(why([](Hdf5File& file) { file.remove("/bench/force"); }),
+                  "/bench/force: expected numbers, found none"));
+        const auto put_shape = [](const char* name, std::vector<double> numbers,
+                                  const Hdf5File::Shape& shape) {
+            return [=](Hdf5File& file) {
+                file.remove(name);
+                file.write(name, std::span<const double>(numbers), shape);
+            };
+        };
+        CHECK(has(why(put_shape("/bench/time", {1}, {})),
+                  "/bench/time: expected numbers in one dimension, found a scalar"));
+        CHECK(has(why(put_shape("/bench/time", percent, {101, 1})),
+                  "/bench/time: expected numbers in one dimension, found 101 x 1"));
+        CHECK(has(why(put_shape("/bench/ring_radius", {1}, {})),
+                  "/bench/ring_radius: expected 101 rows of the rings' radii, found a scalar"));
+    }
+}

@@ -1,0 +1,131 @@
+#include "engine/random.hpp"
+#include "scenarios/recordings/intake.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+
+using namespace bris;
+
+namespace {
+
+/// Lies still for a minute, at ten samples a second.
+Recording still() {
+    Recording r;
+    Random random(3, 1);
+    r.info.id = 4;
+    r.info.sampling_rate = 10;
+    for (int k = 0; k < 600; ++k) {
+        r.time.push_back(0.1 * k);
+        r.sequence.push_back(static_cast<std::uint64_t>(k));
+        r.force.emplace_back(3e-3 * random.normal(), 3e-3 * random.normal(),
+                             9.80665 + 3e-3 * random.normal());
+        r.rate.emplace_back(3e-4 * random.normal(), 3e-4 * random.normal(), 3e-4 * random.normal());
+    }
+    return r;
+}
+
+/// What the intake says of one thing; nothing of these refuses a sensor.
+std::string found(const Recording& r, const std::string& check) {
+    IntakeLimits limits;
+    limits.rest = 60;
+    std::string text;
+    for (const Finding& f : look_at({r}, Vec3(0, 0, -9.80665), limits)) {
+        CHECK(f.kind == Finding::Kind::note);
+        if (f.check == check) text += f.text + "\n";
+    }
+    return text;
+}
+
+void leave_out(Recording& r, std::size_t from, std::size_t to) {
+    const auto cut = [&](auto& values) {
+        values.erase(values.begin() + static_cast<std::ptrdiff_t>(from),
+                     values.begin() + static_cast<std::ptrdiff_t>(to));
+    };
+    cut(r.time);
+    cut(r.sequence);
+    cut(r.force);
+    cut(r.rate);
+}
+
+} // namespace
+
+TEST_SUITE("fusion/inspect_device") {
+    TEST_CASE("the range and the drift of temperature are told, and degrees that cannot be") {
+        Recording r = still();
+        CHECK(found(r, "temperature").empty());
+        for (std::size_t k = 0; k < r.size(); ++k)
+            r.temperature.push_back(zero_celsius + 18 + 0.8 * static_cast<double>(k) / 599);
+        CHECK(found(r, "temperature") == "18.0 to 18.8 C, +0.7 K from the beginning to the end\n");
+        r.temperature[5] = std::nan("");
+        CHECK(found(r, "numbers") == "1 of 600 samples are without\n");
+        for (double& kelvin : r.temperature) kelvin -= zero_celsius; // declared as K
+        CHECK(found(r, "temperature").find("is temperature_unit right?") != std::string::npos);
+    }
+
+    TEST_CASE("a gyroscope at rest whose bias follows the temperature is told, and one whose bias "
+              "does not is not") {
+        Recording r = still();
+        for (std::size_t k = 0; k < r.size(); ++k)
+            r.temperature.push_back(293 + 3 * std::sin(0.01 * static_cast<double>(k)));
+        CHECK(found(r, "temperature").find("follows") == std::string::npos);
+        for (std::size_t k = 0; k < r.size(); ++k) r.rate[k].y() -= 2e-4 * (r.temperature[k] - 293);
+        INFO(found(r, "temperature"));
+        const std::string text = found(r, "temperature"), before = "at rest gy follows it: ";
+        REQUIRE(text.find(before) != std::string::npos);
+        CHECK(std::abs(std::stod(text.substr(text.find(before) + before.size())) + 2e-4) <
+              2e-5); // 3e-4 / (2.1 sqrt(600)) is its error; two digits
+        CHECK(found(r, "temperature").find("gx") == std::string::npos);
+        for (std::size_t k = 0; k < r.size(); ++k)
+            r.temperature[k] =
+                293 + 0.1 * (r.temperature[k] - 293); // of less than a kelvin nothing is concluded
+        CHECK(found(r, "temperature").find("follows") == std::string::npos);
+    }
+
+    TEST_CASE("a battery that is low is told with the time from which it is") {
+        Recording r = still();
+        for (std::size_t k = 0; k < r.size(); ++k)
+            r.battery.push_back(3.9 - 0.001 * static_cast<double>(k));
+        CHECK(found(r, "battery").empty()); // 3.301 V
+        r.info.battery_low = 3.5;
+        CHECK(found(r, "battery") == "low in 199 of 600 samples, the first at t = 40.1 s: expected "
+                                     "3.5 V and more, found 3.3\n");
+        r.info.battery_low = 0;
+        r.info.battery_unit = std::string("%");
+        CHECK(found(r, "battery").find("expected 15 % and more, found 3.3") != std::string::npos);
+    }
+
+    TEST_CASE("samples that are missing by their count are told beside those that are missing by "
+              "their times") {
+        Recording r = still();
+        CHECK(found(r, "count").empty());
+        leave_out(r, 100, 112);
+        leave_out(r, 300, 305);
+        CHECK(found(r, "count") ==
+              "17 samples are missing by their count, in 2 gaps; by their times 17\n");
+        Recording flagged = r; // marked by the sensor, not missing
+        for (int k = 0; k < 12; ++k) flagged.flagged.push_back(10 + 0.1 * k);
+        CHECK(found(flagged, "count") ==
+              "5 samples are missing by their count, in 1 gaps; by their times 5\n");
+        CHECK(found(flagged, "flags") ==
+              "12 of 595 samples left out, which the sensor itself marks, the first at t = 10 s\n");
+    }
+
+    TEST_CASE("a count that goes on where times have a gap contradicts them: it is told, and where "
+              "it is much the clock is refused") {
+        Recording r = still();
+        leave_out(r, 300, 305);
+        for (std::size_t k = 0; k < r.size(); ++k) r.sequence[k] = k; // counts what was kept
+        IntakeLimits limits;
+        limits.clock_drift = 0.05; // its slope is off by a hundredth
+        const auto findings = look_at({r}, Vec3(0, 0, -9.80665), limits);
+        CHECK(accepted(findings, 4));
+        CHECK(intake_report(findings, {r}).find("sensor 4: count: ") ==
+              std::string::npos); // within that drift
+        CHECK_FALSE(accepted(look_at({r}, Vec3(0, 0, -9.80665)), 4));
+        CHECK(intake_report(look_at({r}, Vec3(0, 0, -9.80665)), {r})
+                  .find("0 samples are missing by their count, in 0 gaps; by their times 5: clock, "
+                        "count or sampling_rate is wrong\n") != std::string::npos);
+    }
+}

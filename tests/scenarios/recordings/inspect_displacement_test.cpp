@@ -1,0 +1,108 @@
+#include "engine/random.hpp"
+#include "scenarios/recordings/inspection.hpp"
+#include "tests/about.hpp"
+#include "tests/scenarios/recordings/example_recordings.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+using namespace bris::testing;
+
+TEST_SUITE("fusion/inspect_displacement") {
+    TEST_CASE("the shipped recordings are accepted, whole and as far as a test has come, and "
+              "nothing is found in displacement and attitude") {
+        for (const char* pressure : {"55kPa", "110kPa", "165kPa"})
+            for (const double strain : {0.0, 0.001, 0.002, 0.003, 0.005, 0.01, 0.02, 0.04, 0.08}) {
+                const auto all = example_recordings(pressure, strain);
+                const auto findings = look_at_test(all);
+                CAPTURE(pressure);
+                CAPTURE(strain);
+                INFO(intake_report(findings, all));
+                CHECK(std::ranges::all_of(findings, [](const Finding& f) {
+                    return f.kind == Finding::Kind::note &&
+                           (f.check == "clock" || has(f.text, "too few samples at rest"));
+                }));
+            }
+    }
+
+    TEST_CASE("a displacement that scatters by far more than declared is refused, at rest and in "
+              "the test") {
+        auto all = example_recordings("55kPa");
+        Random random(1, 1);
+        for (std::size_t k = 5; k < all[4].size(); ++k)
+            all[4].displacement[k] +=
+                9e-3 *
+                Vec3(2 * random.uniform() - 1, 2 * random.uniform() - 1, 2 * random.uniform() - 1);
+        CHECK(has(refusals(all, 5),
+                  "noise: displacement from sample to sample: declared 0.1 mm, found"));
+        CHECK_FALSE(has(refusals(all, 5), "at rest"));
+        for (std::size_t k = 0; k < 5; ++k)
+            all[4].displacement[k] +=
+                9e-3 *
+                Vec3(2 * random.uniform() - 1, 2 * random.uniform() - 1, 2 * random.uniform() - 1);
+        CHECK(has(refusals(all, 5), "noise: displacement at rest: declared 0.1 mm, found"));
+    }
+
+    TEST_CASE("some noise more than declared is told, not refused") {
+        auto all = example_recordings("55kPa");
+        Random random(1, 1);
+        for (Vec3& u : all[4].displacement)
+            u += 6e-4 * Vec3(random.normal(), random.normal(), random.normal());
+        CHECK(refusals(all, 5).empty());
+        const auto findings = look_at_test(all);
+        CHECK(std::ranges::any_of(findings, [](const Finding& f) {
+            return f.sensor == 5 && f.check == "noise" &&
+                   has(f.text, "displacement at rest: declared 0.1 mm");
+        }));
+    }
+
+    TEST_CASE("a displacement that grows as no platen could drive a rock is refused soon") {
+        auto all = example_recordings("55kPa", 0.006);
+        for (std::size_t k = 5; k < all[4].size(); ++k)
+            all[4].displacement[k].x() += 9 * all[4].strain[k]; // 9 mm for 0.1 %
+        CHECK(has(refusals(all, 5), "displacement: in "));
+        CHECK(has(refusals(all, 5), "longer than the test lets a rock go"));
+    }
+
+    TEST_CASE("strain that is sampled less often than displacement takes no check away") {
+        const auto sparse = [](std::vector<Recording> all) {
+            for (Recording& r : all)
+                for (std::size_t k = 0; k < r.size(); ++k)
+                    if (k % 3 != 2) r.strain[k] = std::nan("");
+            return all;
+        };
+        auto all = sparse(example_recordings("55kPa"));
+        for (unsigned sensor = 1; sensor <= 10; ++sensor) CHECK(refusals(all, sensor).empty());
+        Random random(1, 1);
+        for (std::size_t k = 0; k < 5; ++k)
+            all[4].displacement[k] +=
+                9e-3 *
+                Vec3(2 * random.uniform() - 1, 2 * random.uniform() - 1, 2 * random.uniform() - 1);
+        CHECK(has(refusals(all, 5), "noise: displacement at rest: declared 0.1 mm, found"));
+        all = sparse(example_recordings("55kPa"));
+        const std::size_t astray =
+            all[4].size() - 20; // 7 of the 29 or so that have strain, of more than 80
+        for (std::size_t k = astray; k < all[4].size(); ++k)
+            all[4].displacement[k].x() += 0.02 * static_cast<double>(k - astray);
+        CHECK(has(refusals(all, 5), "longer than the test lets a rock go"));
+    }
+
+    TEST_CASE("the step of strain goes from one sample that has it to the next") {
+        const double none = std::nan("");
+        Recording r;
+        r.strain = {0, none, 0, none, none, 3e-3, none, 5e-3, 6e-3, none};
+        const IntakeLimits limits;
+        std::vector<Finding> findings;
+        CHECK(strain_step({r, limits, findings, 5, 5}) == about(1e-3));
+        r.strain = {0, 0, 1e-3, 2e-3, 3e-3};
+        CHECK(strain_step({r, limits, findings, 2, 2}) == about(1e-3));
+        r.strain = {none, none};
+        CHECK(strain_step({r, limits, findings, 0, 0}) == 0);
+    }
+
+    TEST_CASE("a few displacements that are far off are left to those who use them") {
+        auto all = example_recordings("55kPa");
+        for (const std::size_t k : {3u, 20u, 41u, 60u}) all[4].displacement[k].y() += 0.03;
+        CHECK(refusals(all, 5).empty());
+    }
+}

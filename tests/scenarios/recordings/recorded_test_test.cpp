@@ -1,0 +1,188 @@
+#include "engine/errors.hpp"
+#include "engine/signal/imu.hpp"
+#include "scenarios/assimilation/misfit.hpp"
+#include "scenarios/assimilation/twin.hpp"
+#include "scenarios/recordings/recorded_test.hpp"
+#include "tests/about.hpp"
+#include "tests/scenarios/assimilation/steady_run.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+
+using namespace bris;
+using testing::scene_of, testing::steady_run;
+
+namespace {
+
+void replace_line(const std::filesystem::path& path, int number, const std::string& with) {
+    std::ifstream in(path);
+    std::string text, line;
+    for (int k = 1; std::getline(in, line); ++k) text += (k == number ? with : line) + "\n";
+    in.close();
+    std::ofstream(path) << text;
+}
+
+} // namespace
+
+TEST_SUITE("procedure/recorded_test") {
+    TEST_CASE("a true run written as a folder of recordings is read back as what its sensors did") {
+        const TemporaryDirectory folder;
+        const ModelRun truth = steady_run();
+        const auto recordings = record_sensors(truth, {}, 1);
+        write_recorded_test(folder.path(), 110e3, recordings, scene_of(truth), truth.points);
+        const auto infos = read_sensor_infos(folder.path());
+        REQUIRE(infos.size() == 3);
+        const RecordedTest test = read_recorded_test(folder.path(), 110e3, infos, {});
+        CHECK(test.refused() == 0);
+        CHECK(test.measured.size() == 101);
+        REQUIRE(test.ways[2].strain.size() == 10);
+        CHECK((test.ways[2].displacement[9] - truth.displacement[100][2]).norm() <
+              6e-4); // of 0.1 mm twice
+        CHECK((test.ways[2].rotation[9] - truth.rotation[100][2]).norm() < 0.02);
+        const Misfit none = misfit_of(truth, test);
+        CHECK(none.q < 1);
+        CHECK(none.volumetric_strain < 1e-8);
+        CHECK(none.sensor_displacement < 6e-4);
+        ModelRun half = truth; // ends before the test did
+        half.points.resize(51);
+        CHECK(misfit_of(half, test).ring_strain < 1e-5);
+        ModelRun other = truth;
+        for (TriaxialPoint& p : other.points) p.deviatoric_stress += 5e3;
+        CHECK(misfit_of(other, test).q == about(5e3).epsilon(1e-3));
+
+        // by inertia alone: tilt and nothing else
+        const RecordedTest inertial = read_recorded_test(
+            folder.path(), 110e3, infos, {.displacement = false, .attitude = false});
+        const Vec3 tilt = inertial.ways[2].tilt[9];
+        const Quat before = truth.start[2].orientation,
+                   after = exponential_map(truth.rotation[100][2]) * before;
+        CHECK((tilt - (before.conjugate() * Vec3::UnitZ() - after.conjugate() * Vec3::UnitZ()))
+                  .norm() < 2e-3);
+        CHECK_FALSE(inertial.ways[2].displacement[9].allFinite());
+        CHECK(std::isnan(misfit_of(truth, inertial).sensor_displacement));
+    }
+
+    TEST_CASE("a sensor whose recording is spoiled is refused, and the others stay") {
+        const ModelRun truth = steady_run();
+        auto spoiled = record_sensors(truth, {}, 1);
+        for (Vec3& f : spoiled[1].force) f = -f;
+        const TemporaryDirectory folder;
+        write_recorded_test(folder.path(), 55e3, spoiled, scene_of(truth), truth.points);
+        const RecordedTest test =
+            read_recorded_test(folder.path(), 55e3, read_sensor_infos(folder.path()), {});
+        CHECK(test.refused() == 1);
+        CHECK(test.ways[1].strain.empty());
+        CHECK_FALSE(test.ways[0].strain.empty());
+    }
+
+    TEST_CASE(
+        "what the machine measured wrongly is left out with its reason, and all else is used") {
+        const ModelRun truth = steady_run();
+        const auto recordings = record_sensors(truth, {}, 1);
+        const auto read = [&](auto&& change) {
+            auto points = truth.points;
+            for (std::size_t k = 0; k < points.size(); ++k) change(points[k], k);
+            const TemporaryDirectory folder;
+            write_recorded_test(folder.path(), 55e3, recordings, scene_of(truth), points);
+            RecordedTest test =
+                read_recorded_test(folder.path(), 55e3, read_sensor_infos(folder.path()), {});
+            CHECK(test.refused() == 0);
+            CHECK(test.ways[2].strain.size() == 10);
+            return test;
+        };
+        const auto says = [](const RecordedTest& test, const std::string& text) {
+            return intake_report(test).find(text) != std::string::npos;
+        };
+        const RecordedTest good = read([](TriaxialPoint&, std::size_t) {});
+        CHECK(says(good, "test machine: 101 records, nothing found\nsensor 1: "));
+
+        const RecordedTest wild = read([](TriaxialPoint& p, std::size_t k) {
+            if (k == 15) p.deviatoric_stress = 1e12;
+        });
+        CHECK(says(wild, "test machine: deviatoric_stress_Pa: 1 of 101 records left out: expected "
+                         "-5.5e+04 to 1.65e+06, found 1e+12 at 0.15 % of axial strain\n"));
+        CHECK(std::isnan(wild.measured[15].deviatoric_stress));
+        CHECK(misfit_of(truth, wild).q < 1); // by the others
+        const RecordedTest kilo =
+            read([](TriaxialPoint& p, std::size_t) { p.deviatoric_stress *= 1e-3; });
+        CHECK(says(kilo, "test machine: refused: deviatoric_stress_Pa: expected 1100 Pa and more"));
+        CHECK(std::isnan(misfit_of(truth, kilo).q)); // not measured
+        CHECK(misfit_of(truth, kilo).volumetric_strain < 1e-8);
+        CHECK(says(read([](TriaxialPoint& p, std::size_t) { p.deviatoric_stress *= -1; }),
+                   "refused: deviatoric_stress_Pa: expected it positive in compression"));
+        CHECK(says(
+            read([](TriaxialPoint& p, std::size_t k) {
+                if (k > 40) p.deviatoric_stress = 7e4;
+            }),
+            "deviatoric_stress_Pa: 59 of 101 records left out: expected a change, found 7e+04"));
+        const RecordedTest percent = read([](TriaxialPoint& p, std::size_t k) {
+            p.volumetric_strain = -0.5 * static_cast<double>(k) * 1e-2;
+        });
+        CHECK(says(percent, "refused: volumetric_strain: ")); // -50 times the axial strain
+        CHECK(says(percent, "is it in per cent?"));
+        CHECK(std::isnan(misfit_of(truth, percent).volumetric_strain));
+        CHECK(misfit_of(truth, percent).q < 1);
+        const RecordedTest spike = read([](TriaxialPoint& p, std::size_t k) {
+            if (k == 70) p.volumetric_strain = 0.3;
+        });
+        CHECK(says(spike, "volumetric_strain: 1 of 101 records left out: expected -0.036 to 0.008, "
+                          "found 0.3 at 0.7 %"));
+        CHECK(misfit_of(truth, spike).volumetric_strain < 1e-8);
+        const RecordedTest ring = read([](TriaxialPoint& p, std::size_t k) {
+            if (k == 100) p.ring_radius[3] = 75;
+        });
+        CHECK(says(ring, "ring_4_radius_m: 1 of 101 records left out"));
+        CHECK(misfit_of(truth, ring).ring_strain < 1e-5);
+    }
+
+    TEST_CASE("honest sensors of every class are accepted, as far as a test has come") {
+        const ModelRun truth = steady_run();
+        for (const auto preset : imu_presets)
+            for (std::uint64_t seed = 1; seed <= 20; ++seed)
+                for (const std::size_t samples : {2u, 4u, 5u, 6u, 8u, 15u}) {
+                    RecordedTest test;
+                    test.recordings = record_sensors(truth, {.imu = std::string(preset)}, seed);
+                    for (Recording& r : test.recordings) {
+                        for (auto* numbers : {&r.time, &r.strain}) numbers->resize(samples);
+                        for (auto* vectors : {&r.force, &r.rate, &r.displacement})
+                            vectors->resize(samples);
+                        r.sequence.resize(samples);
+                        r.attitude.resize(samples);
+                    }
+                    examine(test, {});
+                    INFO(preset << ", seed " << seed << "\n"
+                                << intake_report(test.findings, test.recordings));
+                    CHECK(test.refused() == 0);
+                    for (const Finding& f : test.findings)
+                        CHECK((f.check == "clock" ||
+                               f.text.find("too few samples at rest") != std::string::npos));
+                }
+    }
+
+    TEST_CASE("files that are not there, cut off or not in order are refused with their line") {
+        const TemporaryDirectory folder;
+        const ModelRun truth = steady_run();
+        CHECK_THROWS_AS((void)read_sensor_infos(folder / "nowhere"), OutputError);
+        CHECK_THROWS_WITH_AS((void)read_sensor_infos(folder.path()),
+                             doctest::Contains("expected files rock_NN.txt"), InputError);
+        write_recorded_test(folder.path(), 55e3, record_sensors(truth, {}, 1), scene_of(truth),
+                            truth.points);
+        const auto infos = read_sensor_infos(folder.path());
+        CHECK_THROWS_AS((void)read_recorded_test(folder.path(), 165e3, infos, {}), OutputError);
+        const auto csv = folder / "55kPa" / "test.csv";
+        replace_line(csv, 9, "0.0001,1,1,1,1,1,1,1,1,1,1");
+        CHECK_THROWS_WITH_AS(
+            (void)read_recorded_test(folder.path(), 55e3, infos, {}),
+            doctest::Contains("test.csv:9: axial_strain: expected numbers that grow"), InputError);
+        replace_line(csv, 9, "0.0006,12");
+        CHECK_THROWS_WITH_AS((void)read_recorded_test(folder.path(), 55e3, infos, {}),
+                             doctest::Contains("test.csv:9"), InputError);
+        replace_line(csv, 9, "0.0006,,0,1,1,1,1,1,1,1,1");
+        CHECK_THROWS_WITH_AS((void)read_recorded_test(folder.path(), 55e3, infos, {}),
+                             doctest::Contains("deviatoric_stress_Pa: expected a number"),
+                             InputError);
+    }
+}

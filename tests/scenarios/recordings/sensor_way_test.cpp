@@ -1,0 +1,121 @@
+#include "engine/errors.hpp"
+#include "engine/signal/attitude.hpp"
+#include "scenarios/recordings/sensor_way.hpp"
+#include "systems/fusion/sensor_filter.hpp"
+#include "tests/about.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+
+namespace {
+
+const Quat start = exponential_map(Vec3(0.3, -0.8, 1.2));
+
+/// A rock at rest that has been turned by `turn` and shifted, strain by strain of 0.1 %; its
+/// accelerometers are off.
+Recording slow_recording(const Vec3& turn, const Vec3& shift, const Vec3& bias = Vec3::Zero()) {
+    Recording r;
+    r.info.id = 4;
+    r.info.set_pose(Vec3(0.01, 0.02, 0.03), start);
+    for (int k = -2; k <= 10; ++k) {
+        const double part = std::max(0, k) / 10.0;
+        const Quat now = exponential_map(part * turn) * start;
+        r.time.push_back(12.0 * (k + 2));
+        r.sequence.push_back(static_cast<std::uint64_t>(k + 2));
+        r.strain.push_back(std::max(0, k) * 1e-3);
+        r.force.push_back(now.conjugate() * Vec3(0, 0, 9.81) + bias);
+        r.rate.push_back(Vec3::Zero());
+        r.displacement.push_back(Vec3(1, 2, 3) + part * shift);
+        r.attitude.push_back(now);
+    }
+    return r;
+}
+
+} // namespace
+
+TEST_SUITE("fusion/sensor_way") {
+    TEST_CASE(
+        "a recording tells displacement and rotation since the start, where they were measured") {
+        const Vec3 turn(0.05, -0.02, 0.1), shift(1e-3, 0, -2e-3);
+        Recording r = slow_recording(turn, shift);
+        const SensorWay way = way_of(r, 2e-3);
+        REQUIRE(way.strain.size() == 5);
+        CHECK(way.strain.back() == about(0.01));
+        CHECK((way.displacement.back() - shift).norm() < 1e-15);
+        CHECK((way.rotation.back() - turn).norm() < 1e-12);
+        r.displacement.clear();
+        r.attitude.clear();
+        const SensorWay inertial = way_of(r, 2e-3);
+        CHECK_FALSE(inertial.displacement.back().allFinite());
+        CHECK_FALSE(inertial.rotation.back().allFinite());
+        CHECK(inertial.tilt.back().allFinite());
+        r.strain.clear();
+        CHECK_THROWS_WITH_AS((void)way_of(r, 1e-3), doctest::Contains("column strain"), InputError);
+    }
+
+    TEST_CASE(
+        "gravity tells tilt whatever the bias of the accelerometers, and leaves yaw to the model") {
+        const Vec3 turn(0.02, -0.03, 0);
+        const Recording r = slow_recording(turn, Vec3::Zero(), Vec3(0.05, -0.02, 0.03));
+        const SensorWay way = way_of(r, 1e-2);
+        Measured m;
+        m.up = (start.conjugate() * Vec3::UnitZ() - way.tilt.back()).normalized();
+        m.attitude_deviation = 1e-6;
+        const Quat yawed = exponential_map(Vec3(0, 0, 0.4)) * start; // the model has another yaw
+        SensorFilter filter({.attitude = 0.5});
+        const Analysis a = filter.analyse({0, {.orientation = yawed}}, m);
+        const Quat corrected = exponential_map(a.turn) * yawed;
+        CHECK((corrected * m.up - Vec3::UnitZ()).norm() < 1e-5);
+        CHECK(std::abs(a.turn.z()) < 1e-3);
+        // and upwards is where it truly is, but for the bias, of which its size alone is left
+        const Quat truth = exponential_map(turn) * start;
+        CHECK((truth * m.up - Vec3::UnitZ()).norm() < 0.05 / 9.81 * 0.1);
+    }
+
+    TEST_CASE("a free inertial sensor does not see its displacement in a test of sixteen minutes, "
+              "and says so") {
+        Recording r = slow_recording(Vec3::Zero(), Vec3::Zero());
+        const auto all = what_is_seen(r, 960, 1e-3, 0.1);
+        REQUIRE(all.size() == 5);
+        for (const Seen& seen : all) CHECK(seen.observable());
+        r.displacement.clear();
+        r.attitude.clear();
+        const auto inertial = what_is_seen(r, 960, 1e-3, 0.1);
+        for (std::size_t k = 0; k < 3; ++k) {
+            CHECK_FALSE(inertial[k].observable());
+            CHECK(inertial[k].deviation > 1); // metres
+        }
+        CHECK(inertial[3].observable()); // tilt
+        CHECK_FALSE(
+            inertial[4].observable()); // yaw: the bias of the gyroscope alone turns it round
+        CHECK(what_is_seen(r, 0.05, 1e-3, 0.1)[0]
+                  .observable()); // a wheel that passes is another matter
+    }
+
+    TEST_CASE("recordings that are written read back the same") {
+        const TemporaryDirectory folder;
+        Recording r = slow_recording(Vec3(0.1, 0, 0), Vec3(1e-3, 0, 0));
+        r.info.force_unit = std::string("g");
+        r.info.rate_unit = "deg/s";
+        const Quat mounting = exponential_map(Vec3(1, 0.2, -0.4));
+        r.info.mounting_w = mounting.w();
+        r.info.mounting_x = mounting.x();
+        r.info.mounting_y = mounting.y();
+        r.info.mounting_z = mounting.z();
+        write_sensor_info(folder / "rock_04.txt", r.info);
+        write_recordings(folder / "recordings.csv", {r}, {"of a test"});
+        const SensorInfo info = read_sensor_info(folder / "rock_04.txt");
+        CHECK(info.id == 4);
+        CHECK(info.attitude().angularDistance(start) < 1e-12);
+        CHECK(info.force_unit == "g");
+        const auto read = read_recordings(folder / "recordings.csv", {info});
+        REQUIRE(read.front().size() == r.size());
+        CHECK((read.front().force.back() - r.force.back()).norm() < 1e-5);
+        CHECK(read.front().strain.back() == about(r.strain.back()));
+        CHECK(read.front().sequence == r.sequence);
+        CHECK((read.front().displacement.back() - r.displacement.back()).norm() < 1e-6);
+        CHECK(read.front().attitude.back().angularDistance(r.attitude.back()) < 1e-6);
+    }
+}

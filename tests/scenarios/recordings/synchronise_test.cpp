@@ -1,0 +1,250 @@
+#include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/io/json_numbers.hpp"
+#include "scenarios/assimilation/live_test.hpp"
+#include "scenarios/assimilation/twin.hpp"
+#include "scenarios/recordings/recorded_stream.hpp"
+#include "tests/about.hpp"
+#include "tests/scenarios/assimilation/steady_run.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+using namespace bris;
+
+namespace {
+
+constexpr double cycles_per_strain = 2.5e3; // 25 in the test
+
+/// A steady run, recorded; what sensors and machine have beside strain is to be chosen.
+struct Recorded {
+    TemporaryDirectory folder;
+    std::vector<SensorInfo> infos;
+    RecordedTest by_strain;
+
+    Recorded() {
+        const ModelRun run = testing::steady_run();
+        write_recorded_test(folder.path(), 55e3, record_sensors(run, {}, 1),
+                            testing::scene_of(run).specimen, testing::scene_of(run).poses,
+                            run.points);
+        infos = read_sensor_infos(folder.path());
+        by_strain = read({});
+    }
+    RecordedTest read(const IntakeSettings& settings) const {
+        return read_recorded_test(folder.path(), 55e3, infos, settings);
+    }
+
+    /// Writes a file anew, with a column more or less: `value` of a row, by the column named.
+    void change(const char* file, const std::string& without, const std::string& with = "",
+                auto&& value = 0) const {
+        const CsvTable table = read_csv(folder / "55kPa" / file);
+        std::vector<std::string> names;
+        for (const std::string& name : table.names)
+            if (name != without) names.push_back(name);
+        if (!with.empty()) names.push_back(with);
+        std::vector<std::vector<double>> rows;
+        for (std::size_t k = 0; k < table.rows.size(); ++k) {
+            auto& row = rows.emplace_back();
+            for (std::size_t c = 0; c < table.names.size(); ++c)
+                if (table.names[c] != without) row.push_back(table.rows[k][c]);
+            if constexpr (requires { value(0.0); })
+                if (!with.empty())
+                    row.push_back(value(table.column(
+                        std::string(file) == "test.csv" ? "axial_strain" : "strain")[k]));
+        }
+        write_csv(folder / "55kPa" / file, names, rows);
+    }
+    void give_machine(const std::string& name, auto&& value) const {
+        change("test.csv", "", name, value);
+    }
+};
+
+double phase_at(double strain) { return cycles_per_strain * strain; }
+double time_at(double strain) { return 60 + 1.2e4 * strain; }
+
+void check_ways(const RecordedTest& test, const RecordedTest& by_strain, double tolerance) {
+    CHECK(test.refused() == 0);
+    for (std::size_t s = 0; s < 3; ++s) {
+        REQUIRE(test.ways[s].strain.size() == by_strain.ways[s].strain.size());
+        for (std::size_t k = 0; k < test.ways[s].strain.size(); ++k)
+            CHECK(test.ways[s].strain[k] == about(by_strain.ways[s].strain[k]).epsilon(tolerance));
+        CHECK(test.ways[s].displacement == by_strain.ways[s].displacement);
+    }
+}
+
+bool says(const RecordedTest& test, const std::string& text) {
+    INFO(intake_report(test));
+    return intake_report(test).find(text) != std::string::npos;
+}
+
+} // namespace
+
+TEST_SUITE("procedure/synchronise") {
+    TEST_CASE("recordings that count load cycles instead of strain tell the same ways") {
+        const Recorded r;
+        r.give_machine("phase", phase_at);
+        r.change("recordings.csv", "strain", "phase", phase_at);
+        const RecordedTest test =
+            r.read({.interval = 0.99e-3}); // what is written with seven digits may fall short of it
+        check_ways(test, r.by_strain, 1e-5);
+        CHECK(says(test, "sensor 1: clock: strain by the machine's phase\n"));
+    }
+
+    TEST_CASE("recordings without strain or phase go by their clock, less its offset, where the "
+              "machine has one") {
+        const Recorded r;
+        r.give_machine("t", time_at);
+        r.change("recordings.csv", "strain", "", 0);
+        RecordedTest test = r.read({.interval = 0.99e-3});
+        CHECK(test.refused() == 0);
+        CHECK(says(test, "sensor 1: clock: strain by the machine's t"));
+        REQUIRE(test.ways[0].strain.size() ==
+                9); // the last sample is, by a clock 20 ppm fast, after the machine's last
+        CHECK(says(test, "1 of 15 samples are outside of it and left out"));
+        CHECK(test.ways[0].strain[8] == about(9e-3).epsilon(1e-3));
+        auto infos = r.infos;
+        infos[1].clock_offset = 1e6; // as if it counted from 1970
+        test = read_recorded_test(r.folder.path(), 55e3, infos, {});
+        CHECK(test.refused() == 1);
+        CHECK(says(test, "sensor 2: refused: clock: expected records of the test, 60 to 180 s by "
+                         "the machine's, found"));
+        CHECK(says(test, "give clock_offset"));
+        infos[1].clock_offset = 0;
+        infos[1].clock_offset_deviation = 10;
+        test = read_recorded_test(r.folder.path(), 55e3, infos, {});
+        CHECK(says(test, "sensor 2: refused: clock: it is known to 30 s, in which the test goes "
+                         "0.25 % of axial strain, expected 0.1 %"));
+    }
+
+    TEST_CASE("recordings without strain, phase or a machine's clock are refused with the reason, "
+              "and the test goes on without") {
+        const Recorded r;
+        r.change("recordings.csv", "strain", "", 0);
+        RecordedTest test = r.read({});
+        CHECK(test.refused() == 3);
+        CHECK(says(test, "sensor 3: refused: clock: expected strain or phase in its records, or t "
+                         "in the machine's, found none\n"));
+        CHECK(test.measured.size() == 101);
+        const Recorded other;
+        other.change("recordings.csv", "strain", "phase", phase_at);
+        CHECK(says(other.read({}),
+                   "expected strain in its records, or phase or t in the machine's, found none\n"));
+    }
+
+    TEST_CASE(
+        "a phase that begins again with each cycle is refused, of a sensor and of the machine") {
+        const Recorded r;
+        r.give_machine("phase", phase_at);
+        r.change("recordings.csv", "strain", "phase",
+                 [](double strain) { return std::fmod(0.9 * phase_at(strain), 1.0); });
+        const RecordedTest test = r.read({});
+        CHECK(test.refused() == 3);
+        CHECK(
+            says(test,
+                 "sensor 1: refused: clock: expected phases that grow from cycle to cycle, found"));
+        const Recorded other;
+        other.give_machine("phase", [](double strain) { return std::fmod(phase_at(strain), 1.0); });
+        CHECK_THROWS_WITH_AS(
+            (void)other.read({}),
+            doctest::Contains("test.csv:6: phase: expected numbers that grow, found 0 after 0.75"),
+            InputError);
+    }
+
+    TEST_CASE("a phase or a clock that not every sample has is no sample outside of the test") {
+        const Recorded r;
+        r.give_machine("phase", phase_at);
+        r.change("recordings.csv", "strain", "phase", [](double strain) {
+            return std::lround(1e3 * strain) % 2 == 1 ? std::nan("") : phase_at(strain);
+        });
+        RecordedTest test = r.read({.interval = 0.99e-3});
+        CHECK(test.refused() == 0);
+        CHECK(says(test, "sensor 1: clock: strain by the machine's phase\n"));
+        const auto sampled = std::ranges::count_if(test.recordings[0].strain,
+                                                   [](double e) { return std::isfinite(e); });
+        CHECK(sampled < static_cast<std::ptrdiff_t>(test.recordings[0].size()));
+        CHECK(test.ways[0].strain.size() ==
+              static_cast<std::size_t>(std::ranges::count_if(test.recordings[0].strain,
+                                                             [](double e) { return e > 0; })));
+        const Recorded late;
+        late.give_machine("phase", phase_at);
+        late.change("recordings.csv", "strain", "phase", [k = 0](double strain) mutable {
+            return k++ < 3 ? std::nan("") : 1000 + phase_at(strain);
+        });
+        CHECK(says(late.read({}), "sensor 2: refused: clock: expected records of the test, 0 to 25 "
+                                  "cycles by the machine's, found 1000 to 1025\n"));
+    }
+
+    TEST_CASE(
+        "a folder whose machine has a clock and a phase is replayed with these, line by line") {
+        const Recorded r;
+        r.give_machine("t", time_at);
+        r.give_machine("phase", phase_at);
+        const auto lines = stream_of(r.folder / "55kPa", 1e6, 0);
+        std::ofstream out(r.folder / "lines");
+        std::size_t records = 0;
+        for (const std::string& line : lines) {
+            out << line << '\n';
+            if (line.find("axial_strain") == std::string::npos) continue;
+            const auto numbers = json_numbers(line);
+            CHECK(numbers.at("t") == about(time_at(numbers.at("axial_strain"))));
+            CHECK(numbers.contains("phase"));
+            ++records;
+        }
+        out.close();
+        CHECK(records == 101);
+        LiveTest test(r.folder / "lines", r.folder / "log", r.infos, {.patience = 2});
+        (void)test.follow_to(1);
+        INFO(test.report());
+        CHECK(test.report().find("unreadable") == std::string::npos);
+        CHECK(test.so_far().measured.size() == 101);
+        check_ways(test.so_far(), r.by_strain, 1e-9);
+    }
+
+    TEST_CASE("a stream of sensors that count cycles is the same test as one of sensors that tell "
+              "strain") {
+        const Recorded r;
+        const auto lines = stream_of(r.folder / "55kPa", 1.2, 60);
+        const auto follow = [&](const char* name, auto&& change) {
+            std::ofstream out(r.folder / name);
+            for (std::string line : lines) {
+                change(line);
+                out << line << '\n';
+            }
+            out.close();
+            LiveTest test(r.folder / name, r.folder / fmt::format("{}.log", name), r.infos,
+                          {.patience = 2, .intake = {.interval = 0.99e-3}});
+            (void)test.follow_to(1);
+            return std::pair{test.so_far(), test.report()};
+        };
+        const auto number_after = [](const std::string& line, const std::string& name) {
+            return std::stod(line.substr(line.find(name) + name.size()));
+        };
+        const auto rename = [&](std::string& line, const std::string& name, auto&& phase) {
+            const auto at = line.find(name);
+            if (at == std::string::npos) return;
+            const double strain = number_after(line, name);
+            line = fmt::format("{}\"phase\": {}, {}", line.substr(0, at), phase(strain),
+                               name == "\"strain\": " ? "\"was\": " + line.substr(at + name.size())
+                                                      : line.substr(at));
+        };
+        const auto [by_phase, report] = follow("phases", [&](std::string& line) {
+            rename(line, "\"strain\": ", phase_at);
+            rename(line, "\"axial_strain\": ", phase_at);
+        });
+        INFO(report);
+        check_ways(by_phase, r.by_strain, 1e-5);
+        const auto [wrapped, why] = follow("wrapped", [&](std::string& line) {
+            rename(line, "\"strain\": ", [](double strain) {
+                return std::fmod(0.9 * phase_at(strain), 1.0);
+            });
+            rename(line, "\"axial_strain\": ", phase_at);
+        });
+        CHECK(wrapped.refused() == 3);
+        CHECK(why.find("expected phases that grow from cycle to cycle") != std::string::npos);
+    }
+}

@@ -1,0 +1,114 @@
+#include "components/body.hpp"
+#include "components/material.hpp"
+#include "engine/errors.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/triaxial/specimen_state.hpp"
+#include "scenarios/triaxial/triaxial_scene.hpp"
+#include "tests/about.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace bris;
+
+namespace {
+
+Triaxial small(double density = 0, double friction = -1) {
+    Triaxial t;
+    t.bodies = 150;
+    t.specimen.sensor_density = density;
+    t.specimen.sensor_friction = friction;
+    return t;
+}
+
+World world_of(const Triaxial& t) {
+    const TriaxialScene s = make_scene(t, 1);
+    return make_triaxial_world(s.specimen, s.clumps, s.smart_rocks, s.sample.rocks, s.poses);
+}
+
+struct Frictions {
+    double rock_rock, shell_rock, shell_shell, shell_platen;
+};
+Frictions frictions(const World& world) {
+    const auto& m = world.resource<Materials>();
+    const auto& s = world.resource<Specimen>();
+    const auto of = [&](std::uint32_t a, std::uint32_t b) {
+        return m.linear_pairs[m.pair(a, b)].friction;
+    };
+    return {of(s.rock_material, s.rock_material), of(s.sensor_material, s.rock_material),
+            of(s.sensor_material, s.sensor_material), of(s.sensor_material, s.platen_material)};
+}
+
+} // namespace
+
+TEST_SUITE("procedure/specimen_state") {
+    TEST_CASE("sensor rocks are as the rocks unless they are given shells of their own") {
+        World plain = world_of(small()), shells = world_of(small(1250, 0.3));
+        CHECK(plain.resource<Materials>().list.size() == 3);
+        CHECK(plain.resource<Specimen>().sensor_material ==
+              plain.resource<Specimen>().rock_material);
+        const auto& smart = shells.resource<Specimen>().smart_rocks;
+        CHECK(smart == plain.resource<Specimen>().smart_rocks);
+        for (const EntityId id : smart) {
+            CHECK(value_of<Mass>(shells, id) ==
+                  about(1250.0 / 2750 * value_of<Mass>(plain, id)).epsilon(1e-14));
+            CHECK(value_of<Inertia>(shells, id)
+                      .isApprox(1250.0 / 2750 * value_of<Inertia>(plain, id), 1e-14));
+        }
+        const EntityId rock = shells.resource<Specimen>().rocks[0];
+        CHECK(value_of<Mass>(shells, rock) == value_of<Mass>(plain, rock));
+        const Frictions f = frictions(shells);
+        CHECK(f.rock_rock == 0.7);
+        CHECK(f.shell_rock == 0.3);
+        CHECK(f.shell_shell == 0.3);
+        CHECK(f.shell_platen == 0.3);
+    }
+
+    TEST_CASE("shells of a friction of their own keep it while the rocks' changes; on a rock the "
+              "lower one acts") {
+        World own = world_of(small(0, 0.3)), heavy = world_of(small(4000));
+        for (const double friction : {0.0, 0.2, 0.5}) {
+            set_friction(own, friction);
+            set_friction(heavy, friction);
+            CAPTURE(friction);
+            CHECK(frictions(own).rock_rock == friction);
+            CHECK(frictions(own).shell_rock == std::min(friction, 0.3));
+            CHECK(frictions(own).shell_shell == 0.3);
+            CHECK(frictions(heavy).shell_rock == friction);
+            CHECK(frictions(heavy).shell_shell == friction);
+        }
+        set_rocks(own, 0.6, 2e7);
+        const auto& m = own.resource<Materials>();
+        const auto& s = own.resource<Specimen>();
+        CHECK(frictions(own).shell_rock == 0.3);
+        CHECK(m.linear_pairs[m.pair(s.sensor_material, s.rock_material)].kn ==
+              1e7); // two in series
+        CHECK(m.linear_pairs[m.pair(s.sensor_material, s.sensor_material)].ks == 1e7);
+    }
+
+    TEST_CASE("sensor rocks take the shapes that are named in turn: angular ones and cubes, of one "
+              "sieve size") {
+        Triaxial t = small();
+        t.bodies = 400;
+        t.sensor_shape = "rock_02, rock_02, rock_02, cube";
+        const TriaxialScene scene = make_scene(t, 1);
+        REQUIRE(scene.smart_rocks.size() == 4);
+        World world = make_triaxial_world(scene.specimen, scene.clumps, scene.smart_rocks,
+                                          scene.sample.rocks, scene.poses);
+        const auto& specimen = world.resource<Specimen>();
+        REQUIRE(specimen.smart_rocks.size() == 7); // cubes are wide: there is no room for ten
+        for (std::size_t k = 0; k < 7; ++k) {
+            const Clump& shape = specimen.clumps[value_of<ShapeOf>(world, specimen.smart_rocks[k])];
+            CAPTURE(k);
+            CHECK(shape.name == (k % 4 == 3 ? "cube" : "rock_02"));
+            CHECK(shape.sieve == about(t.specimen.smartrock_size).epsilon(1e-12));
+            CHECK(value_of<Mass>(world, specimen.smart_rocks[k]) ==
+                  about(2750 * shape.volume).epsilon(1e-14));
+            CHECK(value_of<BoundingRadius>(world, specimen.smart_rocks[k]) ==
+                  shape.bounding_radius);
+        }
+        t.sensor_shape = "rock_02,sphere";
+        CHECK_THROWS_WITH_AS(make_scene(t, 1), doctest::Contains("found \"sphere\""), InputError);
+    }
+}

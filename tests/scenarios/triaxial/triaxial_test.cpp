@@ -1,0 +1,418 @@
+#include "scenarios/assimilation/kept_run.hpp"
+#include "scenarios/assimilation/twin.hpp"
+#include "scenarios/rocks/clump_library.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/contact/ledger.hpp"
+#include "systems/steps.hpp"
+#include "tests/about.hpp"
+#include "tests/scenarios/assimilation/small_specimen.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+
+using namespace bris;
+using testing::prepared, testing::pressure, testing::short_test, testing::small_scene;
+
+namespace {
+
+Simulation small_test(unsigned threads, ListSettings lists = {}, ScheduleSettings schedule = {}) {
+    const TriaxialScene s = small_scene();
+    World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rocks, s.sample.rocks, s.poses);
+    add_lists(world, LawName::linear, lists);
+    add_ledger(world);
+    world.add_resource<TriaxialState>();
+    schedule.least_rows = 0; // small as the scene is, the threads are what is tested
+    Simulation simulation(std::move(world), steps(LawName::linear, true), threads, schedule);
+    simulation.on_restore(forget_lists);
+    return simulation;
+}
+
+/// From the k-th sample on sensors say only what is refused: nothing, or that their rocks are 20 mm
+/// and half a radian away.
+void let_die(std::vector<SensorWay>& ways, std::size_t k) {
+    for (SensorWay& way : ways) {
+        way.tilt.assign(way.strain.size(), Vec3::Constant(std::nan("")));
+        for (std::size_t n = k; n < way.strain.size(); ++n) {
+            const double off = n % 3 == 0 ? std::nan("") : 1;
+            way.displacement[n] += off * Vec3(0.02, 0, 0);
+            way.rotation[n] += off * Vec3(0, 0, 0.5);
+        }
+    }
+}
+
+void end(std::vector<SensorWay>& ways, std::size_t k) {
+    for (SensorWay& way : ways) {
+        way.strain.resize(k);
+        way.displacement.resize(k);
+        way.rotation.resize(k);
+    }
+}
+
+void check_same_bits(const ModelRun& a, const ModelRun& b) {
+    CHECK(a.displacement == b.displacement);
+    CHECK(a.rotation == b.rotation);
+    CHECK(a.steps == b.steps);
+    CHECK(a.boundary_work == b.boundary_work);
+    CHECK(a.fusion_work == b.fusion_work);
+}
+
+} // namespace
+
+TEST_SUITE("procedure/triaxial") {
+    TEST_CASE("a triaxial test keeps its pressure, its stress balance and its energy balance, with "
+              "printed shells on its sensor rocks too") {
+        for (const SpecimenSettings& specimen :
+             {SpecimenSettings{},
+              SpecimenSettings{.sensor_density = 1200, .sensor_friction = 0.25}}) {
+            Simulation simulation = make_simulation(small_scene(specimen), 1, false);
+            TriaxialTest test(simulation, short_test());
+            while (test.advance()) {
+            }
+            const auto& points = test.state().points;
+            REQUIRE(points.size() == 21);
+            const TriaxialProperties p = properties_of(points, pressure);
+            CHECK(p.worst_ring_error <= 0.01); // the criterion itself
+            CHECK(p.worst_stress_mismatch <=
+                  0.01); // a few tens of the unbalanced ratio: branch vectors are long
+            MESSAGE("energy mismatch ", p.energy_mismatch, ", stress mismatch ",
+                    p.worst_stress_mismatch);
+            CHECK(p.energy_mismatch <= 0.01);
+            CHECK(
+                p.peak_q >
+                0.1 *
+                    pressure); // at 0.2 % of strain a loose and tiny specimen is far from its peak
+            CHECK(points.back().axial_strain == about(0.002).epsilon(1e-9));
+            for (std::size_t k = 1; k < points.size(); ++k) CHECK(points[k].unbalanced <= 1e-3);
+            const auto& materials = simulation.world().resource<Materials>();
+            const std::uint32_t sensor = simulation.world().resource<Specimen>().sensor_material;
+            CHECK(materials.list[sensor].friction ==
+                  (specimen.sensor_friction < 0 ? short_test().friction : 0.25));
+        }
+    }
+
+    TEST_CASE("a test restored from any phase ends with the same bits, whatever runs the steps") {
+        Simulation simulation = small_test(1);
+        TriaxialTest test(simulation, short_test());
+        // at the start of a lift, of compaction, of consolidation and of a stage, and inside a
+        // stage
+        std::vector<Archive> saved;
+        const auto reached = [&] {
+            const TriaxialState& s = test.state();
+            switch (saved.size()) {
+            case 0:
+                return s.lift == 2;
+            case 1:
+                return s.phase == TriaxialPhase::compact;
+            case 2:
+                return s.phase == TriaxialPhase::consolidate;
+            case 3:
+                return s.phase == TriaxialPhase::shear && s.stage == 1 && s.phase_steps == 0;
+            case 4:
+                return s.phase == TriaxialPhase::shear && s.stage == 1 && s.phase_steps > 0;
+            default:
+                return false;
+            }
+        };
+        while (test.state().stage < 2) {
+            REQUIRE(test.advance());
+            if (reached()) saved.push_back(simulation.snapshot());
+        }
+        REQUIRE(saved.size() == 5);
+        const auto whole = fingerprint(simulation.snapshot());
+        const auto end_from = [&](const Archive& state, Simulation other) {
+            other.restore(state);
+            TriaxialTest rest(other, short_test());
+            while (rest.state().stage < 2) REQUIRE(rest.advance());
+            return fingerprint(other.snapshot());
+        };
+        for (std::size_t k = 0; k < saved.size(); ++k) {
+            CAPTURE(k);
+            CHECK(end_from(saved[k], small_test(2)) == whole);
+        }
+        // one specimen serves for tests of other frictions
+        {
+            Simulation other = small_test(1);
+            other.restore(saved[2]);
+            TriaxialSettings rough = short_test();
+            rough.friction = 0.9;
+            (void)TriaxialTest(other, rough).advance();
+            CHECK(other.world()
+                      .resource<Materials>()
+                      .list[other.world().resource<Specimen>().rock_material]
+                      .friction == 0.9);
+        }
+        // and whatever runs the steps: threads, graph, order, sorting, skins
+        const Archive& stage = saved[3];
+        for (const unsigned threads : {1u, 2u, 3u, 7u})
+            CHECK(end_from(stage, small_test(threads, {}, {.grain = 16})) == whole);
+        CHECK(end_from(stage, small_test(2, {}, {.serial = true})) == whole);
+        CHECK(end_from(stage, small_test(2, {}, {.last_order = true, .grain = 16})) == whole);
+        CHECK(end_from(stage, small_test(1, {.sort_every = 0})) == whole);
+        CHECK(end_from(stage, small_test(1, {.sort_every = 1})) == whole);
+        CHECK(end_from(stage,
+                       small_test(1, {.outer_skin = 0.002, .inner_skin = 0.0002, .tune = false})) ==
+              whole);
+        CHECK(end_from(stage,
+                       small_test(1, {.outer_skin = 0.005, .inner_skin = 0.001, .tune = false})) ==
+              whole);
+    }
+
+    TEST_CASE("a model told what the sensor rocks do is corrected at every stage, and says what "
+              "work that took") {
+        const TriaxialScene scene = small_scene();
+        const Archive specimen = prepared(scene);
+        const auto run = [&](const ModelArm& arm) {
+            return run_model(scene, short_test(), specimen, arm, 1);
+        };
+        const ModelRun truth = run({});
+        ModelArm arm;
+        arm.rocks.friction = 0.3;
+        const ModelRun free = run(arm);
+        arm.ways = recorded_ways(truth, sensor_rocks(truth), 1e-4, 1e-7, 1e-5, 1);
+        arm.corrections.position_noise = 1e-7;
+        arm.corrections.attitude_noise = 1e-5;
+        arm.corrections.largest_shift =
+            3e-6; // m: given whole, they may push rocks into each other until a guard stops the run
+        arm.corrections.filter = {.acceleration_density = 1,
+                                  .angular_acceleration_density = 100,
+                                  .drift = 1e-6,
+                                  .turning = 1e-2,
+                                  .gate = 1};
+        const ModelRun fused = run(arm);
+        const TwinErrors same = errors_of(run({}), truth), without = errors_of(free, truth);
+        CHECK(same.q == 0);
+        CHECK(same.displacement[1] == 0);
+        CHECK(without.q > 1e3);
+        CHECK(without.displacement[1] > 1e-6);
+        CHECK(fused.accepted == 4 * 10 * 20); // places, attitudes, and that both rest
+        CHECK(fused.refused == 0);
+        REQUIRE(fused.analyses.size() == 10 * 20);
+        CHECK(std::ranges::is_sorted(fused.analyses, {}, &AnalysisRecord::time));
+        CHECK(fused.analyses.back().time == about(2e-3));
+        for (const AnalysisRecord& r : fused.analyses)
+            CHECK(r.shift_deviation < 1.01e-7); // of what is measured to 0.1 micron
+        CHECK(fused.fusion_work > 0);
+        CHECK(fused.steps > free.steps); // the stages come to rest again
+        CHECK(*std::max_element(truth.shell.begin(), truth.shell.end()) >= 2);
+        CHECK(std::count(truth.shell.begin(), truth.shell.end(), 0u) == 10);
+        // the same two stages late: taken in their places, as far as the filters look back
+        ModelArm late = arm;
+        late.corrections.lateness = 2e-4;
+        const ModelRun refused = run(late);
+        CHECK(refused.too_late == 10 * 18);
+        CHECK(refused.accepted == 0);
+        CHECK(refused.fusion_work == 0);
+        CHECK(refused.smoothed[0].empty());
+        late.corrections.note_every = 1e-4;
+        late.corrections.filter.lag = 4;
+        const ModelRun taken = run(late);
+        CHECK(taken.too_late == 0);
+        CHECK(taken.accepted == 4 * 10 * 18);
+        CHECK(taken.fusion_work > 0);
+        // where the rocks were is known to the noise of three axes, wherever the model has them; of
+        // the last two stages not yet
+        double worst = 0;
+        for (std::size_t rock = 0; rock < 10; ++rock)
+            for (std::size_t k = 1; k < 19; ++k) {
+                const SmoothedPose& pose = taken.smoothed[rock][k];
+                CHECK(pose.time == about(1e-4 * static_cast<double>(k)));
+                worst = std::max(worst, (pose.position - taken.start[rock].position -
+                                         truth.displacement[k][rock])
+                                            .norm());
+            }
+        CHECK(worst < 2e-6); // 0.1 micron for each axis, and a thousandth of what the model is off
+        CHECK(errors_of_smoothed(taken, truth).displacement <
+              errors_of(taken, truth).displacement[0]);
+        // without a recording, or with none that was accepted, nothing is different
+        arm.ways.assign(10, {});
+        const ModelRun deaf = run(arm);
+        CHECK(errors_of(deaf, free).q == 0);
+        CHECK(deaf.fusion_work == 0);
+
+        // told in the middle that friction is another: it goes on from where it is, or as if it had
+        // known from the beginning
+        arm = {.rocks = {.friction = 0.3}, .learned = {{1e-3, {.friction = 0.7}}}};
+        const ModelRun goes_on = run(arm);
+        arm.catch_up = true;
+        const ModelRun catches_up = run(arm);
+        for (std::size_t k = 0; k < truth.points.size(); ++k) {
+            const double told = goes_on.points[k].deviatoric_stress,
+                         caught_up = catches_up.points[k].deviatoric_stress;
+            CHECK(caught_up == (k <= 10 ? free : truth).points[k].deviatoric_stress);
+            if (k <= 10) CHECK(told == free.points[k].deviatoric_stress);
+        }
+        CHECK(goes_on.points.back().deviatoric_stress != free.points.back().deviatoric_stress);
+        CHECK(catches_up.steps > truth.steps);
+    }
+
+    TEST_CASE("corrections, put, spread or pulled, do no more of the boundaries' work than they "
+              "may, and what they do closes the energy balance") {
+        const TriaxialScene scene = small_scene();
+        const Archive specimen = prepared(scene);
+        const auto run = [&](const ModelArm& arm) {
+            return run_model(scene, short_test(), specimen, arm, 1);
+        };
+        const ModelRun truth = run({});
+        ModelArm arm{.rocks = {.friction = 0.3},
+                     .ways = recorded_ways(truth, sensor_rocks(truth), 1e-4, 1e-7, 1e-5, 1)};
+        arm.corrections.position_noise = 1e-7;
+        arm.corrections.attitude_noise = 1e-5;
+        arm.corrections.largest_shift = 1e-6;
+        for (const std::string way : {"jumped", "spread", "pulled"}) {
+            arm.corrections.spread = way == "spread";
+            arm.corrections.pull.stiffness = way == "pulled" ? 5e6 : 0;
+            arm.corrections.pull.largest_force = 100;
+            arm.corrections.largest_work_share = 0;
+            const ModelRun freely = run(arm);
+            arm.corrections.largest_work_share = 0.005;
+            const ModelRun limited = run(arm);
+            CAPTURE(way);
+            MESSAGE(way, ": ", freely.fusion_work / freely.boundary_work,
+                    " of the boundaries' work without a limit, ",
+                    limited.fusion_work / limited.boundary_work, " with one");
+            CHECK(freely.too_dear + freely.much_too_dear == 0);
+            CHECK(std::isnan(freely.analyses.back().work_allowed));
+            CHECK(std::abs(freely.fusion_work) > 0.02 * freely.boundary_work);
+            CHECK(limited.fusion_work != 0);
+            CHECK(std::abs(limited.fusion_work) < 0.0075 * limited.boundary_work);
+            CHECK(limited.too_dear > 0);
+            std::uint64_t cut = 0, refused = 0;
+            for (const AnalysisRecord& r : limited.analyses) {
+                CHECK(r.work_allowed >= 0);
+                CHECK((r.share < 1) >= (r.work_expected > r.work_allowed));
+                cut += r.share < 1 && r.share > 0;
+                refused += r.share == 0;
+            }
+            CHECK(cut >= limited.too_dear); // those for how far they go among them
+            CHECK(refused == limited.withheld + limited.much_too_dear);
+            for (const ModelRun* r : {&freely, &limited}) {
+                const TriaxialPoint &first = r->points.front(), &last = r->points.back();
+                const double kept = last.stored + last.kinetic - first.stored - first.kinetic,
+                             lost = last.friction_work + last.damping_work - first.friction_work -
+                                    first.damping_work;
+                const double work = last.boundary_work + last.scaling_work - first.boundary_work -
+                                    first.scaling_work;
+                CHECK(std::abs(work + r->fusion_work - kept - lost) <
+                      5e-4 * work); // without corrections 1e-4
+            }
+        }
+    }
+
+    TEST_CASE("a model whose sensors die goes on as if their recordings had ended, and one whose "
+              "sensors were never alive as if it had none") {
+        const TriaxialScene scene = small_scene();
+        const Archive specimen = prepared(scene);
+        TriaxialSettings settings = short_test();
+        settings.final_axial_strain = 0.001;
+        const auto run = [&](const ModelArm& arm) {
+            return run_model(scene, settings, specimen, arm, 1);
+        };
+        const ModelRun truth = run({});
+        ModelArm arm{.rocks = {.friction = 0.3}};
+        const ModelRun free = run(arm);
+        arm.corrections.position_noise = 1e-7;
+        arm.corrections.attitude_noise = 1e-5;
+        arm.corrections.largest_shift = 3e-6;
+        arm.corrections.note_every = 1e-4;
+        arm.corrections.filter.gate = 0.999;
+        const auto ways = recorded_ways(truth, sensor_rocks(truth), 1e-4, 1e-7, 1e-5, 1);
+        for (const unsigned lag : {0u, 4u}) {
+            CAPTURE(lag);
+            arm.corrections.filter.lag = lag;
+            arm.ways = ways;
+            end(arm.ways, 4);
+            const ModelRun ended = run(arm);
+            arm.ways = ways;
+            let_die(arm.ways, 4);
+            const ModelRun died = run(arm);
+            CHECK(ended.fusion_work != 0);
+            CHECK(ended.steps != free.steps);
+            CHECK(died.accepted == ended.accepted);
+            CHECK(died.refused ==
+                  ended.refused +
+                      2 * 10 * 4); // places and attitudes; two of six samples say nothing
+            check_same_bits(died, ended);
+            let_die(arm.ways, 0);
+            const ModelRun dead = run(arm);
+            CHECK(dead.accepted == 0);
+            CHECK(dead.refused > 0);
+            check_same_bits(dead, free);
+        }
+    }
+
+    TEST_CASE("a model stopped anywhere, with records to come and corrections under way, goes on "
+              "to the same bits") {
+        const TriaxialScene scene = small_scene();
+        const Archive specimen = prepared(scene);
+        const ModelRun truth = run_model(scene, short_test(), specimen, {}, 1);
+        ModelArm arm{.rocks = {.friction = 0.4},
+                     .learned = {{1e-3, {.friction = 0.6}}},
+                     .ways = recorded_ways(truth, sensor_rocks(truth), 1e-4, 1e-7, 1e-5, 1)};
+        for (const bool catch_up : {false, true}) {
+            arm.catch_up = catch_up;
+            arm.corrections.pull = {catch_up ? 0 : 1e6, 50, 0.01};
+            arm.corrections.spread = catch_up; // rocks that are put take others along
+            arm.corrections.filter.lag = 5;
+            arm.corrections.lateness = 3e-4;
+            arm.corrections.note_every = 1e-4;
+            arm.corrections.largest_shift = 1e-7;
+            arm.corrections.largest_work_share = 1e-4;
+            unsigned blocks = 0;
+            Archive whole, gone_on;
+            save_run(whole, run_model(scene, short_test(), specimen, arm, 1,
+                                      {.progress = [&](double, const std::string&) { ++blocks; }}));
+            CAPTURE(blocks);
+            const TemporaryDirectory folder;
+            Common common;
+            common.out = common.resume = folder.path();
+            struct Stop {};
+            unsigned block = 0;
+            for (const unsigned last :
+                 {blocks / 7, blocks / 2, blocks - 20}) { // each goes on from the one before
+                KeptRun kept(common, short_test(), specimen, arm);
+                const ModelWatch watch{.progress = [&](double, const std::string&) {
+                    ++block;
+                    if (block == last) kept.keep_every(0);
+                    if (block > last) throw Stop();
+                }};
+                CHECK(kept.take_up().has_value() == (block > 0));
+                CHECK_THROWS_AS(run_model(scene, short_test(), specimen, arm, 1, watch, &kept),
+                                Stop);
+                --block; // was not kept
+            }
+            KeptRun kept(common, short_test(), specimen, arm);
+            save_run(gone_on, run_model(scene, short_test(), specimen, arm, 1, {}, &kept));
+            for (const auto& array : whole.arrays()) {
+                CAPTURE(array.path);
+                if (array.path != "run/numbers")
+                    CHECK(array.bytes ==
+                          gone_on.find(array.path)->bytes); // a wall time is among these
+            }
+            const ModelRun a = load_run(whole), b = load_run(gone_on);
+            CHECK(a.steps == b.steps);
+            CHECK(a.accepted == b.accepted);
+            CHECK(a.fusion_work == b.fusion_work);
+            CHECK(a.too_late == 0);
+            CHECK(a.reduced == b.reduced);
+            CHECK(a.too_dear + a.much_too_dear > 0);
+            CHECK(a.too_dear == b.too_dear);
+            CHECK(a.much_too_dear == b.much_too_dear);
+            CHECK((a.reduced > 0) == catch_up); // pulls have a limit of their own
+            CHECK(a.smoothed.size() == 10);
+            CHECK(a.smoothed[0].size() == 21); // noted at the start, and at each stage
+            CHECK(a.boundary_work == b.boundary_work);
+            // what is done is not run again; another arm is another run
+            unsigned run_again = 0;
+            const ModelWatch watch{.progress = [&](double, const std::string&) { ++run_again; }};
+            CHECK(run_model(scene, short_test(), specimen, arm, 1, watch, &kept).points.size() ==
+                  21);
+            CHECK(run_again == 0);
+            arm.rocks.friction = 0.41;
+            CHECK_FALSE(KeptRun(common, short_test(), specimen, arm).take_up().has_value());
+            arm.rocks.friction = 0.4;
+        }
+    }
+}

@@ -1,0 +1,91 @@
+#include "engine/errors.hpp"
+#include "scenarios/verification/bench.hpp"
+#include "scenarios/verification/cases.hpp"
+#include "scenarios/verification/chain.hpp"
+#include "scenarios/verification/crystal.hpp"
+#include "scenarios/verification/impact.hpp"
+#include "scenarios/verification/table.hpp"
+#include "scenarios/verification/top.hpp"
+#include "tests/about.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+
+TEST_SUITE("verification/experiments") {
+    TEST_CASE("what cannot be run is refused with a reason") {
+        CHECK_THROWS_AS(measure(Impact{}), InputError); // no density, no moduli
+        Impact grazing;
+        grazing.law = LawName::linear;
+        grazing.material = grazing.partner_material = linear_material(1e5);
+        grazing.angle = 2;
+        CHECK_THROWS_AS(measure(grazing), InputError);
+        Top top;
+        top.inertia = Vec3(3, 2, 1);
+        CHECK_THROWS_AS(measure(top), InputError);
+        top.inertia = Vec3(2, 2, 2);
+        CHECK_THROWS_AS(measure(top), InputError);
+        top = {};
+        top.spin = Vec3(0, 0, 1);
+        CHECK_THROWS_AS(measure(top), InputError);
+        Pendulum pendulum;
+        pendulum.amplitude = 1.5;
+        CHECK_THROWS_AS(measure(pendulum), InputError);
+        ChainWave wave;
+        wave.mode = 40;
+        CHECK_THROWS_AS(measure(wave), InputError);
+        Crystal crystal;
+        crystal.material.young_modulus = 5e9;
+        crystal.strain = 1;
+        CHECK_THROWS_AS(measure(crystal), InputError);
+        CHECK_THROWS_AS(verify("no such group"), InputError);
+    }
+
+    TEST_CASE("Jacobi's solution keeps energy and momentum, and Euler's equations, on both sides "
+              "of the separatrix") {
+        const Vec3 inertia(1, 1.7, 2.4);
+        for (const Vec3& spin : {Vec3(0.2, 0.3, 1), Vec3(-0.4, 0.1, -0.9), Vec3(1, -0.2, 0.3),
+                                 Vec3(-1, 0.3, 0.2), Vec3(0.8, 0.4, -0.1)}) {
+            const FreeTop top(inertia, spin);
+            CHECK((top.spin(0) - spin).norm() < 1e-14);
+            CHECK((top.spin(top.period()) - spin).norm() < 1e-12);
+            for (const double t : {0.3, 1.7, 12.0}) {
+                const Vec3 w = top.spin(t), momentum = w.cwiseProduct(inertia);
+                CHECK(w.dot(momentum) ==
+                      about(spin.dot(spin.cwiseProduct(inertia))).epsilon(1e-13));
+                CHECK(momentum.norm() == about(spin.cwiseProduct(inertia).norm()).epsilon(1e-13));
+                // dL/dt = L x w; the central difference is off by h^2/6 of a third derivative, and
+                // by rounding / h
+                const double h = 1e-5;
+                const Vec3 rate = (top.spin(t + h) - top.spin(t - h)) / (2 * h);
+                CHECK((rate.cwiseProduct(inertia) - momentum.cross(w)).norm() < 1e-9);
+                // the attitude takes the momentum back to where it was
+                CHECK((top.attitude(t, 5000) * momentum - spin.cwiseProduct(inertia)).norm() <
+                      1e-11);
+            }
+        }
+    }
+
+    TEST_CASE("a check fails when its number is off, is no number, or has the wrong sign") {
+        Checks checks("group");
+        checks.relative("right", "m", 2, 2.0001, 1e-4);
+        checks.relative("off", "m", 2, 2.001, 1e-4);
+        checks.absolute("none", "", 0, std::nan(""), 1);
+        checks.at_most("below", "", 1, 0.5);
+        checks.at_most("above", "", 1, 1.5);
+        checks.at_least("too little", "", 1, 0.5);
+        checks.at_least("not a number", "", 1, std::nan(""));
+        const auto& list = checks.list();
+        CHECK(list[0].passes());
+        CHECK_FALSE(list[1].passes());
+        CHECK_FALSE(list[2].passes());
+        CHECK(list[3].passes());
+        CHECK_FALSE(list[4].passes());
+        CHECK_FALSE(list[5].passes());
+        CHECK_FALSE(list[6].passes());
+        CHECK(names_of_failing(list) ==
+              "group: off; group: none; group: above; group: too little; group: not a number");
+        CHECK(csv_of(list).find("group,\"off\",\"m\",2,2.001,") != std::string::npos);
+        CHECK(table_of(list).find("FAILS") != std::string::npos);
+    }
+}

@@ -1,0 +1,98 @@
+#include "scenarios/verification/impact.hpp"
+#include "scenarios/verification/impacts.hpp"
+#include "tests/support.hpp"
+
+#include <doctest/doctest.h>
+
+using namespace bris;
+using namespace bris::detail;
+using bris::testing::order_of;
+
+namespace {
+
+/// Root mean square error of a restitution over where in a step the contact begins.
+double restitution_error(Impact s, double expected, double steps) {
+    s.steps_per_contact = steps;
+    double sum = 0;
+    constexpr int phases = 16;
+    for (int k = 0; k < phases; ++k) {
+        s.phase = (k + 0.5) / phases;
+        const double e = measure(s).normal_restitution - expected;
+        sum += e * e;
+    }
+    return std::sqrt(sum / phases);
+}
+
+Impact damped(LawName law, Tension tension) {
+    Material m = is_hertz(law) ? elastic("Al oxide", 3.8e11, 0.23, 4000) : linear_material(1e6);
+    m.restitution = 0.5;
+    Impact s = on_wall(m, 0.0025, 3.9, law);
+    if (!is_hertz(law)) s.partner_material = m;
+    s.policy.tension = tension;
+    return s;
+}
+
+// asked for 0.5; 0.5503 if the force may not pull (Schwager and Poeschel 2007)
+constexpr std::pair<Tension, double> policies[]{
+    {Tension::allowed, 0.5}, {Tension::cut, 0.55028317}, {Tension::calibrated, 0.5}};
+
+} // namespace
+
+TEST_SUITE("verification/orders") {
+    TEST_CASE("restitution of a linear contact converges with the second order of dt") {
+        for (const auto& [tension, expected] : policies) {
+            const Impact s = damped(LawName::linear_viscous, tension);
+            const double coarse = restitution_error(s, expected, 50),
+                         fine = restitution_error(s, expected, 200);
+            MESSAGE("linear: errors ", coarse, " at t_c/50, ", fine, " at t_c/200, order ",
+                    0.5 * order_of(coarse, fine));
+            CHECK(0.5 * order_of(coarse, fine) > 1.8);
+        }
+    }
+
+    // the dashpot of Hertz's contact begins as the fourth root of time: even steps integrate that
+    // with order 1 + 1/4 in the limit; parts of second order, of the other sign, die out before
+    TEST_CASE("restitution of a Hertz contact converges faster than with the first order of dt") {
+        for (const auto& [tension, expected] : policies) {
+            const Impact s = damped(LawName::hertz_mindlin_viscous, tension);
+            const double coarse = restitution_error(s, expected, 400),
+                         fine = restitution_error(s, expected, 3200);
+            MESSAGE("Hertz: errors ", coarse, " at t_c/400, ", fine, " at t_c/3200, order ",
+                    order_of(coarse, fine) / 3);
+            CHECK(order_of(coarse, fine) / 3 > 1.1);
+        }
+    }
+
+    TEST_CASE("the spin after an oblique impact converges faster than with the first order of dt") {
+        Impact s = on_wall(elastic("Al oxide", 3.8e11, 0.23, 4000, 1, 0.092), 0.0025, 3.9,
+                           LawName::hertz_mindlin);
+        s.angle = 20 * degree;
+        s.steps_per_contact = 8000;
+        const double exact = measure(s).spin.y();
+        const auto error = [&](double steps) {
+            s.steps_per_contact = steps;
+            return std::abs(measure(s).spin.y() / exact - 1);
+        };
+        const double coarse = error(100), fine = error(400);
+        MESSAGE("spin at 20 degrees: errors ", coarse, " at t_c/100, ", fine, " at t_c/400, order ",
+                0.5 * order_of(coarse, fine));
+        CHECK(coarse < 1e-3);
+        CHECK(0.5 * order_of(coarse, fine) > 1.2); // sliding begins and ends within a step
+    }
+
+    TEST_CASE("the work booked in an impact is the energy that it loses, the better the smaller "
+              "the step") {
+        Impact s = on_wall(elastic("Al oxide", 3.8e11, 0.23, 4000, 0.7, 0.3), 0.0025, 3.9,
+                           LawName::hertz_mindlin_viscous);
+        s.angle = 40 * degree;
+        const auto error = [&](double steps) {
+            s.steps_per_contact = steps;
+            return std::abs(measure(s).ledger_error);
+        };
+        const double coarse = error(100), fine = error(800);
+        MESSAGE("ledger off by ", coarse, " at t_c/100, ", fine, " at t_c/800");
+        CHECK(coarse < 1e-2);
+        CHECK(fine < 1e-3);
+        CHECK(fine < coarse / 4);
+    }
+}
