@@ -1,11 +1,13 @@
 #include "engine/progress.hpp"
 
+#include "engine/stopwatch.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <mutex>
+#include <optional>
 #include <sys/ioctl.h>
 #include <unistd.h>
 #include <vector>
@@ -13,12 +15,6 @@
 namespace bris {
 
 namespace {
-
-using Clock = std::chrono::steady_clock;
-
-double seconds_between(Clock::time_point from, Clock::time_point to) {
-    return std::chrono::duration<double>(to - from).count();
-}
 
 /// 75 -> "01:15", 5025 -> "1:23:45".
 std::string duration(double seconds) {
@@ -38,34 +34,58 @@ Progress::Style resolved(Progress::Style style, std::FILE* out) {
     return isatty(fileno(out)) ? Progress::Style::rewritten : Progress::Style::lines;
 }
 
+/// How far a run was, and when.
+struct Mark {
+    double fraction = 0;
+    Instant time{};
+};
+
+/// The rate of a phase, measured from one of two marks that follow it at a twentieth of the phase.
+class Rate {
+public:
+    void begin(const Mark& now) { older_ = newer_ = now; }
+    void update(const Mark& now) {
+        if (now.fraction - newer_.fraction < 0.05) return;
+        older_ = newer_;
+        newer_ = now;
+    }
+    /// s, until the phase is over; nothing while too little of it was seen.
+    std::optional<double> time_left(const Mark& now) const {
+        const double done = now.fraction - older_.fraction,
+                     elapsed = std::chrono::duration<double>(now.time - older_.time).count();
+        if (done < 1e-3 || elapsed < 0.5) return {};
+        return elapsed * (1 - now.fraction) / done;
+    }
+
+private:
+    Mark older_, newer_;
+};
+
 } // namespace
 
 struct Progress::State {
     struct Slot {
-        double fraction = 0;
-        double first_fraction = 0; // where it began: not 0 in a resumed run
-        Clock::time_point since, started;
-        bool reported = false;
-        std::string text;
+        PhaseProgress now;
+        Instant time{};
+        Rate rate;
+        bool shown = false;
     };
 
-    /// "42 %  shear 3.2 %  eta 01:23 | 40 %  ..." for the worlds that have reported.
+    /// "shear 42 %, axial strain 3.4 %, eta 01:23 | shear 40 %, ..." of the runs that go on.
     std::string line() const {
         std::string text;
-        double longest = 0;
-        bool known = true;
         for (const Slot& slot : slots) {
-            if (!slot.reported) continue;
-            text += fmt::format("{}{:3.0f} %  {}", text.empty() ? "" : "  |  ", 100 * slot.fraction,
-                                slot.text);
-            const double done = slot.fraction - slot.first_fraction;
-            if (slot.fraction >= 1) continue;
-            known = known && done > 0;
-            if (done > 0)
-                longest = std::max(longest, seconds_between(slot.started, slot.since) *
-                                                (1 - slot.fraction) / done);
+            if (!slot.shown) continue;
+            if (!text.empty()) text += " | ";
+            text += slot.now.phase;
+            const double fraction = slot.now.fraction;
+            if (fraction >= 0) text += fmt::format(" {:.0f} %", std::floor(100 * fraction));
+            if (!slot.now.status.empty()) text += ", " + slot.now.status;
+            if (fraction < 0 || fraction >= 1) continue;
+            const auto left = slot.rate.time_left({fraction, slot.time});
+            text += ", eta " + (left ? duration(*left) : "--:--");
         }
-        return text + "  eta " + (known ? duration(longest) : "--:--");
+        return text;
     }
 
     void show() {
@@ -91,7 +111,7 @@ struct Progress::State {
     std::vector<Slot> slots;
     Style style;
     std::FILE* out;
-    Clock::time_point shown{};
+    Instant last_shown{};
     bool ever_shown = false;
     bool line_open = false;
 };
@@ -105,24 +125,28 @@ Progress::Progress(unsigned slots, Style style, std::FILE* out)
 
 Progress::~Progress() { pause(); }
 
-void Progress::report(unsigned slot, double fraction, const std::string& text) {
+void Progress::report(unsigned slot, const PhaseProgress& now) {
     if (state_->style == Style::quiet) return;
     const std::lock_guard lock(state_->mutex);
     State::Slot& mine = state_->slots.at(slot);
-    const auto now = Clock::now();
-    fraction = std::isfinite(fraction) ? std::clamp(fraction, 0.0, 1.0) : 0.0;
-    if (!mine.reported || fraction < mine.fraction) {
-        mine.first_fraction = fraction; // a new run in this slot, or one that began again
-        mine.started = now;
-        mine.reported = true;
+    if (now.phase.empty()) {
+        mine.shown = false;
+        return;
     }
-    const bool finished = fraction >= 1 && mine.fraction < 1;
-    mine.fraction = fraction;
-    mine.since = now;
-    mine.text = text;
+    const Instant time = this_instant();
+    const bool begins = !mine.shown || now.phase != mine.now.phase ||
+                        now.fraction < mine.now.fraction; // of a new run, or one that began again
+    mine.now = now;
+    mine.now.fraction = std::isfinite(now.fraction) ? std::min(now.fraction, 1.0) : -1;
+    mine.time = time;
+    mine.shown = true;
+    if (begins)
+        mine.rate.begin({mine.now.fraction, time});
+    else
+        mine.rate.update({mine.now.fraction, time});
     const double interval = state_->style == Style::rewritten ? 0.5 : 10;
-    if (state_->ever_shown && !finished && seconds_between(state_->shown, now) < interval) return;
-    state_->shown = now;
+    if (state_->ever_shown && seconds_since(state_->last_shown) < interval) return;
+    state_->last_shown = time;
     state_->ever_shown = true;
     state_->show();
 }

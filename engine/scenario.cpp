@@ -40,7 +40,11 @@ int report(const std::string& name, const std::string& message, ExitCode code) {
     return report(name, message, static_cast<int>(code));
 }
 
-/// The flags in a scene's own words, and how the process is to run it.
+void refuse_flag(const char* flag, bool given, const std::string& reason) {
+    require(!given || reason.empty(), fmt::format("{}: not for this scenario: {}", flag, reason));
+}
+
+/// The flags that every scenario has.
 struct CommonFlags {
     std::filesystem::path config;
     double memory = 0;
@@ -62,27 +66,38 @@ struct CommonFlags {
 
 } // namespace
 
-bool parse_flags(Options& options, Common& common, int argc, char** argv, const std::string& name,
-                 const std::string& description) {
-    common.scenario = name;
-    common.out = std::filesystem::path("results") / name;
+bool parse_flags(Options& options, Common& common, int argc, char** argv,
+                 const ScenarioInfo& info) {
+    common.scenario = info.name;
+    common.out = std::filesystem::path("results") / info.name;
     common.arguments.assign(argv + std::min(argc, 1), argv + argc);
     CommonFlags flags;
     flags.describe(options, common);
     if (!options.parse(common.arguments)) {
-        fmt::print("{}", options.help(name, description));
+        fmt::print("{}", options.help(info.name, info.description));
         return false;
     }
+    refuse_flag("--resume", !common.resume.empty(), info.cannot_resume);
+    refuse_flag("--explain", common.explain, info.cannot_explain);
+    if (!common.resume.empty() && !std::filesystem::exists(common.resume))
+        throw OutputError(fmt::format("--resume: cannot read '{}'", common.resume.string()));
     if (common.threads == 0) common.threads = std::max(1u, std::thread::hardware_concurrency());
     common.memory_limit = static_cast<std::uint64_t>(std::floor(flags.memory * 0x1p30));
     limit_memory(common.memory_limit, common.threads);
     common.settings = options.values();
+    return true;
+}
+
+void make_folder(const Common& common) {
     std::error_code error;
     std::filesystem::create_directories(common.out, error);
     if (error)
         throw OutputError(
             fmt::format("cannot make directory '{}': {}", common.out.string(), error.message()));
-    return true;
+}
+
+void print_explanation(const std::string& text) {
+    fmt::print("{}{}", text, text.ends_with('\n') ? "" : "\n");
 }
 
 int exit_code_of(const std::string& name, const std::function<void()>& body) {

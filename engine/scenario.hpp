@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace bris {
@@ -27,32 +28,57 @@ struct Common {
     std::vector<std::string> arguments; ///< as typed
 };
 
-/// Prints the results as a table under the scenario's name, and writes summary.json into its directory: scenario,
-/// settings, results. Throws OutputError.
+/// Prints the results as a table under the scenario's name, and writes summary.json into its
+/// directory: scenario, settings, results. Throws OutputError.
 void report_results(const Common& common, const Summary& results);
 
+/// What a scenario is called, and which of the common flags it refuses.
+struct ScenarioInfo {
+    std::string name;
+    std::string description; ///< one sentence, for --help
+    /// Why there is nothing to resume, as "an impact takes less than a second"; empty: --resume
+    /// works.
+    std::string cannot_resume = {};
+    /// Likewise for --explain.
+    std::string cannot_explain = {};
+};
+
 namespace detail {
-/// Parses the flags of a scenario together with the common ones. False: --help was asked for.
-bool parse_flags(Options& options, Common& common, int argc, char** argv, const std::string& name,
-                 const std::string& description);
+/// Parses the flags of a scenario together with the common ones. False: --help or --version was
+/// asked for and has been answered.
+bool parse_flags(Options& options, Common& common, int argc, char** argv, const ScenarioInfo& info);
+/// Makes the folder of the results. Throws OutputError.
+void make_folder(const Common& common);
 /// Runs `body`; errors become one line on stderr and the exit code of their kind.
 int exit_code_of(const std::string& name, const std::function<void()>& body);
+/// Prints the text of --explain.
+void print_explanation(const std::string& text);
 } // namespace detail
 
 /// The main function of a scenario: flags into a `Settings` (which describes itself, see Options),
-/// then `run(settings, common)`. Returns the exit code of the process: ExitCode for the house's
-/// errors, 3 when memory runs out, 4 for files, 1 for a mistake in the program.
-template <class Settings, class Run>
-int run_scenario(int argc, char** argv, const std::string& name, const std::string& description,
-                 Run&& run) {
-    return detail::exit_code_of(name, [&] {
+/// then `run(settings, common)`, or with --explain `explain(settings, common)`, which returns the
+/// text. Returns the exit code of the process: ExitCode for the house's errors, 3 when memory runs
+/// out, 4 for files, 1 for a mistake in the program.
+template <class Settings, class Run, class Explain>
+int run_scenario(int argc, char** argv, const ScenarioInfo& info, Run&& run, Explain&& explain) {
+    return detail::exit_code_of(info.name, [&] {
         Settings settings;
         Options options;
         settings.describe(options);
         Common common;
-        if (detail::parse_flags(options, common, argc, argv, name, description))
-            run(static_cast<const Settings&>(settings), static_cast<const Common&>(common));
+        if (!detail::parse_flags(options, common, argc, argv, info)) return;
+        const Settings& given = settings;
+        const Common& flags = common;
+        if (common.explain) return detail::print_explanation(explain(given, flags));
+        detail::make_folder(common);
+        run(given, flags);
     });
+}
+/// For a scenario that has nothing to explain (`info.cannot_explain`).
+template <class Settings, class Run>
+int run_scenario(int argc, char** argv, const ScenarioInfo& info, Run&& run) {
+    return run_scenario<Settings>(argc, argv, info, std::forward<Run>(run),
+                                  [](const Settings&, const Common&) { return std::string(); });
 }
 
 } // namespace bris

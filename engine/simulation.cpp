@@ -4,6 +4,7 @@
 #include "engine/errors.hpp"
 #include "engine/health.hpp"
 #include "engine/state.hpp"
+#include "engine/stopwatch.hpp"
 
 #include <fmt/format.h>
 
@@ -29,12 +30,16 @@ Simulation::Simulation(World world, StepList steps, unsigned threads, ScheduleSe
 void Simulation::advance(std::uint64_t steps) {
     Clock& clock = world_->resource<Clock>();
     const Health& health = world_->resource<Health>();
+    const auto began = this_instant();
+    const std::uint64_t before = clock.step;
     (rows_of(*world_) < least_rows_ ? alone_ : threads_)->run([&] {
         for (std::uint64_t k = 0; k < steps && !health.bad; ++k) {
             schedule_.run(*world_);
             ++clock.step;
         }
     });
+    count_.steps += clock.step - before;
+    count_.wall_time += seconds_since(began);
     if (health.bad)
         throw SimulationError(
             fmt::format("step {}, time {:.6g} s: {}", clock.step, clock.time(), health.what));

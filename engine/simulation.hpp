@@ -8,6 +8,12 @@
 
 namespace bris {
 
+/// What a simulation has done so far in this process.
+struct StepCount {
+    std::uint64_t steps = 0;
+    double wall_time = 0; ///< s, within `advance`
+};
+
 /// A world, its schedule and its threads. The world must hold a Clock and a Health.
 class Simulation {
 public:
@@ -20,6 +26,7 @@ public:
     /// Runs steps, on one thread where there is too little to do for several. Stops with
     /// SimulationError (step, time, what) when the guard has seen something.
     void advance(std::uint64_t steps = 1);
+    const StepCount& count() const { return count_; }
     /// Binds the schedule anew, after tables, columns or resources have been added.
     void prepare() { schedule_.prepare(*world_); }
 
@@ -36,6 +43,7 @@ private:
     std::size_t least_rows_;
     Schedule schedule_;
     void (*on_restore_)(World&) = nullptr;
+    StepCount count_;
 };
 
 } // namespace bris

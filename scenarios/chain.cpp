@@ -8,8 +8,6 @@
 #include "engine/summary.hpp"
 #include "scenarios/verification/names.hpp"
 
-#include <cstdio>
-
 namespace {
 
 using namespace bris;
@@ -106,18 +104,19 @@ Summary wave_results(const Chain& s) {
 }
 
 void run(const Chain& settings, const Common& common) {
-    require(common.resume.empty(), "--resume: expected none, a chain takes a moment");
-    if (common.explain) {
-        std::puts(explain_step(named<LawName>(law_names, settings.law), Grains::spheres).c_str());
-        return;
-    }
     const Summary results =
         settings.kind == "pulse" ? pulse_results(settings, common) : wave_results(settings);
     report_results(common, results);
 }
 
+std::string explain(const Chain& settings, const Common&) {
+    return explain_step(named<LawName>(law_names, settings.law), Grains::spheres);
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Chain>(argc, argv, "chain", "waves in a straight chain of beads", run);
+    return run_scenario<Chain>(
+        argc, argv, {"chain", "waves in a straight chain of beads", "a chain takes a moment"}, run,
+        explain);
 }

@@ -40,18 +40,19 @@ struct Clumps {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Clumps>(
-        argc, argv, "clumps", "make a library of clumps and report how true they are",
-        [](const Clumps& settings, const Common& common) {
-            require(common.resume.empty(), "--resume: expected none, a library is made anew");
-            LibrarySettings library = settings.library;
-            library.seed = common.seed;
-            library.out = common.out;
-            library.fill.fit.spheres = settings.spheres;
-            library.fill.restarts = static_cast<int>(settings.restarts);
-            library.fill.method =
-                settings.method == "fitted" ? FillMethod::fitted : FillMethod::level_set;
-            const std::string table = describe(make_library(library));
-            std::fputs(table.c_str(), stdout);
-        });
+    return run_scenario<Clumps>(argc, argv,
+                                {"clumps", "make a library of clumps and report how true they are",
+                                 "a library is made anew", "no simulation is made"},
+                                [](const Clumps& settings, const Common& common) {
+                                    LibrarySettings library = settings.library;
+                                    library.seed = common.seed;
+                                    library.out = common.out;
+                                    library.fill.fit.spheres = settings.spheres;
+                                    library.fill.restarts = static_cast<int>(settings.restarts);
+                                    library.fill.method = settings.method == "fitted"
+                                                              ? FillMethod::fitted
+                                                              : FillMethod::level_set;
+                                    const std::string table = describe(make_library(library));
+                                    std::fputs(table.c_str(), stdout);
+                                });
 }

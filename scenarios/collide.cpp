@@ -9,8 +9,6 @@
 #include "engine/summary.hpp"
 #include "scenarios/verification/names.hpp"
 
-#include <cstdio>
-
 namespace {
 
 using namespace bris;
@@ -78,13 +76,8 @@ struct Game {
 };
 
 void run(const Game& game, const Common& common) {
-    require(common.resume.empty(), "--resume: expected none, a collision takes a moment");
     Collide s = game.collide;
     s.law = named<LawName>(law_names, game.law);
-    if (common.explain) {
-        std::puts(explain_step(s.law, Grains::spheres).c_str());
-        return;
-    }
     s.material = game.material.material;
     s.material.friction = game.friction;
     s.material.restitution = game.restitution;
@@ -115,10 +108,16 @@ void run(const Game& game, const Common& common) {
     report_results(common, t);
 }
 
+std::string explain(const Game& game, const Common&) {
+    return explain_step(named<LawName>(law_names, game.law), Grains::spheres);
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
     return run_scenario<Game>(
-        argc, argv, "collide",
-        "a ball with a sensor flies into others: what its recording tells of them", run);
+        argc, argv,
+        {"collide", "a ball with a sensor flies into others: what its recording tells of them",
+         "a collision takes a moment"},
+        run, explain);
 }

@@ -8,7 +8,6 @@
 #include "scenarios/verification/names.hpp"
 
 #include <algorithm>
-#include <cstdio>
 
 namespace {
 
@@ -87,18 +86,19 @@ Summary stability(const Settings& s) {
 }
 
 void run(const Settings& settings, const Common& common) {
-    require(common.resume.empty(), "--resume: expected none, a crystal takes a moment");
-    if (common.explain) {
-        std::puts(explain_step(named<LawName>(law_names, settings.law), Grains::spheres).c_str());
-        return;
-    }
     const Summary results = settings.what == "moduli" ? moduli(settings) : stability(settings);
     report_results(common, results);
+}
+
+std::string explain(const Settings& settings, const Common&) {
+    return explain_step(named<LawName>(law_names, settings.law), Grains::spheres);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Settings>(argc, argv, "crystal",
-                                  "moduli and stability of a crystal of equal spheres", run);
+    return run_scenario<Settings>(argc, argv,
+                                  {"crystal", "moduli and stability of a crystal of equal spheres",
+                                   "a crystal takes a moment"},
+                                  run, explain);
 }

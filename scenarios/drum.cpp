@@ -83,7 +83,6 @@ World make_world_of(const DrumTest& t, std::uint64_t seed) {
     limits.overlap = 0.5; // soft grains, while they are poured
     world.add_resource<Gravity>();
     world.add_resource<BedState>();
-    add_lists(world, LawName::hertz_mindlin_viscous);
     return world;
 }
 
@@ -218,9 +217,14 @@ void run(const DrumTest& t, const Common& common) {
     run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 
+std::string explain(const DrumTest& t, const Common& common) {
+    return start_case(make_case(t, common.seed).world, common).schedule().explain();
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
     return run_scenario<DrumTest>(
-        argc, argv, "drum", "a drum mixes two kinds of spheres (Dosta et al. 2024, case 2)", run);
+        argc, argv, {"drum", "a drum mixes two kinds of spheres (Dosta et al. 2024, case 2)"}, run,
+        explain);
 }

@@ -5,8 +5,6 @@
 #include "engine/summary.hpp"
 #include "scenarios/verification/names.hpp"
 
-#include <cstdio>
-
 namespace {
 
 using namespace bris;
@@ -141,19 +139,20 @@ Summary results_of(const Impact& s, const ImpactResult& r) {
 }
 
 void run(const Shot& settings, const Common& common) {
-    require(common.resume.empty(), "--resume: expected none, an impact takes a moment");
     const Impact impact = settings.complete();
-    if (common.explain) {
-        std::puts(explain_step(impact.law, Grains::spheres).c_str());
-        return;
-    }
     const Summary results = results_of(impact, measure(impact));
     report_results(common, results);
+}
+
+std::string explain(const Shot& settings, const Common&) {
+    return explain_step(settings.complete().law, Grains::spheres);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Shot>(argc, argv, "impact",
-                              "one impact of a sphere on a sphere or a surface", run);
+    return run_scenario<Shot>(
+        argc, argv,
+        {"impact", "one impact of a sphere on a sphere or a surface", "an impact takes a moment"},
+        run, explain);
 }

@@ -83,7 +83,6 @@ World make_world_of(const ImpactTest& t, std::uint64_t seed) {
     limits.overlap = 0.9; // grains squeezed between ball and floor
     world.add_resource<Gravity>();
     world.add_resource<BedState>();
-    add_lists(world, LawName::hertz_mindlin_viscous);
     return world;
 }
 
@@ -235,10 +234,15 @@ void run(const ImpactTest& t, const Common& common) {
     run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 
+std::string explain(const ImpactTest& t, const Common& common) {
+    return start_case(make_case(t, common.seed).world, common).schedule().explain();
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
     return run_scenario<ImpactTest>(
-        argc, argv, "impact_bed",
-        "a steel ball strikes a bed of spheres (Dosta et al. 2024, case 3)", run);
+        argc, argv,
+        {"impact_bed", "a steel ball strikes a bed of spheres (Dosta et al. 2024, case 3)"}, run,
+        explain);
 }

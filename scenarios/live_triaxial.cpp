@@ -229,9 +229,7 @@ void LiveRun::follow() {
 
 /// All that needs no record: the specimen, and the first worlds.
 void LiveRun::prepare() {
-    specimen_ = make_specimen(
-        scene_, test_settings_, common_,
-        [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
+    specimen_ = make_specimen(scene_, test_settings_, common_, progress_slot(progress_)).state;
     progress_.pause();
     Simulation at_start = make_simulation(scene_, 1, common_.serial);
     at_start.restore(specimen_);
@@ -362,8 +360,20 @@ void require_memory_for_worlds(const Live& s, std::uint64_t limit) {
                        2 * s.learning.worlds * (stages + side_by_side) + 2 * stages);
 }
 
+/// With the poses of the sensor rocks that the recordings came with, unless others are given.
+Live with_poses(Live s) {
+    const auto poses = s.recordings / "sensor_poses.csv";
+    if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(poses))
+        s.triaxial.sensor_poses = poses;
+    return s;
+}
+
+std::string explain(const Live& given, const Common& common) {
+    return explain_triaxial(with_poses(given).triaxial, common);
+}
+
 void run(const Live& given, const Common& common) {
-    Live s = given;
+    const Live s = with_poses(given);
     require(s.triaxial.confining_pressure.size() == 1,
             "--confining-pressure: expected one, found several");
     const std::string folder = folder_of(s.triaxial.confining_pressure.front());
@@ -374,15 +384,6 @@ void run(const Live& given, const Common& common) {
                         folder, s.stream.string()));
     check_test(s.triaxial);
     require_memory_for_worlds(s, common.memory_limit);
-    if (s.triaxial.sensor_poses.empty() &&
-        std::filesystem::exists(s.recordings / "sensor_poses.csv"))
-        s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
-    if (common.explain) {
-        fmt::print("{}", make_simulation(make_scene(s.triaxial, common.seed), 1, common.serial)
-                             .schedule()
-                             .explain());
-        return;
-    }
     LiveRun live(s, common);
     live.run();
     live.report();
@@ -394,8 +395,9 @@ void run(const Live& given, const Common& common) {
 } // namespace bris
 
 int main(int argc, char** argv) {
-    return bris::run_scenario<bris::Live>(argc, argv, "live_triaxial",
-                                          "a triaxial test and its SmartRocks followed as their "
-                                          "records come in, and what they tell of all rocks",
-                                          bris::run);
+    return bris::run_scenario<bris::Live>(argc, argv,
+                                          {"live_triaxial",
+                                           "a triaxial test and its SmartRocks followed as their "
+                                           "records come in, and what they tell of all rocks"},
+                                          bris::run, bris::explain);
 }

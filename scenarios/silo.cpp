@@ -112,7 +112,6 @@ World make_world_of(const SiloTest& t, std::uint64_t seed) {
     world.add_resource<Gravity>();
     world.add_resource<BedState>();
     world.add_resource<Outflow>();
-    add_lists(world, LawName::hertz_mindlin_viscous);
     return world;
 }
 
@@ -258,9 +257,14 @@ void run(const SiloTest& t, const Common& common) {
     run_bulk(common, t.bulk, make_case(t, common.seed), [&](BulkRun& bulk) { report(t, bulk); });
 }
 
+std::string explain(const SiloTest& t, const Common& common) {
+    return start_case(make_case(t, common.seed).world, common).schedule().explain();
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
     return run_scenario<SiloTest>(
-        argc, argv, "silo", "a silo empties through its orifice (Dosta et al. 2024, case 1)", run);
+        argc, argv, {"silo", "a silo empties through its orifice (Dosta et al. 2024, case 1)"}, run,
+        explain);
 }

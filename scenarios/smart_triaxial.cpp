@@ -135,9 +135,9 @@ private:
 
 void Computation::prepare() {
     const auto began = this_instant();
-    specimen_ = make_specimen(
-        scene_, settings_at(tests_.front().pressure), common_,
-        [&](double fraction, const std::string& text) { progress_.report(0, fraction, text); });
+    specimen_ = make_specimen(scene_, settings_at(tests_.front().pressure), common_,
+                              progress_slot(progress_))
+                    .state;
     progress_.pause();
     preparation_wall_ = seconds_since(began);
 }
@@ -361,20 +361,23 @@ void Computation::report() {
     if (!stopped.empty()) throw SimulationError(stopped);
 }
 
+/// With the poses of the sensor rocks that the recordings came with, unless others are given.
+Smart with_poses(Smart s) {
+    const auto poses = s.recordings / "sensor_poses.csv";
+    if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(poses))
+        s.triaxial.sensor_poses = poses;
+    return s;
+}
+
+std::string explain(const Smart& given, const Common& common) {
+    return explain_triaxial(with_poses(given).triaxial, common);
+}
+
 void run(const Smart& given, const Common& common) {
-    Smart s = given;
+    const Smart s = with_poses(given);
     check_test(s.triaxial);
     require_memory_for(s.triaxial, common.threads, common.memory_limit);
     const auto infos = read_sensor_infos(s.recordings);
-    if (s.triaxial.sensor_poses.empty() &&
-        std::filesystem::exists(s.recordings / "sensor_poses.csv"))
-        s.triaxial.sensor_poses = s.recordings / "sensor_poses.csv";
-    if (common.explain) {
-        fmt::print("{}", make_simulation(make_scene(s.triaxial, common.seed), 1, common.serial)
-                             .schedule()
-                             .explain());
-        return;
-    }
     std::vector<RecordedTest> tests;
     std::string report;
     for (const double pressure : s.triaxial.confining_pressure) {
@@ -405,8 +408,9 @@ void run(const Smart& given, const Common& common) {
 } // namespace bris
 
 int main(int argc, char** argv) {
-    return bris::run_scenario<bris::Smart>(argc, argv, "smart_triaxial",
-                                           "a triaxial test recorded by SmartRocks, and a model "
-                                           "that learns from the recordings while it runs",
-                                           bris::run);
+    return bris::run_scenario<bris::Smart>(argc, argv,
+                                           {"smart_triaxial",
+                                            "a triaxial test recorded by SmartRocks, and a model "
+                                            "that learns from the recordings while it runs"},
+                                           bris::run, bris::explain);
 }

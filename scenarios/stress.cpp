@@ -16,10 +16,11 @@ using namespace bris;
 
 struct Stress {
     std::string only;
-    bool full = false;
+    bool full = false, list = false;
 
     void describe(auto& option) {
         option("case", only, "", "one case, as S6; empty: all");
+        option("list", list, "", "print the cases, run nothing");
         option("full", full, "", "long runs and many draws: minutes to hours, else seconds");
     }
 };
@@ -40,14 +41,12 @@ void write_rows(const std::filesystem::path& path, const StressRows& rows) {
 }
 
 void run(const Stress& stress, const Common& common) {
-    require(common.resume.empty(), "--resume: expected none, found '" + common.resume.string() +
-                                       "': the cases are short; run one with --case");
     std::vector<StressCase> cases;
     if (stress.only.empty())
         cases.assign(stress_cases().begin(), stress_cases().end());
     else
         cases.push_back(stress_case(stress.only));
-    if (common.explain) {
+    if (stress.list) {
         for (const StressCase& c : cases) fmt::print("{:4} {}\n", c.id, c.title);
         return;
     }
@@ -79,6 +78,9 @@ void run(const Stress& stress, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Stress>(argc, argv, "stress", "what the engine must stand, or must refuse",
+    return run_scenario<Stress>(argc, argv,
+                                {"stress", "what the engine must stand, or must refuse",
+                                 "its cases are short: run one with --case",
+                                 "it runs many small scenes; --list names them"},
                                 run);
 }

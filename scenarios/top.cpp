@@ -7,8 +7,6 @@
 #include "engine/summary.hpp"
 #include "scenarios/verification/names.hpp"
 
-#include <cstdio>
-
 namespace {
 
 using namespace bris;
@@ -75,19 +73,20 @@ Summary results_of(const PendulumResult& r) {
 }
 
 void run(const Turning& settings, const Common& common) {
-    require(common.resume.empty(), "--resume: expected none, a top is turned anew");
-    if (common.explain) {
-        std::puts(explain_step(LawName::linear_frictionless, Grains::clumps).c_str());
-        return;
-    }
     const Summary results = settings.kind == "free" ? results_of(measure(settings.top))
                                                     : results_of(measure(settings.pendulum));
     report_results(common, results);
 }
 
+std::string explain(const Turning&, const Common&) {
+    return explain_step(LawName::linear_frictionless, Grains::clumps);
+}
+
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Turning>(argc, argv, "top",
-                                 "a rigid body turns freely, or swings as a pendulum", run);
+    return run_scenario<Turning>(
+        argc, argv,
+        {"top", "a rigid body turns freely, or swings as a pendulum", "a top is turned anew"}, run,
+        explain);
 }

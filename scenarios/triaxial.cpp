@@ -1,16 +1,11 @@
 // Drained triaxial compression of railway ballast (clumps of 30 spheres) inside a servo membrane of
 // 8 rings x 12 elements, after the TRB report: one specimen, tested at each confining pressure.
 
-#include "scenarios/triaxial/triaxial.hpp"
-
-#include "engine/checkpoint_keeper.hpp"
-#include "engine/clock.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
-#include "engine/progress.hpp"
-#include "engine/scenario.hpp"
-#include "engine/stopwatch.hpp"
+#include "engine/run.hpp"
 #include "engine/summary.hpp"
+#include "scenarios/triaxial/make_specimen.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "scenarios/triaxial/triaxial_scene.hpp"
 #include "systems/output/frames.hpp"
@@ -19,7 +14,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <mutex>
 
 namespace bris {
 
@@ -39,19 +33,7 @@ std::vector<NamedValue> settings_of(const Common& common, double pressure) {
     return settings;
 }
 
-constexpr auto specimen_file = "specimen.ckpt.h5", test_file = "triaxial.ckpt.h5";
-
-/// Settings that do not matter yet while a specimen is made: one specimen serves for many tests.
-const std::initializer_list<std::string_view> of_the_test_alone{"confining_pressure_Pa",
-                                                                "stage_strain",
-                                                                "final_axial_strain",
-                                                                "tolerance",
-                                                                "pressure_tolerance",
-                                                                "friction",
-                                                                "gravity",
-                                                                "move_steps",
-                                                                "mass_scaling",
-                                                                "frame_stages"};
+constexpr auto test_file = "triaxial.ckpt.h5";
 
 /// What the tests of a run share.
 struct Shared {
@@ -59,107 +41,83 @@ struct Shared {
     const Common& common;
     const TriaxialScene& scene;
     Progress& progress;
-    std::mutex files;            ///< HDF5 and gnuplot: one at a time
-    double preparation_wall = 0; ///< s
-    std::uint64_t preparation_steps = 0;
+    MadeSpecimen specimen; ///< empty where a single test is resumed
 };
+
+/// Of one test, whose results go into a folder of their own.
+Common common_of(const Common& common, double pressure, const std::filesystem::path& folder) {
+    Common own = common;
+    own.out = common.out / folder;
+    own.settings = settings_of(common, pressure);
+    std::filesystem::create_directories(own.out);
+    return own;
+}
 
 /// One test at one pressure: runs it and keeps what is to be shown of it.
 class Test {
 public:
-    Test(Shared& shared, double pressure, std::filesystem::path out, unsigned threads,
-         const char* checkpoint = test_file)
-        : shared_(shared), settings_(settings_at(shared.settings, pressure)), out_(std::move(out)),
-          simulation_(make_simulation(shared.scene, threads, shared.common.serial)),
-          test_(simulation_, settings_), keeper_({out_ / checkpoint, shared.common.scenario,
-                                                  settings_of(shared.common, pressure)}) {
-        std::filesystem::create_directories(out_);
-    }
+    Test(const Shared& shared, std::size_t number, const std::filesystem::path& folder,
+         unsigned threads)
+        : shared_(shared),
+          settings_(settings_at(shared.settings, shared.settings.confining_pressure[number])),
+          common_(common_of(shared.common, settings_.confining_pressure, folder)),
+          simulation_(make_simulation(shared.scene, threads, common_.serial)),
+          test_(simulation_, settings_),
+          run_(simulation_, common_, "triaxial",
+               progress_slot(shared.progress, static_cast<unsigned>(number))) {}
 
-    /// Goes on from a state, or from a checkpoint of this test (`may_differ`: settings that did not
-    /// matter yet).
-    void restore(const Archive& state) { simulation_.restore(state); }
-    void resume_from(const std::filesystem::path& file,
-                     std::initializer_list<std::string_view> may_differ = {}) {
-        resume(simulation_, file, shared_.common.scenario,
-               settings_of(shared_.common, settings_.confining_pressure), may_differ);
+    /// Begins with the specimen, or goes on from the checkpoint of this test if there is one.
+    void begin(const std::filesystem::path& checkpoint) {
+        if (checkpoint.empty())
+            simulation_.restore(shared_.specimen.state);
+        else
+            run_.resume(checkpoint);
     }
-
-    /// Makes the specimen, up to where the pressure begins to matter.
-    Archive prepare() {
-        const auto began = this_instant();
-        while (test_.state().phase < TriaxialPhase::consolidate) advance(0);
-        shared_.preparation_wall = seconds_since(began);
-        shared_.preparation_steps = clock().step;
-        keeper_.save(simulation_);
-        shared_.progress.pause();
-        fmt::print("specimen prepared: core porosity {:.4f}, {} steps, {:.1f} s\n",
-                   test_.state().prepared_porosity, shared_.preparation_steps,
-                   shared_.preparation_wall);
-        return simulation_.snapshot();
-    }
-
-    void run(unsigned slot) {
-        const auto began = this_instant();
-        const std::uint64_t first_step = clock().step;
-        first_point_ = recorded_ = test_.state().points.size();
-        try {
-            while (test_.state().phase != TriaxialPhase::done) {
-                advance(slot);
-                record();
-            }
-        } catch (...) { // what there is of the curve is not lost
-            const std::lock_guard lock(shared_.files);
-            if (!test_.state().points.empty())
-                write_curve(out_ / "curve.csv", test_.state().points);
-            throw;
-        }
-        wall_ = seconds_since(began);
-        steps_ = clock().step - first_step;
-        finish();
-    }
+    void run();
 
     const TriaxialState& state() const { return test_.state(); }
-    Simulation& simulation() { return simulation_; }
     Summary summary() const;
 
 private:
-    const Clock& clock() const { return simulation_.world().resource<Clock>(); }
-
-    void advance(unsigned slot) {
-        try {
-            test_.advance();
-        } catch (const SimulationError& error) {
-            const std::lock_guard lock(shared_.files);
-            throw SimulationError(fmt::format("{}; state in {}", error.what(),
-                                              keeper_.save_stopped(simulation_).string()));
-        }
-        shared_.progress.report(slot, test_.fraction(), test_.description());
-        const std::lock_guard lock(shared_.files);
-        keeper_.attend(simulation_);
-    }
-
+    bool advance();
     void record();
     void finish();
     /// A file of the whole test, or of the part since it was resumed.
     std::filesystem::path file(const std::string& name, const char* extension) const {
-        return out_ / (first_point_ == 0
-                           ? name + extension
-                           : fmt::format("{}_from_stage_{}{}", name, first_point_, extension));
+        return common_.out / (first_point_ == 0 ? name + extension
+                                                : fmt::format("{}_from_stage_{}{}", name,
+                                                              first_point_, extension));
     }
 
-    Shared& shared_;
+    const Shared& shared_;
     TriaxialSettings settings_;
-    std::filesystem::path out_;
+    Common common_;
     Simulation simulation_;
     TriaxialTest test_;
+    Run run_;
     std::unique_ptr<FrameWriter> frames_;
     std::vector<View> views_;
     std::size_t first_point_ = 0, recorded_ = 0;
-    double wall_ = 0;
-    std::uint64_t steps_ = 0;
-    CheckpointKeeper keeper_;
 };
+
+void Test::run() {
+    first_point_ = recorded_ = state().points.size();
+    try {
+        run_.go({{.advance = [this](Simulation&) { return advance(); },
+                  .progress = [this](const World&) { return test_.progress(); }}});
+    } catch (...) { // what there is of the curve is not lost
+        if (!state().points.empty()) write_curve(common_.out / "curve.csv", state().points);
+        throw;
+    }
+    finish();
+}
+
+bool Test::advance() {
+    if (state().phase == TriaxialPhase::done) return false;
+    const bool goes_on = test_.advance();
+    record();
+    return goes_on;
+}
 
 void Test::record() {
     const auto& points = test_.state().points;
@@ -169,11 +127,9 @@ void Test::record() {
     const auto stages = static_cast<std::size_t>(
         std::llround(settings_.final_axial_strain / settings_.stage_strain));
     const World& world = simulation_.world();
-    const std::lock_guard lock(shared_.files);
-    if (stage == 0) write_sensor_drift(out_ / "sensor_rocks.csv", world);
+    if (stage == 0) write_sensor_drift(common_.out / "sensor_rocks.csv", world);
     if (!frames_)
-        frames_ = std::make_unique<FrameWriter>(
-            file("triaxial", ".vtkhdf"), settings_of(shared_.common, settings_.confining_pressure));
+        frames_ = std::make_unique<FrameWriter>(file("triaxial", ".vtkhdf"), common_.settings);
     const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
     if (stage % shared_.settings.frame_stages != 0 && !shown) return;
     const BodyFrame frame = frame_of_bodies(world);
@@ -189,15 +145,13 @@ void Test::record() {
 }
 
 void Test::finish() {
-    const std::lock_guard lock(shared_.files);
-    keeper_.save(simulation_);
-    write_curve(out_ / "curve.csv", test_.state().points);
+    write_curve(common_.out / "curve.csv", test_.state().points);
     frames_.reset();
-    draw_curves(out_ / "curves.png",
+    draw_curves(common_.out / "curves.png",
                 {{folder_of(settings_.confining_pressure), &test_.state().points}});
     if (!views_.empty())
         draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
-    summary().write(out_ / "summary.json");
+    summary().write(common_.out / "summary.json");
 }
 
 Summary Test::summary() const {
@@ -216,14 +170,11 @@ Summary Test::summary() const {
     summary.add("sensor_rock_turn_deg", s.turn * 180 / pi);
     summary.add("coordination_number", s.points.back().coordination);
     summary.add("stages", s.stage);
-    summary.add("steps", steps_);
-    summary.add("wall_time_s", wall_);
-    summary.add("time_per_step_s", wall_ / static_cast<double>(std::max<std::uint64_t>(1, steps_)));
-    if (shared_.preparation_steps > 0) { // made in this run
-        summary.add("preparation_steps", shared_.preparation_steps);
-        summary.add("preparation_wall_time_s", shared_.preparation_wall);
+    run_.describe(summary);
+    if (const MadeSpecimen& made = shared_.specimen; made.count.steps > 0) { // in this process
+        summary.add("preparation_steps", made.steps);
+        summary.add("preparation_wall_time_s", made.count.wall_time);
     }
-    summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
     for (const NamedValue& entry : shared_.common.settings)
         if (entry.key != "confining_pressure_Pa")
             summary.add(entry); // this test's own stands above
@@ -258,11 +209,16 @@ void print_specimen(const Triaxial& t, const TriaxialScene& scene) {
 }
 
 /// The specimen of all tests: made now, or as far as `checkpoint` has it, from there.
-Archive make_specimen(Shared& shared, const std::filesystem::path& checkpoint) {
-    Test first(shared, shared.settings.confining_pressure.front(), shared.common.out,
-               shared.common.threads, specimen_file);
-    if (!checkpoint.empty()) first.resume_from(checkpoint, of_the_test_alone);
-    return first.prepare();
+MadeSpecimen make_specimen(const Shared& shared, const std::filesystem::path& checkpoint) {
+    Common common = shared.common;
+    common.resume = checkpoint;
+    const double pressure = shared.settings.confining_pressure.front();
+    MadeSpecimen made = bris::make_specimen(shared.scene, settings_at(shared.settings, pressure),
+                                            common, progress_slot(shared.progress));
+    shared.progress.pause();
+    fmt::print("specimen prepared: core porosity {:.4f}, {} steps, {:.1f} s\n", made.core_porosity,
+               made.steps, made.count.wall_time);
+    return made;
 }
 
 /// What --resume names: nothing, a specimen, one test, or the directory of a run.
@@ -321,37 +277,29 @@ void run(const Triaxial& t, const Common& common) {
                        std::min(common.threads, static_cast<unsigned>(t.confining_pressure.size())),
                        common.memory_limit);
     const TriaxialScene scene = make_scene(t, common.seed);
-    if (common.explain) {
-        fmt::print("{}", make_simulation(scene, 1, common.serial).schedule().explain());
-        return;
-    }
     check_test(t);
     print_specimen(t, scene);
     const std::size_t tests = t.confining_pressure.size();
     const unsigned at_once =
         std::max(1u, std::min<unsigned>(common.threads, static_cast<unsigned>(tests)));
     const unsigned threads = std::max(1u, common.threads / at_once);
-    Progress progress(static_cast<unsigned>(tests),
-                      common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+    Progress progress = make_progress(common, static_cast<unsigned>(tests));
     Shared shared{t, common, scene, progress, {}};
     const Resume from(common.resume, tests);
-    const Archive specimen = from.test.empty() ? make_specimen(shared, from.specimen) : Archive{};
+    if (from.test.empty()) shared.specimen = make_specimen(shared, from.specimen);
     std::vector<std::unique_ptr<Test>> done(tests);
     run_ensemble(tests, at_once, [&](std::size_t k) {
-        const double pressure = t.confining_pressure[k];
-        const std::filesystem::path folder = tests == 1 ? "" : folder_of(pressure);
-        done[k] = std::make_unique<Test>(shared, pressure, common.out / folder, threads);
-        const auto checkpoint = from.test_in(folder);
-        if (checkpoint.empty())
-            done[k]->restore(specimen);
-        else
-            done[k]->resume_from(checkpoint);
-        done[k]->run(static_cast<unsigned>(k));
+        const std::filesystem::path folder = tests == 1 ? "" : folder_of(t.confining_pressure[k]);
+        done[k] = std::make_unique<Test>(shared, k, folder, threads);
+        done[k]->begin(from.test_in(folder));
+        done[k]->run();
     });
     progress.pause();
     write_all(shared, done);
     fmt::print("results in {}\n", common.out.string());
 }
+
+std::string explain(const Triaxial& t, const Common& common) { return explain_triaxial(t, common); }
 
 } // namespace
 
@@ -359,6 +307,6 @@ void run(const Triaxial& t, const Common& common) {
 
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::Triaxial>(
-        argc, argv, "triaxial", "drained triaxial compression of ballast in a servo membrane",
-        bris::run);
+        argc, argv, {"triaxial", "drained triaxial compression of ballast in a servo membrane"},
+        bris::run, bris::explain);
 }

@@ -278,14 +278,10 @@ ModelArm Experiment::arm_of(const std::string& name) const {
 }
 
 void Experiment::make_specimens() {
-    const auto watch = [&](double fraction, const std::string& text) {
-        progress_.report(0, fraction, text);
-    };
-    true_.state = make_specimen(true_.scene, test_, common_, watch);
+    true_.state = make_specimen(true_.scene, test_, common_, progress_slot(progress_)).state;
     if (t_.mismatch.any())
-        model_ = make_model_specimen(
-            t_.triaxial, test_, true_, t_.mismatch, common_,
-            [&](double fraction, const std::string& text) { watch(fraction, "model's " + text); });
+        model_ = make_model_specimen(t_.triaxial, test_, true_, t_.mismatch, common_,
+                                     progress_slot(progress_));
     progress_.pause();
     if (t_.mismatch.packing > 0)
         fmt::print("another packing: only its sensor rocks have rocks of the truth to be compared "
@@ -301,10 +297,8 @@ std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, dou
 /// The truth of another specimen, packed around sensor rocks in the same places.
 ModelRun Experiment::run_another() {
     const Common common = common_of_packing(common_, "another", common_.seed + 1000);
-    const PreparedSpecimen another = make_another_packing(
-        t_.triaxial, test_, true_.scene, 0, common, [&](double fraction, const std::string& text) {
-            progress_.report(0, fraction, "another " + text);
-        });
+    const PreparedSpecimen another =
+        make_another_packing(t_.triaxial, test_, true_.scene, 0, common, progress_slot(progress_));
     ModelRun run =
         run_models({&another}, test_, {{.name = "another truth", .rocks = {test_.friction, 1}}},
                    test_.final_axial_strain, common, progress_)
@@ -585,16 +579,14 @@ void run(const Twin& t, const Common& common) {
             fmt::format("--model-spheres: expected 0 or 4 and more, found {}", t.mismatch.spheres));
     check_test(t.triaxial);
     require_memory_for(t.triaxial, common.threads, common.memory_limit);
-    if (common.explain) {
-        fmt::print("{}", make_simulation(make_scene(t.triaxial, common.seed), 1, common.serial)
-                             .schedule()
-                             .explain());
-        return;
-    }
     Experiment experiment(t, common);
     experiment.run();
     experiment.report();
     forget_runs(common);
+}
+
+std::string explain(const Twin& t, const Common& common) {
+    return explain_triaxial(t.triaxial, common);
 }
 
 } // namespace
@@ -603,7 +595,8 @@ void run(const Twin& t, const Common& common) {
 
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::Twin>(
-        argc, argv, "twin",
-        "a true triaxial test, recorded, and a model of it without and with the recordings",
-        bris::run);
+        argc, argv,
+        {"twin",
+         "a true triaxial test, recorded, and a model of it without and with the recordings"},
+        bris::run, bris::explain);
 }

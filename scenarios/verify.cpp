@@ -1,8 +1,7 @@
 // The engine against exact answers: every group of checks, one table, and which numbers fail.
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
-#include "engine/progress.hpp"
-#include "engine/scenario.hpp"
+#include "engine/run.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/verification/cases.hpp"
 #include "scenarios/verification/table.hpp"
@@ -29,19 +28,18 @@ struct Verify {
 };
 
 void run(const Verify& settings, const Common& common) {
-    require(common.resume.empty(), "--resume: expected none, these runs are short");
-    if (settings.list || common.explain) {
+    if (settings.list) {
         for (const VerificationCase& c : verification_cases())
             fmt::print("{:<16} {}\n", c.name, c.source);
         return;
     }
     std::vector<Check> checks;
-    Progress progress(1, common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+    Progress progress = make_progress(common);
     const auto cases = verification_cases();
     for (std::size_t k = 0; k < cases.size(); ++k) {
         if (!settings.only.empty() && settings.only != cases[k].name) continue;
-        progress.report(0, static_cast<double>(k) / static_cast<double>(cases.size()),
-                        cases[k].name);
+        progress.report(0, {"verify", static_cast<double>(k) / static_cast<double>(cases.size()),
+                            cases[k].name});
         for (Check& check : verify(cases[k].name)) checks.push_back(std::move(check));
     }
     write_whole(common.out / "verification.csv", csv_of(checks));
@@ -56,5 +54,9 @@ void run(const Verify& settings, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Verify>(argc, argv, "verify", "compare the engine with exact answers", run);
+    return run_scenario<Verify>(argc, argv,
+                                {"verify", "compare the engine with exact answers",
+                                 "its runs are short",
+                                 "it runs many small scenes; --list names them"},
+                                run);
 }

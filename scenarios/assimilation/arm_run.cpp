@@ -1,6 +1,5 @@
 #include "scenarios/assimilation/arm_run.hpp"
 
-#include "engine/interrupt.hpp"
 #include "engine/signal/attitude.hpp"
 
 #include <fmt/format.h>
@@ -69,8 +68,19 @@ ArmRun::ArmRun(const TriaxialScene& scene, const TriaxialSettings& settings,
 }
 
 void ArmRun::go_on_to(std::size_t points) {
-    while (!done_ && run_.points.size() < points && advance()) {
-    }
+    CheckpointTimer never;
+    LoopSteps steps{.advance = [&] { return !done_ && run_.points.size() < points && advance(); },
+                    .progress = [&] { return progress(); },
+                    .resume_hint = "--resume and the folder of the results"};
+    if (kept_ != nullptr) steps.save = [&] { keep(); };
+    run_loop(steps, kept_ != nullptr ? kept_->timer() : never, watch_.progress);
+}
+
+PhaseProgress ArmRun::progress() const {
+    PhaseProgress now = model_->test().progress();
+    const bool catches_up = model_->stages() < run_.points.size();
+    now.phase = arm_.name + (catches_up ? " (catching up) " : " ") + now.phase;
+    return now;
 }
 
 bool ArmRun::take_up() {
@@ -103,17 +113,7 @@ bool ArmRun::advance() {
         end();
         return false;
     }
-    const bool catches_up = model_->stages() < run_.points.size();
-    watch_.progress(model_->test().fraction(), arm_.name + (catches_up ? " catches up: " : ": ") +
-                                                   model_->test().description());
     if (model_->stages() > run_.points.size()) stage();
-    if (interrupted()) {
-        keep();
-        throw Interrupted(
-            fmt::format("interrupted; {}: go on with --resume and the folder of the results",
-                        kept_ == nullptr ? "the specimen is kept" : "what was done is kept"));
-    }
-    if (kept_ != nullptr && kept_->is_due()) keep();
     return true;
 }
 

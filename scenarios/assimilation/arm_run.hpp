@@ -31,6 +31,7 @@ public:
 private:
     bool take_up();
     bool advance();
+    PhaseProgress progress() const;
     void stage();
     void end();
 

@@ -179,7 +179,6 @@ void KeptRun::keep(const Archive& archive) {
     if (file_.empty()) return;
     std::filesystem::create_directories(file_.parent_path());
     write_checkpoint(file_, {"model_run", 0, {{"name", name_}}, archive});
-    last_ = this_instant();
 }
 
 void forget_runs(const Common& common) { std::filesystem::remove_all(common.out / folder); }

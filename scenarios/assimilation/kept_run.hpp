@@ -1,8 +1,7 @@
 #pragma once
 
 #include "engine/archive.hpp"
-#include "engine/scenario.hpp"
-#include "engine/stopwatch.hpp"
+#include "engine/run.hpp"
 #include "scenarios/assimilation/model_run.hpp"
 
 #include <filesystem>
@@ -24,18 +23,17 @@ public:
     /// In the folder `runs` of the results; `--resume FOLDER` looks there too.
     KeptRun(const Common& common, const TriaxialSettings& settings, const Archive& specimen,
             const ModelArm& arm);
-    void keep_every(double interval) { interval_ = interval; } ///< s, of wall time
+    void keep_every(double interval) { timer_ = CheckpointTimer(interval); } ///< s, of wall time
+    CheckpointTimer& timer() { return timer_; }
 
     /// What was kept of it; nothing: nothing was, or this is no run that goes on.
     std::optional<Archive> take_up() const;
-    bool is_due() const { return !file_.empty() && seconds_since(last_) >= interval_; }
     void keep(const Archive& archive);
 
 private:
     std::filesystem::path file_, before_;
     std::string name_;
-    double interval_ = 30;
-    Instant last_ = this_instant();
+    CheckpointTimer timer_;
 };
 
 /// Runs that are kept are of no use when all is done.

@@ -93,9 +93,9 @@ struct ModelRun {
     std::string stopped = {};                  ///< by a guard, with what it said; all else is empty
 };
 
-/// Who watches a run: is told of fraction and description, and sees the world after each stage.
+/// Who watches a run: hears of its progress, and sees the world after each stage.
 struct ModelWatch {
-    std::function<void(double, const std::string&)> progress = [](double, const std::string&) {};
+    ReportProgress progress = [](const PhaseProgress&) {};
     std::function<void(const World&, const TriaxialPoint&)> stage = [](const World&,
                                                                        const TriaxialPoint&) {};
 };

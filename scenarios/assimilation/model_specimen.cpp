@@ -133,14 +133,13 @@ StartsApart starts_apart(const ModelRun& a, const ModelRun& b) {
             std::sqrt(apart.angle / all), std::sqrt(apart.sensor_angle / sensors)};
 }
 
-PreparedSpecimen
-make_another_packing(const Triaxial& described, const TriaxialSettings& settings,
-                     const TriaxialScene& scene, unsigned spheres, const Common& common,
-                     const std::function<void(double, const std::string&)>& watch) {
+PreparedSpecimen make_another_packing(const Triaxial& described, const TriaxialSettings& settings,
+                                      const TriaxialScene& scene, unsigned spheres,
+                                      const Common& common, const ReportProgress& report) {
     PreparedSpecimen another{make_scene(described, common.seed), {}};
     another.scene.poses = scene.poses;
     refill(another.scene, spheres, common.threads, common.seed);
-    another.state = make_specimen(another.scene, settings, common, watch);
+    another.state = make_specimen(another.scene, settings, common, report).state;
     return another;
 }
 
@@ -161,20 +160,22 @@ Relaxed fill_like(Simulation& simulation, TriaxialTest& test, const TriaxialScen
 
 PreparedSpecimen make_model_specimen(const Triaxial& described, const TriaxialSettings& settings,
                                      const PreparedSpecimen& truth, const ModelMismatch& mismatch,
-                                     const Common& common,
-                                     const std::function<void(double, const std::string&)>& watch) {
+                                     const Common& common, const ReportProgress& report) {
     const bool packed_anew = mismatch.packing > 0;
     Common own =
         common_of_packing(common, mismatch.name(), packed_anew ? mismatch.packing : common.seed);
     own.settings.emplace_back("model_specimen", mismatch.name());
     if (packed_anew)
-        return make_another_packing(described, settings, truth.scene, mismatch.spheres, own, watch);
+        return make_another_packing(described, settings, truth.scene, mismatch.spheres, own,
+                                    report);
     PreparedSpecimen model{truth.scene, {}};
     refill(model.scene, mismatch.spheres, common.threads, common.seed);
-    model.state = make_specimen(
-        model.scene, settings, own, watch, [&](Simulation& simulation, TriaxialTest& test) {
-            (void)fill_like(simulation, test, model.scene, truth, mismatch, common.seed);
-        });
+    model.state = make_specimen(model.scene, settings, own, report,
+                                [&](Simulation& simulation, TriaxialTest& test) {
+                                    (void)fill_like(simulation, test, model.scene, truth, mismatch,
+                                                    common.seed);
+                                })
+                      .state;
     return model;
 }
 

@@ -42,8 +42,7 @@ Common common_of_packing(const Common& common, const std::string& folder, std::u
 /// places; `common` is of that packing.
 PreparedSpecimen make_another_packing(const Triaxial& described, const TriaxialSettings& settings,
                                       const TriaxialScene& scene, unsigned spheres,
-                                      const Common& common,
-                                      const std::function<void(double, const std::string&)>& watch);
+                                      const Common& common, const ReportProgress& report);
 
 /// Puts the rocks of a prepared specimen, of other balls and a little off their places, into a
 /// mould as wide and high: they push each other apart without friction until none overlaps by more
@@ -60,8 +59,7 @@ Relaxed fill_like(Simulation& simulation, TriaxialTest& test, const TriaxialScen
 /// --resume.
 PreparedSpecimen make_model_specimen(const Triaxial& described, const TriaxialSettings& settings,
                                      const PreparedSpecimen& truth, const ModelMismatch& mismatch,
-                                     const Common& common,
-                                     const std::function<void(double, const std::string&)>& watch);
+                                     const Common& common, const ReportProgress& report);
 
 void ModelMismatch::describe(auto& option) {
     option("model_placement", placement, "m",

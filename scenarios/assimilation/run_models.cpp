@@ -1,6 +1,5 @@
 #include "scenarios/assimilation/run_models.hpp"
 
-#include "engine/checkpoint_keeper.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/assimilation/arm_run.hpp"
@@ -15,36 +14,6 @@
 namespace bris {
 
 namespace {
-
-/// Settings that a specimen depends on.
-std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all) {
-    constexpr std::array names{"seed",
-                               "bodies",
-                               "grading",
-                               "porosity",
-                               "porosity_tolerance",
-                               "initial_porosity",
-                               "compaction_friction",
-                               "compaction_pressure_Pa",
-                               "vibration",
-                               "longest_compaction",
-                               "sensor_shape",
-                               "sensor_density_kg_per_m3",
-                               "sensor_friction",
-                               "sensor_poses",
-                               "recordings",
-                               "servo_per_element",
-                               "density_kg_per_m3",
-                               "clump_stiffness_N_per_m",
-                               "wall_stiffness_N_per_m",
-                               "damping",
-                               "safety",
-                               "model_specimen"};
-    std::vector<NamedValue> some;
-    std::ranges::copy_if(all, std::back_inserter(some),
-                         [&](const NamedValue& v) { return std::ranges::count(names, v.key) > 0; });
-    return some;
-}
 
 std::string stopped_by(const SimulationError& error, const ModelArm& arm) {
     return fmt::format("{} (friction {:.3g}, stiffness {:.3g}): {}", arm.name, arm.rocks.friction,
@@ -102,8 +71,6 @@ public:
 
     void go_on(std::vector<ModelRun>& runs, std::size_t points) {
         runs.resize(members_.size());
-        const double whole = settings_.final_axial_strain / settings_.stage_strain;
-        asked_ = std::min(1.0, static_cast<double>(points - 1) / whole);
         run_ensemble(members_.size(), common_.threads, [&](std::size_t k) {
             try {
                 go_on(k, points);
@@ -132,13 +99,9 @@ private:
     void go_on(std::size_t k, std::size_t points) {
         Member& member = *members_[k];
         if (!member.run) {
-            ModelWatch watch = watch_on(progress_, k, common_);
-            watch.progress = [this, tell = watch.progress](double fraction,
-                                                           const std::string& text) {
-                tell(asked_ > 0 ? std::min(1.0, fraction / asked_) : 1, text);
-            };
-            member.run = std::make_unique<ArmRun>(scene_, settings_, specimen_, member.arm,
-                                                  common_.seed, std::move(watch), &member.kept);
+            member.run =
+                std::make_unique<ArmRun>(scene_, settings_, specimen_, member.arm, common_.seed,
+                                         watch_on(progress_, k, common_), &member.kept);
         }
         member.run->go_on_to(points);
     }
@@ -148,47 +111,19 @@ private:
     const Archive& specimen_;
     const Common& common_;
     Progress& progress_;
-    double asked_ = 1; // part of the test
     std::vector<std::unique_ptr<Member>>
         members_; // each stays where it is: its run refers to what it is kept by
 };
 
 } // namespace
 
-Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings,
-                      const Common& common,
-                      const std::function<void(double, const std::string&)>& watch,
-                      const std::function<void(Simulation&, TriaxialTest&)>& begin) {
-    constexpr auto file = "specimen.ckpt.h5";
-    const auto of_specimen = settings_of_specimen(common.settings);
-    Simulation simulation = make_simulation(scene, common.threads, common.serial);
-    TriaxialTest test(simulation, settings);
-    if (common.resume.empty() && begin) begin(simulation, test);
-    if (!common.resume.empty())
-        (void)resume(simulation,
-                     std::filesystem::is_directory(common.resume) ? common.resume / file
-                                                                  : common.resume,
-                     "specimen", of_specimen);
-    CheckpointKeeper keeper({common.out / file, "specimen", of_specimen});
-    while (test.state().phase < TriaxialPhase::consolidate) {
-        test.advance();
-        watch(test.fraction(), "specimen: " + test.description());
-        keeper.attend(simulation);
-    }
-    keeper.save(simulation);
-    return simulation.snapshot();
-}
-
 Progress progress_of_models(const Common& common) {
-    return Progress(std::max(2u, common.threads),
-                    common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+    return make_progress(common, std::max(2u, common.threads));
 }
 
 ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common) {
-    const auto slot = static_cast<unsigned>(model % std::max(2u, common.threads));
-    return {.progress = [&progress, slot](double fraction, const std::string& text) {
-        progress.report(slot, fraction, text);
-    }};
+    const auto slots = std::max(2u, common.threads);
+    return {.progress = progress_slot(progress, static_cast<unsigned>(model % slots))};
 }
 
 std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings,

@@ -1,26 +1,16 @@
 #pragma once
 
 #include "engine/archive.hpp"
-#include "engine/progress.hpp"
-#include "engine/scenario.hpp"
+#include "engine/run.hpp"
 #include "scenarios/assimilation/model_run.hpp"
 #include "scenarios/assimilation/worlds.hpp"
+#include "scenarios/triaxial/make_specimen.hpp"
 
 #include <functional>
 #include <string>
 #include <vector>
 
 namespace bris {
-
-/// Makes the specimen of a scene, up to where the pressure begins to matter, on all threads asked
-/// for; or takes it from
-/// --resume, a checkpoint or a folder with one. Keeps it as specimen.ckpt.h5: what follows is soon
-/// run again, to the same bits. `begin`: puts the rocks where they begin, if they are not to be
-/// filled in. Throws Interrupted when the user stops it.
-Archive make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings,
-                      const Common& common,
-                      const std::function<void(double, const std::string&)>& watch,
-                      const std::function<void(Simulation&, TriaxialTest&)>& begin = {});
 
 /// A specimen where the pressure begins to matter, and the scene it was made from.
 struct PreparedSpecimen {

@@ -190,19 +190,15 @@ bool BedMaker::at_rest() const {
            state().unbalanced_ratio < settings_.unbalanced_ratio;
 }
 
-double BedMaker::fraction() const {
-    const auto phase = static_cast<double>(state().phase);
-    const double stages = std::ceil(-std::log(softest(settings_)) / std::log(stage_factor)) + 1;
-    return (phase + (state().phase == BedPhase::harden ? state().stage / stages : 0)) / 3;
-}
-
-std::string BedMaker::description() const {
+// how long a bed pours and rests is not known before it does
+PhaseProgress BedMaker::progress() const {
     constexpr std::array names{"pour", "harden", "rest", "ready"};
-    return fmt::format(
-        "bed: {} {:.4f} s, kinetic ratio {:.2e}, unbalanced {:.3f}, coordination {:.2f}",
-        names[static_cast<std::size_t>(state().phase)],
-        std::as_const(simulation_).world().resource<Clock>().time(), state().kinetic_ratio,
-        state().unbalanced_ratio, state().coordination);
+    const double stages = std::ceil(-std::log(softest(settings_)) / std::log(stage_factor)) + 1;
+    return {names[static_cast<std::size_t>(state().phase)],
+            state().phase == BedPhase::harden ? state().stage / stages : -1,
+            fmt::format("{:.4f} s, kinetic ratio {:.2e}, unbalanced {:.3f}, coordination {:.2f}",
+                        std::as_const(simulation_).world().resource<Clock>().time(),
+                        state().kinetic_ratio, state().unbalanced_ratio, state().coordination)};
 }
 
 } // namespace bris

@@ -2,6 +2,7 @@
 
 #include "engine/archive.hpp"
 #include "engine/options.hpp"
+#include "engine/progress.hpp"
 #include "engine/simulation.hpp"
 
 #include <string>
@@ -77,8 +78,7 @@ public:
     BedMaker(Simulation& simulation, const BedSettings& settings);
     /// Some steps; false when the bed is ready.
     bool advance();
-    double fraction() const;
-    std::string description() const;
+    PhaseProgress progress() const;
     /// Whether the bed, as last looked at, rests as its settings say; one that took too long is
     /// used as it is.
     bool at_rest() const;

@@ -6,11 +6,10 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/ordering.hpp"
-#include "engine/state.hpp"
-#include "engine/stopwatch.hpp"
+#include "engine/resume.hpp"
+#include "scenarios/specimens/start.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
-#include "systems/steps.hpp"
 
 #include <fmt/format.h>
 
@@ -23,20 +22,10 @@ namespace bris {
 
 namespace {
 
-constexpr std::uint64_t longest_block = 100; // steps between looks at the clock on the wall
-
 /// Settings that a bed does not know yet.
-const std::initializer_list<std::string_view> of_the_run_alone{
+const std::vector<std::string_view> of_the_run_alone{
     "duration_s", "step_s",    "sample_interval_s", "frames",  "reference",
     "bed",        "fill_only", "friction_factor",   "window_s"};
-
-std::uint64_t steps_of(double time, double step, const char* option) {
-    const double number = std::round(time / step);
-    require(number >= 1 && number < 1e15,
-            fmt::format("--{}: expected 1 to 1e15 steps of {:.3g} s, found {:.3g}", option, step,
-                        number));
-    return static_cast<std::uint64_t>(number);
-}
 
 std::size_t free_bodies(const World& world) {
     const auto motion = world.column<Bodies, MotionOf>();
@@ -57,18 +46,22 @@ double hertz_contact_time(double radius, double density, double young_modulus, d
     return 2.87 * std::pow(mass * mass / (radius / 2 * e * e * speed), 0.2);
 }
 
-BulkRun::BulkRun(const Common& common, const BulkSettings& settings, BulkCase bulk_case)
+Simulation start_case(World world, const Common& common) {
+    return start(std::move(world), {.law = LawName::hertz_mindlin_viscous,
+                                    .threads = common.threads,
+                                    .schedule = {.serial = common.serial}});
+}
+
+BulkRun::BulkRun(const Common& common, const BulkSettings& settings, BulkCase bulk_case,
+                 Simulation& simulation)
     : common_(common), settings_(settings), case_(std::move(bulk_case)),
       total_(steps_of(settings.duration, settings.bed.step, "duration")),
       sample_every_(steps_of(settings.sample_interval, settings.bed.step, "sample-interval")),
-      simulation_(std::move(case_.world), steps(LawName::hertz_mindlin_viscous), common.threads,
-                  {.serial = common.serial}),
-      series_("curve", with_common_columns(case_.columns)), maker_(simulation_, settings.bed),
-      keeper_({common.out / (common.scenario + ".ckpt.h5"), common.scenario, common.settings,
-               [this](Archive& archive) { series_.save(archive); }}),
-      progress_(1, common.quiet ? Progress::Style::quiet : Progress::Style::automatic),
+      simulation_(simulation), series_("curve", with_common_columns(case_.columns)),
+      maker_(simulation_, settings.bed), progress_(make_progress(common)),
+      run_(simulation_, common, common.scenario, progress_slot(progress_)),
       least_stable_step_(std::numeric_limits<double>::infinity()) {
-    simulation_.on_restore(forget_lists);
+    run_.keep(series_);
 }
 
 std::vector<Curve> BulkRun::reference() const {
@@ -86,34 +79,21 @@ std::vector<Curve> BulkRun::reference() const {
 bool BulkRun::run() {
     (void)reference(); // a file that cannot be read is better known now
     start_from_files();
-    guarded([&] { make_bed(); });
-    if (settings_.fill_only) return false;
-    guarded([&] {
-        begin_run();
-        go();
-    });
-    keeper_.save(simulation_);
-    return true;
-}
-
-template <class Work>
-void BulkRun::guarded(Work&& work) {
-    try {
-        work();
-    } catch (const SimulationError& error) {
-        throw SimulationError(fmt::format("{} (state in {})", error.what(),
-                                          keeper_.save_stopped(simulation_).string()));
-    }
+    std::vector<Phase> phases{bed_phase()};
+    if (!settings_.fill_only) phases.push_back(case_phase());
+    run_.go(phases);
+    return !settings_.fill_only;
 }
 
 void BulkRun::start_from_files() {
     require(common_.resume.empty() || settings_.bed_file.empty(),
             "--bed: expected none together with --resume");
     if (!common_.resume.empty()) {
-        series_.load(resume(simulation_, common_.resume, common_.scenario, common_.settings,
-                            {"duration_s", "frames", "reference", "window_s", "fill_only", "bed"})
-                         .state);
-        resumed_ = bed().phase == BedPhase::ready;
+        run_.resume(common_.resume,
+                    {"duration_s", "frames", "reference", "window_s", "fill_only", "bed"});
+        if (run_.phase() == 0) return;
+        run_.require_steps_left(total_, "duration");
+        open_frames();
     } else if (!settings_.bed_file.empty()) {
         resume(simulation_, settings_.bed_file, common_.scenario, common_.settings,
                of_the_run_alone);
@@ -125,75 +105,71 @@ void BulkRun::start_from_files() {
     }
 }
 
-void BulkRun::make_bed() {
-    if (bed().phase == BedPhase::ready) return;
-    while (maker_.advance()) {
-        progress_.report(0, maker_.fraction(), maker_.description());
-        keeper_.attend(simulation_);
-    }
-    const auto path = common_.out / "bed.ckpt.h5";
-    CheckpointKeeper({path, common_.scenario, common_.settings}).save(simulation_);
-    progress_.pause();
-    fmt::print("bed: {} grains, {} steps, {:.4f} s; kinetic energy / (weight x radius) {:.2e}, "
-               "unbalanced ratio "
-               "{:.4f}, coordination {:.2f}; in {}\n",
-               free_bodies(world()), bed().steps, bed().time, bed().kinetic_ratio,
-               bed().unbalanced_ratio, bed().coordination, path.string());
+Phase BulkRun::bed_phase() {
+    return {.advance =
+                [this](Simulation&) {
+                    if (bed().phase == BedPhase::ready) return false;
+                    const bool goes_on = maker_.advance();
+                    if (!goes_on) report_bed();
+                    return goes_on;
+                },
+            .progress = [this](const World&) { return maker_.progress(); }};
 }
 
-void BulkRun::begin_run() {
-    std::string name = common_.scenario;
-    if (!resumed_) {
-        start_clock(simulation_.world(), settings_.bed.step);
-        case_.begin(simulation_.world());
-    } else {
-        require(run_step() < total_,
-                fmt::format(
-                    "--duration: expected more than the {:.6g} s of the checkpoint, found {:.6g} s",
-                    clock().time(), settings_.duration));
-        name += fmt::format("_from_{}", run_step()); // the frames until then are in a file already
-    }
-    first_step_ = run_step();
-    frames_ = std::make_unique<FrameWriter>(common_.out / (name + ".vtkhdf"), common_.settings);
-    if (!resumed_) sample();
+void BulkRun::report_bed() {
+    run_.save_as("bed");
+    progress_.pause();
+    fmt::print("bed: {} grains, {} steps, {:.4f} s; kinetic energy / (weight x radius) {:.2e}, "
+               "unbalanced ratio {:.4f}, coordination {:.2f}; in {}\n",
+               free_bodies(world()), bed().steps, bed().time, bed().kinetic_ratio,
+               bed().unbalanced_ratio, bed().coordination, (common_.out / "bed.ckpt.h5").string());
+}
+
+Phase BulkRun::case_phase() {
+    return run_.timed(
+        {.name = common_.scenario,
+         .steps = total_,
+         .sample_every = sample_every_,
+         .sample = [this](Simulation&, std::uint64_t step) { return at_sample(step); },
+         .status =
+             [this](const World&) {
+                 return fmt::format("{:.4f} s, {}", clock().time(), case_.description(series_));
+             },
+         .begin = [this](Simulation&) { begin_case(); }});
+}
+
+void BulkRun::begin_case() {
+    start_clock(simulation_.world(), settings_.bed.step);
+    case_.begin(simulation_.world());
+    take_sample();
+    open_frames();
+}
+
+void BulkRun::open_frames() {
+    frames_ =
+        std::make_unique<FrameWriter>(run_.file(common_.scenario, ".vtkhdf"), common_.settings);
     frames_->add(world());
     keep_view();
 }
 
-void BulkRun::go() {
+bool BulkRun::at_sample(std::uint64_t step) {
     const std::uint64_t per_frame =
         std::max<std::uint64_t>(1, total_ / sample_every_ / settings_.frames) * sample_every_;
-    while (run_step() < total_) {
-        const std::uint64_t next =
-                                std::min(total_, (run_step() / sample_every_ + 1) * sample_every_),
-                            before = run_step();
-        const auto began = this_instant();
-        simulation_.advance(std::min(next - before, longest_block));
-        stepping_ += seconds_since(began);
-        body_steps_ += static_cast<double>((run_step() - before) * free_bodies(world()));
-        const double fraction = static_cast<double>(run_step()) / static_cast<double>(total_);
-        progress_.report(0, fraction,
-                         fmt::format("{} {:.4f} s, step {}, {}", common_.scenario, clock().time(),
-                                     run_step(), case_.description(series_)));
-        if (run_step() == next) {
-            look();
-            sample();
-            if (next % per_frame == 0 || next == total_) frames_->add(world());
-            if (next == total_ / 2 / sample_every_ * sample_every_ || next == total_) keep_view();
-            if (case_.is_over && case_.is_over(world())) break;
-        }
-        keeper_.attend(simulation_);
-    }
+    measure_contacts();
+    take_sample();
+    if (step % per_frame == 0 || step == total_) frames_->add(world());
+    if (step == total_ / 2 / sample_every_ * sample_every_ || step == total_) keep_view();
+    return !(case_.is_over && case_.is_over(world()));
 }
 
 // before the case may edit the scene: contacts are known only until then
-void BulkRun::look() {
+void BulkRun::measure_contacts() {
     last_ = measure(world());
     deepest_ = std::max(deepest_, last_.largest_overlap);
     least_stable_step_ = std::min(least_stable_step_, stable_step(world()));
 }
 
-void BulkRun::sample() {
+void BulkRun::take_sample() {
     case_.sample(simulation_.world(), series_);
     simulation_.prepare(); // tables may have become shorter
 }
@@ -217,7 +193,6 @@ void BulkRun::keep_view() {
 void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
     Summary summary = results;
     summary.add("simulated_time_s", clock().time());
-    summary.add("steps", run_step());
     summary.add("step_s", clock().dt);
     summary.add("largest_overlap_of_all_samples_m", deepest_);
     summary.add("least_stable_step_s", least_stable_step_);
@@ -230,9 +205,7 @@ void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
     add_quantities(summary, last_);
     summary.add("refreshes", world().resource<ListState>().refreshes);
     summary.add("prunes", world().resource<ListState>().prunes);
-    summary.add("stepping_s", stepping_);
-    summary.add("particle_steps_per_s", stepping_ > 0 ? body_steps_ / stepping_ : 0);
-    summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
+    run_.describe(summary);
     progress_.pause();
     report_results(common_, summary);
     series_.write_csv(common_.out / "curve.csv");
@@ -245,11 +218,9 @@ void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
 
 void run_bulk(const Common& common, const BulkSettings& settings, BulkCase bulk_case,
               const std::function<void(BulkRun&)>& report) {
-    BulkRun bulk(common, settings, std::move(bulk_case));
-    if (common.explain)
-        fmt::print("{}\n", bulk.explain());
-    else if (bulk.run())
-        report(bulk);
+    Simulation simulation = start_case(std::move(bulk_case.world), common);
+    BulkRun bulk(common, settings, std::move(bulk_case), simulation);
+    if (bulk.run()) report(bulk);
 }
 
 } // namespace bris

@@ -1,11 +1,9 @@
 #pragma once
 
 #include "components/settings.hpp"
-#include "engine/checkpoint_keeper.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
-#include "engine/progress.hpp"
-#include "engine/scenario.hpp"
+#include "engine/run.hpp"
 #include "engine/simulation.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/bulk/bulk_bed.hpp"
@@ -13,7 +11,6 @@
 #include "systems/output/picture.hpp"
 #include "systems/output/quantities.hpp"
 
-#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <memory>
@@ -48,13 +45,13 @@ struct BulkCase {
 /// checkpoints.
 class BulkRun {
 public:
-    BulkRun(const Common& common, const BulkSettings& settings, BulkCase bulk_case);
+    BulkRun(const Common& common, const BulkSettings& settings, BulkCase bulk_case,
+            Simulation& simulation);
 
-    std::string explain() { return simulation_.schedule().explain(); }
     /// False if only the bed was asked for.
     bool run();
 
-    const World& world() const { return simulation_.world(); }
+    const World& world() const { return std::as_const(simulation_).world(); }
     const Series& series() const { return series_; }
     /// Writes curve, pictures and summary.json, and prints the result; `results` stand before what
     /// all share.
@@ -65,37 +62,37 @@ public:
 private:
     const Clock& clock() const { return world().resource<Clock>(); }
     const BedState& bed() const { return world().resource<BedState>(); }
-    std::uint64_t run_step() const { return clock().step - clock().block_step; }
     void start_from_files();
-    void make_bed();
-    void begin_run();
-    void go();
-    void sample();
-    void look();
+    Phase bed_phase();
+    Phase case_phase();
+    void report_bed();
+    void begin_case();
+    void open_frames();
+    bool at_sample(std::uint64_t step);
+    void take_sample();
+    void measure_contacts();
     void keep_view();
-    template <class Work>
-    void guarded(Work&& work);
 
     Common common_;
     BulkSettings settings_;
     BulkCase case_;
     std::uint64_t total_, sample_every_;
-    Simulation simulation_;
+    Simulation& simulation_;
     Series series_;
     BedMaker maker_;
-    CheckpointKeeper keeper_;
     Progress progress_;
+    Run run_;
     std::unique_ptr<FrameWriter> frames_;
     std::vector<View> views_;
-    bool resumed_ = false;
     double least_stable_step_; ///< s, of all samples
     Quantities last_;
-    double stepping_ = 0, body_steps_ = 0,
-           deepest_ = 0; ///< s of wall time; grains times steps; m, of all samples
-    std::uint64_t first_step_ = 0;
+    double deepest_ = 0; ///< m, of all samples
 };
 
-/// Runs a case, or explains its schedule; `report` is called if it ran.
+/// The simulation of a case.
+Simulation start_case(World world, const Common& common);
+
+/// Runs a case; `report` is called if it ran.
 void run_bulk(const Common& common, const BulkSettings& settings, BulkCase bulk_case,
               const std::function<void(BulkRun&)>& report);
 

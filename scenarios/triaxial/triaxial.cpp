@@ -110,44 +110,30 @@ bool TriaxialTest::is_in_equilibrium() const {
     return measure_stresses(world).mismatch() <= settings_.pressure_tolerance;
 }
 
-double TriaxialTest::fraction() const {
+// how long compaction and consolidation take is not known before they are over
+PhaseProgress TriaxialTest::progress() const {
     const TriaxialState& s = state();
-    const double stages = settings_.final_axial_strain / settings_.stage_strain;
+    const double unknown = -1, stages = settings_.final_axial_strain / settings_.stage_strain;
+    const std::string at = fmt::format("{:.0f} kPa ", settings_.confining_pressure / 1e3);
     switch (s.phase) {
     case TriaxialPhase::fill:
-        return 0.03 * static_cast<double>(s.lift) / settings_.lifts;
+        return {"filling", static_cast<double>(s.lift) / settings_.lifts,
+                fmt::format("lift {} of {}", s.lift + 1, settings_.lifts)};
     case TriaxialPhase::compact:
-        return 0.03;
+        return {"compaction", unknown,
+                fmt::format("core porosity {:.3f} of {:.3f} wanted, step {}", s.prepared_porosity,
+                            settings_.porosity, s.phase_steps)};
     case TriaxialPhase::consolidate:
-        return 0.06;
+        return {at + "consolidation", unknown, fmt::format("step {}", s.phase_steps)};
     case TriaxialPhase::shear:
-        return 0.08 + 0.92 * static_cast<double>(s.stage) / stages;
+        return {at + "shear", static_cast<double>(s.stage) / stages,
+                fmt::format("axial strain {:.2f} %, q {:.0f} kPa",
+                            100 * static_cast<double>(s.stage) * settings_.stage_strain,
+                            s.points.empty() ? 0.0 : s.points.back().deviatoric_stress / 1e3)};
     case TriaxialPhase::done:
         break;
     }
-    return 1;
-}
-
-std::string TriaxialTest::description() const {
-    const TriaxialState& s = state();
-    const auto& clock = simulation_.world().resource<Clock>();
-    const std::string where = fmt::format("{:.0f} kPa, ", settings_.confining_pressure / 1e3);
-    switch (s.phase) {
-    case TriaxialPhase::fill:
-        return where + fmt::format("filling lift {} of {}", s.lift + 1, settings_.lifts);
-    case TriaxialPhase::compact:
-        return where + fmt::format("compacting, core porosity {:.3f}", s.prepared_porosity);
-    case TriaxialPhase::consolidate:
-        return where + "consolidating";
-    case TriaxialPhase::shear:
-        return where + fmt::format("axial strain {:.2f} %, q {:.0f} kPa, step {}",
-                                   100 * static_cast<double>(s.stage) * settings_.stage_strain,
-                                   s.points.empty() ? 0.0 : s.points.back().deviatoric_stress / 1e3,
-                                   clock.step);
-    case TriaxialPhase::done:
-        break;
-    }
-    return where + "done";
+    return {at + "done", 1};
 }
 
 } // namespace bris

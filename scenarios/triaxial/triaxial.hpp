@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/progress.hpp"
 #include "engine/simulation.hpp"
 #include "scenarios/recordings/triaxial_point.hpp"
 #include "scenarios/specimens/specimen.hpp"
@@ -86,9 +87,7 @@ public:
     void rescale();
 
     const TriaxialState& state() const;
-    /// 0 to 1, and what is going on, for the progress line.
-    double fraction() const;
-    std::string description() const;
+    PhaseProgress progress() const;
 
 private:
     void start_lift();

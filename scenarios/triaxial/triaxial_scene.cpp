@@ -5,11 +5,8 @@
 #include "engine/io/csv.hpp"
 #include "engine/memory.hpp"
 #include "scenarios/rocks/clump_library.hpp"
-#include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
-#include "systems/broadphase/lists.hpp"
-#include "systems/contact/ledger.hpp"
-#include "systems/steps.hpp"
+#include "scenarios/specimens/start.hpp"
 
 #include <fmt/format.h>
 
@@ -113,14 +110,16 @@ void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit,
 
 Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {
     World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rocks, s.sample.rocks, s.poses);
-    check_scene(world, LawName::linear);
-    add_lists(world, LawName::linear);
-    add_ledger(world);
-    world.add_resource<TriaxialState>();
-    Simulation simulation(std::move(world), steps(LawName::linear, true), threads,
-                          {.serial = serial});
-    simulation.on_restore(forget_lists);
+    Simulation simulation = start(
+        std::move(world), {.threads = threads, .schedule = {.serial = serial}, .ledger = true});
+    simulation.world().add_resource<TriaxialState>();
     return simulation;
+}
+
+std::string explain_triaxial(const Triaxial& settings, const Common& common) {
+    return make_simulation(make_scene(settings, common.seed), 1, common.serial)
+        .schedule()
+        .explain();
 }
 
 } // namespace bris

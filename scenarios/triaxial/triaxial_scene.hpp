@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/options.hpp"
+#include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
 #include "scenarios/rocks/grading.hpp"
 #include "scenarios/specimens/specimen.hpp"
@@ -115,5 +115,8 @@ void require_memory_for(const Triaxial& settings, unsigned worlds, std::uint64_t
 
 /// The scene with its lists, ledger and steps, before the first rock is poured.
 Simulation make_simulation(const TriaxialScene& scene, unsigned threads, bool serial);
+
+/// What --explain prints of a triaxial test.
+std::string explain_triaxial(const Triaxial& settings, const Common& common);
 
 } // namespace bris

@@ -2,6 +2,8 @@
 
 #include <doctest/doctest.h>
 
+#include <algorithm>
+#include <chrono>
 #include <memory>
 #include <string>
 #include <thread>
@@ -30,40 +32,76 @@ std::string printed(unsigned slots, Progress::Style style, Use use) {
     return text;
 }
 
+std::size_t lines(const std::string& text) {
+    return static_cast<std::size_t>(std::ranges::count(text, '\n'));
+}
+
 } // namespace
 
 TEST_SUITE("engine/progress") {
-    TEST_CASE("elsewhere than on a terminal there are whole lines, and few") {
+    TEST_CASE("elsewhere than on a terminal there are whole lines, and few, also at the end") {
         const std::string text = printed(1, Progress::Style::lines, [](Progress& progress) {
-            for (int i = 0; i < 1000; ++i) progress.report(0, i / 1000.0, "shear");
-            progress.report(0, 1, "done");
+            for (int run = 0; run < 30; ++run) {
+                for (int i = 0; i <= 1000; ++i)
+                    progress.report(0, {"shear", i / 1000.0, "q 5 kPa"});
+                progress.report(0, {});
+            }
         });
-        CHECK(text == "  0 %  shear  eta --:--\n100 %  done  eta 00:00\n");
+        CHECK(text == "shear 0 %, q 5 kPa, eta --:--\n");
     }
 
     TEST_CASE("on a terminal one line is rewritten and ended") {
         const std::string text = printed(1, Progress::Style::rewritten, [](Progress& progress) {
-            progress.report(0, 0.5, "shear");
-            progress.report(0, 1, "done");
+            progress.report(0, {"shear", 0.5});
+            std::this_thread::sleep_for(std::chrono::milliseconds(600));
+            progress.report(0, {"shear", 1});
         });
-        CHECK(text == "\r 50 %  shear  eta --:--\x1b[K\r100 %  done  eta 00:00\x1b[K\n");
+        CHECK(text == "\rshear 50 %, eta --:--\x1b[K\rshear 100 %\x1b[K\n");
     }
 
     TEST_CASE("quiet prints nothing") {
         CHECK(printed(1, Progress::Style::quiet, [](Progress& progress) {
-                  progress.report(0, 0.5, "shear");
+                  progress.report(0, {"shear", 0.5});
               }).empty());
     }
 
-    TEST_CASE("two worlds on two threads share a line") {
-        const std::string text = printed(2, Progress::Style::lines, [](Progress& progress) {
-            std::vector<std::jthread> worlds;
-            for (unsigned slot = 0; slot < 2; ++slot)
-                worlds.emplace_back([&progress, slot] {
-                    for (int i = 0; i <= 1000; ++i)
-                        progress.report(slot, i / 1000.0, slot ? "b" : "a");
-                });
+    TEST_CASE("the time left is that of the phase at hand, from its own rate") {
+        const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(300)); };
+        const std::string text = printed(1, Progress::Style::rewritten, [&](Progress& progress) {
+            progress.report(0, {"compaction", 0.9}); // says nothing about what follows
+            for (int i = 0; i <= 4; ++i) {           // a tenth in 0.6 s: 4.8 s at a fifth
+                progress.report(0, {"shear", 0.05 * i});
+                wait();
+            }
         });
-        CHECK(text.ends_with("100 %  a  |  100 %  b  eta 00:00\n"));
+        CAPTURE(text);
+        CHECK(text.find("compaction 90 %, eta --:--") != std::string::npos);
+        CHECK(text.find("shear 20 %, eta 00:05") != std::string::npos);
+    }
+
+    TEST_CASE(
+        "a phase of which nobody knows how long it takes shows no per cent and no time left") {
+        const std::string text = printed(1, Progress::Style::lines, [](Progress& progress) {
+            progress.report(0, {"compaction", -1, "core porosity 0.340"});
+        });
+        CHECK(text == "compaction, core porosity 0.340\n");
+    }
+
+    TEST_CASE("two runs on two threads share a line, and one that is over leaves it") {
+        const std::string text = printed(3, Progress::Style::rewritten, [](Progress& progress) {
+            progress.report(2, {"c", 0.5});
+            progress.report(2, {});
+            std::vector<std::jthread> runs;
+            for (unsigned slot = 0; slot < 2; ++slot)
+                runs.emplace_back([&progress, slot] {
+                    for (int i = 0; i <= 1000; ++i)
+                        progress.report(slot, {slot ? "b" : "a", i / 1000.0});
+                });
+            runs.clear();
+            std::this_thread::sleep_for(std::chrono::milliseconds(600));
+            progress.report(0, {"a", 1});
+        });
+        CHECK(text.ends_with("\ra 100 % | b 100 %\x1b[K\n"));
+        CHECK(lines(text) == 1);
     }
 }

@@ -20,8 +20,8 @@ int exit_code(std::vector<std::string> arguments, Run run) {
     arguments.insert(arguments.begin(), "scenario");
     std::vector<char*> pointers;
     for (std::string& argument : arguments) pointers.push_back(argument.data());
-    return run_scenario<Nothing>(static_cast<int>(pointers.size()), pointers.data(), "nothing",
-                                 "Does nothing.", run);
+    return run_scenario<Nothing>(static_cast<int>(pointers.size()), pointers.data(),
+                                 {"nothing", "Does nothing."}, run);
 }
 
 } // namespace
@@ -76,5 +76,57 @@ TEST_SUITE("engine/scenario") {
         CHECK(exit_code({"--out", "/proc/none"}, run) == 4);
         CHECK(exit_code({"--help"}, run) == 0);
         CHECK_FALSE(ran);
+    }
+
+    TEST_CASE(
+        "a common flag that a scenario cannot honour is refused by name, before anything runs") {
+        const TemporaryDirectory directory;
+        const auto out = directory / "results";
+        bool ran = false;
+        const auto code = [&](std::vector<std::string> flags) {
+            flags.insert(flags.begin(), {"scenario", "--out", out.string()});
+            std::vector<char*> pointers;
+            for (std::string& flag : flags) pointers.push_back(flag.data());
+            return run_scenario<Nothing>(
+                static_cast<int>(pointers.size()), pointers.data(),
+                {"nothing", "Does nothing.", "it takes a moment", "nothing is simulated"},
+                [&](const Nothing&, const Common&) { ran = true; });
+        };
+        CHECK(code({"--resume", directory.path().string()}) == 2);
+        CHECK(code({"--explain"}) == 2);
+        CHECK_FALSE(ran);
+        CHECK_FALSE(std::filesystem::exists(out));
+        CHECK(code({}) == 0);
+        CHECK(ran);
+    }
+
+    TEST_CASE("a checkpoint that is not there ends with 4, and nothing is written") {
+        const TemporaryDirectory directory;
+        const auto out = directory / "results";
+        bool ran = false;
+        CHECK(exit_code({"--out", out.string(), "--resume", (directory / "none").string()},
+                        [&](const Nothing&, const Common&) { ran = true; }) == 4);
+        CHECK_FALSE(ran);
+        CHECK_FALSE(std::filesystem::exists(out));
+    }
+
+    TEST_CASE("--explain explains and runs nothing, and makes no folder") {
+        const TemporaryDirectory directory;
+        const auto out = directory / "results";
+        std::vector<std::string> flags{"scenario", "--out", out.string(), "--explain"};
+        std::vector<char*> pointers;
+        for (std::string& flag : flags) pointers.push_back(flag.data());
+        bool ran = false, explained = false;
+        const int code = run_scenario<Nothing>(
+            4, pointers.data(), {"nothing", "Does nothing."},
+            [&](const Nothing&, const Common&) { ran = true; },
+            [&](const Nothing&, const Common&) {
+                explained = true;
+                return std::string("a schedule");
+            });
+        CHECK(code == 0);
+        CHECK(explained);
+        CHECK_FALSE(ran);
+        CHECK_FALSE(std::filesystem::exists(out));
     }
 }

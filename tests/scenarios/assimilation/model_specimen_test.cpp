@@ -18,7 +18,7 @@ using namespace bris;
 
 namespace {
 
-const auto nobody_watches = [](double, const std::string&) {};
+const auto nobody_watches = [](const PhaseProgress&) {};
 
 // 60 rocks, loosely packed: soon made, and every mechanism is there
 Triaxial small() {
@@ -47,7 +47,8 @@ struct Truth {
     PreparedSpecimen specimen{make_scene(described, 1), {}};
 
     Truth() {
-        specimen.state = make_specimen(specimen.scene, described.test, common, nobody_watches);
+        specimen.state =
+            make_specimen(specimen.scene, described.test, common, nobody_watches).state;
     }
     PreparedSpecimen model(const ModelMismatch& mismatch) const {
         return make_model_specimen(described, described.test, specimen, mismatch, common,

@@ -363,7 +363,7 @@ TEST_SUITE("procedure/triaxial") {
             unsigned blocks = 0;
             Archive whole, gone_on;
             save_run(whole, run_model(scene, short_test(), specimen, arm, 1,
-                                      {.progress = [&](double, const std::string&) { ++blocks; }}));
+                                      {.progress = [&](const PhaseProgress&) { ++blocks; }}));
             CAPTURE(blocks);
             const TemporaryDirectory folder;
             Common common;
@@ -373,7 +373,7 @@ TEST_SUITE("procedure/triaxial") {
             for (const unsigned last :
                  {blocks / 7, blocks / 2, blocks - 20}) { // each goes on from the one before
                 KeptRun kept(common, short_test(), specimen, arm);
-                const ModelWatch watch{.progress = [&](double, const std::string&) {
+                const ModelWatch watch{.progress = [&](const PhaseProgress&) {
                     ++block;
                     if (block == last) kept.keep_every(0);
                     if (block > last) throw Stop();
@@ -406,7 +406,7 @@ TEST_SUITE("procedure/triaxial") {
             CHECK(a.boundary_work == b.boundary_work);
             // what is done is not run again; another arm is another run
             unsigned run_again = 0;
-            const ModelWatch watch{.progress = [&](double, const std::string&) { ++run_again; }};
+            const ModelWatch watch{.progress = [&](const PhaseProgress&) { ++run_again; }};
             CHECK(run_model(scene, short_test(), specimen, arm, 1, watch, &kept).points.size() ==
                   21);
             CHECK(run_again == 0);

@@ -1,0 +1,139 @@
+#include "engine/run.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
+#include "engine/resume.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+constexpr std::uint64_t longest_block = 100; // steps between looks at the clock on the wall
+constexpr auto position_path = "run/position";
+
+} // namespace
+
+void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgress& report) {
+    bool advanced = false;
+    while (steps.advance()) {
+        advanced = true;
+        report(steps.progress());
+        if (interrupted()) {
+            if (steps.save) steps.save();
+            throw Interrupted(fmt::format("interrupted; go on with {}", steps.resume_hint));
+        }
+        if (steps.save && timer.is_due()) {
+            steps.save();
+            timer.restart();
+        }
+    }
+    if (advanced) report({}); // over
+}
+
+std::uint64_t steps_of(double duration, double dt, const std::string& option) {
+    const double number = std::round(duration / dt);
+    require(number >= 1 && number < 1e15,
+            fmt::format("--{}: expected 1 to 1e15 steps of {:.3g} s, found {:.3g}", option, dt,
+                        number));
+    return static_cast<std::uint64_t>(number);
+}
+
+Progress make_progress(const Common& common, unsigned slots) {
+    return Progress(slots, common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+}
+
+Run::Run(Simulation& simulation, const Common& common, const std::string& name,
+         ReportProgress report)
+    : simulation_(simulation), common_(common), name_(name), report_(std::move(report)) {}
+
+void Run::resume(const std::filesystem::path& path,
+                 const std::vector<std::string_view>& may_differ) {
+    const Archive state =
+        bris::resume(simulation_, path, common_.scenario, common_.settings, may_differ).state;
+    const auto position = state.get<std::uint64_t>(position_path);
+    position_ = {position.at(0), position.at(1), position.at(2) != 0};
+    for (const Kept& kept : kept_) kept.load(state);
+    resumed_ = true;
+}
+
+void Run::go(const std::vector<Phase>& phases) {
+    try {
+        for (; position_.phase < phases.size(); ++position_.phase, position_.begun = false) {
+            const Phase& phase = phases[position_.phase];
+            if (!position_.begun) {
+                position_ = {position_.phase, clock().step, true};
+                if (phase.begin) phase.begin(simulation_);
+                position_.first_step = clock().step;
+            }
+            run_loop({.advance = [&] { return phase.advance(simulation_); },
+                      .progress = [&] { return phase.progress(simulation_.world()); },
+                      .save = [&] { save(); },
+                      .resume_hint = fmt::format("--resume {}", checkpoint_file(name_).string())},
+                     timer_, report_);
+        }
+    } catch (const SimulationError& error) {
+        save_as(name_ + ".stopped");
+        throw SimulationError(fmt::format("{} (state in {})", error.what(),
+                                          checkpoint_file(name_ + ".stopped").string()));
+    }
+    save();
+}
+
+Phase Run::timed(TimedPhase phase) const {
+    const auto progress = [this, phase](const World& world) {
+        return PhaseProgress{
+            phase.name, static_cast<double>(steps_in_phase()) / static_cast<double>(phase.steps),
+            phase.status ? phase.status(world) : std::string{}};
+    };
+    const auto advance = [this, phase](Simulation& simulation) {
+        const std::uint64_t now = steps_in_phase();
+        if (now >= phase.steps) return false;
+        const std::uint64_t next =
+            std::min(phase.steps, (now / phase.sample_every + 1) * phase.sample_every);
+        simulation.advance(std::min(next - now, longest_block));
+        const bool at_sample = steps_in_phase() == next;
+        return !at_sample || phase.sample(simulation, next);
+    };
+    return {.advance = advance, .progress = progress, .begin = phase.begin};
+}
+
+void Run::require_steps_left(std::uint64_t steps, const std::string& option) const {
+    const double dt = clock().dt;
+    require(steps > steps_in_phase(),
+            fmt::format("--{}: expected more than the {:.6g} s of the checkpoint, found {:.6g} s",
+                        option, static_cast<double>(steps_in_phase()) * dt,
+                        static_cast<double>(steps) * dt));
+}
+
+void Run::save_as(const std::string& name) const {
+    Checkpoint checkpoint{common_.scenario, clock().step, common_.settings, simulation_.snapshot()};
+    const std::array<std::uint64_t, 3> position{position_.phase, position_.first_step,
+                                                position_.begun ? std::uint64_t{1} : 0};
+    checkpoint.state.put(position_path, std::span<const std::uint64_t>(position));
+    for (const Kept& kept : kept_) kept.save(checkpoint.state);
+    write_checkpoint(checkpoint_file(name), checkpoint);
+}
+
+std::filesystem::path Run::file(const std::string& name, const std::string& extension) const {
+    return common_.out / (resumed_ && steps_in_phase() > 0
+                              ? fmt::format("{}_from_{}{}", name, steps_in_phase(), extension)
+                              : name + extension);
+}
+
+void Run::describe(Summary& summary) const {
+    summary.add("steps", clock().step);
+    summary.add("wall_time_s", seconds_since(began_));
+    const StepCount& count = simulation_.count();
+    summary.add("stepping_time_s", count.wall_time);
+    summary.add("time_per_step_s",
+                count.wall_time / static_cast<double>(std::max<std::uint64_t>(1, count.steps)));
+    summary.add("fingerprint", hexadecimal(fingerprint(simulation_.snapshot())));
+}
+
+} // namespace bris

@@ -1,0 +1,19 @@
+#include "scenarios/specimens/start.hpp"
+
+#include "scenarios/specimens/check_scene.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/contact/ledger.hpp"
+#include "systems/steps.hpp"
+
+namespace bris {
+
+Simulation start(World world, const StartSettings& s) {
+    check_scene(world, s.law);
+    add_lists(world, s.law, s.lists);
+    if (s.ledger) add_ledger(world);
+    Simulation simulation(std::move(world), steps(s.law, s.ledger), s.threads, s.schedule);
+    simulation.on_restore(forget_lists);
+    return simulation;
+}
+
+} // namespace bris
