@@ -39,11 +39,11 @@ struct Velocity : State<Vec3> {
 struct Acceleration : State<Vec3> {
     static constexpr auto name = "acceleration", unit = "m/s2";
 }; // of the last step
-struct Spin : State<Vec3> {
-    static constexpr auto name = "spin", unit = "rad/s";
+struct AngularVelocity : State<Vec3> {
+    static constexpr auto name = "angular_velocity", unit = "rad/s";
 }; // at the same time as Position
-struct StepSpin : State<Vec3> {
-    static constexpr auto name = "step_spin", unit = "rad/s";
+struct StepAngularVelocity : State<Vec3> {
+    static constexpr auto name = "step_angular_velocity", unit = "rad/s";
 }; // rotation vector of the last step / dt
 struct AngularMomentum : State<Vec3> {
     static constexpr auto name = "angular_momentum", unit = "kg m2/s";
@@ -104,22 +104,22 @@ struct Force : Derived<Vec3> {
 struct Torque : Derived<Vec3> {
     static constexpr auto name = "torque", unit = "N m";
 }; // about Position
-struct Travel : Derived<double> {
-    static constexpr auto name = "travel", unit = "m";
+struct DisplacementBound : Derived<double> {
+    static constexpr auto name = "displacement_bound", unit = "m";
 }; // bound, since the last prune
 
 /// What a touching contact reads of a body in one cache line: velocity of its centre over the last
 /// step, inverse inertial mass (0 if driven), spin over the last step; and the centre itself, from
 /// which the velocity of any of its points follows.
 struct alignas(64) MotionRow {
-    double vx, vy, vz, inverse_mass, spin_x, spin_y, spin_z, unused;
+    double vx, vy, vz, inverse_mass, omega_x, omega_y, omega_z, unused;
 };
 struct alignas(32) CentreRow {
     double x, y, z, unused;
 };
 /// What dashpots need besides: from the velocities of the last step's middle to those of its end.
 struct alignas(64) KickRow {
-    double vx, vy, vz, unused, spin_x, spin_y, spin_z, unused_too;
+    double vx, vy, vz, unused, omega_x, omega_y, omega_z, unused_too;
 };
 struct Kick : Derived<KickRow> {
     static constexpr auto name = "kick", unit = "m/s, rad/s";
@@ -145,7 +145,7 @@ struct Pose {
     Quat orientation;
 };
 /// Bound on the travel of any point of a body between two poses.
-inline double travel_bound(const Vec3& x, const Quat& q, const Pose& from, double radius) {
+inline double displacement_bound(const Vec3& x, const Quat& q, const Pose& from, double radius) {
     // |q - q0| (q and -q are the same rotation) is 2 sin(angle/4), and a point at R moves
     // 2 R sin(angle/2) <= 2 R |q - q0|
     const auto difference = (q.coeffs() - from.orientation.coeffs()).squaredNorm();
@@ -156,8 +156,8 @@ inline double travel_bound(const Vec3& x, const Quat& q, const Pose& from, doubl
 struct PrunedAt : Derived<Pose> {
     static constexpr auto name = "pruned_at", unit = "";
 };
-struct RefreshedAt : Derived<Pose> {
-    static constexpr auto name = "refreshed_at", unit = "";
+struct RebuiltAt : Derived<Pose> {
+    static constexpr auto name = "rebuilt_at", unit = "";
 };
 
 } // namespace bris

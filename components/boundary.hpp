@@ -19,8 +19,8 @@ struct HostRow : Derived<Row> {
 /// How the surface of a host moves: as a rigid body about its position. A host that turns keeps its
 /// shape where it is, as a drum does: only the velocity of its surface turns.
 struct SurfaceMotion {
-    Vec3 velocity, spin, centre;
-    Vec3 at(const Vec3& point) const { return velocity + spin.cross(point - centre); }
+    Vec3 velocity, angular_velocity, centre;
+    Vec3 at(const Vec3& point) const { return velocity + angular_velocity.cross(point - centre); }
 };
 
 /// An infinite plane: grains are on the side that the normal points to.
@@ -34,12 +34,12 @@ struct PlaneId : State<EntityId> {
 struct LocalPlane : State<PlaneShape> {
     static constexpr auto name = "plane", unit = "m";
 }; // relative to the host's position
-struct PlanePlaceRow {
+struct PlaneRow {
     Vec3 point, normal;
     SurfaceMotion motion;
 };
-struct PlanePlace : Derived<PlanePlaceRow> {
-    static constexpr auto name = "place", unit = "m";
+struct PlanePosition : Derived<PlaneRow> {
+    static constexpr auto name = "position", unit = "m";
 };
 
 /// A convex plane facet of four corners, counter-clockwise seen from the grains; a triangle repeats
@@ -54,13 +54,13 @@ struct FacetId : State<EntityId> {
 struct LocalFacet : State<FacetShape> {
     static constexpr auto name = "facet", unit = "m";
 }; // relative to the host's position
-struct FacetPlaceRow {
+struct FacetRow {
     std::array<Vec3, 4> corners;
     Vec3 normal;
     SurfaceMotion motion;
 };
-struct FacetPlace : Derived<FacetPlaceRow> {
-    static constexpr auto name = "place", unit = "m";
+struct FacetPosition : Derived<FacetRow> {
+    static constexpr auto name = "position", unit = "m";
 };
 
 } // namespace bris

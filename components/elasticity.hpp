@@ -26,12 +26,12 @@ inline Elasticity elasticity(const LawRow& k, bool hertz, double overlap, double
 /// Effective radius of a near pair: 1 / (1/r + 1/r) of two spheres, r of a sphere against a
 /// boundary.
 template <class Pairs>
-double effective_radius(const NearEntry& near, std::span<const PlaceRow> place) {
-    const double a = place[near.owner].radius;
+double effective_radius(const NearEntry& near, std::span<const SphereRow> sphere_row) {
+    const double a = sphere_row[near.owner].radius;
     if constexpr (!std::is_same_v<Pairs, SpherePairs>)
         return a;
     else
-        return a * place[near.other].radius / (a + place[near.other].radius);
+        return a * sphere_row[near.other].radius / (a + sphere_row[near.other].radius);
 }
 
 } // namespace bris

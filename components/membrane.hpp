@@ -38,8 +38,8 @@ struct ElementArea : Derived<double> {
 struct PrunedRadius : Derived<double> {
     static constexpr auto name = "pruned_radius", unit = "m";
 };
-struct RefreshedRadius : Derived<double> {
-    static constexpr auto name = "refreshed_radius", unit = "m";
+struct RebuiltRadius : Derived<double> {
+    static constexpr auto name = "rebuilt_radius", unit = "m";
 };
 
 /// Where a contact stands on the membrane: between the middles of two elements of its sector, the

@@ -47,10 +47,10 @@ struct Roll : State<RollRow> {
 };
 
 /// Rows behind the names: spheres, or sphere and facet or plane; and the row of the partner body.
-struct PairPlaces {
+struct PairRowNumbers {
     Row sphere, other, partner_body, law;
 };
-struct PairRows : Derived<PairPlaces> {
+struct PairRows : Derived<PairRowNumbers> {
     static constexpr auto name = "rows", unit = "";
 };
 

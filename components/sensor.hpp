@@ -40,36 +40,37 @@ struct LargestInnovation : State<double> {
     static constexpr auto name = "largest_innovation", unit = "";
 }; // chi square of three degrees
 
-/// How a body's motion is to be corrected: a part of the way in each of the steps to come. `felt`
-/// 1: as motion, which friction feels; 0: the body is put there. A row of zeros is no correction.
+/// How a body's motion is to be corrected: a part of the way in each of the steps to come.
+/// `as_motion` 1: as motion, which friction feels; 0: the body is put there. A row of zeros is no
+/// correction.
 struct CorrectionRow {
     Vec3 shift = Vec3::Zero(), turn = Vec3::Zero();           ///< m and rad, in a step
     Vec3 last_shift = Vec3::Zero(), last_turn = Vec3::Zero(); ///< in the step before
-    double steps = 0, felt = 0;
+    double steps = 0, as_motion = 0;
 };
 struct Correction : State<CorrectionRow> {
     static constexpr auto name = "correction", unit = "m, rad";
 };
-/// A spring and a dashpot that pull a sensor's body to where it should be (pull_clumps), until it
+/// A spring and a dashpot that pull a sensor's body to where it should be (nudge_clumps), until it
 /// is told anew; in a test by stages to the end of the stage, from where on their force is held
-/// constant until then (hold_pulls).
-struct PullRow {
+/// constant until then (hold_nudging_forces).
+struct NudgingRow {
     Vec3 force = Vec3::Zero(),
          torque = Vec3::Zero(); ///< N and N m, of both together, in the last step
-    Vec3 place = Vec3::Zero(),
-         velocity = Vec3::Zero();     ///< m and m/s: where it should be, and how that moves on
-    Vec3 spin = Vec3::Zero();         ///< rad/s
-    Quat attitude = Quat::Identity(); ///< that it should have; of a sphere, which has none: the
-                                      ///< rotation still to go
+    Vec3 position = Vec3::Zero(),
+         velocity = Vec3::Zero();         ///< m and m/s: where it should be, and how that moves on
+    Vec3 angular_velocity = Vec3::Zero(); ///< rad/s
+    Quat attitude = Quat::Identity();     ///< that it should have; of a sphere, which has none: the
+                                          ///< rotation still to go
     double stiffness = 0, turn_stiffness = 0;     ///< N/m and N m/rad; 0: nothing pulls
     double largest_force = 0, largest_torque = 0; ///< N and N m
     double held = 0;                              ///< 1: force and torque stay as they are
-    bool pulls() const { return stiffness > 0 || turn_stiffness > 0; }
+    bool is_active() const { return stiffness > 0 || turn_stiffness > 0; }
 };
-struct Pull : State<PullRow> {
-    static constexpr auto name = "pull", unit = "N, N m, m, m/s, rad/s, 1, N/m";
+struct Nudging : State<NudgingRow> {
+    static constexpr auto name = "nudging", unit = "N, N m, m, m/s, rad/s, 1, N/m";
 };
-static_assert(sizeof(PullRow) == 24 * sizeof(double)); // no gaps: all of it is saved
+static_assert(sizeof(NudgingRow) == 24 * sizeof(double)); // no gaps: all of it is saved
 /// 1 while a body is corrected or pulled, and in the step after: few are, and the others are not
 /// looked at.
 struct Guided : State<std::uint32_t> {

@@ -52,11 +52,11 @@ struct ListSettings {
 /// Counts of work, and what decides when lists are made anew.
 struct ListState {
     static constexpr auto name = "list_state";
-    bool stale = true;   ///< entities or State have changed by hand
-    bool unseen = false; ///< velocities have: contacts have yet to see them
-    std::uint64_t refreshes = 0, prunes = 0, sorts = 0;
-    std::uint64_t last_refresh = 0, last_prune = 0; ///< steps
-    std::uint64_t prunes_at_refresh = 0;
+    bool stale = true;               ///< entities or State have changed by hand
+    bool velocities_changed = false; ///< velocities have: contacts have yet to see them
+    std::uint64_t rebuilds = 0, prunes = 0, sorts = 0;
+    std::uint64_t last_rebuild = 0, last_prune = 0; ///< steps
+    std::uint64_t prunes_at_rebuild = 0;
     double candidate_skin = 0; ///< m, within which the candidates are complete
 };
 

@@ -21,15 +21,15 @@ struct ListedSlot : Derived<Row> {
 }; // in Listed, or no_row
 
 /// What every near pair reads of a sphere: half a cache line.
-struct alignas(32) PlaceRow {
+struct alignas(32) SphereRow {
     double x, y, z, radius;
 };
 
-struct SpherePlace : Derived<PlaceRow> {
-    static constexpr auto name = "place", unit = "m";
+struct SpherePosition : Derived<SphereRow> {
+    static constexpr auto name = "position", unit = "m";
 }; // of all, when lists are made
-struct Place : Derived<PlaceRow> {
-    static constexpr auto name = "place", unit = "m";
+struct ListedPosition : Derived<SphereRow> {
+    static constexpr auto name = "position", unit = "m";
 };
 struct ListedBody : Derived<Row> {
     static constexpr auto name = "body", unit = "";

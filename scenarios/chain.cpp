@@ -65,7 +65,7 @@ Summary pulse_results(const Chain& s, const Common& common) {
     pulse.step = s.step;
     pulse.law = named<LawName>(law_names, s.law);
     pulse.material = s.material.material;
-    const ChainPulseResult r = measure(pulse);
+    const ChainPulseResult r = run_experiment(pulse);
     std::vector<std::vector<double>> rows;
     for (std::size_t i = 0; i < r.arrival.size(); ++i)
         rows.push_back({static_cast<double>(i), r.arrival[i] * r.time_unit});
@@ -90,7 +90,7 @@ Summary wave_results(const Chain& s) {
     wave.step = s.step;
     wave.law = named<LawName>(law_names, s.law);
     wave.material = s.material.material;
-    const ChainWaveResult r = measure(wave);
+    const ChainWaveResult r = run_experiment(wave);
     Summary t;
     t.add("frequency_rad_per_s", r.frequency);
     t.add("exact_frequency_rad_per_s", r.exact_frequency);

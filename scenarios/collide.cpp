@@ -83,7 +83,7 @@ void run(const Game& game, const Common& common) {
     s.material.restitution = game.restitution;
     s.filter.kind = named<FilterKind>(filter_names, game.filter);
     s.seed = common.seed;
-    const CollideResult r = measure(s);
+    const CollideResult r = run_experiment(s);
     std::vector<std::vector<double>> rows;
     for (std::size_t k = 0; k < r.truth.size(); ++k)
         rows.push_back({static_cast<double>(k), r.truth[k].x(), r.truth[k].y(), r.free[k].x(),
@@ -95,7 +95,7 @@ void run(const Game& game, const Common& common) {
     Summary t;
     t.add("free_error_of_others_m_per_s", r.free_error);
     t.add("fused_error_of_others_m_per_s", r.fused_error);
-    t.add("error_left", r.fused_error / r.free_error);
+    t.add("error_ratio", r.fused_error / r.free_error);
     t.add("error_of_first_at_touch_m_per_s", r.error_at_touch);
     t.add("error_of_second_m_per_s", r.carried_error);
     t.add("error_of_second_by_momentum_m_per_s", r.expected_error);
@@ -103,7 +103,7 @@ void run(const Game& game, const Common& common) {
     t.add("measurements_accepted", r.accepted);
     t.add("measurements_refused", r.refused);
     t.add("fusion_work_J", r.fusion_work);
-    t.add("energy_open_J", r.energy_open);
+    t.add("energy_error_J", r.energy_error);
     t.add("steps", r.steps);
     report_results(common, t);
 }

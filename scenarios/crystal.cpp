@@ -53,7 +53,7 @@ Summary moduli(const Settings& s) {
     crystal.law = named<LawName>(law_names, s.law);
     crystal.material = s.material.material;
     crystal.material.friction = s.friction;
-    const CrystalResult r = measure(crystal);
+    const CrystalResult r = run_experiment(crystal);
     const double density = crystal.material.density * pi / 6 / cell_volume(crystal.lattice);
     Summary t;
     t.add("contact_force_N", r.contact_force);
@@ -73,7 +73,8 @@ Summary moduli(const Settings& s) {
 Summary stability(const Settings& s) {
     const auto lattice = named<Lattice>(lattice_names, s.lattice);
     const auto limit = [&](std::vector<Neighbour> around) {
-        return measure(StabilityLimit{.around = std::move(around), .shear_ratio = s.shear_ratio});
+        return run_experiment(
+            StabilityLimit{.around = std::move(around), .shear_ratio = s.shear_ratio});
     };
     const double together = limit(in_phase(lattice)), against = limit(zone_boundary(lattice)),
                  alone = limit(held(lattice));

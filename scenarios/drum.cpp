@@ -122,10 +122,11 @@ BulkCase make_case(const DrumTest& t, std::uint64_t seed) {
                            {"m1_z", "m"},
                            {"m2_x", "m"},
                            {"m2_z", "m"}}};
-    const Vec3 spin(0, -t.speed, 0);
+    const Vec3 angular_velocity(0, -t.speed, 0);
     c.begin = [=](World& world) {
         const Row row = row_of_body(world, drum_body);
-        world.column<Bodies, Spin>()[row] = world.column<Bodies, StepSpin>()[row] = spin;
+        world.column<Bodies, AngularVelocity>()[row] =
+            world.column<Bodies, StepAngularVelocity>()[row] = angular_velocity;
     };
     c.sample = [](World& world, Series& series) {
         const Zones m1 = zones_of(world, 0), m2 = zones_of(world, 1);

@@ -36,8 +36,9 @@ struct Shot {
                 history = "rescaled";
     double friction = 0.092, restitution = 0.98, angle = 20, rolling_friction = 0,
            twisting_friction = 0;
-    double spin_x = 0, spin_y = 0, spin_z = 0, partner_spin_x = 0, partner_spin_y = 0,
-           partner_spin_z = 0;
+    double angular_velocity_x = 0, angular_velocity_y = 0, angular_velocity_z = 0,
+           partner_angular_velocity_x = 0, partner_angular_velocity_y = 0,
+           partner_angular_velocity_z = 0;
 
     Shot() {
         impact.radius = impact.partner_radius = 2.5e-3;
@@ -54,12 +55,14 @@ struct Shot {
                Range{.low = 0, .high = 90, .high_accepted = false});
         option("partner_share", impact.partner_share, "", "of the speed that a partner sphere has",
                within(0, 1));
-        option("spin_x", spin_x, "rad/s", "of the sphere; it flies along x, z is normal");
-        option("spin_y", spin_y, "rad/s", "likewise");
-        option("spin_z", spin_z, "rad/s", "likewise");
-        option("partner_spin_x", partner_spin_x, "rad/s", "of a partner sphere");
-        option("partner_spin_y", partner_spin_y, "rad/s", "likewise");
-        option("partner_spin_z", partner_spin_z, "rad/s", "likewise");
+        option("angular_velocity_x", angular_velocity_x, "rad/s",
+               "of the sphere; it flies along x, z is normal");
+        option("angular_velocity_y", angular_velocity_y, "rad/s", "likewise");
+        option("angular_velocity_z", angular_velocity_z, "rad/s", "likewise");
+        option("partner_angular_velocity_x", partner_angular_velocity_x, "rad/s",
+               "of a partner sphere");
+        option("partner_angular_velocity_y", partner_angular_velocity_y, "rad/s", "likewise");
+        option("partner_angular_velocity_z", partner_angular_velocity_z, "rad/s", "likewise");
         option.group("contact");
         option("friction", friction, "", "Coulomb coefficient of the pair", at_least(0));
         option("restitution", restitution, "", "of the pair", within(0, 1));
@@ -89,8 +92,9 @@ struct Shot {
         s.policy.tension = named<Tension>(tension_names, tension);
         s.policy.shear_history = named<ShearHistory>(shear_history_names, history);
         s.angle = angle * degree;
-        s.spin = Vec3(spin_x, spin_y, spin_z);
-        s.partner_spin = Vec3(partner_spin_x, partner_spin_y, partner_spin_z);
+        s.angular_velocity = Vec3(angular_velocity_x, angular_velocity_y, angular_velocity_z);
+        s.partner_angular_velocity = Vec3(partner_angular_velocity_x, partner_angular_velocity_y,
+                                          partner_angular_velocity_z);
         s.material = sphere.material;
         s.partner_material = partner.material;
         for (Material* m : {&s.material, &s.partner_material}) {
@@ -114,9 +118,9 @@ Summary results_of(const Impact& s, const ImpactResult& r) {
     t.add("undamped_contact_time_s", exact.time());
     t.add("normal_restitution", r.normal_restitution);
     t.add("tangential_restitution", r.tangential_restitution);
-    t.add("spin_x_rad_per_s", r.spin.x());
-    t.add("spin_y_rad_per_s", r.spin.y());
-    t.add("spin_z_rad_per_s", r.spin.z());
+    t.add("angular_velocity_x_rad_per_s", r.angular_velocity.x());
+    t.add("angular_velocity_y_rad_per_s", r.angular_velocity.y());
+    t.add("angular_velocity_z_rad_per_s", r.angular_velocity.z());
     t.add("slip_before_m_per_s", r.slip_before);
     t.add("slip_after_m_per_s", r.slip);
     t.add("rebound_angle_degrees", r.rebound_angle / degree);
@@ -125,12 +129,12 @@ Summary results_of(const Impact& s, const ImpactResult& r) {
     t.add("friction_work_J", r.friction_work);
     t.add("viscous_work_J", r.viscous_work);
     t.add("rolling_work_J", r.rolling_work);
-    t.add("ledger_error", r.ledger_error);
+    t.add("energy_budget_error", r.energy_budget_error);
     t.add("largest_friction_over_normal_force", r.friction_ratio);
     if (s.target == Target::sphere) {
-        t.add("partner_spin_x_rad_per_s", r.partner_spin.x());
-        t.add("partner_spin_y_rad_per_s", r.partner_spin.y());
-        t.add("partner_spin_z_rad_per_s", r.partner_spin.z());
+        t.add("partner_angular_velocity_x_rad_per_s", r.partner_angular_velocity.x());
+        t.add("partner_angular_velocity_y_rad_per_s", r.partner_angular_velocity.y());
+        t.add("partner_angular_velocity_z_rad_per_s", r.partner_angular_velocity.z());
         t.add("momentum_change", r.momentum_change);
         t.add("angular_momentum_change", r.angular_momentum_change);
     }
@@ -140,7 +144,7 @@ Summary results_of(const Impact& s, const ImpactResult& r) {
 
 void run(const Shot& settings, const Common& common) {
     const Impact impact = settings.complete();
-    const Summary results = results_of(impact, measure(impact));
+    const Summary results = results_of(impact, run_experiment(impact));
     report_results(common, results);
 }
 

@@ -10,7 +10,7 @@
 #include "engine/signal/attitude.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
-#include "scenarios/assimilation/kept_run.hpp"
+#include "scenarios/assimilation/checkpointed_run.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/live_model.hpp"
 #include "scenarios/assimilation/live_test.hpp"
@@ -35,7 +35,7 @@ struct Live {
     Triaxial triaxial;
     std::filesystem::path recordings = assets_folder() / "smartrock";
     std::filesystem::path stream = assets_folder() / "smartrock" / "55kPa";
-    RockBelief model{0.5, 1};
+    RockParameters model{0.5, 1};
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     LiveSettings live;
     double stage_time = 1.2;
@@ -54,7 +54,7 @@ struct Live {
         option("recordings", recordings, "",
                "a folder with rock_NN.txt and sensor_poses.csv: what is known of the sensor rocks "
                "beforehand");
-        option("patience", live.patience, "s",
+        option("timeout", live.timeout, "s",
                "without a record of the test machine, after which the stream has ended and the "
                "model goes on alone",
                above(0));
@@ -67,12 +67,12 @@ struct Live {
                "that the test took for 0.01 % of strain, in a folder to be replayed whose test.csv "
                "has no t",
                above(0));
-        option("rest", live.intake.rest, "s", "at the beginning, in which the rocks lie still",
-               above(0));
-        option("interval", live.intake.interval, "", "axial strain between samples that are used",
-               above(0));
-        option("use_displacement", live.intake.displacement, "", "ux uy uz, where sent");
-        option("use_attitude", live.intake.attitude, "",
+        option("rest", live.quality_control.rest, "s",
+               "at the beginning, in which the rocks lie still", above(0));
+        option("interval", live.quality_control.interval, "",
+               "axial strain between samples that are used", above(0));
+        option("use_displacement", live.quality_control.displacement, "", "ux uy uz, where sent");
+        option("use_attitude", live.quality_control.attitude, "",
                "qw qx qy qz, where sent, else tilt by gravity");
         option.group("model");
         option("model_friction", model.friction, "", "of rocks, before anything is measured",
@@ -107,7 +107,7 @@ std::filesystem::path prepare_stream(const Live& s, const Common& common) {
                                    std::filesystem::copy_options::overwrite_existing);
     if (!std::filesystem::is_directory(s.stream)) return s.stream;
     std::string text;
-    for (const std::string& line : stream_of(s.stream, s.stage_time, s.live.intake.rest))
+    for (const std::string& line : stream_of(s.stream, s.stage_time, s.live.quality_control.rest))
         text += line + "\n";
     write_whole(common.out / "replay.ndjson", text);
     return common.out / "replay.ndjson";
@@ -135,7 +135,7 @@ public:
 private:
     void prepare();
     void follow();
-    void tell(double latest);
+    void record_stage(double latest);
     void write_frame();
     void draw(const RecordedTest& measured) const;
 
@@ -163,10 +163,10 @@ const std::vector<RunFile::Column> columns{
 
 /// A row of the run file for each stage; every 0.1 % of strain: a line, and the table of all stages
 /// so far.
-void LiveRun::tell(double latest) {
+void LiveRun::record_stage(double latest) {
     const TriaxialPoint& now = model_->state().points.back();
     rows_.push_back({now.axial_strain, now.deviatoric_stress, now.volumetric_strain});
-    for (const NamedValue& v : describe(model_->belief()))
+    for (const NamedValue& v : describe(model_->estimate()))
         rows_.back().push_back(std::get<double>(v.value));
     frames_->file().add_row("stages", rows_.back());
     rows_.back().push_back(latest); // not of the test: no two runs have the same
@@ -191,14 +191,14 @@ void LiveRun::tell(double latest) {
 void LiveRun::write_frame() {
     const ModelRun& run = model_->state();
     if ((run.points.size() - 1) % s_.triaxial.frame_stages != 0 && !model_->done()) return;
-    std::map<std::int64_t, std::size_t> place;
+    std::map<std::int64_t, std::size_t> index_of;
     for (std::size_t k = 0; k < run.rocks.size(); ++k)
-        place[static_cast<std::int64_t>(run.rocks[k])] = k;
+        index_of[static_cast<std::int64_t>(run.rocks[k])] = k;
     BodyFrame frame = first_frame_;
     frame.time = run.points.back().axial_strain;
     for (std::size_t b = 0; b < frame.ids.size(); ++b) {
-        const auto found = place.find(frame.ids[b]);
-        if (found == place.end()) continue;
+        const auto found = index_of.find(frame.ids[b]);
+        if (found == index_of.end()) continue;
         const RockPose& start = run.start[found->second];
         frame.positions[b] = start.position + run.displacement.back()[found->second];
         const Quat q = exponential_map(run.rotation.back()[found->second]) * start.orientation;
@@ -221,9 +221,9 @@ void LiveRun::follow() {
         records_ += ages.size();
         if (!ages.empty())
             latencies_.push_back(ages.back()); // the machine's record that the answer waited for
-        tell(ages.empty() ? std::nan("") : ages.back());
+        record_stage(ages.empty() ? std::nan("") : ages.back());
         write_frame();
-        model_->go_on(); // the stage that the test is in now, while nobody waits
+        model_->advance_members(); // the stage that the test is in now, while nobody waits
     }
 }
 
@@ -241,8 +241,8 @@ void LiveRun::prepare() {
     frames_->file().flush(); // can be read from now on
     model_.emplace(LiveModelSettings{s_.model, s_.learning, test_settings_.stage_strain,
                                      test_settings_.final_axial_strain, s_.catch_up},
-                   [this](const std::vector<ModelArm>& arms) {
-                       return begin_models(scene_, test_settings_, specimen_, arms, common_,
+                   [this](const std::vector<ModelVariant>& variants) {
+                       return begin_models(scene_, test_settings_, specimen_, variants, common_,
                                            progress_);
                    });
 }
@@ -251,7 +251,8 @@ void LiveRun::run() {
     prepare();
     LiveSettings live = s_.live;
     live.pressure = test_settings_.confining_pressure;
-    live.intake.interval = std::max(live.intake.interval, test_settings_.stage_strain);
+    live.quality_control.interval =
+        std::max(live.quality_control.interval, test_settings_.stage_strain);
     test_.emplace(source_, common_.out / log_name, infos_, live);
     progress_.pause();
     if (!common_.quiet)
@@ -260,7 +261,7 @@ void LiveRun::run() {
     try {
         follow();
     } catch (const Interrupted&) {
-        model_->keep();
+        model_->save_checkpoint();
         throw;
     }
     if (s_.compare)
@@ -283,7 +284,7 @@ void LiveRun::draw(const RecordedTest& measured) const {
             .x_label = "axial strain (%)",
             .y_label = label,
             .curves = {curve_of("measured", measured.measured, scale, value, Curve::Style::points),
-                       curve_of("known then", model_->state().points, scale, value)}};
+                       curve_of("analysis", model_->state().points, scale, value)}};
         if (free_)
             plot.curves.push_back(
                 curve_of("DEM only", free_->points, scale, value, Curve::Style::dashed));
@@ -314,13 +315,13 @@ void LiveRun::report() {
         "{}\n{}", test_->report(),
         observability(measured.recordings, test_settings_.final_axial_strain / 1e-4 * s_.stage_time,
                       drift, turn));
-    write_whole(common_.out / "intake.txt", found);
-    frames_->file().add_meta({{"intake", found}});
+    write_whole(common_.out / "quality_control.txt", found);
+    frames_->file().add_meta({{"quality_control", found}});
     frames_->file().close();
-    write_known(common_.out / "learned.csv", model_->known());
+    write_estimates(common_.out / "learned.csv", model_->estimates());
     draw(measured);
     Summary summary;
-    summary.add(describe(model_->belief()));
+    summary.add(describe(model_->estimate()));
     const auto add = [&](const char* name, const ModelRun& run) {
         const Misfit m = misfit_of(run, measured);
         summary.add(fmt::format("{}_rmse_q_Pa", name), m.q);
@@ -328,8 +329,8 @@ void LiveRun::report() {
         summary.add(fmt::format("{}_rmse_ring_strain", name), m.ring_strain);
         summary.add(fmt::format("{}_rmse_sensor_displacement_m", name), m.sensor_displacement);
     };
-    add("known_then", model_->state());
-    add("worlds_alone", model_->forecast());
+    add("analysis", model_->state());
+    add("forecast", model_->forecast());
     if (free_) add("DEM_only", *free_);
     summary.add("caught_up_at_axial_strain", model_->caught_up_at());
     if (model_->lost_second_at() > 0)
@@ -351,13 +352,13 @@ void LiveRun::report() {
 
 /// Both generations stand side by side until the second one has caught up; each world's motions are
 /// kept twice, by the run and by who learns from it, and those of the answers are two runs more.
-void require_memory_for_worlds(const Live& s, std::uint64_t limit) {
-    const unsigned worlds = 2 * s.learning.worlds;
+void require_memory_for_members(const Live& s, std::uint64_t limit) {
+    const unsigned members = 2 * s.learning.members;
     const double stages = 1 + s.triaxial.test.final_axial_strain / s.triaxial.test.stage_strain;
     const double first = s.learning.first_strain / s.triaxial.test.stage_strain,
                  side_by_side = std::min(stages, 2 + first * s.catch_up / (s.catch_up - 1.0));
-    require_memory_for(s.triaxial, worlds, limit,
-                       2 * s.learning.worlds * (stages + side_by_side) + 2 * stages);
+    require_memory_for(s.triaxial, members, limit,
+                       2 * s.learning.members * (stages + side_by_side) + 2 * stages);
 }
 
 /// With the poses of the sensor rocks that the recordings came with, unless others are given.
@@ -383,11 +384,11 @@ void run(const Live& given, const Common& common) {
             fmt::format("--stream: expected a test at {}, as --confining-pressure says, found '{}'",
                         folder, s.stream.string()));
     check_test(s.triaxial);
-    require_memory_for_worlds(s, common.memory_limit);
+    require_memory_for_members(s, common.memory_limit);
     LiveRun live(s, common);
     live.run();
     live.report();
-    forget_runs(common);
+    remove_checkpoints(common);
 }
 
 } // namespace

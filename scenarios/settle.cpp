@@ -97,7 +97,7 @@ void take_sample(const World& world, double step, Quantities& last, Series& moti
             fmt::format("step {}, time {:.6g} s: --step: expected at most the stable step {:.3g} s "
                         "of the contacts that have formed, found {:.3g} s",
                         clock.step, clock.time(), stable, step));
-    last = measure(world);
+    last = compute_quantities(world);
     motion.add({clock.time(), last.kinetic_energy, last.elastic_energy,
                 floor_force_over_weight(last), last.coordination, last.unbalanced_ratio, stable});
 }
@@ -175,7 +175,7 @@ void run(const Settle& settings, const Common& common) {
     summary.add("floor_force_error", std::abs(floor_force_over_weight(last) - 1));
     add_quantities(summary, last);
     if (settings.sleep > 0) summary.add("sleepers", sleepers(world));
-    summary.add("refreshes", world.resource<ListState>().refreshes);
+    summary.add("rebuilds", world.resource<ListState>().rebuilds);
     summary.add("prunes", world.resource<ListState>().prunes);
     run.describe(summary);
     report_results(common, summary);

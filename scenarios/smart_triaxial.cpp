@@ -9,8 +9,8 @@
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
+#include "scenarios/assimilation/checkpointed_run.hpp"
 #include "scenarios/assimilation/generations.hpp"
-#include "scenarios/assimilation/kept_run.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
@@ -31,15 +31,15 @@ namespace {
 struct Smart {
     Triaxial triaxial;
     std::filesystem::path recordings = assets_folder() / "smartrock";
-    RockBelief model{0.5, 1};
+    RockParameters model{0.5, 1};
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     Corrections corrections;
-    IntakeSettings intake;
+    QualityControlSettings quality_control;
     double change = 0.03, stage_time = 1.2, drift = 1e-3, turn = 0.1;
 
     Smart() {
         corrections.filter.gate = 0.999;
-        corrections.pull = {0, 100, 0.01};
+        corrections.nudging = {0, 100, 0.01};
         corrections.largest_work_share = 0.005;
     }
     void describe(auto& option) {
@@ -47,15 +47,15 @@ struct Smart {
         option("recordings", recordings, "",
                "a folder: rock_NN.txt, sensor_poses.csv, and for each pressure recordings.csv (or "
                "recordings.h5) and test.csv in a folder as 55kPa");
-        option("columns", intake.columns, "",
+        option("columns", quality_control.columns, "",
                "a file that says how recordings.csv is written, where not as by this project: "
                "names, units, signs, delimiter");
-        option("machine_columns", intake.machine_columns, "", "the same of test.csv");
-        option("rest", intake.rest, "s", "at their beginning, in which the rocks lie still",
-               above(0));
-        option("use_displacement", intake.displacement, "",
+        option("machine_columns", quality_control.machine_columns, "", "the same of test.csv");
+        option("rest", quality_control.rest, "s",
+               "at their beginning, in which the rocks lie still", above(0));
+        option("use_displacement", quality_control.displacement, "",
                "ux uy uz, where recorded, else what an inertial sensor knows of it: nothing");
-        option("use_attitude", intake.attitude, "",
+        option("use_attitude", quality_control.attitude, "",
                "qw qx qy qz, where recorded, else tilt by gravity");
         option.group("model");
         option("model_friction", model.friction, "", "of rocks, before anything is measured",
@@ -66,17 +66,17 @@ struct Smart {
         option("change", change, "",
                "of friction or stiffness, from which on the model is told of it", above(0));
         option.group("corrections of sensor rocks");
-        option("pull_stiffness", corrections.pull.stiffness, "N/m",
+        option("nudging_stiffness", corrections.nudging.stiffness, "N/m",
                "of critically damped springs that pull them; 0: their poses are compared, not "
                "corrected",
                at_least(0));
-        option("largest_pull", corrections.pull.largest_force, "N",
+        option("largest_nudging_force", corrections.nudging.largest_force, "N",
                "of spring and dashpot together", at_least(0));
         option("largest_work_share", corrections.largest_work_share, "",
                "that they may do of the work of platens and membrane, from one analysis to the "
                "next; 0: no limit",
                within(0, 1));
-        option("interval", intake.interval, "", "axial strain between samples", above(0));
+        option("interval", quality_control.interval, "", "axial strain between samples", above(0));
         option("drift", drift, "m", "that rocks of the model may be off by, at the end", above(0));
         option("turn", turn, "rad", "likewise", above(0));
         option("stage_time", stage_time, "s", "that the real test took for 0.01 % of strain",
@@ -87,7 +87,7 @@ struct Smart {
 
 /// One test, computed: the model alone and the one that learns.
 struct Computed {
-    RockBelief before; ///< believed when the test began
+    RockParameters before; ///< believed when the test began
     Learned learned;
     ModelRun free, fused;
     std::vector<View> views;
@@ -117,7 +117,7 @@ private:
     }
     void prepare();
     void learn();
-    void run_arms();
+    void run_variants();
     void show(std::size_t test, const World& world, const TriaxialPoint& point,
               std::unique_ptr<FrameWriter>& frames);
     std::unique_ptr<FrameWriter> make_frames(const RecordedTest& test) const;
@@ -130,7 +130,7 @@ private:
     Progress progress_;
     Archive specimen_;
     std::vector<Computed> done_;
-    double preparation_wall_ = 0, learning_wall_ = 0, arms_wall_ = 0;
+    double preparation_wall_ = 0, learning_wall_ = 0, variants_wall_ = 0;
 };
 
 void Computation::prepare() {
@@ -148,27 +148,28 @@ void Computation::prepare() {
 void Computation::learn() {
     const auto began = this_instant();
     const Gaussian prior = prior_of(s_.model, s_.learning);
-    RockBelief now = s_.model;
+    RockParameters now = s_.model;
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         done_[k].before = now;
         done_[k].learned = learn_in_two_generations(
             prior, measured_test(tests_[k]), s_.learning, s_.learning.final_strain,
-            [&](const std::vector<ModelArm>& arms, double strain) {
-                return try_models(scene_, settings_at(tests_[k].pressure), specimen_, arms, strain,
-                                  common_, progress_);
+            [&](const std::vector<ModelVariant>& variants, double strain) {
+                return try_models(scene_, settings_at(tests_[k].pressure), specimen_, variants,
+                                  strain, common_, progress_);
             });
-        if (!done_[k].learned.known.empty()) now = mean_of(done_[k].learned.known.back().belief);
+        if (!done_[k].learned.estimates.empty())
+            now = mean_of(done_[k].learned.estimates.back().estimate);
         fmt::print("{}: friction {:.3f}, stiffness {:.2f}\n", folder_of(tests_[k].pressure),
                    now.friction, now.stiffness);
-        write_known(common_.out / folder_of(tests_[k].pressure) / "learned.csv",
-                    done_[k].learned.known);
+        write_estimates(common_.out / folder_of(tests_[k].pressure) / "learned.csv",
+                        done_[k].learned.estimates);
     }
     learning_wall_ = seconds_since(began);
 }
 
 std::unique_ptr<FrameWriter> Computation::make_frames(const RecordedTest& test) const {
     auto settings = common_.settings;
-    settings.emplace_back("intake", intake_report(test));
+    settings.emplace_back("quality_control", quality_control_report(test));
     return std::make_unique<FrameWriter>(
         common_.out / folder_of(test.pressure) / "smart_triaxial.vtkhdf", settings);
 }
@@ -187,33 +188,34 @@ void Computation::show(std::size_t test, const World& world, const TriaxialPoint
     if (!shown) return;
     const auto& sensors = world.resource<Specimen>().smart_rocks;
     frame.ids.assign(sensors.begin(), sensors.end());
-    View view = view_of_bodies(world, frame, [&](std::size_t place) {
-        return stone_colour(static_cast<std::uint32_t>(3 * place));
+    View view = view_of_bodies(world, frame, [&](std::size_t index) {
+        return rock_colour(static_cast<std::uint32_t>(3 * index));
     });
     view.caption = fmt::format("{:.1f} %", 100 * point.axial_strain);
     done_[test].views.push_back(std::move(view));
 }
 
 /// What is known at the end of learning, too, however uncertain it is: nothing better comes.
-void tell_the_last(ModelArm& arm, const std::vector<KnownAt>& known) {
-    if (known.empty()) return;
-    const RockBelief told = arm.learned.empty() ? arm.rocks : arm.learned.back().rocks,
-                     last = mean_of(known.back().belief);
-    if (told.friction != last.friction || told.stiffness != last.stiffness)
-        arm.learned.push_back({known.back().strain, last});
+void append_final_estimate(ModelVariant& variant, const std::vector<EstimateAt>& estimates) {
+    if (estimates.empty()) return;
+    const RockParameters applied =
+                             variant.learned.empty() ? variant.rocks : variant.learned.back().rocks,
+                         last = mean_of(estimates.back().estimate);
+    if (applied.friction != last.friction || applied.stiffness != last.stiffness)
+        variant.learned.push_back({estimates.back().strain, last});
 }
 
-void Computation::run_arms() {
+void Computation::run_variants() {
     const auto began = this_instant();
-    std::vector<ModelArm> fused(tests_.size());
+    std::vector<ModelVariant> fused(tests_.size());
     for (std::size_t k = 0; k < tests_.size(); ++k) {
-        const RockBelief& first = done_[k].before;
+        const RockParameters& first = done_[k].before;
         fused[k] = {.name = "fused",
                     .rocks = first,
-                    .learned = schedule_of(done_[k].learned.known, first, s_.change),
+                    .learned = schedule_of(done_[k].learned.estimates, first, s_.change),
                     .catch_up = true,
                     .corrections = s_.corrections};
-        tell_the_last(fused[k], done_[k].learned.known);
+        append_final_estimate(fused[k], done_[k].learned.estimates);
         fused[k].corrections.position_noise = fused[k].corrections.attitude_noise = 0;
         for (const Recording& r : tests_[k].recordings) { // of the worst of them
             fused[k].corrections.position_noise =
@@ -221,20 +223,21 @@ void Computation::run_arms() {
             fused[k].corrections.attitude_noise =
                 std::max(fused[k].corrections.attitude_noise, r.info.attitude_noise);
         }
-        if (s_.corrections.pull.stiffness > 0) fused[k].ways = tests_[k].ways;
+        if (s_.corrections.nudging.stiffness > 0) fused[k].trajectories = tests_[k].trajectories;
     }
     std::vector<std::unique_ptr<FrameWriter>> frames(tests_.size());
-    const auto run = [&](std::size_t k, const ModelArm& arm, const ModelWatch& watch, bool keep) {
+    const auto run = [&](std::size_t k, const ModelVariant& variant, const ModelWatch& watch,
+                         bool checkpointed) {
         const TriaxialSettings settings = settings_at(tests_[k].pressure);
-        std::optional<KeptRun> kept;
-        if (keep) kept.emplace(common_, settings, specimen_, arm);
+        std::optional<CheckpointedRun> checkpoint;
+        if (checkpointed) checkpoint.emplace(common_, settings, specimen_, variant);
         try {
-            return run_model(scene_, settings, specimen_, arm, common_.seed, watch,
-                             kept ? &*kept : nullptr);
+            return run_model(scene_, settings, specimen_, variant, common_.seed, watch,
+                             checkpoint ? &*checkpoint : nullptr);
         } catch (const SimulationError& error) { // the others go on
             ModelRun none;
-            none.stopped =
-                fmt::format("{} at {}: {}", arm.name, folder_of(tests_[k].pressure), error.what());
+            none.stopped = fmt::format("{} at {}: {}", variant.name, folder_of(tests_[k].pressure),
+                                       error.what());
             return none;
         }
     };
@@ -252,13 +255,13 @@ void Computation::run_arms() {
             run(k, fused[k], watch, false); // not kept: its pictures are taken on the way
     });
     progress_.pause();
-    arms_wall_ = seconds_since(began);
+    variants_wall_ = seconds_since(began);
 }
 
 void Computation::run() {
     prepare();
     learn();
-    run_arms();
+    run_variants();
 }
 
 /// A hundred of the points, and the last.
@@ -319,10 +322,10 @@ void Computation::report() {
         const auto both = [&](const char* what, const char* unit, double without, double with) {
             summary.add(fmt::format("{}DEM_only_rmse_{}{}", at, what, unit), without);
             summary.add(fmt::format("{}fused_rmse_{}{}", at, what, unit), with);
-            summary.add(fmt::format("{}error_left_{}", at, what), with / without);
+            summary.add(fmt::format("{}error_ratio_{}", at, what), with / without);
         };
-        if (!c.learned.known.empty())
-            for (const NamedValue& v : describe(c.learned.known.back().belief))
+        if (!c.learned.estimates.empty())
+            for (const NamedValue& v : describe(c.learned.estimates.back().estimate))
                 summary.add(NamedValue(at + v.key, std::get<double>(v.value)));
         add("sensors_refused", test.refused());
         for (const auto& [name, run] :
@@ -341,20 +344,20 @@ void Computation::report() {
             if (test.measured.back().axial_strain <= until + 1e-9) continue;
             const Misfit free_then = misfit_of(c.free, test, until),
                          fused_then = misfit_of(c.fused, test, until);
-            add(fmt::format("error_left_q_to_{}_percent", percent).c_str(),
+            add(fmt::format("error_ratio_q_to_{}_percent", percent).c_str(),
                 fused_then.q / free_then.q);
-            add(fmt::format("error_left_volumetric_strain_to_{}_percent", percent).c_str(),
+            add(fmt::format("error_ratio_volumetric_strain_to_{}_percent", percent).c_str(),
                 fused_then.volumetric_strain / free_then.volumetric_strain);
         }
         both("sensor_displacement", "_m", free.sensor_displacement, fused.sensor_displacement);
         add("measurements_accepted", c.fused.accepted);
         add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.boundary_work);
-        add("corrections_reduced_by_work", c.fused.too_dear);
-        add("corrections_withheld_by_work", c.fused.much_too_dear);
+        add("corrections_reduced_by_work", c.fused.too_costly);
+        add("corrections_withheld_by_work", c.fused.much_too_costly);
     }
     summary.add("preparation_wall_time_s", preparation_wall_);
     summary.add("learning_wall_time_s", learning_wall_);
-    summary.add("tests_wall_time_s", arms_wall_);
+    summary.add("tests_wall_time_s", variants_wall_);
     draw();
     report_results(common_, summary);
     fmt::print("results in {}\n", common_.out.string());
@@ -381,26 +384,26 @@ void run(const Smart& given, const Common& common) {
     std::vector<RecordedTest> tests;
     std::string report;
     for (const double pressure : s.triaxial.confining_pressure) {
-        tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.intake));
+        tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.quality_control));
         std::erase_if(tests.back().measured, [&](const TriaxialPoint& p) {
             return p.axial_strain >
                    s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain;
         });
-        report += fmt::format("{}\n{}", folder_of(pressure), intake_report(tests.back()));
+        report += fmt::format("{}\n{}", folder_of(pressure), quality_control_report(tests.back()));
         std::filesystem::create_directories(common.out / folder_of(pressure));
     }
     report +=
         fmt::format("\n{}", observability(tests.front().recordings,
                                           s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time,
                                           s.drift, s.turn));
-    write_whole(common.out / "intake.txt", report);
+    write_whole(common.out / "quality_control.txt", report);
     for (const RecordedTest& t : tests)
         fmt::print("{}: {} recordings, {} refused ({})\n", folder_of(t.pressure),
-                   t.recordings.size(), t.refused(), (common.out / "intake.txt").string());
+                   t.recordings.size(), t.refused(), (common.out / "quality_control.txt").string());
     Computation computation(s, common, std::move(tests));
     computation.run();
     computation.report();
-    forget_runs(common);
+    remove_checkpoints(common);
 }
 
 } // namespace

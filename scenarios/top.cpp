@@ -24,9 +24,10 @@ struct Turning {
         option("inertia_1", top.inertia.x(), "kg m2", "least principal moment", above(0));
         option("inertia_2", top.inertia.y(), "kg m2", "middle one", above(0));
         option("inertia_3", top.inertia.z(), "kg m2", "greatest one", above(0));
-        option("spin_1", top.spin.x(), "rad/s", "at the start, about the axis of the least moment");
-        option("spin_2", top.spin.y(), "rad/s", "of the middle one");
-        option("spin_3", top.spin.z(), "rad/s", "of the greatest one");
+        option("angular_velocity_1", top.angular_velocity.x(), "rad/s",
+               "at the start, about the axis of the least moment");
+        option("angular_velocity_2", top.angular_velocity.y(), "rad/s", "of the middle one");
+        option("angular_velocity_3", top.angular_velocity.z(), "rad/s", "of the greatest one");
         option("angle_per_step", top.angle_per_step, "rad", "turned in a time step", above(0));
         option("duration", top.duration, "s", "simulated", above(0));
         option.group("pendulum");
@@ -50,10 +51,10 @@ Summary results_of(const TopResult& r) {
     Summary t;
     t.add("step_s", r.dt);
     t.add("steps", r.steps);
-    t.add("spin_1_rad_per_s", r.spin.x());
-    t.add("spin_2_rad_per_s", r.spin.y());
-    t.add("spin_3_rad_per_s", r.spin.z());
-    t.add("spin_error_rad_per_s", r.spin_error);
+    t.add("angular_velocity_1_rad_per_s", r.angular_velocity.x());
+    t.add("angular_velocity_2_rad_per_s", r.angular_velocity.y());
+    t.add("angular_velocity_3_rad_per_s", r.angular_velocity.z());
+    t.add("angular_velocity_error_rad_per_s", r.angular_velocity_error);
     t.add("attitude_error_rad", r.attitude_error);
     t.add("angular_momentum_drift", r.momentum_drift);
     t.add("energy_drift", r.energy_drift);
@@ -73,8 +74,8 @@ Summary results_of(const PendulumResult& r) {
 }
 
 void run(const Turning& settings, const Common& common) {
-    const Summary results = settings.kind == "free" ? results_of(measure(settings.top))
-                                                    : results_of(measure(settings.pendulum));
+    const Summary results = settings.kind == "free" ? results_of(run_experiment(settings.top))
+                                                    : results_of(run_experiment(settings.pendulum));
     report_results(common, results);
 }
 

@@ -135,11 +135,11 @@ void Test::record() {
     const BodyFrame frame = frame_of_bodies(world);
     frames_->add(frame);
     if (!shown) return;
-    views_.push_back(view_of_bodies(world, frame, [&](std::size_t place) {
-        const auto id = static_cast<EntityId>(frame.ids[place]);
+    views_.push_back(view_of_bodies(world, frame, [&](std::size_t index) {
+        const auto id = static_cast<EntityId>(frame.ids[index]);
         const auto& sensors = world.resource<Specimen>().smart_rocks;
         const bool sensor = std::find(sensors.begin(), sensors.end(), id) != sensors.end();
-        return sensor ? Colour{230, 120, 20} : stone_colour(id);
+        return sensor ? Colour{230, 120, 20} : rock_colour(id);
     }));
     views_.back().caption = fmt::format("{:.1f} %", 100 * points.back().axial_strain);
 }

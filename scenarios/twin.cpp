@@ -13,8 +13,8 @@
 #include "engine/signal/attitude.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
+#include "scenarios/assimilation/checkpointed_run.hpp"
 #include "scenarios/assimilation/generations.hpp"
-#include "scenarios/assimilation/kept_run.hpp"
 #include "scenarios/assimilation/layouts.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/model_specimen.hpp"
@@ -35,15 +35,15 @@ namespace bris {
 
 namespace {
 
-constexpr std::array<std::string_view, 12> arm_names{
-    "free", "chaos",     "jumped",       "spread",   "pulled",   "learned",
-    "both", "load_cell", "sensors_only", "ensemble", "analysed", "null"};
+constexpr std::array<std::string_view, 12> variant_names{
+    "free", "perturbed", "inserted",     "spread",   "nudged",   "learned",
+    "both", "load_cell", "sensors_only", "ensemble", "analysis", "null"};
 
 struct Twin {
     Triaxial triaxial;
-    RockBelief model{0.5, 1};
+    RockParameters model{0.5, 1};
     ModelMismatch mismatch;
-    std::string arms = "free,chaos,learned,ensemble,analysed";
+    std::string variants = "free,perturbed,learned,ensemble,analysis";
     std::filesystem::path record;
     std::string record_format = "csv";
     double disturbance = 1e-7, change = 0.03, lateness = 0;
@@ -56,7 +56,7 @@ struct Twin {
     Twin() {
         triaxial.confining_pressure = {55e3};
         triaxial.test.final_axial_strain = 0.025;
-        corrections.pull = {5e6, 100, 0.01}; // about the contact forces at 55 kPa
+        corrections.nudging = {5e6, 100, 0.01}; // about the contact forces at 55 kPa
         corrections.largest_shift = 1e-6;
         corrections.largest_work_share = 0.005;
         learning.specimen_scatter = -1;
@@ -64,21 +64,21 @@ struct Twin {
     void describe(auto& option) {
         option.group("twin");
         option(
-            "arms", arms, "",
-            "none; or of free: told nothing; chaos: the truth from a start disturbed; jumped: "
+            "variants", variants, "",
+            "none; or of free: told nothing; perturbed: the truth from a start disturbed; "
+            "inserted: "
             "sensor rocks put, as in the report; spread: with all "
-            "others along; pulled: by springs of bounded force; learned: friction and stiffness; "
-            "both: learned and pulled; ensemble: what the worlds that learned foretell together; "
+            "others along; nudged: by springs of bounded force; learned: friction and stiffness; "
+            "both: learned and nudged; ensemble: what the worlds that learned foretell together; "
             "load_cell, sensors_only: that, learned without the sensors, or by them alone; "
-            "analysed: as ensemble, and the recordings of the sensors carried to all rocks; null: "
+            "analysis: as ensemble, and the recordings of the sensors carried to all rocks; null: "
             "the same with q of this specimen and sensors of another, which should help nobody");
         option("model_friction", model.friction, "",
                "of rocks in the model; the truth's is --friction", above(0));
         option("model_stiffness", model.stiffness, "", "of contacts in the model, of the truth's",
                above(0));
         mismatch.describe(option);
-        option("disturbance", disturbance, "m", "of all places, in the run that shows chaos alone",
-               at_least(0));
+        option("disturbance", disturbance, "m", "of all places, in the perturbed run", at_least(0));
         learning.describe(option);
         option("change", change, "",
                "of friction or stiffness, from which on the model is told of it", above(0));
@@ -94,7 +94,7 @@ struct Twin {
         option("filter", filter, "", "what turns recordings into corrections", filter_names);
         option("sensor_mode", sensors.mode, "",
                "what they tell: displacement and attitude without error, or tracked with noise; or "
-               "an inertial sensor through the intake: tilt alone",
+               "an inertial sensor through quality control: tilt alone",
                sensor_modes);
         option("imu", sensors.imu, "", "of honest-imu, and of --record",
                {"lab-grade", "smartrock-like", "cheap"});
@@ -107,9 +107,9 @@ struct Twin {
                "that corrections may do of the work of platens and membrane, from one to the next: "
                "those that cost more are reduced or refused; 0: no limit",
                within(0, 1));
-        option("pull_stiffness", corrections.pull.stiffness, "N/m",
+        option("nudging_stiffness", corrections.nudging.stiffness, "N/m",
                "of critically damped springs that pull sensor rocks", above(0));
-        option("largest_pull", corrections.pull.largest_force, "N",
+        option("largest_nudging_force", corrections.nudging.largest_force, "N",
                "of spring and dashpot together", at_least(0));
         option("position_noise", sensors.position_noise, "m", "of tracked displacements", above(0));
         option("attitude_noise", sensors.attitude_noise, "rad", "of tracked attitudes", above(0));
@@ -119,7 +119,7 @@ struct Twin {
                "share of samples that are 20 mm and half a radian off", within(0, 0.99));
         option("lateness", lateness, "", "axial strain by which samples come late", at_least(0));
         option("lag", corrections.filter.lag, "",
-               "samples back to which a sensor rock that is put or pulled takes late ones; 0: they "
+               "samples back to which a sensor rock that is put or nudged takes late ones; 0: they "
                "are refused");
         option("drift", corrections.filter.drift, "m2",
                "that the model may go astray in a unit of strain", at_least(0));
@@ -148,46 +148,46 @@ Learning learning_for(const Twin& t) {
     return learning;
 }
 
-std::vector<std::string> names_of_arms(const std::string& list) {
+std::vector<std::string> names_of_variants(const std::string& list) {
     std::vector<std::string> names;
     if (list == "none") return names; // the truth alone, to be recorded
     std::string all;
-    for (const std::string_view name : arm_names)
+    for (const std::string_view name : variant_names)
         all += fmt::format("{}{}", all.empty() ? "" : ", ", name);
     std::istringstream text(list);
     for (std::string name; std::getline(text, name, ',');) {
-        require(std::ranges::count(arm_names, name) == 1,
-                fmt::format("--arms: expected {}, found '{}'", all, name));
+        require(std::ranges::count(variant_names, name) == 1,
+                fmt::format("--variants: expected {}, found '{}'", all, name));
         require(std::ranges::count(names, name) == 0,
-                fmt::format("--arms: expected each once, found '{}' twice", name));
+                fmt::format("--variants: expected each once, found '{}' twice", name));
         names.push_back(name);
     }
     return names;
 }
 
 /// From the worlds that learn, not by a run of its own.
-bool is_computed(const std::string& arm) {
-    return arm == "ensemble" || arm == "load_cell" || arm == "sensors_only" || arm == "analysed" ||
-           arm == "null";
+bool is_computed(const std::string& variant) {
+    return variant == "ensemble" || variant == "load_cell" || variant == "sensors_only" ||
+           variant == "analysis" || variant == "null";
 }
 
 /// By what was recorded of the sensors.
-bool is_corrected(const std::string& arm) {
-    constexpr std::array<std::string_view, 6> corrected{"jumped", "spread",   "pulled",
-                                                        "both",   "analysed", "null"};
-    return std::ranges::count(corrected, arm) > 0;
+bool is_corrected(const std::string& variant) {
+    constexpr std::array<std::string_view, 6> corrected{"inserted", "spread",   "nudged",
+                                                        "both",     "analysis", "null"};
+    return std::ranges::count(corrected, variant) > 0;
 }
 
-bool learns(const std::string& arm) {
-    return arm == "learned" || arm == "both" || is_computed(arm);
+bool learns(const std::string& variant) {
+    return variant == "learned" || variant == "both" || is_computed(variant);
 }
 
 /// What worlds learned, and foretell together.
-struct Taught {
+struct Assimilated {
     Learned learned;
     ModelRun forecast = {};   // where it is asked for
     RockScatter scatter = {}; // likewise
-    std::size_t gross = 0;    // displacements that were left out
+    std::size_t outliers = 0; // displacements that were left out
     double wall = 0;
 };
 
@@ -197,7 +197,7 @@ public:
     Experiment(const Twin& settings, const Common& common)
         : t_(settings), common_(common),
           learning_(learning_for(t_)), true_{make_scene(t_.triaxial, common.seed), {}},
-          names_(names_of_arms(t_.arms)), test_(t_.triaxial.test),
+          names_(names_of_variants(t_.variants)), test_(t_.triaxial.test),
           progress_(progress_of_models(common)) {
         test_.confining_pressure = t_.triaxial.confining_pressure.front();
     }
@@ -205,28 +205,29 @@ public:
     void report() const;
 
 private:
-    void add_arm(Summary& summary, std::size_t k, const TwinErrors* of_free) const;
+    void add_variant(Summary& summary, std::size_t k, const TwinErrors* of_free) const;
     void add_properties(Summary& summary, const std::string& name, const ModelRun& run) const;
-    void add_learned(Summary& summary, const std::string& name, const Taught& taught) const;
+    void add_learned(Summary& summary, const std::string& name,
+                     const Assimilated& assimilated) const;
     void write_smoothed() const;
     void draw() const;
-    ModelArm arm_of(const std::string& name) const;
-    std::string teaching_of(const std::string& arm) const;
-    Taught teach(const std::string& teaching, const Told& told);
-    ModelRun compute(const ModelArm& arm);
+    ModelVariant variant_of(const std::string& name) const;
+    std::string data_set_of(const std::string& variant) const;
+    Assimilated assimilate(const std::string& data_set, const SensorObservations& observations);
+    ModelRun compute(const ModelVariant& variant);
     std::vector<TriaxialPoint> measured() const;
     void record(const RecordingSettings& settings) const;
     void make_specimens();
-    const PreparedSpecimen& specimen_of(const std::string& arm) const {
-        return model_ && arm != "truth" && arm != "chaos" ? *model_ : true_;
+    const PreparedSpecimen& specimen_of(const std::string& variant) const {
+        return model_ && variant != "truth" && variant != "perturbed" ? *model_ : true_;
     }
     /// Whose errors are asked for: of another packing only the sensor rocks are where the truth has
     /// them.
-    std::size_t shells_of(const std::string& arm) const {
-        return t_.mismatch.packing > 0 && arm != "chaos" ? 1 : shell_names.size();
+    std::size_t shells_of(const std::string& variant) const {
+        return t_.mismatch.packing > 0 && variant != "perturbed" ? 1 : shell_names.size();
     }
     void add_starts(Summary& summary) const;
-    std::vector<ModelRun> run_all(const std::vector<ModelArm>& arms, double strain);
+    std::vector<ModelRun> run_all(const std::vector<ModelVariant>& variants, double strain);
     ModelRun run_another();
 
     const Twin& t_;
@@ -238,43 +239,46 @@ private:
     TriaxialSettings test_;
     Progress progress_;
     ModelRun truth_;
-    std::optional<Told> told_, told_of_another_;
-    std::optional<Worlds> first_;          // generation, from which all that is learned goes on
-    std::map<std::string, Taught> taught_; // by teaching; "worlds": by all that was measured
-    std::vector<ModelArm> arms_;
+    std::optional<SensorObservations> observations_, observations_of_another_;
+    std::optional<Ensemble> first_; // generation, from which all that is learned goes on
+    std::map<std::string, Assimilated>
+        assimilated_; // by teaching; "worlds": by all that was measured
+    std::vector<ModelVariant> variants_;
     std::vector<ModelRun> runs_;
 };
 
 // Names of what worlds learn from: arms for whom it is the same share them.
-std::string Experiment::teaching_of(const std::string& arm) const {
-    const bool sensors_say_nothing = t_.sensors.mode == "honest-imu" || !learning_.by_sensors;
-    const bool own =
-        arm == "sensors_only" || (!sensors_say_nothing && (arm == "load_cell" || arm == "null"));
-    return own ? arm : "worlds";
+std::string Experiment::data_set_of(const std::string& variant) const {
+    const bool sensors_uninformative = t_.sensors.mode == "honest-imu" || !learning_.by_sensors;
+    const bool own = variant == "sensors_only" ||
+                     (!sensors_uninformative && (variant == "load_cell" || variant == "null"));
+    return own ? variant : "all";
 }
 
-ModelArm Experiment::arm_of(const std::string& name) const {
-    ModelArm arm{.name = name, .rocks = t_.model, .corrections = t_.corrections};
-    arm.corrections.filter.kind = named<FilterKind>(filter_names, t_.filter);
-    if (name == "chaos") {
-        arm.rocks = {test_.friction, 1};
-        arm.disturbance = t_.disturbance;
+ModelVariant Experiment::variant_of(const std::string& name) const {
+    ModelVariant variant{.name = name, .rocks = t_.model, .corrections = t_.corrections};
+    variant.corrections.filter.kind = named<FilterKind>(filter_names, t_.filter);
+    if (name == "perturbed") {
+        variant.rocks = {test_.friction, 1};
+        variant.disturbance = t_.disturbance;
     }
     if (learns(name)) {
-        arm.learned = schedule_of(taught_.at(teaching_of(name)).learned.known, t_.model, t_.change);
-        arm.catch_up = t_.catch_up;
+        variant.learned =
+            schedule_of(assimilated_.at(data_set_of(name)).learned.estimates, t_.model, t_.change);
+        variant.catch_up = t_.catch_up;
     }
     if (is_corrected(name)) {
-        const Told& told = *(name == "null" ? told_of_another_ : told_);
-        arm.ways = told.ways;
-        arm.corrections.position_noise = told.position_noise;
-        arm.corrections.attitude_noise = told.attitude_noise;
+        const SensorObservations& observations =
+            *(name == "null" ? observations_of_another_ : observations_);
+        variant.trajectories = observations.trajectories;
+        variant.corrections.position_noise = observations.position_noise;
+        variant.corrections.attitude_noise = observations.attitude_noise;
     }
-    if (name == "jumped" || name == "spread") arm.corrections.pull.stiffness = 0;
-    arm.corrections.lateness = t_.lateness;
-    arm.corrections.note_every = t_.sensors.interval;
-    arm.corrections.spread = name == "spread";
-    return arm;
+    if (name == "inserted" || name == "spread") variant.corrections.nudging.stiffness = 0;
+    variant.corrections.lateness = t_.lateness;
+    variant.corrections.note_every = t_.sensors.interval;
+    variant.corrections.spread = name == "spread";
+    return variant;
 }
 
 void Experiment::make_specimens() {
@@ -288,10 +292,11 @@ void Experiment::make_specimens() {
                    "with; errors of the others are left out\n");
 }
 
-std::vector<ModelRun> Experiment::run_all(const std::vector<ModelArm>& arms, double strain) {
+std::vector<ModelRun> Experiment::run_all(const std::vector<ModelVariant>& variants,
+                                          double strain) {
     std::vector<const PreparedSpecimen*> specimens;
-    for (const ModelArm& arm : arms) specimens.push_back(&specimen_of(arm.name));
-    return run_models(specimens, test_, arms, strain, common_, progress_);
+    for (const ModelVariant& variant : variants) specimens.push_back(&specimen_of(variant.name));
+    return run_models(specimens, test_, variants, strain, common_, progress_);
 }
 
 /// The truth of another specimen, packed around sensor rocks in the same places.
@@ -303,43 +308,47 @@ ModelRun Experiment::run_another() {
         run_models({&another}, test_, {{.name = "another truth", .rocks = {test_.friction, 1}}},
                    test_.final_axial_strain, common, progress_)
             .front();
-    forget_runs(common);
+    remove_checkpoints(common);
     return run;
 }
 
-Taught Experiment::teach(const std::string& teaching, const Told& told) {
+Assimilated Experiment::assimilate(const std::string& data_set,
+                                   const SensorObservations& observations) {
     const auto began = this_instant();
     MeasuredTest measured = measured_test(this->measured());
-    measured.ways = told.ways;
-    measured.displacement_noise = told.position_noise;
+    measured.trajectories = observations.trajectories;
+    measured.displacement_noise = observations.position_noise;
     measured.lateness = t_.lateness;
     Learning learning = learning_;
-    if (teaching == "load_cell") learning.by_sensors = false;
-    if (teaching == "sensors_only") {
+    if (data_set == "load_cell") learning.by_sensors = false;
+    if (data_set == "sensors_only") {
         learning.by_sensors = true;
         learning.by_force = learning.by_volume = false;
     }
     const Gaussian prior = prior_of(t_.model, learning);
-    const PreparedSpecimen& worlds = specimen_of(teaching);
-    const auto try_them = [&](const std::vector<ModelArm>& arms, double strain) {
-        return try_models(worlds.scene, test_, worlds.state, arms, strain, common_, progress_);
+    const PreparedSpecimen& specimen = specimen_of(data_set);
+    const auto try_variants = [&](const std::vector<ModelVariant>& variants, double strain) {
+        return try_models(specimen.scene, test_, specimen.state, variants, strain, common_,
+                          progress_);
     };
     if (!first_)
-        first_ = run_worlds(prior, learning.worlds, "first", learning.first_strain, try_them);
-    const auto foretells = [&](const std::string& arm) {
-        return is_computed(arm) && teaching_of(arm) == teaching;
+        first_ = run_members(prior, learning.members, "first", learning.first_strain, try_variants);
+    const auto is_forecast = [&](const std::string& variant) {
+        return is_computed(variant) && data_set_of(variant) == data_set;
     };
-    const bool all_the_way = std::ranges::any_of(names_, foretells);
-    Taught taught{.learned = learn_on(
-                      prior, *first_, measured, learning,
-                      all_the_way ? test_.final_axial_strain : learning.final_strain, try_them)};
-    if (learning.by_sensors) taught.gross = gross_displacements(taught.learned.second, measured);
+    const bool all_the_way = std::ranges::any_of(names_, is_forecast);
+    Assimilated assimilated{
+        .learned =
+            learn_on(prior, *first_, measured, learning,
+                     all_the_way ? test_.final_axial_strain : learning.final_strain, try_variants)};
+    if (learning.by_sensors)
+        assimilated.outliers = outlying_displacements(assimilated.learned.second, measured);
     if (all_the_way) {
-        taught.forecast = foretold_by(taught.learned, prior);
-        taught.scatter = scatter_of(taught.learned.second);
+        assimilated.forecast = ensemble_forecast(assimilated.learned, prior);
+        assimilated.scatter = scatter_of(assimilated.learned.second);
     }
-    taught.wall = seconds_since(began);
-    return taught;
+    assimilated.wall = seconds_since(began);
+    return assimilated;
 }
 
 /// What the test machine tells of the truth.
@@ -353,12 +362,13 @@ std::vector<TriaxialPoint> Experiment::measured() const {
 
 /// What the worlds of an arm foretell, and where it is told of sensors, their recordings carried to
 /// all rocks.
-ModelRun Experiment::compute(const ModelArm& arm) {
-    const Taught& taught = taught_.at(teaching_of(arm.name));
-    if (arm.ways.empty()) return taught.forecast;
-    return analyse(taught.forecast, taught.scatter,
-                   {sensor_rocks(truth_), arm.ways, arm.corrections.position_noise,
-                    arm.corrections.attitude_noise, t_.lateness});
+ModelRun Experiment::compute(const ModelVariant& variant) {
+    const Assimilated& assimilated = assimilated_.at(data_set_of(variant.name));
+    if (variant.trajectories.empty()) return assimilated.forecast;
+    return compute_analysis(assimilated.forecast, assimilated.scatter,
+                            {sensor_rocks(truth_), variant.trajectories,
+                             variant.corrections.position_noise, variant.corrections.attitude_noise,
+                             t_.lateness});
 }
 
 void Experiment::record(const RecordingSettings& settings) const {
@@ -385,26 +395,26 @@ void Experiment::run() {
                                          .attitude_noise = t_.sensors.attitude_noise};
         record(settings);
     }
-    told_ = told_by_sensors(truth_, t_.sensors, common_.seed);
+    observations_ = observe_sensors(truth_, t_.sensors, common_.seed);
     if (std::ranges::count(names_, "null") > 0)
-        told_of_another_ = told_by_sensors(run_another(), t_.sensors, common_.seed);
+        observations_of_another_ = observe_sensors(run_another(), t_.sensors, common_.seed);
     for (const std::string& name : names_)
-        if (learns(name) && !taught_.contains(teaching_of(name)))
-            taught_[teaching_of(name)] =
-                teach(teaching_of(name), *(name == "null" ? told_of_another_ : told_));
-    std::vector<ModelArm> to_run;
+        if (learns(name) && !assimilated_.contains(data_set_of(name)))
+            assimilated_[data_set_of(name)] = assimilate(
+                data_set_of(name), *(name == "null" ? observations_of_another_ : observations_));
+    std::vector<ModelVariant> to_run;
     for (const std::string& name : names_) {
-        arms_.push_back(arm_of(name));
-        if (!is_computed(name)) to_run.push_back(arms_.back());
+        variants_.push_back(variant_of(name));
+        if (!is_computed(name)) to_run.push_back(variants_.back());
     }
     auto runs = run_all(to_run, test_.final_axial_strain);
     auto next = runs.begin();
-    for (const ModelArm& arm : arms_)
-        runs_.push_back(is_computed(arm.name) ? compute(arm) : std::move(*next++));
+    for (const ModelVariant& variant : variants_)
+        runs_.push_back(is_computed(variant.name) ? compute(variant) : std::move(*next++));
 }
 
-void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_free) const {
-    const std::string& name = arms_[k].name;
+void Experiment::add_variant(Summary& summary, std::size_t k, const TwinErrors* of_free) const {
+    const std::string& name = variants_[k].name;
     const auto add = [&](const char* what, const auto& value) {
         summary.add(fmt::format("{}_{}", name, what), value);
     };
@@ -417,22 +427,22 @@ void Experiment::add_arm(Summary& summary, std::size_t k, const TwinErrors* of_f
         [&](const std::string& what, const char* unit, double e) {
             summary.add(fmt::format("{}_rmse_{}{}{}", name, what, *unit ? "_" : "", unit), e);
             if (free.contains(what))
-                summary.add(fmt::format("{}_error_left_{}", name, what), e / free.at(what));
+                summary.add(fmt::format("{}_error_ratio_{}", name, what), e / free.at(what));
         });
     add("steps", runs_[k].steps);
     add("wall_time_s", runs_[k].wall_time);
     add_properties(summary, name, runs_[k]);
-    if (arms_[k].ways.empty()) return;
+    if (variants_[k].trajectories.empty()) return;
     add("measurements_accepted", runs_[k].accepted);
     add("measurements_refused", runs_[k].refused);
-    if (is_computed(name)) return add("sensors_strange_from", runs_[k].strange_from);
+    if (is_computed(name)) return add("sensors_inconsistent_from", runs_[k].inconsistent_from);
     add("fusion_work_over_boundary_work", runs_[k].fusion_work / runs_[k].boundary_work);
     add("samples_too_late", runs_[k].too_late);
     add("corrections_reduced", runs_[k].reduced);
     add("corrections_withheld", runs_[k].withheld);
-    add("corrections_reduced_by_work", runs_[k].too_dear);
-    add("corrections_withheld_by_work", runs_[k].much_too_dear);
-    if (arms_[k].corrections.filter.lag == 0) return;
+    add("corrections_reduced_by_work", runs_[k].too_costly);
+    add("corrections_withheld_by_work", runs_[k].much_too_costly);
+    if (variants_[k].corrections.filter.lag == 0) return;
     const SmoothedErrors smoothed = errors_of_smoothed(runs_[k], truth_);
     add("smoothed_rmse_displacement_sensors_m", smoothed.displacement);
     add("smoothed_rmse_rotation_sensors_rad", smoothed.rotation);
@@ -457,47 +467,49 @@ void Experiment::add_starts(Summary& summary) const {
     put("truth", truth_);
     summary.add("learning_specimen_scatter", learning_.specimen_scatter);
     const ModelRun* model = first_ ? &first_->runs.front() : nullptr;
-    for (std::size_t k = 0; k < arms_.size(); ++k)
-        if (!is_computed(arms_[k].name) && &specimen_of(arms_[k].name) == &*model_ &&
-            (model == nullptr || arms_[k].name == "free"))
+    for (std::size_t k = 0; k < variants_.size(); ++k)
+        if (!is_computed(variants_[k].name) && &specimen_of(variants_[k].name) == &*model_ &&
+            (model == nullptr || variants_[k].name == "free"))
             model = &runs_[k];
     if (model == nullptr) return; // no arm runs it
     put("model", *model);
-    const StartsApart apart = starts_apart(*model, truth_);
-    summary.add("model_start_off_truth_sensors_mm", 1e3 * apart.sensor_distance);
-    summary.add("model_start_turned_off_truth_sensors_rad", apart.sensor_angle);
+    const StartDifference apart = start_difference(*model, truth_);
+    summary.add("model_start_error_sensors_mm", 1e3 * apart.sensor_distance);
+    summary.add("model_start_rotation_error_sensors_rad", apart.sensor_angle);
     if (t_.mismatch.packing > 0) return; // other rocks
-    summary.add("model_start_off_truth_mm", 1e3 * apart.distance);
-    summary.add("model_start_turned_off_truth_rad", apart.angle);
+    summary.add("model_start_error_mm", 1e3 * apart.distance);
+    summary.add("model_start_rotation_error_rad", apart.angle);
 }
 
-/// `taught` by another name than "worlds" says so.
+/// `assimilated` by another name than "worlds" says so.
 void Experiment::add_learned(Summary& summary, const std::string& name,
-                             const Taught& taught) const {
-    const std::string whose = name == "worlds" ? "" : name + "_";
-    const auto& known = taught.learned.known;
-    const Gaussian last = known.empty() ? prior_of(t_.model, learning_) : known.back().belief;
+                             const Assimilated& assimilated) const {
+    const std::string whose = name == "all" ? "" : name + "_";
+    const auto& estimates = assimilated.learned.estimates;
+    const Gaussian last =
+        estimates.empty() ? prior_of(t_.model, learning_) : estimates.back().estimate;
     for (const NamedValue& v : describe(last))
         summary.add(NamedValue(whose + v.key, std::get<double>(v.value)));
     summary.add(whose + "learned_squared_distance_of_truth",
                 squared_distance(last, logarithms_of({test_.friction, 1})));
-    summary.add(whose + "learning_wall_time_s", taught.wall);
-    summary.add(whose + "learning_gross_displacements", taught.gross);
-    for (const auto& [what, scatter] : {std::pair{"displacements", &taught.scatter.displacement},
-                                        std::pair{"rotations", &taught.scatter.rotation}}) {
-        if (scatter->likeness.length <= 0) continue;
-        summary.add(fmt::format("{}likeness_of_{}", whose, what), scatter->likeness.near);
-        summary.add(fmt::format("{}likeness_of_{}_length_m", whose, what),
-                    scatter->likeness.length);
+    summary.add(whose + "learning_wall_time_s", assimilated.wall);
+    summary.add(whose + "learning_outlying_displacements", assimilated.outliers);
+    for (const auto& [what, scatter] :
+         {std::pair{"displacements", &assimilated.scatter.displacement},
+          std::pair{"rotations", &assimilated.scatter.rotation}}) {
+        if (scatter->correlation.length <= 0) continue;
+        summary.add(fmt::format("{}correlation_of_{}", whose, what), scatter->correlation.near);
+        summary.add(fmt::format("{}correlation_of_{}_length_m", whose, what),
+                    scatter->correlation.length);
     }
-    const std::string file = name == "worlds" ? "" : "_" + name;
-    write_known(common_.out / fmt::format("learned{}.csv", file), known);
-    write_worlds(common_.out / fmt::format("worlds{}.csv", file), taught.learned.second);
+    const std::string file = name == "all" ? "" : "_" + name;
+    write_estimates(common_.out / fmt::format("learned{}.csv", file), estimates);
+    write_members(common_.out / fmt::format("members{}.csv", file), assimilated.learned.second);
 }
 
 /// The ways of sensor rocks as filters that look back know them.
 void Experiment::write_smoothed() const {
-    for (std::size_t k = 0; k < arms_.size(); ++k) {
+    for (std::size_t k = 0; k < variants_.size(); ++k) {
         std::vector<std::vector<double>> rows;
         for (std::size_t rock = 0; rock < runs_[k].smoothed.size(); ++rock)
             for (const SmoothedPose& p : runs_[k].smoothed[rock]) {
@@ -508,7 +520,7 @@ void Experiment::write_smoothed() const {
                                 p.attitude_deviation.norm()});
             }
         if (!rows.empty())
-            write_csv(common_.out / fmt::format("smoothed_{}.csv", arms_[k].name),
+            write_csv(common_.out / fmt::format("smoothed_{}.csv", variants_[k].name),
                       {"sensor", "axial_strain", "ux_m", "uy_m", "uz_m", "turn_x_rad", "turn_y_rad",
                        "turn_z_rad", "deviation_m", "deviation_rad"},
                       rows, {}, 7);
@@ -521,8 +533,8 @@ void Experiment::draw() const {
                   .x_label = "axial strain (%)",
                   .y_label = title,
                   .curves = {curve_of("truth", truth_.points, scale, value)}};
-        for (std::size_t k = 0; k < arms_.size(); ++k)
-            plot.curves.push_back(curve_of(arms_[k].name, runs_[k].points, scale, value));
+        for (std::size_t k = 0; k < variants_.size(); ++k)
+            plot.curves.push_back(curve_of(variants_[k].name, runs_[k].points, scale, value));
         return plot;
     };
     draw_plots(common_.out / "twin.png",
@@ -536,22 +548,23 @@ void Experiment::report() const {
     std::optional<TwinErrors> of_free;
     if (free != names_.end())
         of_free = errors_of(runs_[static_cast<std::size_t>(free - names_.begin())], truth_);
-    for (std::size_t k = 0; k < arms_.size(); ++k)
-        add_arm(summary, k, of_free ? &*of_free : nullptr);
+    for (std::size_t k = 0; k < variants_.size(); ++k)
+        add_variant(summary, k, of_free ? &*of_free : nullptr);
     add_properties(summary, "truth", truth_);
     add_starts(summary);
-    summary.add("sensors_refused", told_->refused);
-    for (const auto& [name, taught] : taught_) add_learned(summary, name, taught);
+    summary.add("sensors_refused", observations_->refused);
+    for (const auto& [name, assimilated] : assimilated_) add_learned(summary, name, assimilated);
     write_smoothed();
-    for (std::size_t k = 0; k < arms_.size(); ++k)
+    for (std::size_t k = 0; k < variants_.size(); ++k)
         if (!runs_[k].analyses.empty())
-            write_records(common_.out / fmt::format("analyses_{}.csv", arms_[k].name),
+            write_records(common_.out / fmt::format("analyses_{}.csv", variants_[k].name),
                           runs_[k].analyses, "axial_strain");
     draw();
-    if (t_.layouts && taught_.contains("worlds") && !taught_.at("worlds").forecast.points.empty()) {
-        const Taught& worlds = taught_.at("worlds");
+    if (t_.layouts && assimilated_.contains("all") &&
+        !assimilated_.at("all").forecast.points.empty()) {
+        const Assimilated& all_data = assimilated_.at("all");
         write_layouts(common_.out / "layouts.csv",
-                      try_layouts(truth_, worlds.forecast, worlds.scatter,
+                      try_layouts(truth_, all_data.forecast, all_data.scatter,
                                   {.position_noise = t_.sensors.position_noise,
                                    .attitude_noise = t_.sensors.attitude_noise,
                                    .seed = common_.seed}));
@@ -582,7 +595,7 @@ void run(const Twin& t, const Common& common) {
     Experiment experiment(t, common);
     experiment.run();
     experiment.report();
-    forget_runs(common);
+    remove_checkpoints(common);
 }
 
 std::string explain(const Twin& t, const Common& common) {

@@ -9,8 +9,9 @@
 
 namespace bris {
 
-using WatchedBodies = Rows<Bodies, const BodyId, const MotionOf, const Travel, const Position,
-                           const Velocity, const Spin, const BoundingRadius>;
+using WatchedBodies =
+    Rows<Bodies, const BodyId, const MotionOf, const DisplacementBound, const Position,
+         const Velocity, const AngularVelocity, const BoundingRadius>;
 
 /// Watches every step: positions or spins that are not numbers, bodies faster than the limit, free
 /// bodies that have left the box of the scene, and steps that could carry one surface past another

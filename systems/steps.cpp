@@ -7,7 +7,7 @@
 #include "systems/contact/share_patches.hpp"
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
-#include "systems/fusion/pull.hpp"
+#include "systems/fusion/nudging.hpp"
 #include "systems/guard.hpp"
 #include "systems/integration/motion.hpp"
 #include "systems/servo/membrane.hpp"
@@ -19,19 +19,22 @@ namespace bris {
 namespace {
 
 template <class Pairs>
-System gather_of(const char* name, LawName law, bool ledger) {
+System gather_of(const char* name, LawName law, bool energy_budget) {
     if (has_rolling(law))
-        return required(ledger ? row_local(name, gather_and_book<Pairs, PairTorque>)
-                               : row_local(name, gather<Pairs, PairTorque>));
-    return required(ledger && has_springs(law) ? row_local(name, gather_and_book<Pairs>)
-                                               : row_local(name, gather<Pairs>));
+        return required(energy_budget
+                            ? row_local(name, gather_and_accumulate_work<Pairs, PairTorque>)
+                            : row_local(name, gather<Pairs, PairTorque>));
+    return required(energy_budget && has_springs(law)
+                        ? row_local(name, gather_and_accumulate_work<Pairs>)
+                        : row_local(name, gather<Pairs>));
 }
 
 /// Without friction, it has work to book only with dashpots.
-System gather_of_membrane(LawName law, bool ledger) {
+System gather_of_membrane(LawName law, bool energy_budget) {
     constexpr auto name = "gather_membrane";
-    return ledger && has_dashpots(law) ? row_local(name, gather_and_book<MembranePairs>)
-                                       : row_local(name, gather<MembranePairs>);
+    return energy_budget && has_dashpots(law)
+               ? row_local(name, gather_and_accumulate_work<MembranePairs>)
+               : row_local(name, gather<MembranePairs>);
 }
 
 bool sleep_or_lists_are_due(const World& world) {
@@ -40,20 +43,21 @@ bool sleep_or_lists_are_due(const World& world) {
 
 } // namespace
 
-StepList steps(LawName law, bool ledger, PatchStiffness patch) {
-    const auto due = lists_are_due, places_due = places_are_due;
-    const StepChoices choices{ledger, patch};
+StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
+    const auto due = lists_are_due, positions_due = positions_are_due;
+    const StepChoices choices{energy_budget, patch};
     return {
         // rarely: new lists, then everything placed anew
-        when(due, system("refresh_pairs", refresh_pairs)),
+        when(due, system("rebuild_pairs", rebuild_pairs)),
         when(due, system("prune_pairs", prune_pairs)),
-        when(places_due, row_local("place_spheres again", place_spheres)),
-        when(places_due, row_local("place again", place)),
-        when(places_due, row_local("place_kicks again", place_kicks)),
-        when(places_due, row_local("tell_corrections again", tell_corrections)),
-        when(places_due, system("place_planes again", place_planes)),
-        when(places_due, system("place_facets again", place_facets)),
-        when(places_due, system("note_places", note_places)),
+        when(positions_due, row_local("update_sphere_positions again", update_sphere_positions)),
+        when(positions_due, row_local("update_clump_positions again", update_clump_positions)),
+        when(positions_due, row_local("update_kicks again", update_kicks)),
+        when(positions_due,
+             row_local("apply_correction_velocity again", apply_correction_velocity)),
+        when(positions_due, system("update_planes again", update_planes)),
+        when(positions_due, system("update_facets again", update_facets)),
+        when(positions_due, system("note_positions", note_positions)),
         when(sleep_or_lists_are_due, system("review_sleep", review_sleep)),
         // forces of pairs
         system("share_sphere_patches", share_sphere_patches),
@@ -69,38 +73,39 @@ StepList steps(LawName law, bool ledger, PatchStiffness patch) {
         system("list_membrane_contacts", list_contacts<MembranePairs>),
         // forces on bodies, and their motion: one pass over the rows
         row_local("clear_forces", clear_forces),
-        row_local("weigh", weigh),
-        gather_of<SpherePairs>("gather_spheres", law, ledger),
-        gather_of<FacetPairs>("gather_facets", law, ledger),
-        gather_of<PlanePairs>("gather_planes", law, ledger),
-        gather_of_membrane(law, ledger),
-        row_local("book_boundary_work", book_boundary_work),
-        row_local("book_corrections", book_corrections),
-        row_local("pull_spheres", pull_spheres),
-        row_local("pull_clumps", pull_clumps),
-        required(ledger ? row_local("damp_and_book", damp_and_book) : row_local("damp", damp)),
+        row_local("apply_gravity", apply_gravity),
+        gather_of<SpherePairs>("gather_spheres", law, energy_budget),
+        gather_of<FacetPairs>("gather_facets", law, energy_budget),
+        gather_of<PlanePairs>("gather_planes", law, energy_budget),
+        gather_of_membrane(law, energy_budget),
+        row_local("accumulate_boundary_work", accumulate_boundary_work),
+        row_local("accumulate_correction_work", accumulate_correction_work),
+        row_local("nudge_spheres", nudge_spheres),
+        row_local("nudge_clumps", nudge_clumps),
+        required(energy_budget ? row_local("damp_and_accumulate_work", damp_and_accumulate_work)
+                               : row_local("damp", damp)),
         row_local("integrate", integrate),
-        row_local("turn_spheres", turn_spheres),
-        row_local("turn", turn),
-        row_local("turn_corrections", turn_corrections),
-        row_local("shift_corrections", shift_corrections),
+        row_local("rotate_spheres", rotate_spheres),
+        row_local("rotate_clumps", rotate_clumps),
+        row_local("apply_correction_rotation", apply_correction_rotation),
+        row_local("apply_correction_displacement", apply_correction_displacement),
         row_local("hold_spheres", hold_spheres),
         row_local("hold_clumps", hold_clumps),
-        row_local("place_spheres", place_spheres),
-        row_local("place", place),
-        row_local("place_kicks", place_kicks),
-        row_local("tell_corrections", tell_corrections),
-        row_local("measure_travel", measure_travel),
-        row_local("measure_travel_and_turn", measure_travel_and_turn),
+        row_local("update_sphere_positions", update_sphere_positions),
+        row_local("update_clump_positions", update_clump_positions),
+        row_local("update_kicks", update_kicks),
+        row_local("apply_correction_velocity", apply_correction_velocity),
+        row_local("bound_displacement", bound_displacement),
+        row_local("bound_displacement_and_rotation", bound_displacement_and_rotation),
         // boundaries
         system("push_membrane", push_membrane),
-        system("book_membrane_work", book_membrane_work),
-        system("steer_membrane", steer_membrane),
-        system("book_membrane_work again", book_membrane_work),
-        system("steer_platen", steer_platen),
-        system("book_platen_work", book_platen_work),
-        system("place_planes", place_planes),
-        system("place_facets", place_facets),
+        system("accumulate_membrane_work", accumulate_membrane_work),
+        system("servo_membrane", servo_membrane),
+        system("accumulate_membrane_work again", accumulate_membrane_work),
+        system("servo_platen", servo_platen),
+        system("accumulate_platen_work", accumulate_platen_work),
+        system("update_planes", update_planes),
+        system("update_facets", update_facets),
         // what sensors have recorded of their bodies
         when(fusion_is_due, system("fuse_spheres", fuse_spheres)),
         when(fusion_is_due, system("fuse_clumps", fuse_clumps)),

@@ -61,8 +61,8 @@ std::vector<Include> all_includes(const fs::path& root) {
 /// "systems/contact/laws/law.hpp" -> "contact", "systems/steps.cpp" -> "steps",
 /// "scenarios/settle.cpp" -> "settle".
 std::string room(const std::string& path) {
-    const std::string rest = path.substr(path.find('/') + 1);
-    return rest.substr(0, rest.find_first_of("/."));
+    const std::string remaining = path.substr(path.find('/') + 1);
+    return remaining.substr(0, remaining.find_first_of("/."));
 }
 
 /// Rooms of systems/ meet only in the list of steps.

@@ -11,7 +11,7 @@ Transition at_rest() {
 
 Matrix sees_nothing() { return Matrix::Zero(3, InertialFilter::size); }
 
-Matrix sees(InertialFilter::Part part) {
+Matrix observation_matrix(InertialFilter::Part part) {
     Matrix H = sees_nothing();
     H.block<3, 3>(0, part).setIdentity();
     return H;
@@ -20,9 +20,10 @@ Matrix sees(InertialFilter::Part part) {
 } // namespace
 
 void InertialFilter::begin(double position_m, double velocity_m_s, double rotation_rad,
-                           double spin_rad_s, double force_bias_m_s2, double rate_bias_rad_s) {
+                           double angular_velocity_rad_s, double force_bias_m_s2,
+                           double rate_bias_rad_s) {
     Eigen::Matrix<double, 6, 1> deviations;
-    deviations << position_m, velocity_m_s, rotation_rad, spin_rad_s, force_bias_m_s2,
+    deviations << position_m, velocity_m_s, rotation_rad, angular_velocity_rad_s, force_bias_m_s2,
         rate_bias_rad_s;
     error_ = Gaussian(size);
     for (int k = 0; k < size; ++k) error_.root(k, k) = deviations[k / 3];
@@ -35,7 +36,7 @@ Transition InertialFilter::free_motion(double dt, const Vec3& rate, double accel
     const Mat3 one = Mat3::Identity();
     t.F.block<3, 3>(position, velocity) = dt * one;
     t.F.block<3, 3>(rotation, rotation) = exponential_map(turn).toRotationMatrix();
-    t.F.block<3, 3>(rotation, spin) = dt * mean_rotation(turn);
+    t.F.block<3, 3>(rotation, angular_velocity) = dt * mean_rotation(turn);
     const auto drive = [&](int first, int second, double density) {
         t.Q.block<3, 3>(first, first) = density * dt * dt * dt / 3 * one;
         t.Q.block<3, 3>(first, second) = t.Q.block<3, 3>(second, first) =
@@ -43,13 +44,14 @@ Transition InertialFilter::free_motion(double dt, const Vec3& rate, double accel
         t.Q.block<3, 3>(second, second) = density * dt * one;
     };
     drive(position, velocity, acceleration_density);
-    drive(rotation, spin, angular_density);
+    drive(rotation, angular_velocity, angular_density);
     return t;
 }
 
 void InertialFilter::advance(double dt, double acceleration_density, double angular_density) {
-    error_ = predict(error_, free_motion(dt, state.spin, acceleration_density, angular_density));
-    const Vec3 turn = dt * state.spin;
+    error_ = predict(
+        error_, free_motion(dt, state.angular_velocity, acceleration_density, angular_density));
+    const Vec3 turn = dt * state.angular_velocity;
     state.position += dt * state.velocity;
     state.orientation = (exponential_map(turn) * state.orientation).normalized();
 }
@@ -59,8 +61,8 @@ void InertialFilter::advance(double dt, const InertialSample& sample, const Iner
                turn = dt * rate;
     const Mat3 R = state.orientation.toRotationMatrix(), one = Mat3::Identity();
     const Quat later = (state.orientation * exponential_map(turn)).normalized();
-    const Vec3 pull = R * force, spun = later * rate;
-    const Mat3 turned = dt * (R * mean_rotation(turn)), tilted = cross_matrix(pull);
+    const Vec3 specific_force = R * force, spun = later * rate;
+    const Mat3 turned = dt * (R * mean_rotation(turn)), tilted = cross_matrix(specific_force);
     Transition t = at_rest();
     t.F.block<3, 3>(position, velocity) = dt * one;
     t.F.block<3, 3>(position, rotation) = -0.5 * dt * dt * tilted;
@@ -68,9 +70,10 @@ void InertialFilter::advance(double dt, const InertialSample& sample, const Iner
     t.F.block<3, 3>(velocity, rotation) = -dt * tilted;
     t.F.block<3, 3>(velocity, force_bias) = -dt * R;
     t.F.block<3, 3>(rotation, rate_bias) = -turned;
-    t.F.block<3, 3>(spin, spin).setZero(); // the sample tells the spin anew
-    t.F.block<3, 3>(spin, rotation) = -cross_matrix(spun);
-    t.F.block<3, 3>(spin, rate_bias) = cross_matrix(spun) * turned - later.toRotationMatrix();
+    t.F.block<3, 3>(angular_velocity, angular_velocity).setZero(); // the sample tells the spin anew
+    t.F.block<3, 3>(angular_velocity, rotation) = -cross_matrix(spun);
+    t.F.block<3, 3>(angular_velocity, rate_bias) =
+        cross_matrix(spun) * turned - later.toRotationMatrix();
     const double f2 = noise.force * noise.force, w2 = noise.rate * noise.rate;
     t.Q.block<3, 3>(position, position) = f2 * dt * dt * dt / 3 * one;
     t.Q.block<3, 3>(position, velocity) = t.Q.block<3, 3>(velocity, position) =
@@ -78,15 +81,16 @@ void InertialFilter::advance(double dt, const InertialSample& sample, const Iner
     t.Q.block<3, 3>(velocity, velocity) = f2 * dt * one;
     // one draw of noise turns the body and is taken for its spin
     t.Q.block<3, 3>(rotation, rotation) = w2 * dt * one;
-    t.Q.block<3, 3>(rotation, spin) = t.Q.block<3, 3>(spin, rotation) = w2 * one;
-    t.Q.block<3, 3>(spin, spin) = w2 / dt * one;
+    t.Q.block<3, 3>(rotation, angular_velocity) = t.Q.block<3, 3>(angular_velocity, rotation) =
+        w2 * one;
+    t.Q.block<3, 3>(angular_velocity, angular_velocity) = w2 / dt * one;
     error_ = predict(error_, t);
     age_biases(dt, noise);
-    const Vec3 acceleration = pull + gravity;
+    const Vec3 acceleration = specific_force + gravity;
     state.position += dt * state.velocity + 0.5 * dt * dt * acceleration;
     state.velocity += dt * acceleration;
     state.orientation = later;
-    state.spin = spun;
+    state.angular_velocity = spun;
 }
 
 void InertialFilter::age_biases(double dt, const InertialNoise& noise) {
@@ -106,43 +110,43 @@ void InertialFilter::move_to(const RigidState& forecast, const Matrix& noise) {
 }
 
 Verdict InertialFilter::observe_position(const Vec3& y, const Mat3& covariance) {
-    return observe(y - state.position, sees(position), covariance);
+    return observe(y - state.position, observation_matrix(position), covariance);
 }
 
 Verdict InertialFilter::observe_velocity(const Vec3& y, const Mat3& covariance) {
-    return observe(y - state.velocity, sees(velocity), covariance);
+    return observe(y - state.velocity, observation_matrix(velocity), covariance);
 }
 
 Verdict InertialFilter::observe_attitude(const Quat& y, const Mat3& covariance) {
-    return observe(attitude_error(y, state.orientation), sees(rotation), covariance);
+    return observe(attitude_error(y, state.orientation), observation_matrix(rotation), covariance);
 }
 
-Verdict InertialFilter::observe_spin(const Vec3& y, const Mat3& covariance) {
-    return observe(y - state.spin, sees(spin), covariance);
+Verdict InertialFilter::observe_angular_velocity(const Vec3& y, const Mat3& covariance) {
+    return observe(y - state.angular_velocity, observation_matrix(angular_velocity), covariance);
 }
 
 Verdict InertialFilter::observe_force(const Vec3& y, const Vec3& acceleration, const Vec3& arm,
                                       const Mat3& covariance) {
     // all in the world's axes, then turned into the body's
     const Mat3 to_body = state.orientation.conjugate().toRotationMatrix();
-    const Vec3 &w = state.spin, r = state.orientation * arm, swung = w.cross(r),
+    const Vec3 &w = state.angular_velocity, r = state.orientation * arm, swung = w.cross(r),
                force = acceleration - gravity + w.cross(swung);
-    Matrix H = sees(force_bias);
+    Matrix H = observation_matrix(force_bias);
     // the arm turns with the body: its part of the force does not see a rotation that spin and arm
     // share
     H.block<3, 3>(0, rotation) =
         to_body * Mat3(cross_matrix(force) - cross_matrix(w) * cross_matrix(w) * cross_matrix(r));
-    H.block<3, 3>(0, spin) =
+    H.block<3, 3>(0, angular_velocity) =
         -to_body * Mat3(cross_matrix(swung) + cross_matrix(w) * cross_matrix(r));
     return observe(y - to_body * force - bias_of_force, H, covariance);
 }
 
 Verdict InertialFilter::observe_rate(const Vec3& y, const Mat3& covariance) {
     const Mat3 to_body = state.orientation.conjugate().toRotationMatrix();
-    Matrix H = sees(rate_bias);
-    H.block<3, 3>(0, rotation) = to_body * cross_matrix(state.spin);
-    H.block<3, 3>(0, spin) = to_body;
-    return observe(y - to_body * state.spin - bias_of_rate, H, covariance);
+    Matrix H = observation_matrix(rate_bias);
+    H.block<3, 3>(0, rotation) = to_body * cross_matrix(state.angular_velocity);
+    H.block<3, 3>(0, angular_velocity) = to_body;
+    return observe(y - to_body * state.angular_velocity - bias_of_rate, H, covariance);
 }
 
 Verdict InertialFilter::observe_vector(const Vec3& y, const Vec3& in_world,
@@ -171,7 +175,7 @@ void InertialFilter::fold(const Vector& error) {
     state.position += error.segment<3>(position);
     state.velocity += error.segment<3>(velocity);
     state.orientation = (exponential_map(turn) * state.orientation).normalized();
-    state.spin += error.segment<3>(spin);
+    state.angular_velocity += error.segment<3>(angular_velocity);
     bias_of_force += error.segment<3>(force_bias);
     bias_of_rate += error.segment<3>(rate_bias);
     error_.mean.setZero();

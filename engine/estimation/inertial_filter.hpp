@@ -9,7 +9,7 @@ namespace bris {
 struct RigidState {
     Vec3 position = Vec3::Zero(), velocity = Vec3::Zero(); ///< m and m/s, world frame
     Quat orientation = Quat::Identity();                   ///< from the body's axes to the world's
-    Vec3 spin = Vec3::Zero();                              ///< rad/s, world frame
+    Vec3 angular_velocity = Vec3::Zero();                  ///< rad/s, world frame
 };
 
 /// What an inertial sensor tells in one sample, in the body's axes and at its centre.
@@ -45,7 +45,7 @@ public:
         position = 0,
         velocity = 3,
         rotation = 6,
-        spin = 9,
+        angular_velocity = 9,
         force_bias = 12,
         rate_bias = 15
     };
@@ -56,8 +56,8 @@ public:
     double gate = 0;             ///< largest squared distance of an observation; 0: none is refused
 
     /// Standard deviations of the six parts, the same for each axis.
-    void begin(double position_m, double velocity_m_s, double rotation_rad, double spin_rad_s,
-               double force_bias_m_s2, double rate_bias_rad_s);
+    void begin(double position_m, double velocity_m_s, double rotation_rad,
+               double angular_velocity_rad_s, double force_bias_m_s2, double rate_bias_rad_s);
 
     /// What free motion over dt (s) at a rate of turning (rad/s) makes of the error, and the noise
     /// densities of advance() add to it.
@@ -77,7 +77,7 @@ public:
     Verdict observe_position(const Vec3& y, const Mat3& covariance);
     Verdict observe_velocity(const Vec3& y, const Mat3& covariance);
     Verdict observe_attitude(const Quat& y, const Mat3& covariance);
-    Verdict observe_spin(const Vec3& y, const Mat3& covariance); ///< world frame
+    Verdict observe_angular_velocity(const Vec3& y, const Mat3& covariance); ///< world frame
     /// The specific force at `arm` (m, body's axes) of a body whose centre has the `acceleration`
     /// (m/s2, world frame).
     Verdict observe_force(const Vec3& y, const Vec3& acceleration, const Vec3& arm,

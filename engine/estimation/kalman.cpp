@@ -63,8 +63,8 @@ UpdateOf<S> correct(const GaussianOf<S>& before, const VectorOf<S>& innovation,
 }
 
 template <class S>
-UpdateOf<S> measure(const GaussianOf<S>& before, const VectorOf<S>& y, const MatrixOf<S>& H,
-                    const MatrixOf<S>& R) {
+UpdateOf<S> update(const GaussianOf<S>& before, const VectorOf<S>& y, const MatrixOf<S>& H,
+                   const MatrixOf<S>& R) {
     return correct<S>(before, y - H * before.mean, H, R);
 }
 
@@ -80,8 +80,8 @@ double squared_distance(const Gaussian& estimate, const Vector& x) {
     template GaussianOf<S> predict<S>(const GaussianOf<S>&, const TransitionOf<S>&);               \
     template UpdateOf<S> correct<S>(const GaussianOf<S>&, const VectorOf<S>&, const MatrixOf<S>&,  \
                                     const MatrixOf<S>&);                                           \
-    template UpdateOf<S> measure<S>(const GaussianOf<S>&, const VectorOf<S>&, const MatrixOf<S>&,  \
-                                    const MatrixOf<S>&)
+    template UpdateOf<S> update<S>(const GaussianOf<S>&, const VectorOf<S>&, const MatrixOf<S>&,   \
+                                   const MatrixOf<S>&)
 BRIS_KALMAN_OF(double);
 BRIS_KALMAN_OF(float);
 #undef BRIS_KALMAN_OF

@@ -73,8 +73,8 @@ UpdateOf<S> correct(const GaussianOf<S>& before, const VectorOf<S>& innovation,
 
 /// The same, given the measurement y.
 template <class S>
-UpdateOf<S> measure(const GaussianOf<S>& before, const VectorOf<S>& y, const MatrixOf<S>& H,
-                    const MatrixOf<S>& R);
+UpdateOf<S> update(const GaussianOf<S>& before, const VectorOf<S>& y, const MatrixOf<S>& H,
+                   const MatrixOf<S>& R);
 
 /// Squared distance of x from the mean, in the covariance, which must be regular: chi square of n
 /// degrees (NEES).

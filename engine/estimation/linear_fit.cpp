@@ -29,11 +29,11 @@ LinearFit fit_line(std::span<const double> x, std::span<const double> y, double 
     if (!(sxx > 0)) throw InputError("line: expected points at different places, found one place");
     fit.slope = over([&](std::size_t i) { return (x[i] - mean_x) * (y[i] - mean_y); }) / sxx;
     fit.intercept = mean_y - fit.slope * mean_x;
-    const double rest = over([&](std::size_t i) {
+    const double residual_sum = over([&](std::size_t i) {
         const double r = y[i] - mean_y - fit.slope * (x[i] - mean_x);
         return r * r;
     });
-    fit.slope_error = std::sqrt(rest / ((n - 2) * sxx));
+    fit.slope_error = std::sqrt(residual_sum / ((n - 2) * sxx));
     return fit;
 }
 

@@ -11,9 +11,9 @@ std::vector<double> moderated_variances(std::vector<double> variances, double fr
     double n = 0, mean = 0, squares = 0; // of the logarithms
     for (const double v : variances) {
         if (!(v > 0)) continue;
-        const double off = std::log(v) - mean;
-        mean += off / ++n;
-        squares += off * (std::log(v) - mean);
+        const double deviation = std::log(v) - mean;
+        mean += deviation / ++n;
+        squares += deviation * (std::log(v) - mean);
     }
     if (n < 4) return variances;
     const double low = boost::math::digamma(freedom / 2) -

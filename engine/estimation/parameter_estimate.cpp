@@ -19,21 +19,23 @@ constexpr double settled = 1e-3;
 
 } // namespace
 
-ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& worlds,
-                                     std::size_t channels, double trust, Eigen::Index more_worlds,
-                                     SpecimenLikeness likeness)
-    : prior_(prior), known_(prior), trust_(trust), likeness_(likeness),
-      middle_(worlds.colwise().mean()), channels_(channels) {
-    const Eigen::Index n = worlds.rows();
-    require(prior.mean.size() == 2 && worlds.cols() == 2,
+ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& members,
+                                     std::size_t channels, double tempering,
+                                     Eigen::Index excluded_members,
+                                     SpecimenCorrelation specimen_correlation)
+    : prior_(prior), posterior_(prior), tempering_(tempering),
+      specimen_correlation_(specimen_correlation), middle_(members.colwise().mean()),
+      channels_(channels) {
+    const Eigen::Index n = members.rows();
+    require(prior.mean.size() == 2 && members.cols() == 2,
             fmt::format("worlds: expected two parameters, found {} and {}", prior.mean.size(),
-                        worlds.cols()));
-    require(n >= static_cast<Eigen::Index>(fewest_worlds),
-            fmt::format("worlds: expected at least {} to learn from, found {}", fewest_worlds, n));
-    terms_ = n + more_worlds >= 12 ? 6 : 3;
+                        members.cols()));
+    require(n >= static_cast<Eigen::Index>(fewest_members),
+            fmt::format("worlds: expected at least {} to learn from, found {}", fewest_members, n));
+    terms_ = n + excluded_members >= 12 ? 6 : 3;
     design_.resize(n, terms_);
     for (Eigen::Index j = 0; j < n; ++j)
-        design_.row(j) = terms_at(worlds(j, 0), worlds(j, 1)).transpose();
+        design_.row(j) = terms_at(members(j, 0), members(j, 1)).transpose();
     const Matrix square = design_.transpose() * design_;
     information_ = square.inverse();
     require(information_.allFinite() && (information_ * square).isIdentity(1e-6),
@@ -48,7 +50,7 @@ Vector ParameterEstimate::terms_at(double a, double b) const {
     return terms;
 }
 
-Vector ParameterEstimate::left_of(const Vector& numbers) const {
+Vector ParameterEstimate::residuals_of(const Vector& numbers) const {
     return numbers - design_ * (information_ * (design_.transpose() * numbers));
 }
 
@@ -61,11 +63,11 @@ ParameterEstimate::Difference ParameterEstimate::difference_of(const Channel& ch
             : std::clamp(channel.correlation / static_cast<double>(channel.raw.size() - 1), 0.0,
                          1.0);
     double lasting = 0;
-    Vector difference = now.foretold;
+    Vector difference = now.forecast;
     double measured = now.measured.value, noise = now.measured.noise * now.measured.noise;
-    if (k > 0 && channel.raw[k - 1].left.norm() > 0) {
-        lasting = correlation * now.left.norm() / channel.raw[k - 1].left.norm();
-        difference -= lasting * channel.raw[k - 1].foretold;
+    if (k > 0 && channel.raw[k - 1].residuals.norm() > 0) {
+        lasting = correlation * now.residuals.norm() / channel.raw[k - 1].residuals.norm();
+        difference -= lasting * channel.raw[k - 1].forecast;
         measured -= lasting * channel.raw[k - 1].measured.value;
         noise += std::pow(lasting * channel.raw[k - 1].measured.noise, 2);
     }
@@ -75,105 +77,110 @@ ParameterEstimate::Difference ParameterEstimate::difference_of(const Channel& ch
             .difference = measured,
             .lasting = lasting,
             .freedom = freedom,
-            .chaos = left_of(difference).squaredNorm() / freedom,
+            .divergence = residuals_of(difference).squaredNorm() / freedom,
             .noise = noise};
 }
 
-ParameterEstimate::Seen ParameterEstimate::seen() const {
-    Seen seen;
+ParameterEstimate::Observations ParameterEstimate::observations() const {
+    Observations observations;
     std::vector<std::pair<std::size_t, ParameterMeasurement>> taken; // channel, as measured
     for (std::size_t c = 0; c < channels_.size(); ++c)
         for (std::size_t k = 0; k < channels_[c].raw.size(); ++k) {
-            seen.differences.push_back(difference_of(channels_[c], k));
+            observations.differences.push_back(difference_of(channels_[c], k));
             taken.emplace_back(c, channels_[c].raw[k].measured);
         }
     if (std::ranges::none_of(taken, [](const auto& t) { return t.second.scatter > 0; }))
-        return seen;
+        return observations;
     const auto n = static_cast<Eigen::Index>(taken.size());
     Matrix process(n, n), differences = Matrix::Identity(n, n);
     for (Eigen::Index k = 0; k < n; ++k) {
         const auto& [channel, a] = taken[static_cast<std::size_t>(k)];
         if (k > 0)
-            differences(k, k - 1) = -seen.differences[static_cast<std::size_t>(k)]
+            differences(k, k - 1) = -observations.differences[static_cast<std::size_t>(k)]
                                          .lasting; // 0 for the first of a channel
         for (Eigen::Index l = 0; l < n; ++l) {
             const auto& [other, b] = taken[static_cast<std::size_t>(l)];
-            process(k, l) = a.scatter * b.scatter * (channel == other ? 1 : likeness_.channels) *
-                            std::exp(-std::abs(a.place - b.place) / likeness_.memory);
+            process(k, l) = a.scatter * b.scatter *
+                            (channel == other ? 1 : specimen_correlation_.channels) *
+                            std::exp(-std::abs(a.stage - b.stage) / specimen_correlation_.memory);
         }
     }
-    seen.own = differences * process * differences.transpose();
-    return seen;
+    observations.own = differences * process * differences.transpose();
+    return observations;
 }
 
-void ParameterEstimate::see(std::size_t channel, const Vector& foretold,
-                            const ParameterMeasurement& measured) {
-    require(foretold.size() == design_.rows(),
+void ParameterEstimate::observe(std::size_t channel, const Vector& forecast,
+                                const ParameterMeasurement& measured) {
+    require(forecast.size() == design_.rows(),
             fmt::format("foretold: expected one number of each of {} worlds, found {}",
-                        design_.rows(), foretold.size()));
+                        design_.rows(), forecast.size()));
     Channel& c = channels_[channel];
-    c.raw.push_back({foretold, left_of(foretold), measured});
+    c.raw.push_back({forecast, residuals_of(forecast), measured});
     if (c.raw.size() > 1) {
-        const Vector &before = c.raw[c.raw.size() - 2].left, &now = c.raw.back().left;
+        const Vector &before = c.raw[c.raw.size() - 2].residuals, &now = c.raw.back().residuals;
         const double size = before.norm() * now.norm();
         if (size > 0) c.correlation += before.dot(now) / size;
     }
     stale_ = true;
 }
 
-double ParameterEstimate::surprise(std::size_t channel) const {
-    const Seen seen = this->seen();
+double ParameterEstimate::normalised_innovation_squared(std::size_t channel) const {
+    const Observations observations = this->observations();
     std::size_t last = 0; // of that channel
     for (std::size_t c = 0; c <= channel; ++c) last += channels_[c].raw.size();
-    const Difference& m = seen.differences[--last];
-    const Vector here = terms_at(known_.mean[0], known_.mean[1]);
-    const double spread = (known_.root.transpose() * m.coefficients.segment(1, 2)).squaredNorm(),
-                 own =
-                     seen.own.size() > 0 ? seen.own.diagonal()[static_cast<Eigen::Index>(last)] : 0;
-    const double variance = m.chaos * (1 + here.dot(information_ * here)) + m.noise + own + spread;
+    const Difference& m = observations.differences[--last];
+    const Vector here = terms_at(posterior_.mean[0], posterior_.mean[1]);
+    const double spread =
+                     (posterior_.root.transpose() * m.coefficients.segment(1, 2)).squaredNorm(),
+                 own = observations.own.size() > 0
+                           ? observations.own.diagonal()[static_cast<Eigen::Index>(last)]
+                           : 0;
+    const double variance =
+        m.divergence * (1 + here.dot(information_ * here)) + m.noise + own + spread;
     return std::pow(m.difference - m.coefficients.dot(here), 2) / variance;
 }
 
 const Gaussian& ParameterEstimate::parameters() {
-    if (!stale_) return known_;
-    seen_ = seen(); // with the correlation as it is known now
-    known_ = integral();
+    if (!stale_) return posterior_;
+    observations_ = observations(); // with the correlation as it is known now
+    posterior_ = integral();
     stale_ = false;
-    return known_;
+    return posterior_;
 }
 
 double ParameterEstimate::log_likelihood(const Vector& at) const {
     const Vector terms = terms_at(at[0], at[1]);
     const double leverage = terms.dot(information_ * terms);
-    if (seen_.own.size() == 0) {
+    if (observations_.own.size() == 0) {
         double sum = 0;
-        for (const Difference& m : seen_.differences) {
-            const double off = m.difference - m.coefficients.dot(terms),
-                         variance = m.chaos * (1 + leverage) + m.noise;
-            sum -= 0.5 * (std::log(variance) +
-                          (m.freedom + 1) * std::log1p(off * off / (m.freedom * variance)));
+        for (const Difference& m : observations_.differences) {
+            const double residual = m.difference - m.coefficients.dot(terms),
+                         variance = m.divergence * (1 + leverage) + m.noise;
+            sum -=
+                0.5 * (std::log(variance) +
+                       (m.freedom + 1) * std::log1p(residual * residual / (m.freedom * variance)));
         }
-        return trust_ * sum;
+        return tempering_ * sum;
     }
-    Matrix covariance = seen_.own;
-    Vector off(seen_.own.rows());
-    for (Eigen::Index k = 0; k < off.size(); ++k) {
-        const Difference& m = seen_.differences[static_cast<std::size_t>(k)];
-        off[k] = m.difference - m.coefficients.dot(terms);
+    Matrix covariance = observations_.own;
+    Vector residual(observations_.own.rows());
+    for (Eigen::Index k = 0; k < residual.size(); ++k) {
+        const Difference& m = observations_.differences[static_cast<std::size_t>(k)];
+        residual[k] = m.difference - m.coefficients.dot(terms);
         // chaos that lasts (trust) moves a world as a whole, and makes slopes no less sure: or far
         // parameters would seem unlikely for that alone
         covariance(k, k) +=
-            m.chaos * m.freedom / std::max(1.0, m.freedom - 2) * (1 / trust_ + leverage) +
+            m.divergence * m.freedom / std::max(1.0, m.freedom - 2) * (1 / tempering_ + leverage) +
             m.noise; // the variance of Student's t
     }
     const Eigen::LLT<Matrix> root(covariance);
-    return -0.5 * root.matrixL().solve(off).squaredNorm() -
+    return -0.5 * root.matrixL().solve(residual).squaredNorm() -
            Vector(root.matrixLLT().diagonal()).array().log().sum();
 }
 
-// Mean and covariance of prior times likelihood to the power of `share`, about which `known` is
+// Mean and covariance of prior times likelihood to the power of `share`, about which `posterior` is
 // roughly right.
-Gaussian ParameterEstimate::integral_around(const Gaussian& known, double share) const {
+Gaussian ParameterEstimate::integral_around(const Gaussian& posterior, double share) const {
     constexpr Eigen::Index n = 2, nodes = nodes_along * nodes_along;
     const double spacing = 2 * reach / (nodes_along - 1);
     Matrix at(n, nodes); // in deviations of what is known
@@ -181,46 +188,48 @@ Gaussian ParameterEstimate::integral_around(const Gaussian& known, double share)
     for (Eigen::Index k = 0; k < nodes; ++k) {
         at.col(k) << spacing * static_cast<double>(k % nodes_along) - reach,
             spacing * static_cast<double>(k / nodes_along) - reach;
-        const Vector here = known.mean + known.root * at.col(k);
+        const Vector here = posterior.mean + posterior.root * at.col(k);
         log[k] = share * log_likelihood(here) - 0.5 * squared_distance(prior_, here);
     }
     Vector weight = (log.array() - log.maxCoeff()).exp();
     weight /= weight.sum();
     const Vector mean = at * weight;
-    const Matrix off = at.colwise() - mean;
+    const Matrix residual = at.colwise() - mean;
     // no finer than the nodes stand
-    const Matrix covariance = off * weight.asDiagonal() * off.transpose() +
+    const Matrix covariance = residual * weight.asDiagonal() * residual.transpose() +
                               std::pow(0.3 * spacing, 2) * Matrix::Identity(n, n);
-    return {known.mean + known.root * mean, known.root * covariance * known.root.transpose()};
+    return {posterior.mean + posterior.root * mean,
+            posterior.root * covariance * posterior.root.transpose()};
 }
 
 // The likelihood comes in by shares, and the nodes close in on where the posterior is: a narrow
 // ridge would fall between those of a wide grid.
 Gaussian ParameterEstimate::integral() const {
-    Gaussian known = prior_;
-    for (double share = 1e-5; share < 1; share *= comes_in) known = integral_around(known, share);
+    Gaussian posterior = prior_;
+    for (double share = 1e-5; share < 1; share *= comes_in)
+        posterior = integral_around(posterior, share);
     for (int pass = 0; pass < most_passes; ++pass) {
-        const Matrix before = known.root;
-        known = integral_around(known, 1);
-        if ((known.root - before).norm() < settled * before.norm()) break;
+        const Matrix before = posterior.root;
+        posterior = integral_around(posterior, 1);
+        if ((posterior.root - before).norm() < settled * before.norm()) break;
     }
-    return known;
+    return posterior;
 }
 
-WorldRegression::WorldRegression(const Matrix& worlds)
-    : middle_(worlds.colwise().mean()), design_(worlds.rows(), worlds.cols() + 1) {
+EnsembleRegression::EnsembleRegression(const Matrix& members)
+    : middle_(members.colwise().mean()), design_(members.rows(), members.cols() + 1) {
     design_.col(0).setOnes();
-    design_.rightCols(worlds.cols()) = worlds.rowwise() - middle_.transpose();
+    design_.rightCols(members.cols()) = members.rowwise() - middle_.transpose();
     information_ = (design_.transpose() * design_).inverse();
 }
 
-Vector WorldRegression::weights_at(const Vector& parameters) const {
+Vector EnsembleRegression::weights_at(const Vector& parameters) const {
     Vector here(design_.cols());
     here << 1, parameters - middle_;
     return design_ * (information_ * here);
 }
 
-Matrix WorldRegression::leaves() const {
+Matrix EnsembleRegression::residual_projection() const {
     return Matrix::Identity(design_.rows(), design_.rows()) -
            design_ * (information_ * design_.transpose());
 }

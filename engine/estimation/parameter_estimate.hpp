@@ -12,11 +12,11 @@ struct ParameterMeasurement {
     double noise = 0;   ///< deviation of the measurement
     double scatter = 0; ///< deviation by which the real specimen differs from the worlds' whatever
                         ///< the parameters
-    double place = 0;   ///< along the test
+    double stage = 0;   ///< along the test
 };
 /// How what a specimen differs by is like itself: one that is stronger now is so a little later,
 /// and widens more too.
-struct SpecimenLikeness {
+struct SpecimenCorrelation {
     double memory = 4;   ///< along the test: correlation of exp(-distance / memory)
     double channels = 0; ///< correlation between channels, in [0, 1)
 };
@@ -38,37 +38,37 @@ struct SpecimenLikeness {
 /// measured, and they may run ahead.
 class ParameterEstimate {
 public:
-    static constexpr std::size_t fewest_worlds = 6;
-    /// `prior`: of two parameters. `worlds`: N x 2, what each believes; N at least fewest_worlds.
+    static constexpr std::size_t fewest_members = 6;
+    /// `prior`: of two parameters. `members`: N x 2, what each believes; N at least fewest_members.
     /// The regression is of second order from 12 on. `channels`: kinds of measurement. Throws
-    /// InputError. `trust`: power of the likelihood, below 1 where worlds have shown to tell less
-    /// of each other than they seem to; where specimens scatter, of the variance of chaos only,
-    /// which that does not touch. `more_worlds`: besides these, that the order of the regression
-    /// goes by: what tries an estimate with some left out.
-    ParameterEstimate(const Gaussian& prior, const Matrix& worlds, std::size_t channels,
-                      double trust = 1, Eigen::Index more_worlds = 0,
-                      SpecimenLikeness likeness = {});
+    /// InputError. `tempering`: power of the likelihood, below 1 where worlds have shown to tell
+    /// less of each other than they seem to; where specimens scatter, of the variance of chaos
+    /// only, which that does not touch. `excluded_members`: besides these, that the order of the
+    /// regression goes by: what tries an estimate with some left out.
+    ParameterEstimate(const Gaussian& prior, const Matrix& members, std::size_t channels,
+                      double tempering = 1, Eigen::Index excluded_members = 0,
+                      SpecimenCorrelation specimen_correlation = {});
 
     /// One more measurement of a channel, and what each world foretold of it.
-    void see(std::size_t channel, const Vector& foretold, const ParameterMeasurement& measured);
+    void observe(std::size_t channel, const Vector& forecast, const ParameterMeasurement& measured);
 
     /// Squared distance of a channel's last measurement from what parameters() made expect when it
     /// was last asked: chi square of one degree if all is well and worlds are many.
-    double surprise(std::size_t channel) const;
+    double normalised_innovation_squared(std::size_t channel) const;
 
     /// Mean and covariance of the parameters by all that was seen. The work is done here.
     const Gaussian& parameters();
 
 private:
     struct Raw {
-        Vector foretold, left;
+        Vector forecast, residuals;
         ParameterMeasurement measured;
     };
     struct Difference {
         Vector coefficients;
-        double difference, lasting, freedom, chaos, noise;
-    };            // the last two are variances
-    struct Seen { // channel by channel
+        double difference, lasting, freedom, divergence, noise;
+    };                    // the last two are variances
+    struct Observations { // channel by channel
         std::vector<Difference> differences;
         Matrix own; // covariance of what the specimen's own difference adds to them; empty: none
     };
@@ -77,33 +77,33 @@ private:
         double correlation = 0; ///< sum of those between what is left at successive measurements
     };
     Vector terms_at(double a, double b) const;
-    Vector left_of(const Vector& numbers) const;
+    Vector residuals_of(const Vector& numbers) const;
     Difference difference_of(const Channel& channel, std::size_t k) const;
-    Seen seen() const;
+    Observations observations() const;
     double log_likelihood(const Vector& at) const;
-    Gaussian integral_around(const Gaussian& known, double share) const;
+    Gaussian integral_around(const Gaussian& posterior, double share) const;
     Gaussian integral() const;
 
-    Gaussian prior_, known_;
+    Gaussian prior_, posterior_;
     bool stale_ = false; ///< more was seen than known_ says
-    double trust_;
-    SpecimenLikeness likeness_;
+    double tempering_;
+    SpecimenCorrelation specimen_correlation_;
     Eigen::Index terms_ = 3;
     Matrix design_;      // N x terms: 1, parameters less their mean, and their products
     Matrix information_; // inverse of design^T design
     Vector middle_;
     std::vector<Channel> channels_;
-    Seen seen_; // as parameters() took them
+    Observations observations_; // as parameters() took them
 };
 
 /// The linear regression of numbers of N worlds on the worlds' parameters (N x P).
-class WorldRegression {
+class EnsembleRegression {
 public:
-    explicit WorldRegression(const Matrix& worlds);
+    explicit EnsembleRegression(const Matrix& members);
     /// What makes of the numbers their regression, taken at `parameters`: sums to 1.
     Vector weights_at(const Vector& parameters) const;
     /// N x N: makes of the numbers what the regression leaves of them.
-    Matrix leaves() const;
+    Matrix residual_projection() const;
 
 private:
     Vector middle_;

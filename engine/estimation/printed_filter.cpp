@@ -12,10 +12,10 @@ Vector PrintedFilter::fuse(const Vector& simulated, const Vector& measured) {
     return fused;
 }
 
-Vector PrintedFilter::fuse_spin(const Vector& simulated, const Vector& measured) {
+Vector PrintedFilter::fuse_angular_velocity(const Vector& simulated, const Vector& measured) {
     cov = cov * q;
-    spin_gain = cov * (cov + r).inverse();
-    return simulated + spin_gain * (measured - simulated);
+    angular_velocity_gain = cov * (cov + r).inverse();
+    return simulated + angular_velocity_gain * (measured - simulated);
 }
 
 } // namespace bris

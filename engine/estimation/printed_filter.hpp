@@ -11,13 +11,13 @@ struct PrintedFilter {
     Matrix A, Q, R; ///< 6 x 6, of displacement and velocity
     Matrix q, r;    ///< 3 x 3, of spin
     Matrix COV = Matrix::Zero(6, 6), gain = Matrix::Zero(6, 6);
-    Matrix cov = Matrix::Zero(3, 3), spin_gain = Matrix::Zero(3, 3);
+    Matrix cov = Matrix::Zero(3, 3), angular_velocity_gain = Matrix::Zero(3, 3);
 
     /// From what the simulation says of displacement and velocity, and what was measured, to what
     /// is fused.
     Vector fuse(const Vector& simulated, const Vector& measured);
     /// Likewise of spin. The report prints no update; it would be this one.
-    Vector fuse_spin(const Vector& simulated, const Vector& measured);
+    Vector fuse_angular_velocity(const Vector& simulated, const Vector& measured);
 };
 
 } // namespace bris

@@ -23,7 +23,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t format_version = 1;
+constexpr std::uint64_t format_version = 2;
 
 struct Seal {
     std::array<char, 8> mark{'B', 'R', 'I', 'S', 'c', 'k', 'p', '\n'};

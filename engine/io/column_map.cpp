@@ -46,7 +46,7 @@ public:
         std::istringstream in(read_whole(path_));
         std::string line;
         for (unsigned number = 1; std::getline(in, line); ++number) {
-            place_ = fmt::format("{}:{}", path_.string(), number);
+            where_ = fmt::format("{}:{}", path_.string(), number);
             const std::string content(trimmed(line.substr(0, outside_quotes(line, '#'))));
             if (!content.empty()) read_line(content, number);
         }
@@ -72,7 +72,7 @@ public:
 
 private:
     [[noreturn]] void refuse(const std::string& expected, const std::string& found) const {
-        throw InputError(fmt::format("{}: expected {}, found \"{}\"", place_, expected, found));
+        throw InputError(fmt::format("{}: expected {}, found \"{}\"", where_, expected, found));
     }
 
     void read_line(const std::string& content, unsigned number) {
@@ -82,7 +82,7 @@ private:
             value(trimmed(content.substr(equals + 1)));
         if (value.empty()) refuse(fmt::format("something for '{}'", name), "");
         if (const auto [earlier, first] = seen_.emplace(name, number); !first)
-            throw InputError(fmt::format("{}: {}: expected once, found on line {} already", place_,
+            throw InputError(fmt::format("{}: {}: expected once, found on line {} already", where_,
                                          name, earlier->second));
         const auto column = std::ranges::find(known_, name, &KnownColumn::name);
         if (column != known_.end())
@@ -134,7 +134,7 @@ private:
         const bool turned = theirs.starts_with('-');
         if (turned) theirs = std::string(trimmed(theirs.substr(1)));
         CsvColumn column{
-            .ours = known.name, .theirs = unquoted(theirs), .unit = unit, .place = place_};
+            .ours = known.name, .theirs = unquoted(theirs), .unit = unit, .where = where_};
         if (column.theirs.empty()) refuse("the name of a column", value);
         if (comma != std::string::npos) {
             const auto given = std::ranges::find(known.units, unit, &ColumnUnit::name);
@@ -151,14 +151,14 @@ private:
         const auto taken = std::ranges::find(form_.columns, column.theirs, &CsvColumn::theirs);
         if (taken != form_.columns.end())
             throw InputError(fmt::format("{}: '{}': expected for one of ours, found for {} and {}",
-                                         place_, column.theirs, taken->ours, known.name));
+                                         where_, column.theirs, taken->ours, known.name));
         form_.columns.push_back(std::move(column));
     }
 
     std::filesystem::path path_;
     const std::vector<KnownColumn>& known_;
     CsvForm form_;
-    std::string place_;
+    std::string where_;
     std::map<std::string, unsigned> seen_; // names, and their lines
 };
 

@@ -32,7 +32,7 @@ public:
             const auto found = std::find(cells.begin(), cells.end(), column.theirs);
             if (found == cells.end())
                 throw InputError(fmt::format("{}: expected a column '{}' ({} of {}), found {}", at,
-                                             column.theirs, column.ours, column.place, header_));
+                                             column.theirs, column.ours, column.where, header_));
             if (std::find(found + 1, cells.end(), column.theirs) != cells.end())
                 refuse_twice(at, column.theirs);
             table_.names.push_back(column.ours);
@@ -158,12 +158,13 @@ CsvTable read_csv(const std::filesystem::path& path, const CsvForm& form) {
     CsvTable table;
     table.path = path;
     Reader reader(table, form);
-    std::string_view rest = content;
-    if (rest.starts_with("\xef\xbb\xbf")) rest.remove_prefix(3); // byte order mark of spreadsheets
-    for (unsigned number = 1; !rest.empty(); ++number) {
-        const std::size_t end = std::min(rest.find('\n'), rest.size());
-        const std::string_view whole = rest.substr(0, end), line = trimmed(whole);
-        rest.remove_prefix(std::min(end + 1, rest.size()));
+    std::string_view remaining = content;
+    if (remaining.starts_with("\xef\xbb\xbf"))
+        remaining.remove_prefix(3); // byte order mark of spreadsheets
+    for (unsigned number = 1; !remaining.empty(); ++number) {
+        const std::size_t end = std::min(remaining.find('\n'), remaining.size());
+        const std::string_view whole = remaining.substr(0, end), line = trimmed(whole);
+        remaining.remove_prefix(std::min(end + 1, remaining.size()));
         const bool named = !table.names.empty();
         const bool is_header =
             !named &&

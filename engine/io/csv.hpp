@@ -27,7 +27,7 @@ struct CsvColumn {
     std::string ours, theirs;
     std::string unit = ""; ///< of theirs, as given; "": ours
     double scale = 1, offset = 0;
-    std::string place = ""; ///< file:line that asks for it
+    std::string where = ""; ///< file:line that asks for it
 };
 
 /// How a CSV file is written.

@@ -109,11 +109,11 @@ LineSource::LineSource(const std::filesystem::path& path, std::size_t capacity)
     : reader_(std::make_unique<Reader>(path, capacity)) {}
 LineSource::~LineSource() = default;
 
-std::optional<LineSource::Line> LineSource::next(double patience) {
+std::optional<LineSource::Line> LineSource::next(double timeout) {
     const Instant began = this_instant();
     std::unique_lock lock(reader_->mutex);
     while (reader_->queue.empty() && !reader_->ended && !interrupted() &&
-           seconds_since(began) < patience)
+           seconds_since(began) < timeout)
         reader_->came.wait_for(lock, glance);
     if (reader_->queue.empty()) return {};
     Line line = std::move(reader_->queue.front());

@@ -28,9 +28,9 @@ public:
     explicit LineSource(const std::filesystem::path& path, std::size_t capacity = 100'000);
     ~LineSource();
 
-    /// The next line; waits for it at most `patience` (s). Nothing: none came, the input has ended,
+    /// The next line; waits for it at most `timeout` (s). Nothing: none came, the input has ended,
     /// or the user stops the run.
-    std::optional<Line> next(double patience);
+    std::optional<Line> next(double timeout);
     /// Whether the input has ended and all was taken. A file that grows never ends.
     bool over() const;
 

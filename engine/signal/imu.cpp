@@ -88,12 +88,13 @@ Vec3 Imu::digits(const Vec3& value, double range, bool& saturated) const {
 ImuSample Imu::sample(double time, const TrueMotion& motion) {
     const double dt = 1 / model_.rate;
     const Quat to_body = motion.orientation.conjugate(), to_sensor = model_.mounting.conjugate();
-    const Vec3 spin = to_body * motion.spin, twist = to_body * motion.angular_acceleration;
+    const Vec3 angular_velocity = to_body * motion.angular_velocity,
+               twist = to_body * motion.angular_acceleration;
     const Vec3 force = to_body * Vec3(motion.acceleration - gravity_) + twist.cross(model_.arm) +
-                       spin.cross(spin.cross(model_.arm));
+                       angular_velocity.cross(angular_velocity.cross(model_.arm));
     ImuSample s{.time = time * (1 + model_.clock_drift) + model_.clock_offset};
     const Vec3 seen_force = passed(force_memory_, force_distortion_ * (to_sensor * force));
-    const Vec3 seen_rate = passed(rate_memory_, rate_distortion_ * (to_sensor * spin));
+    const Vec3 seen_rate = passed(rate_memory_, rate_distortion_ * (to_sensor * angular_velocity));
     force_bias_ += scatter(model_.noise.force_bias_walk * std::sqrt(dt));
     rate_bias_ += scatter(model_.noise.rate_bias_walk * std::sqrt(dt));
     s.force = digits(seen_force + force_bias_ + scatter(model_.noise.force / std::sqrt(dt)),

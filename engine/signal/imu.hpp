@@ -37,7 +37,7 @@ inline constexpr std::array<std::string_view, 4> imu_presets{"ideal", "lab-grade
 struct TrueMotion {
     Quat orientation = Quat::Identity();
     Vec3 acceleration = Vec3::Zero();         ///< m/s2
-    Vec3 spin = Vec3::Zero();                 ///< rad/s
+    Vec3 angular_velocity = Vec3::Zero();     ///< rad/s
     Vec3 angular_acceleration = Vec3::Zero(); ///< rad/s2
 };
 

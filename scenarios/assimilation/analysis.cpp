@@ -23,16 +23,17 @@ namespace {
 using Motions = std::vector<std::vector<Vec3>> ModelRun::*; // displacement or rotation
 
 /// What the worlds leave beyond their regression at one stage: worlds x (3 rocks).
-Matrix left_at(const Worlds& worlds, const Matrix& leaves, Motions motion, std::size_t stage) {
-    const auto n = static_cast<Eigen::Index>(worlds.runs.size());
-    const auto rocks = static_cast<Eigen::Index>(worlds.runs.front().rocks.size());
+Matrix residuals_at(const Ensemble& members, const Matrix& residual_projection, Motions motion,
+                    std::size_t stage) {
+    const auto n = static_cast<Eigen::Index>(members.runs.size());
+    const auto rocks = static_cast<Eigen::Index>(members.runs.front().rocks.size());
     Matrix all(n, 3 * rocks);
     for (Eigen::Index j = 0; j < n; ++j)
         for (Eigen::Index r = 0; r < rocks; ++r)
             for (Eigen::Index c = 0; c < 3; ++c)
-                all(j, 3 * r + c) = (worlds.runs[static_cast<std::size_t>(j)].*
+                all(j, 3 * r + c) = (members.runs[static_cast<std::size_t>(j)].*
                                      motion)[stage][static_cast<std::size_t>(r)][c];
-    return leaves * all;
+    return residual_projection * all;
 }
 
 constexpr double most_alike = 0.95; // of two rocks
@@ -49,7 +50,7 @@ std::vector<double> deviations_of(const Matrix& left, double freedom) {
 }
 
 /// All pairs of rocks at one stage.
-void add_pairs(LikenessSums& sums, const ModelRun& like, Matrix left,
+void add_pairs(CorrelationSums& sums, const ModelRun& like, Matrix left,
                const std::vector<double>& deviation) {
     const std::size_t rocks = like.rocks.size();
     double reach = 0;
@@ -63,9 +64,9 @@ void add_pairs(LikenessSums& sums, const ModelRun& like, Matrix left,
     for (std::size_t a = 0; a < rocks; ++a)
         for (std::size_t b = a + 1; b < rocks; ++b) {
             const double d = (like.start[a].position - like.start[b].position).norm();
-            const auto bin =
-                static_cast<std::size_t>(2 * LikenessSums::bins * d / reach); // of half the reach
-            if (bin >= LikenessSums::bins) continue;
+            const auto bin = static_cast<std::size_t>(2 * CorrelationSums::bins * d /
+                                                      reach); // of half the reach
+            if (bin >= CorrelationSums::bins) continue;
             const auto ca = static_cast<Eigen::Index>(3 * a), cb = static_cast<Eigen::Index>(3 * b);
             sums.products[bin] +=
                 left.middleCols<3>(ca).cwiseProduct(left.middleCols<3>(cb)).sum() / scale;
@@ -75,9 +76,9 @@ void add_pairs(LikenessSums& sums, const ModelRun& like, Matrix left,
 }
 
 /// Weighted line: log likeness = log near - distance / length, as far as it is above a twentieth.
-Likeness likeness_of(const LikenessSums& sums) {
+CorrelationFunction correlation_of(const CorrelationSums& sums) {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
-    for (std::size_t k = 0; k < LikenessSums::bins; ++k) {
+    for (std::size_t k = 0; k < CorrelationSums::bins; ++k) {
         if (sums.count[k] < 1) continue;
         const double d = sums.distance[k] / sums.count[k],
                      value = std::min(sums.products[k] / sums.count[k], most_alike);
@@ -100,14 +101,16 @@ constexpr double gate = 4; // deviations, in each direction
 
 /// Gross errors stand alone: what is far from the forecast but like the sample before is a rock
 /// that went its own way.
-bool is_gross(const Vec3& off, const std::optional<Vec3>& off_before, double deviation) {
-    if (off.squaredNorm() <= 3 * gate * gate * deviation * deviation) return false;
-    return !off_before || (off - *off_before).squaredNorm() > 0.25 * off.squaredNorm();
+bool is_outlier(const Vec3& innovation, const std::optional<Vec3>& innovation_before,
+                double deviation) {
+    if (innovation.squaredNorm() <= 3 * gate * gate * deviation * deviation) return false;
+    return !innovation_before ||
+           (innovation - *innovation_before).squaredNorm() > 0.25 * innovation.squaredNorm();
 }
 
 /// By how far a rock of the forecast would have to turn, about a level axis, for upwards to be
 /// where gravity says: yaw stays its own.
-Vec3 tilted_off(const Vec3& tilt, const Quat& start, const Vec3& turned) {
+Vec3 tilt_innovation(const Vec3& tilt, const Quat& start, const Vec3& turned) {
     const Vec3 up = (start.conjugate() * Vec3::UnitZ() - tilt).normalized(); // in the body's axes
     return attitude_error(
         Quat::FromTwoVectors(exponential_map(turned) * (start * up), Vec3::UnitZ()),
@@ -115,36 +118,39 @@ Vec3 tilted_off(const Vec3& tilt, const Quat& start, const Vec3& turned) {
 }
 
 /// What a sample is off the forecast by; nothing: not measured.
-std::optional<Vec3> off_by(const SensorWay& way, std::ptrdiff_t place, const ModelRun& forecast,
-                           Motions motion, std::size_t host) {
-    if (place < 0) return {};
-    const auto k = static_cast<std::size_t>(place);
-    const auto stage = stage_of_sample(forecast, way.strain[k]);
+std::optional<Vec3> innovation_of(const SensorTrajectory& trajectory, std::ptrdiff_t sample,
+                                  const ModelRun& forecast, Motions motion, std::size_t host) {
+    if (sample < 0) return {};
+    const auto k = static_cast<std::size_t>(sample);
+    const auto stage = stage_of_sample(forecast, trajectory.strain[k]);
     if (!stage) return {};
-    const Vec3& foretold = (forecast.*motion)[*stage][host];
+    const Vec3& predicted = (forecast.*motion)[*stage][host];
     const bool turns = motion == &ModelRun::rotation;
-    const Vec3& told = turns ? way.rotation[k] : way.displacement[k];
-    if (told.allFinite()) return Vec3(told - foretold);
-    const bool tilts = turns && k < way.tilt.size() && way.tilt[k].allFinite();
-    return tilts
-               ? std::optional(tilted_off(way.tilt[k], forecast.start[host].orientation, foretold))
-               : std::nullopt;
+    const Vec3& observed = turns ? trajectory.rotation[k] : trajectory.displacement[k];
+    if (observed.allFinite()) return Vec3(observed - predicted);
+    const bool tilts = turns && k < trajectory.tilt.size() && trajectory.tilt[k].allFinite();
+    return tilts ? std::optional(tilt_innovation(trajectory.tilt[k],
+                                                 forecast.start[host].orientation, predicted))
+                 : std::nullopt;
 }
 
 /// The last sample up to a strain; -1: none yet.
-std::ptrdiff_t last_sample(const SensorWay& way, double strain) {
-    return std::upper_bound(way.strain.begin(), way.strain.end(), strain + 1e-9) -
-           way.strain.begin() - 1;
+std::ptrdiff_t last_sample(const SensorTrajectory& trajectory, double strain) {
+    return std::upper_bound(trajectory.strain.begin(), trajectory.strain.end(), strain + 1e-9) -
+           trajectory.strain.begin() - 1;
 }
 
 /// What the last sample of a sensor up to a strain was off by; nothing: none yet, or refused.
-std::optional<Vec3> innovation_at(const SensorWay& way, const ModelRun& forecast, Motions motion,
-                                  std::size_t host, double strain, double deviation) {
-    for (auto k = last_sample(way, strain); k >= 0;
+std::optional<Vec3> innovation_at(const SensorTrajectory& trajectory, const ModelRun& forecast,
+                                  Motions motion, std::size_t host, double strain,
+                                  double deviation) {
+    for (auto k = last_sample(trajectory, strain); k >= 0;
          --k) { // one that was refused leaves the one before
-        const auto off = off_by(way, k, forecast, motion, host);
-        if (off && !is_gross(*off, off_by(way, k - 1, forecast, motion, host), deviation))
-            return off;
+        const auto innovation = innovation_of(trajectory, k, forecast, motion, host);
+        if (innovation &&
+            !is_outlier(*innovation, innovation_of(trajectory, k - 1, forecast, motion, host),
+                        deviation))
+            return innovation;
     }
     return {};
 }
@@ -152,29 +158,30 @@ std::optional<Vec3> innovation_at(const SensorWay& way, const ModelRun& forecast
 /// How far a rock is from its forecast, as its sensor says.
 struct Innovation {
     std::size_t host;
-    Vec3 off;
+    Vec3 innovation;
 };
 
 /// Carries those of one stage to all rocks.
-void carry(ModelRun& run, Motions motion, std::size_t stage,
-           const std::vector<Innovation>& innovations, const MotionScatter& scatter, double noise) {
+void interpolate_innovations(ModelRun& run, Motions motion, std::size_t stage,
+                             const std::vector<Innovation>& innovations,
+                             const MotionScatter& scatter, double noise) {
     if (innovations.empty()) return;
     const std::vector<double>& deviation = scatter.deviation[stage];
     const auto covariance = [&](std::size_t a, std::size_t b) {
         return deviation[a] * deviation[b] *
-               scatter.likeness((run.start[a].position - run.start[b].position).norm());
+               scatter.correlation((run.start[a].position - run.start[b].position).norm());
     };
     const auto m = static_cast<Eigen::Index>(innovations.size());
     const auto at = [&](Eigen::Index i) -> const Innovation& {
         return innovations[static_cast<std::size_t>(i)];
     };
-    Matrix of_sensors(m, m), off(m, 3);
+    Matrix of_sensors(m, m), innovation(m, 3);
     for (Eigen::Index i = 0; i < m; ++i) {
-        off.row(i) = at(i).off.transpose();
+        innovation.row(i) = at(i).innovation.transpose();
         for (Eigen::Index j = 0; j < m; ++j) of_sensors(i, j) = covariance(at(i).host, at(j).host);
         of_sensors(i, i) += noise * noise;
     }
-    const Matrix weights = of_sensors.ldlt().solve(off);
+    const Matrix weights = of_sensors.ldlt().solve(innovation);
     for (std::size_t rock = 0; rock < run.rocks.size(); ++rock)
         for (Eigen::Index i = 0; i < m; ++i)
             (run.*motion)[stage][rock] += covariance(rock, at(i).host) * weights.row(i).transpose();
@@ -187,143 +194,151 @@ constexpr std::size_t fewest_sensors =
     6; // that tell of all: three rocks that go their own way are soon chosen for just that
 
 /// What one sample says of its rock, beside the forecast.
-struct Judged {
-    double off, distance, gain, deviation; // as in AnalysisRecord
-    bool gross;
+struct Assessment {
+    double innovation, distance, gain, deviation; // as in AnalysisRecord
+    bool outlier;
 };
 
 /// Nothing: not measured. The gain is that of the rock's own sample alone.
-std::optional<Judged> judge(const SensorWay& way, std::ptrdiff_t sample, const ModelRun& forecast,
-                            Motions motion, std::size_t host, double deviation, double noise) {
-    const auto off = off_by(way, sample, forecast, motion, host);
-    if (!off) return {};
+std::optional<Assessment> assess(const SensorTrajectory& trajectory, std::ptrdiff_t sample,
+                                 const ModelRun& forecast, Motions motion, std::size_t host,
+                                 double deviation, double noise) {
+    const auto innovation = innovation_of(trajectory, sample, forecast, motion, host);
+    if (!innovation) return {};
     const double variance = deviation * deviation + noise * noise;
-    const bool gross =
-        is_gross(*off, off_by(way, sample - 1, forecast, motion, host), std::sqrt(variance));
-    const double gain = gross ? 0 : deviation * deviation / variance;
-    return Judged{off->norm(), off->squaredNorm() / variance, gain, deviation * std::sqrt(1 - gain),
-                  gross};
+    const bool outlier =
+        is_outlier(*innovation, innovation_of(trajectory, sample - 1, forecast, motion, host),
+                   std::sqrt(variance));
+    const double gain = outlier ? 0 : deviation * deviation / variance;
+    return Assessment{innovation->norm(), innovation->squaredNorm() / variance, gain,
+                      deviation * std::sqrt(1 - gain), outlier};
 }
 
 /// Whether most sensors are farther off than those of the right specimen; nothing: too few to tell.
-std::optional<bool> are_strange(std::vector<double> squared_distances) {
+std::optional<bool> are_inconsistent(std::vector<double> squared_distances) {
     if (squared_distances.size() < fewest_sensors) return {};
     return median(std::move(squared_distances)) > chi_squared_quantile(0.99, 3);
 }
 
 /// Counts and keeps what came since the stage before. Whether most of it is far from the forecast,
 /// in displacements or in rotations; nothing: too little came to tell.
-std::optional<bool> take_records(ModelRun& run, const ModelRun& forecast,
-                                 const RockScatter& scatter, const SensorsHeard& sensors,
-                                 std::size_t stage) {
-    const double come = run.points[stage].axial_strain - sensors.lateness,
+std::optional<bool> record_innovations(ModelRun& run, const ModelRun& forecast,
+                                       const RockScatter& scatter,
+                                       const AssimilatedSensors& sensors, std::size_t stage) {
+    const double arrived = run.points[stage].axial_strain - sensors.lateness,
                  before = run.points[stage - 1].axial_strain - sensors.lateness;
     std::vector<double> shifts, turns; // squared distances
     for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
         const std::size_t host = sensors.hosts[s];
-        const SensorWay& way = sensors.ways[s];
-        const auto sample = last_sample(way, come);
-        if (sample < 0 || sample == last_sample(way, before)) continue;
+        const SensorTrajectory& trajectory = sensors.trajectories[s];
+        const auto sample = last_sample(trajectory, arrived);
+        if (sample < 0 || sample == last_sample(trajectory, before)) continue;
         AnalysisRecord& record = run.analyses.emplace_back(
-            AnalysisRecord{.time = way.strain[static_cast<std::size_t>(sample)],
+            AnalysisRecord{.time = trajectory.strain[static_cast<std::size_t>(sample)],
                            .sensor = static_cast<double>(s)});
         const auto shift =
-            judge(way, sample, forecast, &ModelRun::displacement, host,
-                  scatter.displacement.deviation[stage][host], sensors.position_noise);
-        const auto turn = judge(way, sample, forecast, &ModelRun::rotation, host,
-                                scatter.rotation.deviation[stage][host], sensors.attitude_noise);
+            assess(trajectory, sample, forecast, &ModelRun::displacement, host,
+                   scatter.displacement.deviation[stage][host], sensors.position_noise);
+        const auto turn = assess(trajectory, sample, forecast, &ModelRun::rotation, host,
+                                 scatter.rotation.deviation[stage][host], sensors.attitude_noise);
         if (shift) {
-            std::tie(record.shift_off, record.shift_distance, record.shift_gain,
-                     record.shift_deviation) =
-                std::tie(shift->off, shift->distance, shift->gain, shift->deviation);
+            std::tie(record.position_innovation, record.position_normalised_innovation_squared,
+                     record.position_gain, record.position_deviation) =
+                std::tie(shift->innovation, shift->distance, shift->gain, shift->deviation);
             shifts.push_back(shift->distance);
         }
         if (turn) {
-            std::tie(record.turn_off, record.turn_distance, record.turn_gain,
-                     record.turn_deviation) =
-                std::tie(turn->off, turn->distance, turn->gain, turn->deviation);
+            std::tie(record.attitude_innovation, record.attitude_normalised_innovation_squared,
+                     record.attitude_gain, record.attitude_deviation) =
+                std::tie(turn->innovation, turn->distance, turn->gain, turn->deviation);
             turns.push_back(turn->distance);
         }
-        for (const auto& judged : {shift, turn})
-            if (judged) ++(judged->gross ? run.refused : run.accepted);
+        for (const auto& assessment : {shift, turn})
+            if (assessment) ++(assessment->outlier ? run.refused : run.accepted);
     }
-    const auto shifted = are_strange(std::move(shifts)), turned = are_strange(std::move(turns));
+    const auto shifted = are_inconsistent(std::move(shifts)),
+               turned = are_inconsistent(std::move(turns));
     if (!shifted && !turned) return {};
     return shifted.value_or(false) || turned.value_or(false);
 }
 
 } // namespace
 
-RockScatter scatter_of(const Worlds& worlds) {
-    require(!worlds.runs.empty(), "analysis: expected worlds, found none");
-    const Matrix leaves = WorldRegression(logarithms_of(worlds.beliefs)).leaves();
-    const ModelRun& like = worlds.runs.front();
-    const auto freedom = static_cast<double>(worlds.beliefs.size() - 3);
+RockScatter scatter_of(const Ensemble& members) {
+    require(!members.runs.empty(), "analysis: expected worlds, found none");
+    const Matrix residual_projection =
+        EnsembleRegression(logarithms_of(members.parameters)).residual_projection();
+    const ModelRun& like = members.runs.front();
+    const auto freedom = static_cast<double>(members.parameters.size() - 3);
     const auto scatter_in = [&](Motions motion) {
         MotionScatter scatter;
         for (std::size_t stage = 0; stage < like.points.size(); ++stage)
             scatter.deviation.push_back(
-                deviations_of(left_at(worlds, leaves, motion, stage), freedom));
-        LikenessSums sums;
+                deviations_of(residuals_at(members, residual_projection, motion, stage), freedom));
+        CorrelationSums sums;
         for (std::size_t tenth = 1; tenth <= 10; ++tenth) {
             const std::size_t stage = tenth * (like.points.size() - 1) / 10;
-            add_pairs(sums, like, left_at(worlds, leaves, motion, stage), scatter.deviation[stage]);
+            add_pairs(sums, like, residuals_at(members, residual_projection, motion, stage),
+                      scatter.deviation[stage]);
         }
-        scatter.likeness = likeness_of(sums);
+        scatter.correlation = correlation_of(sums);
         return scatter;
     };
     return {scatter_in(&ModelRun::displacement), scatter_in(&ModelRun::rotation)};
 }
 
-void GrowingScatter::add(const Worlds& worlds) {
-    require(!worlds.runs.empty(), "analysis: expected worlds, found none");
-    const Matrix leaves = WorldRegression(logarithms_of(worlds.beliefs)).leaves();
-    const ModelRun& like = worlds.runs.front();
-    const auto freedom = static_cast<double>(worlds.beliefs.size() - 3);
-    const auto add_to = [&](MotionScatter& scatter, LikenessSums& sums, Motions motion) {
+void GrowingScatter::add(const Ensemble& members) {
+    require(!members.runs.empty(), "analysis: expected worlds, found none");
+    const Matrix residual_projection =
+        EnsembleRegression(logarithms_of(members.parameters)).residual_projection();
+    const ModelRun& like = members.runs.front();
+    const auto freedom = static_cast<double>(members.parameters.size() - 3);
+    const auto add_to = [&](MotionScatter& scatter, CorrelationSums& sums, Motions motion) {
         for (std::size_t stage = scatter.deviation.size(); stage < like.points.size(); ++stage) {
-            Matrix left = left_at(worlds, leaves, motion, stage);
+            Matrix left = residuals_at(members, residual_projection, motion, stage);
             scatter.deviation.push_back(deviations_of(left, freedom));
             if (stage == 0 || stage % every_ != 0) continue;
             add_pairs(sums, like, std::move(left), scatter.deviation[stage]);
-            scatter.likeness = likeness_of(sums);
+            scatter.correlation = correlation_of(sums);
         }
     };
     add_to(scatter_.displacement, displacement_, &ModelRun::displacement);
     add_to(scatter_.rotation, rotation_, &ModelRun::rotation);
 }
 
-void analyse_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter,
-                   const SensorsHeard& sensors, std::size_t stage) {
-    require(sensors.hosts.size() == sensors.ways.size(), "analysis: expected a way for each host");
-    const double come = run.points[stage].axial_strain - sensors.lateness;
+void compute_analysis_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter,
+                            const AssimilatedSensors& sensors, std::size_t stage) {
+    require(sensors.hosts.size() == sensors.trajectories.size(),
+            "analysis: expected a way for each host");
+    const double arrived = run.points[stage].axial_strain - sensors.lateness;
     const auto correct = [&](Motions motion, const MotionScatter& of, double noise) {
         std::vector<Innovation> innovations; // held from one sample to the next
         for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
             const std::size_t host = sensors.hosts[s];
-            const auto off = innovation_at(sensors.ways[s], forecast, motion, host, come,
-                                           std::hypot(of.deviation[stage][host], noise));
-            if (off) innovations.push_back({host, *off});
+            const auto innovation =
+                innovation_at(sensors.trajectories[s], forecast, motion, host, arrived,
+                              std::hypot(of.deviation[stage][host], noise));
+            if (innovation) innovations.push_back({host, *innovation});
         }
-        carry(run, motion, stage, innovations, of, noise);
+        interpolate_innovations(run, motion, stage, innovations, of, noise);
     };
     correct(&ModelRun::displacement, scatter.displacement, sensors.position_noise);
     correct(&ModelRun::rotation, scatter.rotation, sensors.attitude_noise);
 }
 
-ModelRun analyse(const ModelRun& forecast, const RockScatter& scatter,
-                 const SensorsHeard& sensors) {
+ModelRun compute_analysis(const ModelRun& forecast, const RockScatter& scatter,
+                          const AssimilatedSensors& sensors) {
     ModelRun run = forecast;
-    unsigned strange = 0; // times running
+    unsigned inconsistent = 0; // times running
     for (std::size_t stage = 1;
          stage < std::min(forecast.points.size(), scatter.displacement.deviation.size()); ++stage) {
-        const auto far = take_records(run, forecast, scatter, sensors, stage);
-        if (far) strange = *far ? strange + 1 : 0;
-        if (strange == times_running) {
-            run.strange_from = run.points[stage].axial_strain;
+        const auto far = record_innovations(run, forecast, scatter, sensors, stage);
+        if (far) inconsistent = *far ? inconsistent + 1 : 0;
+        if (inconsistent == times_running) {
+            run.inconsistent_from = run.points[stage].axial_strain;
             break;
         }
-        analyse_stage(run, forecast, scatter, sensors, stage);
+        compute_analysis_stage(run, forecast, scatter, sensors, stage);
     }
     return run;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/assimilation/worlds.hpp"
+#include "scenarios/assimilation/model_ensemble.hpp"
 
 #include <array>
 
@@ -8,7 +8,7 @@ namespace bris {
 
 /// How alike rocks at a distance err: near * exp(-distance / length) for two, 1 for one and the
 /// same.
-struct Likeness {
+struct CorrelationFunction {
     double near = 0, length = 0; ///< -, m
     double operator()(double distance) const {
         return distance > 0 ? near * std::exp(-distance / length) : 1;
@@ -17,21 +17,21 @@ struct Likeness {
 
 /// What a likeness over distance is taken from: sums over pairs of rocks, in bins of their
 /// distance.
-struct LikenessSums {
+struct CorrelationSums {
     static constexpr std::size_t bins = 24;
     std::array<double, bins> products{}, count{}, distance{};
 };
 
 /// How one kind of rocks' motions scatters over worlds, beyond the regression on their beliefs.
 struct MotionScatter {
-    Likeness likeness;
+    CorrelationFunction correlation;
     std::vector<std::vector<double>> deviation; ///< m or rad, of one direction, by stage and rock
 };
 
 struct RockScatter {
     MotionScatter displacement, rotation;
 };
-RockScatter scatter_of(const Worlds& worlds);
+RockScatter scatter_of(const Ensemble& members);
 
 /// The same while worlds go on: deviations stage by stage, likeness over distance from stages so
 /// far.
@@ -40,21 +40,21 @@ public:
     /// Likeness is taken at every so many stages.
     explicit GrowingScatter(std::size_t every) : every_(every) {}
     /// The stages that worlds have and this has not, and of each what it says of all.
-    void add(const Worlds& worlds);
+    void add(const Ensemble& members);
     const RockScatter& scatter() const { return scatter_; }
 
 private:
     std::size_t every_;
     RockScatter scatter_;
-    LikenessSums displacement_, rotation_;
+    CorrelationSums displacement_, rotation_;
 };
 
 /// What sensors told, and of which rocks of a run.
-struct SensorsHeard {
+struct AssimilatedSensors {
     std::vector<std::size_t> hosts;
-    const std::vector<SensorWay>& ways;    ///< one for each host
-    double position_noise, attitude_noise; ///< m and rad, of the ways
-    double lateness = 0;                   ///< axial strain by which samples come late
+    const std::vector<SensorTrajectory>& trajectories; ///< one for each host
+    double position_noise, attitude_noise;             ///< m and rad, of the ways
+    double lateness = 0;                               ///< axial strain by which samples come late
 };
 
 /// Corrects what the worlds foretold by what the rocks did that carry sensors: optimal
@@ -65,11 +65,12 @@ struct SensorsHeard {
 /// one far off, and unlike the one before it, is refused. Of a way without rotations gravity's tilt
 /// is used. The worlds are packed as the specimen is, or so it is believed: where most sensors, of
 /// six or more, are far off the forecast for several samples running, they are of another specimen,
-/// and left out from then on (strange_from). Samples are counted and kept (analyses).
-ModelRun analyse(const ModelRun& forecast, const RockScatter& scatter, const SensorsHeard& sensors);
+/// and left out from then on (inconsistent_from). Samples are counted and kept (analyses).
+ModelRun compute_analysis(const ModelRun& forecast, const RockScatter& scatter,
+                          const AssimilatedSensors& sensors);
 /// The same for one stage of `run`, which holds the forecast there, whatever specimen the sensors
 /// are of.
-void analyse_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter,
-                   const SensorsHeard& sensors, std::size_t stage);
+void compute_analysis_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter,
+                            const AssimilatedSensors& sensors, std::size_t stage);
 
 } // namespace bris

@@ -70,16 +70,16 @@ double error_of(const ModelRun& run, const ModelRun& truth, Squared&& squared, C
 LayoutResult try_one(const ModelRun& truth, const ModelRun& forecast, const RockScatter& scatter,
                      const LayoutTrial& trial, const std::vector<std::size_t>& hosts,
                      double interval, double reach) {
-    const auto ways = recorded_ways(truth, hosts, interval, trial.position_noise,
-                                    trial.attitude_noise, trial.seed);
+    const auto trajectories = recorded_trajectories(truth, hosts, interval, trial.position_noise,
+                                                    trial.attitude_noise, trial.seed);
     const auto began = this_instant();
-    const ModelRun analysed =
-        analyse(forecast, scatter, {hosts, ways, trial.position_noise, trial.attitude_noise});
+    const ModelRun analysis = compute_analysis(
+        forecast, scatter, {hosts, trajectories, trial.position_noise, trial.attitude_noise});
     const double seconds = seconds_since(began) / static_cast<double>(forecast.points.size() - 1);
     const std::vector<Role> roles = roles_of(truth.start, hosts, reach);
     const auto left = [&](const auto& squared, const auto& counts) {
         const double before = error_of(forecast, truth, squared, counts);
-        return before > 0 ? std::sqrt(error_of(analysed, truth, squared, counts) / before) : 1;
+        return before > 0 ? std::sqrt(error_of(analysis, truth, squared, counts) / before) : 1;
     };
     const auto near = [&](std::size_t r) { return roles[r] == Role::near; };
     return {"",
@@ -100,8 +100,9 @@ LayoutResult mean_of(const std::vector<LayoutResult>& draws) {
         mean.*value = std::exp(sum / static_cast<double>(draws.size()));
     };
     for (const auto value :
-         {&LayoutResult::hosts_left, &LayoutResult::near_left, &LayoutResult::others_left,
-          &LayoutResult::near_rotation_left, &LayoutResult::seconds_per_stage})
+         {&LayoutResult::hosts_error_ratio, &LayoutResult::near_error_ratio,
+          &LayoutResult::others_error_ratio, &LayoutResult::near_rotation_error_ratio,
+          &LayoutResult::seconds_per_stage})
         over(value);
     return mean;
 }
@@ -119,9 +120,9 @@ std::vector<std::size_t> random_rocks(std::size_t rocks, std::size_t count, Rand
 
 } // namespace
 
-std::vector<std::size_t> most_telling_rocks(const std::vector<RockPose>& rocks,
-                                            const MotionScatter& scatter, double noise,
-                                            std::size_t count) {
+std::vector<std::size_t> most_informative_rocks(const std::vector<RockPose>& rocks,
+                                                const MotionScatter& scatter, double noise,
+                                                std::size_t count) {
     const auto n = static_cast<Eigen::Index>(rocks.size());
     const std::vector<double>& deviation = scatter.deviation.back();
     Matrix covariance(n, n);
@@ -129,9 +130,9 @@ std::vector<std::size_t> most_telling_rocks(const std::vector<RockPose>& rocks,
         for (Eigen::Index b = 0; b < n; ++b)
             covariance(a, b) = deviation[static_cast<std::size_t>(a)] *
                                deviation[static_cast<std::size_t>(b)] *
-                               scatter.likeness((rocks[static_cast<std::size_t>(a)].position -
-                                                 rocks[static_cast<std::size_t>(b)].position)
-                                                    .norm());
+                               scatter.correlation((rocks[static_cast<std::size_t>(a)].position -
+                                                    rocks[static_cast<std::size_t>(b)].position)
+                                                       .norm());
     std::vector<std::size_t> chosen;
     for (std::size_t k = 0; k < std::min(count, rocks.size()); ++k) {
         Eigen::Index best = 0;
@@ -166,8 +167,8 @@ std::vector<LayoutResult> try_layouts(const ModelRun& truth, const ModelRun& for
         if (truth.sensors > 0) add("placed", with(sensor_rocks(truth)));
         for (const std::size_t count : trial.sensors) {
             if (2 * count > truth.rocks.size()) continue;
-            add("informed", with(most_telling_rocks(truth.start, scatter.displacement,
-                                                    trial.position_noise, count)));
+            add("informed", with(most_informative_rocks(truth.start, scatter.displacement,
+                                                        trial.position_noise, count)));
             std::vector<LayoutResult> draws;
             for (unsigned d = 0; d < trial.draws; ++d)
                 draws.push_back(
@@ -179,17 +180,18 @@ std::vector<LayoutResult> try_layouts(const ModelRun& truth, const ModelRun& for
 }
 
 void write_layouts(const std::filesystem::path& path, const std::vector<LayoutResult>& results) {
-    std::string csv = "layout,sensors,interval,sensor_rocks_left,near_left,others_left,near_"
-                      "rotation_left,seconds_per_stage\n";
+    std::string csv =
+        "layout,sensors,interval,sensor_rocks_error_ratio,near_error_ratio,others_error_ratio,near_"
+        "rotation_left,seconds_per_stage\n";
     fmt::print("{:10}{:>8}{:>10}{:>14}{:>12}{:>14}{:>16}{:>14}\n", "layout", "sensors", "interval",
                "sensor rocks", "near them", "all without", "near, rotation", "us a stage");
     for (const LayoutResult& r : results) {
         fmt::print("{:10}{:8}{:10.1e}{:14.3f}{:12.3f}{:14.3f}{:16.3f}{:14.1f}\n", r.layout,
-                   r.sensors, r.interval, r.hosts_left, r.near_left, r.others_left,
-                   r.near_rotation_left, 1e6 * r.seconds_per_stage);
+                   r.sensors, r.interval, r.hosts_error_ratio, r.near_error_ratio,
+                   r.others_error_ratio, r.near_rotation_error_ratio, 1e6 * r.seconds_per_stage);
         csv += fmt::format("{},{},{:g},{:.6g},{:.6g},{:.6g},{:.6g},{:.4g}\n", r.layout, r.sensors,
-                           r.interval, r.hosts_left, r.near_left, r.others_left,
-                           r.near_rotation_left, r.seconds_per_stage);
+                           r.interval, r.hosts_error_ratio, r.near_error_ratio,
+                           r.others_error_ratio, r.near_rotation_error_ratio, r.seconds_per_stage);
     }
     write_whole(path, csv);
 }

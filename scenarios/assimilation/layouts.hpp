@@ -22,19 +22,19 @@ struct LayoutResult {
                         ///< most of all rocks
     std::size_t sensors;
     double interval;
-    double hosts_left; ///< displacement of the rocks with sensors
-    double
-        near_left; ///< of those without whose centre is as near to a sensor's as rocks that touch
-    double others_left;        ///< of all without
-    double near_rotation_left; ///< rotation of those near
-    double seconds_per_stage;  ///< that the analysis of a stage takes
+    double hosts_error_ratio;  ///< displacement of the rocks with sensors
+    double near_error_ratio;   ///< of those without whose centre is as near to a sensor's as rocks
+                               ///< that touch
+    double others_error_ratio; ///< of all without
+    double near_rotation_error_ratio; ///< rotation of those near
+    double seconds_per_stage;         ///< that the analysis of a stage takes
 };
 
 /// One after the other, the rocks whose motion, once measured with a noise (a deviation), leaves
 /// least variance over all rocks at the end.
-std::vector<std::size_t> most_telling_rocks(const std::vector<RockPose>& rocks,
-                                            const MotionScatter& scatter, double noise,
-                                            std::size_t count);
+std::vector<std::size_t> most_informative_rocks(const std::vector<RockPose>& rocks,
+                                                const MotionScatter& scatter, double noise,
+                                                std::size_t count);
 
 std::vector<LayoutResult> try_layouts(const ModelRun& truth, const ModelRun& forecast,
                                       const RockScatter& scatter, const LayoutTrial& trial);

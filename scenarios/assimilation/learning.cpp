@@ -18,12 +18,13 @@ constexpr double no_stress = 1e3;     // Pa, below which a logarithm of q says n
 constexpr double compaction = 1e-3;   // volumetric strain that grains take up before they dilate
 constexpr double volume_noise = 0.02; // of volumetric strain as measured, relative
 constexpr double slip = 0.35;         // of ln q: worlds slip, too, but not when the specimen does
-constexpr double gross = 6; // deviations of q; no world of the twin campaign is 3 from the others
+constexpr double outlier_limit =
+    6; // deviations of q; no world of the twin campaign is 3 from the others
 // What makes a specimen strong makes it dilate and widen too: among eleven of friction 0.7 ln q and
 // dilation go together with a correlation of 0.6 to 0.9, and each goes on as it began with about
 // this memory (tests/performance/packing_campaign).
-constexpr SpecimenLikeness specimen_likeness{.memory = 4,
-                                             .channels = 0.6}; // the former of ln strain
+constexpr SpecimenCorrelation specimen_correlation{.memory = 4,
+                                                   .channels = 0.6}; // the former of ln strain
 
 /// What is measured of a test and foretold by worlds: channels of the estimate.
 enum Channel : std::size_t { strength, widening, dilation, channels };
@@ -31,7 +32,7 @@ enum Channel : std::size_t { strength, widening, dilation, channels };
 using Measured = std::vector<double> MeasuredTest::*;
 
 /// A sample of a sensor, and the stage of the worlds at its strain.
-struct Heard {
+struct Observation {
     std::size_t sensor, sample, stage;
 };
 
@@ -42,20 +43,20 @@ bool stands_off_axis(const ModelRun& run, std::size_t sensor) {
 }
 
 /// Mean displacement away from the axis of the sensor rocks heard of.
-double outwards(const ModelRun& run, const std::vector<Heard>& heard,
-                const std::function<Vec3(const Heard&)>& displacement) {
+double outwards(const ModelRun& run, const std::vector<Observation>& observations,
+                const std::function<Vec3(const Observation&)>& displacement) {
     double sum = 0;
-    for (const Heard& h : heard) {
+    for (const Observation& h : observations) {
         Vec3 out = run.start[h.sensor].position;
         out.z() = 0;
         sum += displacement(h).dot(out.normalized());
     }
-    return heard.empty() ? 0 : sum / static_cast<double>(heard.size());
+    return observations.empty() ? 0 : sum / static_cast<double>(observations.size());
 }
 
 /// Worlds to learn from, or some of them.
-struct Panel {
-    std::vector<RockBelief> beliefs;
+struct MemberSubset {
+    std::vector<RockParameters> parameters;
     std::vector<const ModelRun*> runs;
 };
 
@@ -63,182 +64,194 @@ struct Panel {
 /// strains.
 struct Means {
     double measured = 0;
-    Vector foretold;
+    Vector forecast;
 };
 
 /// What every world foretold of a stage.
-Vector foretold_at(const Panel& worlds, std::size_t stage, double TriaxialPoint::*what) {
-    return Vector::NullaryExpr(static_cast<Eigen::Index>(worlds.runs.size()), [&](Eigen::Index j) {
-        return worlds.runs[static_cast<std::size_t>(j)]->points[stage].*what;
+Vector forecast_at(const MemberSubset& members, std::size_t stage, double TriaxialPoint::*what) {
+    return Vector::NullaryExpr(static_cast<Eigen::Index>(members.runs.size()), [&](Eigen::Index j) {
+        return members.runs[static_cast<std::size_t>(j)]->points[stage].*what;
     });
 }
 
 /// Nothing: not measured there.
-std::optional<Means> means_of(const Panel& worlds, const MeasuredTest& measured, Measured what,
-                              double TriaxialPoint::*foretold, double from, double to) {
-    Means m{0, Vector::Zero(static_cast<Eigen::Index>(worlds.runs.size()))};
+std::optional<Means> means_of(const MemberSubset& members, const MeasuredTest& measured,
+                              Measured what, double TriaxialPoint::*forecast, double from,
+                              double to) {
+    Means m{0, Vector::Zero(static_cast<Eigen::Index>(members.runs.size()))};
     double count = 0;
     for (std::size_t k = 0; k < measured.strain.size(); ++k) {
         if (measured.strain[k] <= from + 1e-9 || measured.strain[k] > to + 1e-9 ||
             !std::isfinite((measured.*what)[k]))
             continue;
-        const auto stage = stage_of_sample(*worlds.runs.front(), measured.strain[k]);
+        const auto stage = stage_of_sample(*members.runs.front(), measured.strain[k]);
         if (!stage) continue;
         m.measured += (measured.*what)[k];
-        m.foretold += foretold_at(worlds, *stage, foretold);
+        m.forecast += forecast_at(members, *stage, forecast);
         ++count;
     }
     if (count == 0) return {};
     m.measured /= count;
-    m.foretold /= count;
+    m.forecast /= count;
     return m;
 }
 
 /// Whether no world comes near ln q, whatever specimens differ by.
-bool is_gross(double found, const Vector& foretold, double specimen_scatter) {
-    const double mean = foretold.mean(), scatter = std::max(specimen_scatter, slip);
+bool is_outlier(double found, const Vector& forecast, double specimen_scatter) {
+    const double mean = forecast.mean(), scatter = std::max(specimen_scatter, slip);
     const double variance =
-        (foretold.array() - mean).square().sum() / static_cast<double>(foretold.size() - 1) +
+        (forecast.array() - mean).square().sum() / static_cast<double>(forecast.size() - 1) +
         scatter * scatter;
-    return std::pow(found - mean, 2) > gross * gross * variance;
+    return std::pow(found - mean, 2) > outlier_limit * outlier_limit * variance;
 }
 
 /// The test without what is gross of q.
-MeasuredTest cleaned(const Panel& worlds, const MeasuredTest& measured, const Learning& settings) {
+MeasuredTest cleaned(const MemberSubset& members, const MeasuredTest& measured,
+                     const Learning& settings) {
     MeasuredTest m = measured;
     for (std::size_t k = 0; k < m.strain.size(); ++k) {
-        const auto stage = stage_of_sample(*worlds.runs.front(), m.strain[k]);
+        const auto stage = stage_of_sample(*members.runs.front(), m.strain[k]);
         if (!stage || !(m.strain[k] > 1e-9) || !(m.q[k] > no_stress)) continue;
-        const Vector foretold = foretold_at(worlds, *stage, &TriaxialPoint::deviatoric_stress);
-        if (!(foretold.minCoeff() > no_stress) ||
-            !is_gross(std::log(m.q[k]), foretold.array().log(), settings.specimen_scatter))
+        const Vector forecast = forecast_at(members, *stage, &TriaxialPoint::deviatoric_stress);
+        if (!(forecast.minCoeff() > no_stress) ||
+            !is_outlier(std::log(m.q[k]), forecast.array().log(), settings.specimen_scatter))
             continue;
         m.q[k] = std::nan("");
-        m.left_out.push_back(m.strain[k]);
+        m.rejected.push_back(m.strain[k]);
     }
     return m;
 }
 
 /// A displacement that no world comes near: ten deviations of the worlds and of the noise.
-bool is_gross(const Panel& worlds, const Heard& h, const Vec3& found, double noise) {
+bool is_outlier(const MemberSubset& members, const Observation& h, const Vec3& found,
+                double noise) {
     Vec3 mean = Vec3::Zero();
     double squares = 0;
-    for (const ModelRun* run : worlds.runs)
-        mean += run->displacement[h.stage][h.sensor] / static_cast<double>(worlds.runs.size());
-    for (const ModelRun* run : worlds.runs)
+    for (const ModelRun* run : members.runs)
+        mean += run->displacement[h.stage][h.sensor] / static_cast<double>(members.runs.size());
+    for (const ModelRun* run : members.runs)
         squares += (run->displacement[h.stage][h.sensor] - mean).squaredNorm();
     const double variance =
-        squares / static_cast<double>(worlds.runs.size() - 1) + 3 * noise * noise;
+        squares / static_cast<double>(members.runs.size() - 1) + 3 * noise * noise;
     return (found - mean).squaredNorm() > 100 * variance;
 }
 
 /// The last sample of each sensor that has come by the end of a window and was taken in it; fewer
 /// than half of the sensors: none.
-std::vector<Heard> heard_in(const Panel& worlds, const MeasuredTest& measured, double from,
-                            double to) {
-    const ModelRun& like = *worlds.runs.front();
-    std::vector<Heard> heard;
+std::vector<Observation> observations_in(const MemberSubset& members, const MeasuredTest& measured,
+                                         double from, double to) {
+    const ModelRun& like = *members.runs.front();
+    std::vector<Observation> observations;
     std::size_t expected = 0;
-    for (std::size_t s = 0; s < std::min(measured.ways.size(), like.sensors); ++s) {
-        const SensorWay& way = measured.ways[s];
-        if (way.strain.empty() || !stands_off_axis(like, s)) continue;
+    for (std::size_t s = 0; s < std::min(measured.trajectories.size(), like.sensors); ++s) {
+        const SensorTrajectory& trajectory = measured.trajectories[s];
+        if (trajectory.strain.empty() || !stands_off_axis(like, s)) continue;
         ++expected;
-        const auto after =
-            std::upper_bound(way.strain.begin(), way.strain.end(), to - measured.lateness + 1e-9);
-        for (auto k = after - way.strain.begin() - 1; k >= 0; --k) {
+        const auto after = std::upper_bound(trajectory.strain.begin(), trajectory.strain.end(),
+                                            to - measured.lateness + 1e-9);
+        for (auto k = after - trajectory.strain.begin() - 1; k >= 0; --k) {
             const auto sample = static_cast<std::size_t>(k);
-            if (way.strain[sample] <= from - measured.lateness + 1e-9) break;
-            const auto stage = stage_of_sample(like, way.strain[sample]);
-            if (!stage || !way.displacement[sample].allFinite()) continue;
-            const Heard h{s, sample, *stage};
-            if (is_gross(worlds, h, way.displacement[sample], measured.displacement_noise))
+            if (trajectory.strain[sample] <= from - measured.lateness + 1e-9) break;
+            const auto stage = stage_of_sample(like, trajectory.strain[sample]);
+            if (!stage || !trajectory.displacement[sample].allFinite()) continue;
+            const Observation h{s, sample, *stage};
+            if (is_outlier(members, h, trajectory.displacement[sample],
+                           measured.displacement_noise))
                 continue;
-            heard.push_back(h);
+            observations.push_back(h);
             break;
         }
     }
-    if (2 * heard.size() < expected) heard.clear();
-    return heard;
+    if (2 * observations.size() < expected) observations.clear();
+    return observations;
 }
 
 /// ln q.
-bool see_strength(ParameterEstimate& estimate, const Panel& worlds, const MeasuredTest& measured,
-                  const Learning& settings, double from, double to) {
+bool observe_strength(ParameterEstimate& estimate, const MemberSubset& members,
+                      const MeasuredTest& measured, const Learning& settings, double from,
+                      double to) {
     const auto q =
-        means_of(worlds, measured, &MeasuredTest::q, &TriaxialPoint::deviatoric_stress, from, to);
-    if (!q || !(q->measured > no_stress) || !(q->foretold.minCoeff() > no_stress)) return false;
-    estimate.see(
-        strength, q->foretold.array().log(),
+        means_of(members, measured, &MeasuredTest::q, &TriaxialPoint::deviatoric_stress, from, to);
+    if (!q || !(q->measured > no_stress) || !(q->forecast.minCoeff() > no_stress)) return false;
+    estimate.observe(
+        strength, q->forecast.array().log(),
         {std::log(q->measured), settings.force_noise, settings.specimen_scatter, std::log(to)});
     return true;
 }
 
 /// How far the sensor rocks have come outwards. Specimens differ by a share of it.
-bool see_sensors(ParameterEstimate& estimate, const Panel& worlds, const MeasuredTest& measured,
-                 const Learning& settings, double from, double to) {
-    const std::vector<Heard> heard = heard_in(worlds, measured, from, to);
-    if (heard.empty()) return false;
-    Vector foretold(static_cast<Eigen::Index>(worlds.runs.size()));
-    for (std::size_t j = 0; j < worlds.runs.size(); ++j)
-        foretold[static_cast<Eigen::Index>(j)] =
-            outwards(*worlds.runs[j], heard, [&](const Heard& h) {
-                return worlds.runs[j]->displacement[h.stage][h.sensor];
+bool observe_sensor_displacements(ParameterEstimate& estimate, const MemberSubset& members,
+                                  const MeasuredTest& measured, const Learning& settings,
+                                  double from, double to) {
+    const std::vector<Observation> observations = observations_in(members, measured, from, to);
+    if (observations.empty()) return false;
+    Vector forecast(static_cast<Eigen::Index>(members.runs.size()));
+    for (std::size_t j = 0; j < members.runs.size(); ++j)
+        forecast[static_cast<Eigen::Index>(j)] =
+            outwards(*members.runs[j], observations, [&](const Observation& h) {
+                return members.runs[j]->displacement[h.stage][h.sensor];
             });
-    const double found = outwards(*worlds.runs.front(), heard, [&](const Heard& h) {
-        return measured.ways[h.sensor].displacement[h.sample];
+    const double found = outwards(*members.runs.front(), observations, [&](const Observation& h) {
+        return measured.trajectories[h.sensor].displacement[h.sample];
     });
-    const double noise = measured.displacement_noise / std::sqrt(static_cast<double>(heard.size()));
-    estimate.see(
-        widening, foretold,
-        {found, noise, settings.specimen_scatter * foretold.cwiseAbs().mean(), std::log(to)});
+    const double noise =
+        measured.displacement_noise / std::sqrt(static_cast<double>(observations.size()));
+    estimate.observe(
+        widening, forecast,
+        {found, noise, settings.specimen_scatter * forecast.cwiseAbs().mean(), std::log(to)});
     return true;
 }
 
 /// Dilation, in units that grow with strain as what specimens differ by does.
-bool see_volume(ParameterEstimate& estimate, const Panel& worlds, const MeasuredTest& measured,
-                const Learning& settings, double from, double to) {
-    const auto volume = means_of(worlds, measured, &MeasuredTest::volumetric_strain,
+bool observe_volume(ParameterEstimate& estimate, const MemberSubset& members,
+                    const MeasuredTest& measured, const Learning& settings, double from,
+                    double to) {
+    const auto volume = means_of(members, measured, &MeasuredTest::volumetric_strain,
                                  &TriaxialPoint::volumetric_strain, from, to);
     if (!volume) return false;
-    const double size = std::abs(volume->foretold.mean()),
+    const double size = std::abs(volume->forecast.mean()),
                  unit = -(size + compaction); // compression is positive
     if (!(size > compaction))
         return false; // all specimens begin alike: that would seem to say that this one goes on
                       // like the worlds
-    estimate.see(dilation, volume->foretold / unit,
-                 {volume->measured / unit, volume_noise, settings.specimen_scatter, std::log(to)});
+    estimate.observe(
+        dilation, volume->forecast / unit,
+        {volume->measured / unit, volume_noise, settings.specimen_scatter, std::log(to)});
     return true;
 }
 
-enum class Asked { every_window, the_end };
+enum class ReportAt { every_window, final_strain_only };
 
-/// `left_out`: worlds that the panel lacks.
-std::vector<KnownAt> learn_trusting(const Gaussian& prior, const Panel& worlds,
-                                    const MeasuredTest& measured, const Learning& settings,
-                                    double final_strain, double trust, Asked asked,
-                                    Eigen::Index left_out = 0) {
-    ParameterEstimate estimate(prior, logarithms_of(worlds.beliefs), channels, trust, left_out,
-                               specimen_likeness);
-    std::vector<KnownAt> known;
+/// `excluded_members`: worlds that the panel lacks.
+std::vector<EstimateAt> learn_tempered(const Gaussian& prior, const MemberSubset& members,
+                                       const MeasuredTest& measured, const Learning& settings,
+                                       double final_strain, double tempering, ReportAt report_at,
+                                       Eigen::Index excluded_members = 0) {
+    ParameterEstimate estimate(prior, logarithms_of(members.parameters), channels, tempering,
+                               excluded_members, specimen_correlation);
+    std::vector<EstimateAt> estimates;
     double from = 0;
     for (const double to : window_ends(settings, final_strain)) {
-        bool says_something =
-            settings.by_force && see_strength(estimate, worlds, measured, settings, from, to);
-        const double distance = says_something ? estimate.surprise(strength) : -1;
-        if (settings.by_sensors && see_sensors(estimate, worlds, measured, settings, from, to))
-            says_something = true;
-        if (settings.by_volume && see_volume(estimate, worlds, measured, settings, from, to))
-            says_something = true;
-        const auto left_out_here =
-            static_cast<unsigned>(std::ranges::count_if(measured.left_out, [&](double strain) {
+        bool observed_any =
+            settings.by_force && observe_strength(estimate, members, measured, settings, from, to);
+        const double distance =
+            observed_any ? estimate.normalised_innovation_squared(strength) : -1;
+        if (settings.by_sensors &&
+            observe_sensor_displacements(estimate, members, measured, settings, from, to))
+            observed_any = true;
+        if (settings.by_volume && observe_volume(estimate, members, measured, settings, from, to))
+            observed_any = true;
+        const auto rejected_here =
+            static_cast<unsigned>(std::ranges::count_if(measured.rejected, [&](double strain) {
                 return strain > from + 1e-9 && strain <= to + 1e-9;
             }));
-        if ((says_something || left_out_here > 0) && asked == Asked::every_window)
-            known.push_back({to, estimate.parameters(), distance, left_out_here});
+        if ((observed_any || rejected_here > 0) && report_at == ReportAt::every_window)
+            estimates.push_back({to, estimate.parameters(), distance, rejected_here});
         from = to;
     }
-    if (asked == Asked::the_end) known.push_back({final_strain, estimate.parameters(), -1});
-    return known;
+    if (report_at == ReportAt::final_strain_only)
+        estimates.push_back({final_strain, estimate.parameters(), -1});
+    return estimates;
 }
 
 /// What would have been measured of a world, at the strains of a real test.
@@ -251,11 +264,11 @@ MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
         if (std::isfinite(m.volumetric_strain[k]))
             m.volumetric_strain[k] = stage ? run.points[*stage].volumetric_strain : std::nan("");
     }
-    for (std::size_t s = 0; s < m.ways.size() && s < run.sensors; ++s)
-        for (std::size_t k = 0; k < m.ways[s].strain.size(); ++k) {
-            const auto stage = stage_of_sample(run, m.ways[s].strain[k]);
-            if (stage && m.ways[s].displacement[k].allFinite())
-                m.ways[s].displacement[k] = run.displacement[*stage][s];
+    for (std::size_t s = 0; s < m.trajectories.size() && s < run.sensors; ++s)
+        for (std::size_t k = 0; k < m.trajectories[s].strain.size(); ++k) {
+            const auto stage = stage_of_sample(run, m.trajectories[s].strain[k]);
+            if (stage && m.trajectories[s].displacement[k].allFinite())
+                m.trajectories[s].displacement[k] = run.displacement[*stage][s];
         }
     return m;
 }
@@ -264,35 +277,36 @@ MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
 /// parameters learned from the others. Where they come out farther off than they should, chaos
 /// lasts longer than a correlation from one time to the next tells, and measurements count for
 /// less. With no world to spare that is not tried.
-double trust_in(const Gaussian& prior, const Panel& worlds, const MeasuredTest& measured,
-                const Learning& settings, double final_strain) {
-    if (worlds.runs.size() <= ParameterEstimate::fewest_worlds) return 1;
+double tempering_for(const Gaussian& prior, const MemberSubset& members,
+                     const MeasuredTest& measured, const Learning& settings, double final_strain) {
+    if (members.runs.size() <= ParameterEstimate::fewest_members) return 1;
     Learning same_specimen = settings;
     same_specimen.specimen_scatter = 0;
     double sum = 0;
-    for (std::size_t j = 0; j < worlds.runs.size(); ++j) {
-        Panel others = worlds;
-        others.beliefs.erase(others.beliefs.begin() + static_cast<std::ptrdiff_t>(j));
+    for (std::size_t j = 0; j < members.runs.size(); ++j) {
+        MemberSubset others = members;
+        others.parameters.erase(others.parameters.begin() + static_cast<std::ptrdiff_t>(j));
         others.runs.erase(others.runs.begin() + static_cast<std::ptrdiff_t>(j));
-        const auto known = learn_trusting(prior, others, as_measured(*worlds.runs[j], measured),
-                                          same_specimen, final_strain, 1, Asked::the_end, 1);
-        sum += squared_distance(known.back().belief, logarithms_of(worlds.beliefs[j]));
+        const auto estimates =
+            learn_tempered(prior, others, as_measured(*members.runs[j], measured), same_specimen,
+                           final_strain, 1, ReportAt::final_strain_only, 1);
+        sum += squared_distance(estimates.back().estimate, logarithms_of(members.parameters[j]));
     }
-    return std::min(1.0, 2 * static_cast<double>(worlds.runs.size()) / sum);
+    return std::min(1.0, 2 * static_cast<double>(members.runs.size()) / sum);
 }
 
-Panel panel_of(const Worlds& worlds) {
-    require(worlds.runs.size() == worlds.beliefs.size(),
-            fmt::format("worlds: expected {} runs, found {}", worlds.beliefs.size(),
-                        worlds.runs.size()));
-    Panel panel{worlds.beliefs, {}};
-    for (const ModelRun& run : worlds.runs) panel.runs.push_back(&run);
-    return panel;
+MemberSubset all_members(const Ensemble& members) {
+    require(members.runs.size() == members.parameters.size(),
+            fmt::format("worlds: expected {} runs, found {}", members.parameters.size(),
+                        members.runs.size()));
+    MemberSubset subset{members.parameters, {}};
+    for (const ModelRun& run : members.runs) subset.runs.push_back(&run);
+    return subset;
 }
 
 } // namespace
 
-Gaussian prior_of(const RockBelief& middle, const Learning& settings) {
+Gaussian prior_of(const RockParameters& middle, const Learning& settings) {
     Gaussian prior(2);
     prior.mean = logarithms_of(middle);
     prior.root.diagonal() << settings.friction_deviation, settings.stiffness_deviation;
@@ -308,28 +322,30 @@ std::vector<double> window_ends(const Learning& settings, double final_strain) {
     return ends;
 }
 
-std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds,
-                           const MeasuredTest& measured, const Learning& settings,
-                           double final_strain) {
-    const Panel panel = panel_of(worlds);
-    const MeasuredTest test = cleaned(panel, measured, settings);
-    return learn_trusting(prior, panel, test, settings, final_strain,
-                          trust_in(prior, panel, test, settings, final_strain),
-                          Asked::every_window);
+std::vector<EstimateAt> learn(const Gaussian& prior, const Ensemble& members,
+                              const MeasuredTest& measured, const Learning& settings,
+                              double final_strain) {
+    const MemberSubset subset = all_members(members);
+    const MeasuredTest test = cleaned(subset, measured, settings);
+    return learn_tempered(prior, subset, test, settings, final_strain,
+                          tempering_for(prior, subset, test, settings, final_strain),
+                          ReportAt::every_window);
 }
 
-std::size_t gross_displacements(const Worlds& worlds, const MeasuredTest& measured) {
-    const Panel panel = panel_of(worlds);
-    std::size_t gross = 0;
-    for (std::size_t s = 0; s < std::min(measured.ways.size(), worlds.runs.front().sensors); ++s)
-        for (std::size_t k = 0; k < measured.ways[s].strain.size(); ++k) {
-            const Vec3& found = measured.ways[s].displacement[k];
-            const auto stage = stage_of_sample(worlds.runs.front(), measured.ways[s].strain[k]);
+std::size_t outlying_displacements(const Ensemble& members, const MeasuredTest& measured) {
+    const MemberSubset subset = all_members(members);
+    std::size_t outliers = 0;
+    for (std::size_t s = 0;
+         s < std::min(measured.trajectories.size(), members.runs.front().sensors); ++s)
+        for (std::size_t k = 0; k < measured.trajectories[s].strain.size(); ++k) {
+            const Vec3& found = measured.trajectories[s].displacement[k];
+            const auto stage =
+                stage_of_sample(members.runs.front(), measured.trajectories[s].strain[k]);
             if (stage && found.allFinite() &&
-                is_gross(panel, {s, k, *stage}, found, measured.displacement_noise))
-                ++gross;
+                is_outlier(subset, {s, k, *stage}, found, measured.displacement_noise))
+                ++outliers;
         }
-    return gross;
+    return outliers;
 }
 
 } // namespace bris

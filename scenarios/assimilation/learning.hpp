@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/options.hpp"
-#include "scenarios/assimilation/worlds.hpp"
+#include "scenarios/assimilation/model_ensemble.hpp"
 #include "scenarios/recordings/measured_test.hpp"
 
 #include <string>
@@ -11,8 +11,8 @@ namespace bris {
 
 /// How friction and stiffness are learned while a test goes on.
 struct Learning {
-    unsigned worlds = 8; ///< in each of two generations: drawn from what is known before the test,
-                         ///< and after its beginning
+    unsigned members = 8; ///< in each of two generations: drawn from what is known before the test,
+                          ///< and after its beginning
     double first_strain = 2e-3; ///< to which the first generation runs
     double final_strain = 0.01; ///< to which learning goes on
     double first_window = 1e-4,
@@ -30,15 +30,15 @@ struct Learning {
 };
 
 /// What is known of them before a test.
-Gaussian prior_of(const RockBelief& middle, const Learning& settings);
+Gaussian prior_of(const RockParameters& middle, const Learning& settings);
 
 /// What is known at an axial strain.
-struct KnownAt {
+struct EstimateAt {
     double strain;
-    Gaussian belief;
-    double squared_distance; ///< of the last measurement of q from what was expected: chi square of
-                             ///< one degree; -1: none in this window
-    unsigned left_out =
+    Gaussian estimate;
+    double normalised_innovation_squared; ///< of the last measurement of q from what was expected:
+                                          ///< chi square of one degree; -1: none in this window
+    unsigned rejected =
         0; ///< numbers of q in this window that no world comes near: not learned from
 };
 
@@ -46,18 +46,18 @@ struct KnownAt {
 /// logarithm of q, from how far the sensor rocks have moved outwards in the mean, and from the
 /// volumetric strain, each as far as it is measured and asked for. A q that no world comes near is
 /// left out.
-std::vector<KnownAt> learn(const Gaussian& prior, const Worlds& worlds,
-                           const MeasuredTest& measured, const Learning& settings,
-                           double final_strain);
+std::vector<EstimateAt> learn(const Gaussian& prior, const Ensemble& members,
+                              const MeasuredTest& measured, const Learning& settings,
+                              double final_strain);
 
 /// Displacements of sensor rocks that no world comes near: learning leaves them out.
-std::size_t gross_displacements(const Worlds& worlds, const MeasuredTest& measured);
+std::size_t outlying_displacements(const Ensemble& members, const MeasuredTest& measured);
 
 /// Where windows end, up to `final_strain`.
 std::vector<double> window_ends(const Learning& settings, double final_strain);
 
 void Learning::describe(auto& option) {
-    option("worlds", worlds, "",
+    option("members", members, "",
            "in each of two generations, that friction and stiffness are learned from",
            within(6, 1000));
     option("first_strain", first_strain, "", "to which the first generation runs", above(0));

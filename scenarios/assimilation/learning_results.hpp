@@ -9,12 +9,12 @@
 namespace bris {
 
 /// Friction and stiffness with their deviations, flat keys for summary.json.
-std::vector<NamedValue> describe(const Gaussian& belief);
+std::vector<NamedValue> describe(const Gaussian& estimate);
 
 /// A line for each window: what was known at its end. Throws OutputError.
-void write_known(const std::filesystem::path& csv, const std::vector<KnownAt>& known);
+void write_estimates(const std::filesystem::path& csv, const std::vector<EstimateAt>& estimates);
 
 /// What each world foretold of q, stage by stage. Throws OutputError.
-void write_worlds(const std::filesystem::path& csv, const Worlds& worlds);
+void write_members(const std::filesystem::path& csv, const Ensemble& members);
 
 } // namespace bris

@@ -20,25 +20,25 @@ std::size_t stages_to(double strain, double stage_strain) {
 
 } // namespace
 
-LiveModel::Generation::Generation(const Gaussian& belief, const Learning& settings,
+LiveModel::Generation::Generation(const Gaussian& estimate, const Learning& settings,
                                   double stage_strain, const std::string& name,
                                   const BeginRuns& begin)
-    : worlds(belief, settings.worlds, name, begin),
+    : ensemble(estimate, settings.members, name, begin),
       scatter(std::max<std::size_t>(1, stages_to(settings.first_strain, stage_strain) / 10)) {}
 
-void LiveModel::Generation::go_on_to(std::size_t points) {
-    worlds.go_on_to(points);
-    scatter.add(worlds.worlds());
+void LiveModel::Generation::advance_to(std::size_t points) {
+    ensemble.advance_to(points);
+    scatter.add(ensemble.members());
 }
 
 LiveModel::LiveModel(const LiveModelSettings& settings, BeginRuns begin)
     : settings_(settings), begin_(std::move(begin)),
       prior_(prior_of(settings.before, settings.learning)) {
     answering_.emplace(prior_, settings_.learning, settings_.stage_strain, "first", begin_);
-    answering_->go_on_to(
+    answering_->advance_to(
         1 + stages_to(std::min(settings_.learning.first_strain, settings_.final_strain),
                       settings_.stage_strain));
-    forecast_ = state_ = begun_like(answering_->worlds.worlds().runs.front());
+    forecast_ = state_ = empty_run_like(answering_->ensemble.members().runs.front());
 }
 
 /// Once for each window that ends with this stage, from all that has come of it and of those
@@ -51,11 +51,11 @@ void LiveModel::learn_at(double strain, const RecordedTest& so_far, Due due) {
     if (passed == ends.rend() ||
         (due == Due::at_window_ends && *passed <= strain - 0.5 * settings_.stage_strain))
         return;
-    const auto all = learn(prior_, answering_->worlds.worlds(), measured_test(so_far),
+    const auto all = learn(prior_, answering_->ensemble.members(), measured_test(so_far),
                            settings_.learning, std::min(*passed, strain));
     if (all.empty()) return;
-    known_.push_back(all.back());
-    known_.back().strain = strain;
+    estimates_.push_back(all.back());
+    estimates_.back().strain = strain;
 }
 
 bool LiveModel::second_is_due() const {
@@ -66,10 +66,10 @@ bool LiveModel::second_is_due() const {
 }
 
 void LiveModel::next_stage(const RecordedTest& so_far) {
-    go_on();
+    advance_members();
     const double strain = next_strain();
     const std::size_t stage = state_.points.size();
-    const bool caught_up = catching_up_ && catching_up_->worlds.points() > stage;
+    const bool caught_up = catching_up_ && catching_up_->ensemble.points() > stage;
     if (caught_up) {
         retired_ = std::exchange(answering_, std::exchange(catching_up_, {}));
         caught_up_at_ = strain;
@@ -77,29 +77,29 @@ void LiveModel::next_stage(const RecordedTest& so_far) {
     if (stage > 0) learn_at(strain, so_far, caught_up ? Due::now : Due::at_window_ends);
     if (second_is_due()) {
         second_begun_ = stage;
-        catching_up_.emplace(spread_around(prior_, known_), settings_.learning,
+        catching_up_.emplace(spread_around(prior_, estimates_), settings_.learning,
                              settings_.stage_strain, "second", begin_);
     }
-    foretell(forecast_, answering_->worlds.worlds(), belief().mean);
+    forecast_stage(forecast_, answering_->ensemble.members(), estimate().mean);
     state_.points.push_back(forecast_.points.back());
     state_.displacement.push_back(forecast_.displacement.back());
     state_.rotation.push_back(forecast_.rotation.back());
     const SensorInfo& info = so_far.recordings.front().info;
     if (stage > 0)
-        analyse_stage(
-            state_, forecast_, answering_->scatter.scatter(),
-            {sensor_rocks(forecast_), so_far.ways, info.displacement_noise, info.attitude_noise},
-            stage);
+        compute_analysis_stage(state_, forecast_, answering_->scatter.scatter(),
+                               {sensor_rocks(forecast_), so_far.trajectories,
+                                info.displacement_noise, info.attitude_noise},
+                               stage);
 }
 
-void LiveModel::go_on() {
+void LiveModel::advance_members() {
     if (done()) return;
     if (retired_) { // not before the answer
-        retired_->worlds.keep();
+        retired_->ensemble.save_checkpoint();
         retired_.reset();
     }
     const std::size_t needed = state_.points.size() + 1;
-    answering_->go_on_to(needed);
+    answering_->advance_to(needed);
     if (catching_up_)
         catch_up_to(std::min(needed, settings_.catch_up * (state_.points.size() - second_begun_)));
 }
@@ -107,7 +107,7 @@ void LiveModel::go_on() {
 /// Too few worlds are no end of the test while those of the first generation answer it.
 void LiveModel::catch_up_to(std::size_t points) {
     try {
-        catching_up_->go_on_to(points);
+        catching_up_->advance_to(points);
     } catch (const SimulationError&) { // it has said which worlds
         lost_second_at_ = next_strain();
         fmt::print("too few worlds of the second generation are left at {:.2f} % of axial strain: "
@@ -117,9 +117,9 @@ void LiveModel::catch_up_to(std::size_t points) {
     }
 }
 
-void LiveModel::keep() const {
+void LiveModel::save_checkpoint() const {
     for (const auto* generation : {&answering_, &catching_up_, &retired_})
-        if (*generation) (*generation)->worlds.keep();
+        if (*generation) (*generation)->ensemble.save_checkpoint();
 }
 
 } // namespace bris

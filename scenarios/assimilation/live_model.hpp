@@ -10,7 +10,7 @@ namespace bris {
 
 /// How a model follows a test.
 struct LiveModelSettings {
-    RockBelief before; ///< what is believed before anything is measured
+    RockParameters before; ///< what is believed before anything is measured
     Learning learning = {};
     double stage_strain = 1e-4;
     double final_strain = 0.025;
@@ -26,7 +26,7 @@ struct LiveModelSettings {
 class LiveModel {
 public:
     /// Runs the first generation of worlds to the first strain of the learning: no record is needed
-    /// for it. Throws as run_worlds does.
+    /// for it. Throws as run_members does.
     LiveModel(const LiveModelSettings& settings, BeginRuns begin);
 
     /// The next stage, by a test's records so far; the first call is for the start. At the first
@@ -36,17 +36,17 @@ public:
     void next_stage(const RecordedTest& so_far);
     /// What the next stage needs of the worlds, so that its records find it done; else next_stage
     /// does it.
-    void go_on();
+    void advance_members();
     /// All worlds, where they are now.
-    void keep() const;
+    void save_checkpoint() const;
 
     /// Stage by stage: motions of all rocks, corrected by the sensors; curves as foretold with what
     /// was known then.
     const ModelRun& state() const { return state_; }
     /// What the worlds alone said.
     const ModelRun& forecast() const { return forecast_; }
-    const std::vector<KnownAt>& known() const { return known_; }
-    Gaussian belief() const { return known_.empty() ? prior_ : known_.back().belief; }
+    const std::vector<EstimateAt>& estimates() const { return estimates_; }
+    Gaussian estimate() const { return estimates_.empty() ? prior_ : estimates_.back().estimate; }
     double strain() const { return state_.points.back().axial_strain; }
     /// Axial strain of the stage that next_stage will be for.
     double next_strain() const {
@@ -62,10 +62,10 @@ public:
 
 private:
     struct Generation {
-        Generation(const Gaussian& belief, const Learning& settings, double stage_strain,
+        Generation(const Gaussian& estimate, const Learning& settings, double stage_strain,
                    const std::string& name, const BeginRuns& begin);
-        void go_on_to(std::size_t points);
-        GrowingWorlds worlds;
+        void advance_to(std::size_t points);
+        GrowingEnsemble ensemble;
         GrowingScatter scatter;
     };
     enum class Due { at_window_ends, now };
@@ -80,7 +80,7 @@ private:
     std::optional<Generation> retired_; // until it is kept
     std::size_t second_begun_ = 0;      // stages answered then
     double caught_up_at_ = 0, lost_second_at_ = 0;
-    std::vector<KnownAt> known_;
+    std::vector<EstimateAt> estimates_;
     ModelRun forecast_, state_;
 };
 

@@ -68,10 +68,11 @@ LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path lo
 
 // What has come and was not taken yet would be lost.
 LiveTest::~LiveTest() {
-    std::string rest;
+    std::string remaining;
     if (!over_)
-        while (const auto line = lines_.next(0)) rest += logged(*line);
-    const bool written = std::fwrite(rest.data(), 1, rest.size(), log_) == rest.size();
+        while (const auto line = lines_.next(0)) remaining += logged(*line);
+    const bool written =
+        std::fwrite(remaining.data(), 1, remaining.size(), log_) == remaining.size();
     if (std::fclose(log_) != 0 || !written)
         std::fputs("cannot write the log of the stream: is the disk full?\n", stderr);
 }
@@ -117,7 +118,7 @@ bool LiveTest::follow_to(double strain) {
             continue;
         }
         const auto line =
-            lines_.next(std::max(0.0, settings_.patience - seconds_since(waiting_since_)));
+            lines_.next(std::max(0.0, settings_.timeout - seconds_since(waiting_since_)));
         if (line)
             take_line(*line, false);
         else if (interrupted())
@@ -127,7 +128,7 @@ bool LiveTest::follow_to(double strain) {
         else
             end(fmt::format("nothing {} for {:g} s after {} lines",
                             machine_.empty() ? "came" : "of the test machine came",
-                            settings_.patience, taken_),
+                            settings_.timeout, taken_),
                 false);
     }
     followed_ = std::max(followed_, strain);
@@ -199,7 +200,7 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
     if (is_far_off(record, "a sensor", record.number("strain"))) return;
     SensorRecords& sensor = found->second;
     const Sample sample = sample_of(record);
-    const auto [place, is_new] = sensor.by_time.emplace(t, sample);
+    const auto [entry, is_new] = sensor.by_time.emplace(t, sample);
     if (is_new) {
         sensor.sent |= sample.sent;
         if (!clock_.by_time.empty())
@@ -209,8 +210,8 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
         return;
     }
     ++sensor.twice;
-    if (place->second.sent != sample.sent ||
-        !std::ranges::equal(place->second.numbers, sample.numbers, same_number))
+    if (entry->second.sent != sample.sent ||
+        !std::ranges::equal(entry->second.numbers, sample.numbers, same_number))
         note("contradicts",
              fmt::format(
                  "line {}: sensor {}: t = {} was sent before with other numbers; the first stand",
@@ -251,22 +252,22 @@ void LiveTest::take_of_machine(const StreamRecord& record) {
                 "line {}: axial_strain, deviatoric_stress_Pa: expected numbers, found {} and {}",
                 record.line, strain, record.number("deviatoric_stress_Pa")));
     if (is_far_off(record, "the machine", strain)) {
-        if (!astray_.empty() &&
-            !(std::abs(strain - astray_.back().number("axial_strain")) <= largest_jump))
-            astray_.clear();
-        astray_.push_back(record);
-        if (astray_.size() < agreeing) return;
+        if (!inconsistent_.empty() &&
+            !(std::abs(strain - inconsistent_.back().number("axial_strain")) <= largest_jump))
+            inconsistent_.clear();
+        inconsistent_.push_back(record);
+        if (inconsistent_.size() < agreeing) return;
         note("gap", fmt::format("line {}: the machine goes on at {:.4g} of axial strain; what came "
                                 "before it is lost",
-                                record.line, astray_.front().number("axial_strain")));
-        for (const StreamRecord& r : std::exchange(astray_, {})) believe(r);
+                                record.line, inconsistent_.front().number("axial_strain")));
+        for (const StreamRecord& r : std::exchange(inconsistent_, {})) accept(r);
         return;
     }
-    astray_.clear();
-    believe(record);
+    inconsistent_.clear();
+    accept(record);
 }
 
-void LiveTest::believe(const StreamRecord& record) {
+void LiveTest::accept(const StreamRecord& record) {
     const double strain = record.number("axial_strain");
     waiting_since_ = this_instant();
     if (!machine_.emplace(strain, record).second)
@@ -343,7 +344,7 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
                                   ? static_cast<std::uint64_t>(n[in_sample::flags])
                                   : 0);
     }
-    leave_out_flagged(r);
+    reject_flagged(r);
     return r;
 }
 
@@ -367,7 +368,7 @@ std::optional<double> LiveTest::clock_ahead(const SensorRecords& sensor) const {
 /// A clock that is off puts records without strain where the test was not. One that is behind
 /// cannot be told from records that come late, nor can clocks of all from a machine whose records
 /// do: these are told, not refused.
-void LiveTest::look_at_clocks(RecordedTest& test) const {
+void LiveTest::check_clocks(RecordedTest& test) const {
     std::vector<double> steps, of_all;
     for (auto at = clock_.by_time.begin();
          at != clock_.by_time.end() && std::next(at) != clock_.by_time.end(); ++at)
@@ -391,7 +392,7 @@ void LiveTest::look_at_clocks(RecordedTest& test) const {
                 return f.sensor == info.id && f.check == "length";
             }); // the same, less clearly
             test.findings.push_back({Finding::Kind::refusal, info.id, "clock", why});
-            test.ways[k] = {};
+            test.trajectories[k] = {};
         };
         if (const auto reason = reason_against_phases(phases)) refuse(*reason);
         const bool none = needed && test.recordings[k].size() == 0;
@@ -436,8 +437,8 @@ RecordedTest LiveTest::so_far() const {
     test.pressure = settings_.pressure;
     for (const SensorInfo& info : infos_) test.recordings.push_back(recording_of(info));
     for (const auto& [strain, record] : machine_) test.measured.push_back(point_of(record));
-    examine(test, settings_.intake);
-    look_at_clocks(test);
+    examine(test, settings_.quality_control);
+    check_clocks(test);
     return test;
 }
 
@@ -465,7 +466,7 @@ std::string LiveTest::report() const {
                     ? "\n"
                     : fmt::format(", the last at {:.3f} % of axial strain\n", 100 * last);
     }
-    return text + intake_report(so_far());
+    return text + quality_control_report(so_far());
 }
 
 } // namespace bris

@@ -19,11 +19,11 @@ namespace bris {
 /// How a test is followed while it goes on.
 struct LiveSettings {
     double pressure = 55e3; ///< Pa
-    double patience = 60; ///< s without a record of the test machine that can be used, after which
-                          ///< the stream counts as ended; before its first: without any line
-    double lateness = 0;  ///< axial strain, by which the model waits for samples that come late
-    double speed = 0;     ///< of a replay, by the records' t: 1 as fast as it was, 0 at once
-    IntakeSettings intake = {};
+    double timeout = 60; ///< s without a record of the test machine that can be used, after which
+                         ///< the stream counts as ended; before its first: without any line
+    double lateness = 0; ///< axial strain, by which the model waits for samples that come late
+    double speed = 0;    ///< of a replay, by the records' t: 1 as fast as it was, 0 at once
+    QualityControlSettings quality_control = {};
 };
 
 /// A triaxial test that is going on, as far as its records tell of it. A record with an `id` is a
@@ -81,7 +81,7 @@ private:
     void take(const StreamRecord& record);
     void take_of_sensor(const StreamRecord& record);
     void take_of_machine(const StreamRecord& record);
-    void believe(const StreamRecord& record);
+    void accept(const StreamRecord& record);
     void wait_for_its_time(StreamRecord& record);
     void end(const std::string& why, bool by_sender);
     bool is_far_off(const StreamRecord& record, const char* who, double strain);
@@ -90,7 +90,7 @@ private:
     void look_for_numbers(const StreamRecord& record);
     double strain_of(double t, const Sample& sample) const;
     Recording recording_of(const SensorInfo& info) const;
-    void look_at_clocks(RecordedTest& test) const;
+    void check_clocks(RecordedTest& test) const;
     std::optional<double> clock_ahead(const SensorRecords& sensor) const;
     TriaxialPoint point_of(const StreamRecord& record) const;
 
@@ -105,7 +105,7 @@ private:
     MachineClock clock_;                     // by the machine's t and phase
     std::map<std::string, std::pair<std::uint64_t, std::string>> notes_; // how often, and the first
     std::vector<StreamRecord>
-        astray_; // of the machine, far from what it said before, near each other
+        inconsistent_; // of the machine, far from what it said before, near each other
     std::vector<Instant> arrivals_;
     std::uint64_t taken_ = 0;
     double followed_ = 0, first_t_ = 0;

@@ -45,15 +45,17 @@ double ring_difference(const std::vector<TriaxialPoint>& run,
 }
 
 /// Root mean square of what sensor rocks of the model are off by, as far as they were measured.
-double sensor_difference(const ModelRun& run, const std::vector<SensorWay>& ways,
+double sensor_difference(const ModelRun& run, const std::vector<SensorTrajectory>& trajectories,
                          double last_strain) {
     double squares = 0, count = 0;
-    for (std::size_t s = 0; s < std::min(run.sensors, ways.size()); ++s) {
-        for (std::size_t k = 0; k < ways[s].strain.size(); ++k) {
-            const auto stage = stage_at(run.points, ways[s].strain[k], same_strain);
-            if (!stage || ways[s].strain[k] > last_strain || !ways[s].displacement[k].allFinite())
+    for (std::size_t s = 0; s < std::min(run.sensors, trajectories.size()); ++s) {
+        for (std::size_t k = 0; k < trajectories[s].strain.size(); ++k) {
+            const auto stage = stage_at(run.points, trajectories[s].strain[k], same_strain);
+            if (!stage || trajectories[s].strain[k] > last_strain ||
+                !trajectories[s].displacement[k].allFinite())
                 continue;
-            squares += (run.displacement[*stage][s] - ways[s].displacement[k]).squaredNorm();
+            squares +=
+                (run.displacement[*stage][s] - trajectories[s].displacement[k]).squaredNorm();
             ++count;
         }
     }
@@ -68,7 +70,7 @@ Misfit misfit_of(const ModelRun& run, const RecordedTest& test, double last_stra
             .volumetric_strain =
                 difference_of(run.points, test.measured, last, &TriaxialPoint::volumetric_strain),
             .ring_strain = ring_difference(run.points, test.measured),
-            .sensor_displacement = sensor_difference(run, test.ways, last)};
+            .sensor_displacement = sensor_difference(run, test.trajectories, last)};
 }
 
 } // namespace bris

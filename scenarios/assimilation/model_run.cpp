@@ -1,6 +1,6 @@
 #include "scenarios/assimilation/model_run.hpp"
 
-#include "scenarios/assimilation/arm_run.hpp"
+#include "scenarios/assimilation/variant_run.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 
 #include <limits>
@@ -8,10 +8,10 @@
 namespace bris {
 
 ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings,
-                   const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
-                   const ModelWatch& watch, KeptRun* kept) {
-    ArmRun run(scene, settings, specimen, arm, seed, watch, kept);
-    run.go_on_to(std::numeric_limits<std::size_t>::max());
+                   const Archive& specimen, const ModelVariant& variant, std::uint64_t seed,
+                   const ModelWatch& watch, CheckpointedRun* checkpoint) {
+    VariantRun run(scene, settings, specimen, variant, seed, watch, checkpoint);
+    run.advance_to(std::numeric_limits<std::size_t>::max());
     return std::move(run).take();
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/archive.hpp"
-#include "scenarios/recordings/sensor_way.hpp"
+#include "scenarios/recordings/sensor_trajectory.hpp"
 #include "scenarios/triaxial/triaxial_scene.hpp"
 #include "systems/fusion/fuse.hpp"
 
@@ -13,15 +13,15 @@
 namespace bris {
 
 /// What a model believes of its rocks.
-struct RockBelief {
+struct RockParameters {
     double friction = 0.7; ///< rock on rock and platen, from consolidation on
     double stiffness = 1;  ///< of contacts of rocks, of that in the scene's settings
 };
 
 /// From some strain on, another one.
-struct LearnedBelief {
+struct LearnedParameters {
     double strain;
-    RockBelief rocks;
+    RockParameters rocks;
 };
 
 /// How recordings correct a model.
@@ -34,11 +34,11 @@ struct Corrections {
                           .turning = 0.1,
                           .gate = 1};
     unsigned injection_steps = 60;
-    PullSettings pull;
+    NudgingSettings nudging;
     bool spread = false;           ///< over the contact network
     double largest_shift = 0;      ///< m, of a rock in a step (Fusion); 0: none
     double largest_work_share = 0; ///< that corrections may do of the boundaries' work, from
-                                   ///< analysis to analysis (WorkAccount); 0: no limit
+                                   ///< analysis to analysis (WorkBudget); 0: no limit
     double lateness = 0; ///< axial strain by which samples come late; filter.lag says how far back
                          ///< they may be taken
     double note_every = 1e-3; ///< strain between notes of the motion, for those
@@ -46,14 +46,15 @@ struct Corrections {
 };
 
 /// One run of a model of a triaxial test, and what it is told.
-struct ModelArm {
+struct ModelVariant {
     std::string name = "model";
-    RockBelief rocks;
-    std::vector<LearnedBelief> learned = {}; ///< in order of strain
+    RockParameters rocks;
+    std::vector<LearnedParameters> learned = {}; ///< in order of strain
     bool catch_up = false; ///< begin again from the specimen when the belief changes, and catch up;
                            ///< else go on from where it is
     double disturbance = 0; ///< m, random, of every rock's place at the start: chaos alone
-    std::vector<SensorWay> ways = {}; ///< of the sensor rocks, in their order; empty: none is told
+    std::vector<SensorTrajectory> trajectories =
+        {}; ///< of the sensor rocks, in their order; empty: none is told
     Corrections corrections = {};
 };
 
@@ -80,13 +81,13 @@ struct ModelRun {
     std::uint64_t accepted = 0, refused = 0, steps = 0; ///< vectors measured
     std::uint64_t too_late = 0, reduced = 0,
                   withheld = 0; ///< samples; corrections, for how far they go
-    std::uint64_t too_dear = 0,
-                  much_too_dear = 0; ///< corrections reduced and withheld for what they cost
+    std::uint64_t too_costly = 0,
+                  much_too_costly = 0; ///< corrections reduced and withheld for what they cost
     std::vector<std::vector<SmoothedPose>> smoothed =
         {}; ///< of each sensor rock, where filters look back: by what came up to their lag later
             ///< too
-    double strange_from = 0; ///< strain, from which on sensors seem to be of another specimen and
-                             ///< are left out (analyse); 0: never
+    double inconsistent_from = 0; ///< strain, from which on sensors seem to be of another specimen
+                                  ///< and are left out (analyse); 0: never
     std::vector<AnalysisRecord> analyses = {}; ///< of the sensor rocks, in order of strain
     double wall_time = 0;                      ///< s
     double core_porosity = 0;                  ///< at the start of shearing
@@ -104,12 +105,13 @@ struct ModelWatch {
 /// less than sensors tell apart.
 std::optional<std::size_t> stage_of_sample(const ModelRun& run, double strain);
 
-class KeptRun;
+class CheckpointedRun;
 
 /// Runs one arm from the prepared specimen, on one thread. Throws Interrupted when the user stops
-/// it. `kept`: where it is kept meanwhile, and taken up from; the bits are the same. Null: nowhere.
+/// it. `checkpoint`: where it is kept meanwhile, and taken up from; the bits are the same. Null:
+/// nowhere.
 ModelRun run_model(const TriaxialScene& scene, const TriaxialSettings& settings,
-                   const Archive& specimen, const ModelArm& arm, std::uint64_t seed,
-                   const ModelWatch& watch = {}, KeptRun* kept = nullptr);
+                   const Archive& specimen, const ModelVariant& variant, std::uint64_t seed,
+                   const ModelWatch& watch = {}, CheckpointedRun* checkpoint = nullptr);
 
 } // namespace bris

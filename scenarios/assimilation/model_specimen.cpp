@@ -114,9 +114,9 @@ Common common_of_packing(const Common& common, const std::string& folder, std::u
     return own;
 }
 
-StartsApart starts_apart(const ModelRun& a, const ModelRun& b) {
+StartDifference start_difference(const ModelRun& a, const ModelRun& b) {
     require(a.start.size() == b.start.size(), "starts: expected as many rocks");
-    StartsApart apart;
+    StartDifference apart;
     for (std::size_t k = 0; k < a.start.size(); ++k) {
         const double distance = (a.start[k].position - b.start[k].position).squaredNorm();
         const double angle =

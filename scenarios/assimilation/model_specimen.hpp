@@ -26,13 +26,13 @@ struct ModelMismatch {
 };
 
 /// By how much rocks stand apart when shearing begins.
-struct StartsApart {
+struct StartDifference {
     double distance = 0, sensor_distance = 0; ///< m, root mean square over all rocks, and over the
                                               ///< sensor rocks (0: there are none)
     double angle = 0, sensor_angle = 0;       ///< rad, likewise
 };
 /// Of runs of the same rocks in the same order.
-StartsApart starts_apart(const ModelRun& a, const ModelRun& b);
+StartDifference start_difference(const ModelRun& a, const ModelRun& b);
 
 /// Of a scenario, for a specimen by another seed in a folder of its own beside the truth's; it goes
 /// on from there if it was kept.

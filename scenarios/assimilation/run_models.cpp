@@ -2,8 +2,8 @@
 
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
-#include "scenarios/assimilation/arm_run.hpp"
-#include "scenarios/assimilation/kept_run.hpp"
+#include "scenarios/assimilation/checkpointed_run.hpp"
+#include "scenarios/assimilation/variant_run.hpp"
 
 #include <fmt/format.h>
 
@@ -15,9 +15,9 @@ namespace bris {
 
 namespace {
 
-std::string stopped_by(const SimulationError& error, const ModelArm& arm) {
-    return fmt::format("{} (friction {:.3g}, stiffness {:.3g}): {}", arm.name, arm.rocks.friction,
-                       arm.rocks.stiffness, error.what());
+std::string stopped_by(const SimulationError& error, const ModelVariant& variant) {
+    return fmt::format("{} (friction {:.3g}, stiffness {:.3g}): {}", variant.name,
+                       variant.rocks.friction, variant.rocks.stiffness, error.what());
 }
 
 /// What an arm is run on.
@@ -27,19 +27,19 @@ struct Start {
 };
 
 std::vector<ModelRun> try_from(const std::vector<Start>& starts, const TriaxialSettings& settings,
-                               const std::vector<ModelArm>& arms, double strain,
+                               const std::vector<ModelVariant>& variants, double strain,
                                const Common& common, Progress& progress) {
     TriaxialSettings test = settings;
     test.final_axial_strain = std::min(strain, test.final_axial_strain);
-    std::vector<ModelRun> runs(arms.size());
-    run_ensemble(arms.size(), common.threads, [&](std::size_t k) {
+    std::vector<ModelRun> runs(variants.size());
+    run_ensemble(variants.size(), common.threads, [&](std::size_t k) {
         const auto& [scene, specimen] = starts[k];
-        KeptRun kept(common, test, specimen, arms[k]);
+        CheckpointedRun checkpoint(common, test, specimen, variants[k]);
         try {
-            runs[k] = run_model(scene, test, specimen, arms[k], common.seed,
-                                watch_on(progress, k, common), &kept);
+            runs[k] = run_model(scene, test, specimen, variants[k], common.seed,
+                                watch_on(progress, k, common), &checkpoint);
         } catch (const SimulationError& error) {
-            runs[k].stopped = stopped_by(error, arms[k]);
+            runs[k].stopped = stopped_by(error, variants[k]);
         }
     });
     progress.pause();
@@ -48,7 +48,7 @@ std::vector<ModelRun> try_from(const std::vector<Start>& starts, const TriaxialS
 
 /// Stages of a run that another one does not have yet, up to a number of points.
 void add_stages(ModelRun& sum, const ModelRun& run, std::size_t points) {
-    if (sum.points.empty()) sum = begun_like(run);
+    if (sum.points.empty()) sum = empty_run_like(run);
     for (std::size_t k = sum.points.size(); k < std::min(points, run.points.size()); ++k) {
         sum.points.push_back(run.points[k]);
         sum.displacement.push_back(run.displacement[k]);
@@ -60,23 +60,23 @@ void add_stages(ModelRun& sum, const ModelRun& run, std::size_t points) {
 class RunsTogether {
 public:
     RunsTogether(const TriaxialScene& scene, const TriaxialSettings& settings,
-                 const Archive& specimen, const std::vector<ModelArm>& arms, const Common& common,
-                 Progress& progress)
+                 const Archive& specimen, const std::vector<ModelVariant>& variants,
+                 const Common& common, Progress& progress)
         : scene_(scene), settings_(settings), specimen_(specimen), common_(common),
           progress_(progress) {
-        for (const ModelArm& arm : arms)
+        for (const ModelVariant& variant : variants)
             members_.push_back(std::make_unique<Member>(
-                Member{KeptRun(common, settings_, specimen, arm), arm, nullptr}));
+                Member{CheckpointedRun(common, settings_, specimen, variant), variant, nullptr}));
     }
 
-    void go_on(std::vector<ModelRun>& runs, std::size_t points) {
+    void advance(std::vector<ModelRun>& runs, std::size_t points) {
         runs.resize(members_.size());
         run_ensemble(members_.size(), common_.threads, [&](std::size_t k) {
             try {
-                go_on(k, points);
+                advance(k, points);
                 add_stages(runs[k], members_[k]->run->run(), points);
             } catch (const SimulationError& error) {
-                runs[k].stopped = stopped_by(error, members_[k]->arm);
+                runs[k].stopped = stopped_by(error, members_[k]->variant);
             }
         });
         for (std::size_t k = runs.size(); k-- > 0;)
@@ -85,25 +85,25 @@ public:
                 members_.erase(members_.begin() + static_cast<std::ptrdiff_t>(k));
             }
     }
-    void keep() {
+    void save_checkpoint() {
         for (const auto& member : members_)
-            if (member->run) member->run->keep();
+            if (member->run) member->run->save_checkpoint();
     }
 
 private:
     struct Member {
-        KeptRun kept;
-        ModelArm arm;
-        std::unique_ptr<ArmRun> run; ///< null: not begun
+        CheckpointedRun checkpoint;
+        ModelVariant variant;
+        std::unique_ptr<VariantRun> run; ///< null: not begun
     };
-    void go_on(std::size_t k, std::size_t points) {
+    void advance(std::size_t k, std::size_t points) {
         Member& member = *members_[k];
         if (!member.run) {
-            member.run =
-                std::make_unique<ArmRun>(scene_, settings_, specimen_, member.arm, common_.seed,
-                                         watch_on(progress_, k, common_), &member.kept);
+            member.run = std::make_unique<VariantRun>(scene_, settings_, specimen_, member.variant,
+                                                      common_.seed, watch_on(progress_, k, common_),
+                                                      &member.checkpoint);
         }
-        member.run->go_on_to(points);
+        member.run->advance_to(points);
     }
 
     const TriaxialScene& scene_;
@@ -127,37 +127,37 @@ ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common)
 }
 
 std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings,
-                                 const Archive& specimen, const std::vector<ModelArm>& arms,
+                                 const Archive& specimen, const std::vector<ModelVariant>& variants,
                                  double strain, const Common& common, Progress& progress) {
-    return try_from(std::vector<Start>(arms.size(), {scene, specimen}), settings, arms, strain,
-                    common, progress);
+    return try_from(std::vector<Start>(variants.size(), {scene, specimen}), settings, variants,
+                    strain, common, progress);
 }
 
 std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& specimens,
                                  const TriaxialSettings& settings,
-                                 const std::vector<ModelArm>& arms, double strain,
+                                 const std::vector<ModelVariant>& variants, double strain,
                                  const Common& common, Progress& progress) {
-    require(specimens.size() == arms.size(),
-            fmt::format("models: expected a specimen for each of {} arms, found {}", arms.size(),
-                        specimens.size()));
+    require(specimens.size() == variants.size(),
+            fmt::format("models: expected a specimen for each of {} arms, found {}",
+                        variants.size(), specimens.size()));
     std::vector<Start> starts;
     for (const PreparedSpecimen* specimen : specimens)
         starts.push_back({specimen->scene, specimen->state});
-    auto runs = try_from(starts, settings, arms, strain, common, progress);
+    auto runs = try_from(starts, settings, variants, strain, common, progress);
     for (const ModelRun& run : runs)
         if (!run.stopped.empty()) throw SimulationError(run.stopped);
     return runs;
 }
 
-RunsAtWork begin_models(const TriaxialScene& scene, const TriaxialSettings& settings,
-                        const Archive& specimen, const std::vector<ModelArm>& arms,
-                        const Common& common, Progress& progress) {
+ConcurrentRuns begin_models(const TriaxialScene& scene, const TriaxialSettings& settings,
+                            const Archive& specimen, const std::vector<ModelVariant>& variants,
+                            const Common& common, Progress& progress) {
     const auto together =
-        std::make_shared<RunsTogether>(scene, settings, specimen, arms, common, progress);
+        std::make_shared<RunsTogether>(scene, settings, specimen, variants, common, progress);
     return {[together](std::vector<ModelRun>& runs, std::size_t points) {
-                together->go_on(runs, points);
+                together->advance(runs, points);
             },
-            [together] { together->keep(); }};
+            [together] { together->save_checkpoint(); }};
 }
 
 } // namespace bris

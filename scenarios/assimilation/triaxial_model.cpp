@@ -3,7 +3,7 @@
 #include "components/body.hpp"
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
-#include "scenarios/assimilation/kept_run.hpp"
+#include "scenarios/assimilation/checkpointed_run.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/triaxial/specimen_state.hpp"
 #include "systems/output/contacts.hpp"
@@ -22,26 +22,32 @@ void disturb(World& world, const std::vector<EntityId>& rocks, double size, std:
 }
 
 /// Sensors on the first rocks, recorded from where they stand now.
-void give_sensors(Simulation& simulation, const ModelArm& arm, const std::vector<RockPose>& start) {
-    const Corrections& c = arm.corrections;
+void give_sensors(Simulation& simulation, const ModelVariant& variant,
+                  const std::vector<RockPose>& start) {
+    const Corrections& c = variant.corrections;
     World& world = simulation.world();
     std::vector<std::vector<TimedMeasurement>> samples;
     std::vector<EntityId> hosts;
-    for (std::size_t s = 0; s < arm.ways.size(); ++s) {
-        if (arm.ways[s].strain.empty()) continue;
+    for (std::size_t s = 0; s < variant.trajectories.size(); ++s) {
+        if (variant.trajectories[s].strain.empty()) continue;
         hosts.push_back(world.resource<Specimen>().smart_rocks[s]);
         samples.emplace_back();
-        for (std::size_t k = 0; k < arm.ways[s].strain.size(); ++k) {
-            TimedMeasurement m{arm.ways[s].strain[k], {}, arm.ways[s].strain[k] + c.lateness};
-            m.what.position = start[s].position + arm.ways[s].displacement[k];
-            const bool oriented = arm.ways[s].rotation[k].allFinite();
+        for (std::size_t k = 0; k < variant.trajectories[s].strain.size(); ++k) {
+            TimedMeasurement m{variant.trajectories[s].strain[k],
+                               {},
+                               variant.trajectories[s].strain[k] + c.lateness};
+            m.what.position = start[s].position + variant.trajectories[s].displacement[k];
+            const bool oriented = variant.trajectories[s].rotation[k].allFinite();
             if (oriented)
-                m.what.attitude = exponential_map(arm.ways[s].rotation[k]) * start[s].orientation;
+                m.what.attitude =
+                    exponential_map(variant.trajectories[s].rotation[k]) * start[s].orientation;
             else
-                m.what.up = (start[s].orientation.conjugate() * Vec3::UnitZ() - arm.ways[s].tilt[k])
+                m.what.up = (start[s].orientation.conjugate() * Vec3::UnitZ() -
+                             variant.trajectories[s].tilt[k])
                                 .normalized();
-            m.what.velocity = m.what.spin = Vec3::Zero(); // at the end of a stage all is at rest
-            m.what.velocity_deviation = m.what.spin_deviation = 1e-6;
+            m.what.velocity = m.what.angular_velocity =
+                Vec3::Zero(); // at the end of a stage all is at rest
+            m.what.velocity_deviation = m.what.angular_velocity_deviation = 1e-6;
             m.what.position_deviation = c.position_noise;
             m.what.attitude_deviation = c.attitude_noise;
             samples.back().push_back(m);
@@ -52,10 +58,10 @@ void give_sensors(Simulation& simulation, const ModelArm& arm, const std::vector
     auto& fusion = world.resource<Fusion>();
     fusion.by_strain = true;
     fusion.spread = c.spread;
-    fusion.pull = c.pull;
+    fusion.nudging = c.nudging;
     fusion.largest_shift = c.largest_shift;
     fusion.note_every = c.filter.lag > 0 ? c.note_every : 0;
-    open_account(world, c.largest_work_share);
+    set_work_budget(world, c.largest_work_share);
     simulation.prepare();
 }
 
@@ -67,12 +73,12 @@ TriaxialSettings with_friction(TriaxialSettings settings, double friction) {
 /// Rocks that touch each of `rocks`, by their places there.
 std::vector<std::vector<std::size_t>> neighbours_of(const World& world,
                                                     const std::vector<EntityId>& rocks) {
-    std::map<EntityId, std::size_t> place;
-    for (std::size_t k = 0; k < rocks.size(); ++k) place[rocks[k]] = k;
+    std::map<EntityId, std::size_t> index_of;
+    for (std::size_t k = 0; k < rocks.size(); ++k) index_of[rocks[k]] = k;
     std::vector<std::vector<std::size_t>> neighbours(rocks.size());
     for (const TouchingPair& pair : touching_pairs<SpherePairs>(world)) {
-        const auto a = place.find(pair.names.owner), b = place.find(pair.names.partner);
-        if (a == place.end() || b == place.end()) continue;
+        const auto a = index_of.find(pair.names.owner), b = index_of.find(pair.names.partner);
+        if (a == index_of.end() || b == index_of.end()) continue;
         neighbours[a->second].push_back(b->second);
         neighbours[b->second].push_back(a->second);
     }
@@ -82,34 +88,35 @@ std::vector<std::vector<std::size_t>> neighbours_of(const World& world,
 } // namespace
 
 TriaxialModel::TriaxialModel(const TriaxialScene& scene, const TriaxialSettings& settings,
-                             const Archive& specimen, const ModelArm& arm, const RockBelief& belief,
-                             std::uint64_t seed)
+                             const Archive& specimen, const ModelVariant& variant,
+                             const RockParameters& parameters, std::uint64_t seed)
     : simulation_(make_simulation(scene, 1, false)),
-      test_(simulation_, with_friction(settings, belief.friction)) {
+      test_(simulation_, with_friction(settings, parameters.friction)) {
     simulation_.restore(specimen);
     const auto& parts = world().resource<Specimen>();
     rocks_ = parts.smart_rocks;
     sensors_ = rocks_.size();
     rocks_.insert(rocks_.end(), parts.rocks.begin(), parts.rocks.end());
-    believe(scene, belief);
-    if (arm.disturbance > 0) disturb(world(), rocks_, arm.disturbance, seed);
+    set_parameters(scene, parameters);
+    if (variant.disturbance > 0) disturb(world(), rocks_, variant.disturbance, seed);
 }
 
-void TriaxialModel::believe(const TriaxialScene& scene, const RockBelief& belief) {
-    set_rocks(world(), belief.friction, scene.specimen.clump_stiffness * belief.stiffness);
+void TriaxialModel::set_parameters(const TriaxialScene& scene, const RockParameters& parameters) {
+    set_rocks(world(), parameters.friction, scene.specimen.clump_stiffness * parameters.stiffness);
 }
 
-bool TriaxialModel::advance(const ModelArm& arm) {
+bool TriaxialModel::advance(const ModelVariant& variant) {
     if (!test_.advance()) return false;
     if (start_.empty() && stages() > 0)
-        begin_shear(arm, poses(), test_.state().points.back().boundary_work);
+        begin_shear(variant, poses(), test_.state().points.back().boundary_work);
     return true;
 }
 
-void TriaxialModel::begin_shear(const ModelArm& arm, std::vector<RockPose> poses, double work) {
+void TriaxialModel::begin_shear(const ModelVariant& variant, std::vector<RockPose> poses,
+                                double work) {
     start_ = std::move(poses);
     work_before_ = work;
-    if (!arm.ways.empty()) give_sensors(simulation_, arm, start_);
+    if (!variant.trajectories.empty()) give_sensors(simulation_, variant, start_);
 }
 
 std::vector<RockPose> TriaxialModel::poses() {
@@ -143,10 +150,10 @@ Archive TriaxialModel::save() const {
     return archive;
 }
 
-void TriaxialModel::load(const ModelArm& arm, const Archive& archive) {
+void TriaxialModel::load(const ModelVariant& variant, const Archive& archive) {
     auto poses = load_poses(archive, "model/start");
     if (!poses.empty())
-        begin_shear(arm, std::move(poses), archive.get<double>("model/work_before").at(0));
+        begin_shear(variant, std::move(poses), archive.get<double>("model/work_before").at(0));
     simulation_.restore(archive);
 }
 

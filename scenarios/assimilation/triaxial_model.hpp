@@ -15,14 +15,14 @@ class TriaxialModel {
 public:
     /// Stands where the specimen was kept.
     TriaxialModel(const TriaxialScene& scene, const TriaxialSettings& settings,
-                  const Archive& specimen, const ModelArm& arm, const RockBelief& belief,
-                  std::uint64_t seed);
+                  const Archive& specimen, const ModelVariant& variant,
+                  const RockParameters& parameters, std::uint64_t seed);
 
-    void believe(const TriaxialScene& scene, const RockBelief& belief);
+    void set_parameters(const TriaxialScene& scene, const RockParameters& parameters);
     /// Masses and step anew for the contacts there are, after that.
     void rescale() { test_.rescale(); }
     /// One block of steps of the test. False: it is done.
-    bool advance(const ModelArm& arm);
+    bool advance(const ModelVariant& variant);
 
     const Simulation& simulation() const { return simulation_; }
     World& world() { return simulation_.world(); }
@@ -42,10 +42,10 @@ public:
     std::vector<unsigned> shells() const;
 
     Archive save() const;
-    void load(const ModelArm& arm, const Archive& archive);
+    void load(const ModelVariant& variant, const Archive& archive);
 
 private:
-    void begin_shear(const ModelArm& arm, std::vector<RockPose> poses, double work);
+    void begin_shear(const ModelVariant& variant, std::vector<RockPose> poses, double work);
 
     Simulation simulation_;
     TriaxialTest test_;

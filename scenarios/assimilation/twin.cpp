@@ -26,10 +26,12 @@ std::vector<std::size_t> sensor_rocks(const ModelRun& run) {
     return rocks;
 }
 
-std::vector<SensorWay> recorded_ways(const ModelRun& truth, const std::vector<std::size_t>& hosts,
-                                     double interval, double position_noise, double attitude_noise,
-                                     std::uint64_t seed, const RecordingFaults& faults) {
-    std::vector<SensorWay> ways(hosts.size());
+std::vector<SensorTrajectory> recorded_trajectories(const ModelRun& truth,
+                                                    const std::vector<std::size_t>& hosts,
+                                                    double interval, double position_noise,
+                                                    double attitude_noise, std::uint64_t seed,
+                                                    const RecordingFaults& faults) {
+    std::vector<SensorTrajectory> trajectories(hosts.size());
     for (std::size_t s = 0; s < hosts.size(); ++s) {
         Random random(seed, 1000 + s), fault(seed, 5000 + s);
         const auto noise = [&](double deviation) -> Vec3 {
@@ -42,23 +44,24 @@ std::vector<SensorWay> recorded_ways(const ModelRun& truth, const std::vector<st
             last = strain;
             const bool lost = fault.uniform() < faults.dropout,
                        wrong = fault.uniform() < faults.outliers;
-            ways[s].strain.push_back(strain);
-            ways[s].displacement.push_back(truth.displacement[stage][hosts[s]] +
-                                           noise(position_noise));
+            trajectories[s].strain.push_back(strain);
+            trajectories[s].displacement.push_back(truth.displacement[stage][hosts[s]] +
+                                                   noise(position_noise));
             const Quat turned = exponential_map(noise(attitude_noise)) *
                                 exponential_map(truth.rotation[stage][hosts[s]]);
-            ways[s].rotation.push_back(attitude_error(turned, Quat::Identity()));
+            trajectories[s].rotation.push_back(attitude_error(turned, Quat::Identity()));
             if (wrong) {
-                ways[s].displacement.back() += faults.way_off * fault.direction();
-                ways[s].rotation.back() += faults.turned_off * fault.direction();
+                trajectories[s].displacement.back() +=
+                    faults.outlier_displacement * fault.direction();
+                trajectories[s].rotation.back() += faults.outlier_rotation * fault.direction();
             }
             if (!lost) continue;
-            ways[s].strain.pop_back();
-            ways[s].displacement.pop_back();
-            ways[s].rotation.pop_back();
+            trajectories[s].strain.pop_back();
+            trajectories[s].displacement.pop_back();
+            trajectories[s].rotation.pop_back();
         }
     }
-    return ways;
+    return trajectories;
 }
 
 std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSettings& settings,
@@ -68,8 +71,9 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
     model.rate = 1 / period; // of the means that are kept
     model.bandwidth = model.loss = 0;
     model.bits = 0; // noise lets a mean be finer than a digit
-    const auto ways = recorded_ways(truth, sensor_rocks(truth), settings.interval,
-                                    settings.displacement_noise, settings.attitude_noise, seed);
+    const auto trajectories =
+        recorded_trajectories(truth, sensor_rocks(truth), settings.interval,
+                              settings.displacement_noise, settings.attitude_noise, seed);
     std::vector<Recording> recordings(truth.sensors);
     for (std::size_t s = 0; s < truth.sensors; ++s) {
         Recording& r = recordings[s];
@@ -100,8 +104,9 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
                                 const Vec3& rotation) {
             const Quat now = exponential_map(turned) * start.orientation;
             time += period;
-            const ImuSample one = imu.sample(
-                time, {.orientation = now, .spin = attitude_error(now, before) / period});
+            const ImuSample one =
+                imu.sample(time, {.orientation = now,
+                                  .angular_velocity = attitude_error(now, before) / period});
             before = now;
             r.time.push_back(one.time);
             r.sequence.push_back(one.sequence);
@@ -115,24 +120,26 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
             sample(0, Vec3::Zero(), noise(settings.displacement_noise),
                    noise(settings.attitude_noise));
         std::size_t stage = 0;
-        for (std::size_t k = 0; k < ways[s].strain.size(); ++k) {
-            while (truth.points[stage].axial_strain < ways[s].strain[k]) ++stage;
-            sample(ways[s].strain[k], truth.rotation[stage][s], ways[s].displacement[k],
-                   ways[s].rotation[k]);
+        for (std::size_t k = 0; k < trajectories[s].strain.size(); ++k) {
+            while (truth.points[stage].axial_strain < trajectories[s].strain[k]) ++stage;
+            sample(trajectories[s].strain[k], truth.rotation[stage][s],
+                   trajectories[s].displacement[k], trajectories[s].rotation[k]);
         }
     }
     return recordings;
 }
 
-Told told_by_sensors(const ModelRun& truth, const SensorSettings& settings, std::uint64_t seed) {
+SensorObservations observe_sensors(const ModelRun& truth, const SensorSettings& settings,
+                                   std::uint64_t seed) {
     const bool ideal = settings.mode == "ideal";
-    Told told{.ways = {},
-              .position_noise = ideal ? 1e-7 : settings.position_noise,
-              .attitude_noise = ideal ? 1e-6 : settings.attitude_noise};
+    SensorObservations observations{.trajectories = {},
+                                    .position_noise = ideal ? 1e-7 : settings.position_noise,
+                                    .attitude_noise = ideal ? 1e-6 : settings.attitude_noise};
     if (settings.mode != "honest-imu") {
-        told.ways = recorded_ways(truth, sensor_rocks(truth), settings.interval,
-                                  told.position_noise, told.attitude_noise, seed, settings.faults);
-        return told;
+        observations.trajectories = recorded_trajectories(
+            truth, sensor_rocks(truth), settings.interval, observations.position_noise,
+            observations.attitude_noise, seed, settings.faults);
+        return observations;
     }
     const RecordingSettings recording{.interval = settings.interval, .imu = settings.imu};
     RecordedTest test;
@@ -141,13 +148,14 @@ Told told_by_sensors(const ModelRun& truth, const SensorSettings& settings, std:
                    .interval = settings.interval,
                    .displacement = false,
                    .attitude = false});
-    told.ways = test.ways;
-    told.refused = test.refused();
+    observations.trajectories = test.trajectories;
+    observations.refused = test.refused();
     const double duration = truth.points.back().axial_strain / 1e-4 * recording.stage_time;
-    for (const Seen& seen :
-         what_is_seen(test.recordings.front(), duration, 1, 1)) // as declared, alike for all
-        if (seen.direction == "tilt") told.attitude_noise = seen.deviation;
-    return told;
+    for (const Observability& observability :
+         observability_of(test.recordings.front(), duration, 1, 1)) // as declared, alike for all
+        if (observability.direction == "tilt")
+            observations.attitude_noise = observability.deviation;
+    return observations;
 }
 
 TwinErrors errors_of(const ModelRun& run, const ModelRun& truth) {
@@ -191,14 +199,14 @@ SmoothedErrors errors_of_smoothed(const ModelRun& run, const ModelRun& truth) {
             const auto stage = stage_of_sample(truth, pose.time);
             if (!stage) continue;
             // both since the start, which need not be the same
-            const Vec3 off =
+            const Vec3 error =
                 pose.position - run.start[rock].position - truth.displacement[*stage][rock];
-            displacement += off.squaredNorm();
+            displacement += error.squaredNorm();
             rotation +=
                 attitude_error(pose.attitude, exponential_map(truth.rotation[*stage][rock]) *
                                                   run.start[rock].orientation)
                     .squaredNorm();
-            distance += off.cwiseQuotient(pose.position_deviation).squaredNorm() / 3;
+            distance += error.cwiseQuotient(pose.position_deviation).squaredNorm() / 3;
             ++count;
         }
     return {root_mean(displacement, count), root_mean(rotation, count),

@@ -12,15 +12,17 @@ std::vector<std::size_t> sensor_rocks(const ModelRun& run);
 
 /// What goes wrong with samples: some never come, some are grossly off.
 struct RecordingFaults {
-    double dropout = 0, outliers = 0;        ///< shares of samples
-    double way_off = 0.02, turned_off = 0.5; ///< m and rad, of an outlier
+    double dropout = 0, outliers = 0;                           ///< shares of samples
+    double outlier_displacement = 0.02, outlier_rotation = 0.5; ///< m and rad, of an outlier
 };
 
 /// What sensors on some rocks of a true run record, every `interval` of axial strain, with noise (m
 /// and rad).
-std::vector<SensorWay> recorded_ways(const ModelRun& truth, const std::vector<std::size_t>& hosts,
-                                     double interval, double position_noise, double attitude_noise,
-                                     std::uint64_t seed, const RecordingFaults& faults = {});
+std::vector<SensorTrajectory> recorded_trajectories(const ModelRun& truth,
+                                                    const std::vector<std::size_t>& hosts,
+                                                    double interval, double position_noise,
+                                                    double attitude_noise, std::uint64_t seed,
+                                                    const RecordingFaults& faults = {});
 
 /// The same as files tell it, of a test that comes to rest at the end of each stage: what inertial
 /// sensors record of that run, at rest before the test and then as means over `interval` of axial
@@ -53,12 +55,13 @@ struct SensorSettings {
 };
 
 /// What such sensors tell of a run, and how well.
-struct Told {
-    std::vector<SensorWay> ways;
+struct SensorObservations {
+    std::vector<SensorTrajectory> trajectories;
     double position_noise, attitude_noise; ///< m and rad
     std::size_t refused = 0;               ///< sensors, at the intake
 };
-Told told_by_sensors(const ModelRun& truth, const SensorSettings& settings, std::uint64_t seed);
+SensorObservations observe_sensors(const ModelRun& truth, const SensorSettings& settings,
+                                   std::uint64_t seed);
 
 /// Root mean square errors against the truth, over stages (and rocks).
 struct TwinErrors {

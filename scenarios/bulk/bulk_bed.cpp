@@ -148,8 +148,8 @@ void BedMaker::enter(BedPhase phase, unsigned stage) {
     apply_phase();
 }
 
-void BedMaker::look() {
-    const Quantities q = measure(simulation_.world());
+void BedMaker::check_state() {
+    const Quantities q = compute_quantities(simulation_.world());
     state().kinetic_ratio = q.kinetic_energy / (q.weight.norm() * mean_radius(simulation_.world()));
     state().unbalanced_ratio = q.unbalanced_ratio;
     state().coordination = q.coordination;
@@ -169,7 +169,7 @@ bool BedMaker::advance() {
         return true;
     }
     if (clock.step % look_every != 0) return true;
-    look();
+    check_state();
     if (state().phase == BedPhase::pour) {
         // overlaps will grow into speed again: no use in being more patient
         const bool settled = since > settings_.least_pour &&

@@ -90,7 +90,7 @@ private:
     const BedState& state() const;
     void enter(BedPhase phase, unsigned stage);
     double stage_stiffness() const;
-    void look();
+    void check_state();
 
     Simulation& simulation_;
     BedSettings settings_;

@@ -23,7 +23,7 @@ namespace bris {
 namespace {
 
 /// Settings that a bed does not know yet.
-const std::vector<std::string_view> of_the_run_alone{
+const std::vector<std::string_view> settings_of_run_only{
     "duration_s", "step_s",    "sample_interval_s", "frames",  "reference",
     "bed",        "fill_only", "friction_factor",   "window_s"};
 
@@ -96,7 +96,7 @@ void BulkRun::start_from_files() {
         open_frames();
     } else if (!settings_.bed_file.empty()) {
         resume(simulation_, settings_.bed_file, common_.scenario, common_.settings,
-               of_the_run_alone);
+               settings_of_run_only);
         require(bed().phase == BedPhase::ready,
                 fmt::format("--bed: expected a finished bed, found '{}', one in the making; go on "
                             "with --resume",
@@ -164,7 +164,7 @@ bool BulkRun::at_sample(std::uint64_t step) {
 
 // before the case may edit the scene: contacts are known only until then
 void BulkRun::measure_contacts() {
-    last_ = measure(world());
+    last_ = compute_quantities(world());
     deepest_ = std::max(deepest_, last_.largest_overlap);
     least_stable_step_ = std::min(least_stable_step_, stable_step(world()));
 }
@@ -178,8 +178,8 @@ void BulkRun::take_sample() {
 void BulkRun::keep_view() {
     const BodyFrame frame = frame_of_bodies(world());
     const auto rows = rows_by_id(world().column<Bodies, BodyId>());
-    View view = view_of_bodies(world(), frame, [&](std::size_t place) {
-        return case_.colour(world(), rows[static_cast<std::size_t>(frame.ids[place])]);
+    View view = view_of_bodies(world(), frame, [&](std::size_t index) {
+        return case_.colour(world(), rows[static_cast<std::size_t>(frame.ids[index])]);
     });
     std::erase_if(view.balls, [](const DrawnBall& ball) { return ball.centre.y() > ball.radius; });
     std::erase_if(view.quads, [](const auto& quad) { // and what was taken away
@@ -203,7 +203,7 @@ void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
     summary.add("bed_at_rest", maker_.at_rest());
     summary.add("bed_coordination", bed().coordination);
     add_quantities(summary, last_);
-    summary.add("refreshes", world().resource<ListState>().refreshes);
+    summary.add("rebuilds", world().resource<ListState>().rebuilds);
     summary.add("prunes", world().resource<ListState>().prunes);
     run_.describe(summary);
     progress_.pause();

@@ -28,7 +28,7 @@ double last_strain(const Recording& r) {
 /// Where a rock went from its start, by one strain.
 struct Gone {
     const Recording* recording;
-    Vec3 way;
+    Vec3 displacement;
     double height() const { return recording->info.z; }
 };
 
@@ -69,15 +69,17 @@ Trend trend_of(const std::vector<Gone>& all, std::size_t without) {
         noise = std::max(noise, a.recording->info.displacement_noise);
         for_others([&](const Gone& b) {
             if (b.height() > a.height() + 3 * uncertain)
-                slopes.push_back((b.way.z() - a.way.z()) / (b.height() - a.height()));
+                slopes.push_back((b.displacement.z() - a.displacement.z()) /
+                                 (b.height() - a.height()));
         });
     });
     if (!slopes.empty()) trend.slope = median(std::move(slopes));
-    for_others([&](const Gone& g) { bases.push_back(g.way.z() - trend.slope * g.height()); });
+    for_others(
+        [&](const Gone& g) { bases.push_back(g.displacement.z() - trend.slope * g.height()); });
     trend.at_base = median(std::move(bases));
     for_others([&](const Gone& g) {
-        off.push_back(std::abs(g.way.z() - trend.at(g.height())));
-        sizes.push_back(std::abs(g.way.z()));
+        off.push_back(std::abs(g.displacement.z() - trend.at(g.height())));
+        sizes.push_back(std::abs(g.displacement.z()));
     });
     // few that agree by chance must not make the others look wrong
     trend.scatter = std::max(
@@ -86,27 +88,27 @@ Trend trend_of(const std::vector<Gone>& all, std::size_t without) {
 }
 
 /// The horizontal axis along which a rock went as far as it should have gone down, either way.
-std::optional<Eigen::Index> axis_instead(const Vec3& way, double expected) {
+std::optional<Eigen::Index> axis_instead(const Vec3& displacement, double expected) {
     for (const Eigen::Index axis : {0, 1})
-        if (std::abs(std::abs(way[axis] / expected) - 1) < hardly) return axis;
+        if (std::abs(std::abs(displacement[axis] / expected) - 1) < hardly) return axis;
     return {};
 }
 
-void look_at_one(const std::vector<Gone>& all, std::size_t one, double strain,
-                 std::vector<Finding>& findings) {
+void check_one(const std::vector<Gone>& all, std::size_t one, double strain,
+               std::vector<Finding>& findings) {
     const Trend trend = trend_of(all, one);
     const Gone& rock = all[one];
-    const double expected = trend.at(rock.height()), share = rock.way.z() / expected;
+    const double expected = trend.at(rock.height()), share = rock.displacement.z() / expected;
     if (rock.height() < trend.low || rock.height() > trend.high ||
         std::abs(expected) < seen * trend.scatter || share > hardly)
         return;
-    const auto axis = axis_instead(rock.way, expected);
+    const auto axis = axis_instead(rock.displacement, expected);
     if (share > 0 && std::abs(expected) < well_seen * trend.scatter && !axis) return;
     findings.push_back(
         {Finding::Kind::refusal, rock.recording->info.id, "displacement",
          fmt::format("it does not go with the other rocks: at {:.3f} % of axial strain expected "
                      "{:.1f} mm upwards with a scatter of {:.1f} mm, found {:.1f} mm{}",
-                     100 * strain, 1e3 * expected, 1e3 * trend.scatter, 1e3 * rock.way.z(),
+                     100 * strain, 1e3 * expected, 1e3 * trend.scatter, 1e3 * rock.displacement.z(),
                      share < -0.5 ? ": its sign seems to be reversed"
                      : axis       ? fmt::format(": {} and z seem to be swapped", name_of(*axis))
                                   : "")});
@@ -114,14 +116,15 @@ void look_at_one(const std::vector<Gone>& all, std::size_t one, double strain,
 
 /// In the median, rocks go down by axial strain times their height, and to no side. Returns whether
 /// they do.
-bool look_at_all(const std::vector<Gone>& all, double strain, std::vector<Finding>& findings) {
+bool check_everything(const std::vector<Gone>& all, double strain, std::vector<Finding>& findings) {
     std::array<std::vector<double>, 3> shares;
     std::vector<double> expected;
     for (const Gone& g : all) {
         if (g.height() <= 0) return true; // heights from elsewhere than the base
         expected.push_back(strain * g.height());
         for (Eigen::Index axis = 0; axis < 3; ++axis)
-            shares[static_cast<std::size_t>(axis)].push_back(g.way[axis] / expected.back());
+            shares[static_cast<std::size_t>(axis)].push_back(g.displacement[axis] /
+                                                             expected.back());
     }
     const double down = median(expected);
     if (down < common_way) return true;
@@ -161,8 +164,8 @@ void compare_displacements(const std::vector<Recording>& recordings,
     for (std::size_t k = 0; k < some.size(); ++k)
         if (ends[k] >= 0.9 * strain) // one that stopped long before is no longer compared
             if (const auto g = gone(*some[k], strain)) all.push_back(*g);
-    if (all.size() <= fewest || !look_at_all(all, strain, findings)) return;
-    for (std::size_t one = 0; one < all.size(); ++one) look_at_one(all, one, strain, findings);
+    if (all.size() <= fewest || !check_everything(all, strain, findings)) return;
+    for (std::size_t one = 0; one < all.size(); ++one) check_one(all, one, strain, findings);
 }
 
 } // namespace bris

@@ -34,9 +34,10 @@ double dip_of(const Vec3& up, const Vec3& field) {
 /// Nine tenths of the values are nearer to the middle.
 double wander_of(std::vector<double> values, double middle) {
     for (double& v : values) v = std::abs(v - middle);
-    const auto place = values.begin() + static_cast<std::ptrdiff_t>(9 * (values.size() - 1) / 10);
-    std::nth_element(values.begin(), place, values.end());
-    return *place;
+    const auto nine_tenths =
+        values.begin() + static_cast<std::ptrdiff_t>(9 * (values.size() - 1) / 10);
+    std::nth_element(values.begin(), nine_tenths, values.end());
+    return *nine_tenths;
 }
 
 /// Samples in which the field is known, and where upwards is.
@@ -84,7 +85,7 @@ Heading heading_of(const Recording& r) {
     Heading h;
     h.by_attitude = std::numeric_limits<double>::quiet_NaN();
     if (rows.size() < fewest) {
-        h.unseen_since = fmt::format(
+        h.unobservable_because = fmt::format(
             "expected {} samples with force, which says where upwards is, and more, found {}",
             fewest, rows.size());
         return h;
@@ -104,8 +105,8 @@ Heading heading_of(const Recording& r) {
     h.dip = median(dips);
     h.wander = wander_of(sizes, h.field) / h.field;
     h.dip_wander = wander_of(dips, h.dip);
-    h.unseen_since = reason_against(h, r, rows);
-    if (!h.seen()) return h;
+    h.unobservable_because = reason_against(h, r, rows);
+    if (!h.observable()) return h;
     const SensorInfo& info = r.info;
     const std::size_t last = rows.back();
     const Vec3 turned = attitude_error(attitude_by(r.force[last], r.field[last]),

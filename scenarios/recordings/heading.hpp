@@ -8,7 +8,7 @@ namespace bris {
 
 /// What the earth's field says of a rock's yaw since the beginning of a test.
 struct Heading {
-    std::string unseen_since;          ///< why it says nothing; empty: it does
+    std::string unobservable_because;  ///< why it says nothing; empty: it does
     double field = 0;                  ///< T, the median
     double wander = 0, dip_wander = 0; ///< of its size (share) and of its dip (rad): nine tenths of
                                        ///< the samples are nearer the median
@@ -16,7 +16,7 @@ struct Heading {
     double turn = 0;                   ///< rad, about the vertical, of the last sample
     double by_attitude = 0;            ///< the same by the channel of attitude; NaN: none
     double deviation = 0;              ///< rad, of turn
-    bool seen() const { return unseen_since.empty(); }
+    bool observable() const { return unobservable_because.empty(); }
 };
 
 /// Needs field and force; upwards is where the force points, so the rock must move slowly. Yaw is

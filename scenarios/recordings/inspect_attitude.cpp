@@ -26,23 +26,24 @@ bool are_unit(const Inspection& at) {
 
 /// One that tracks each rock in axes of its own, far from the body's, would not agree either: it
 /// must be turned to them first.
-void look_at_start(const Inspection& at) {
+void check_start(const Inspection& at) {
     const SensorInfo& info = at.recording.info;
-    const auto off_by = [&](auto&& read) {
-        std::vector<double> off;
+    const auto deviation_of = [&](auto&& read) {
+        std::vector<double> deviation;
         for (std::size_t k = 0; k < at.still; ++k)
-            off.push_back(read(at.recording.attitude[k]).angularDistance(info.attitude()) / degree);
-        return median(std::move(off));
+            deviation.push_back(read(at.recording.attitude[k]).angularDistance(info.attitude()) /
+                                degree);
+        return median(std::move(deviation));
     };
     const double limit = at.limits.frame + 3 * info.attitude_deviation,
-                 off = off_by([](const Quat&q) { return q; });
-    if (off <= limit) return;
-    const bool conjugate = off_by([](const Quat&q) { return q.conjugate(); }) <= limit,
-               last =
-                   off_by([](const Quat&q) { return Quat(q.z(), q.w(), q.x(), q.y()); }) <= limit;
+                 deviation = deviation_of([](const Quat&q) { return q; });
+    if (deviation <= limit) return;
+    const bool conjugate = deviation_of([](const Quat&q) { return q.conjugate(); }) <= limit,
+               last = deviation_of([](const Quat&q) { return Quat(q.z(), q.w(), q.x(), q.y()); }) <=
+                      limit;
     at.refuse("attitude", fmt::format("at rest expected that of the metadata within {:.0f} "
                                       "degrees, found one {:.0f} degrees off{}",
-                                      limit, off,
+                                      limit, deviation,
                                       conjugate ? ": it seems to lead from the world to the body"
                                       : last    ? ": its components seem to be in the order x y z w"
                                                 : ""));
@@ -50,10 +51,10 @@ void look_at_start(const Inspection& at) {
 
 /// Rocks of a slow test hardly accelerate: the force, turned by the attitude, points upwards as it
 /// did at rest. What is turned about the vertical alone cannot be told so.
-void look_at_upwards(const Inspection& at, const Vec3& gravity) {
+void check_upwards(const Inspection& at, const Vec3& gravity) {
     const Recording& r = at.recording;
     std::vector<Vec3> up;
-    std::size_t compared = 0, astray = 0;
+    std::size_t compared = 0, outliers = 0;
     double farthest = 0;
     for (std::size_t k = 0; k < at.still; ++k) up.push_back(r.attitude[k] * r.force[k]);
     const Vec3 upwards =
@@ -64,19 +65,19 @@ void look_at_upwards(const Inspection& at, const Vec3& gravity) {
     for (std::size_t k = at.still; k < r.size(); ++k) {
         if (std::abs(r.force[k].norm() / upwards.norm() - 1) > at.limits.gravity)
             continue; // it accelerates
-        const double off = angle_between(r.attitude[k] * r.force[k], upwards) / degree;
+        const double deviation = angle_between(r.attitude[k] * r.force[k], upwards) / degree;
         ++compared;
-        astray += static_cast<std::size_t>(off > limit);
-        farthest = std::max(farthest, off);
+        outliers += static_cast<std::size_t>(deviation > limit);
+        farthest = std::max(farthest, deviation);
     }
-    if (astray <= 3 ||
-        static_cast<double>(astray) <= at.limits.astray * static_cast<double>(compared))
+    if (outliers <= 3 ||
+        static_cast<double>(outliers) <= at.limits.outlier_share * static_cast<double>(compared))
         return;
     at.refuse("attitude",
               fmt::format(
                   "gravity says another: turned by it, the force should point upwards as at rest "
                   "within {:.0f} degrees; in {} of {} samples it does not, by up to {:.0f} degrees",
-                  limit, astray, compared, farthest));
+                  limit, outliers, compared, farthest));
 }
 
 /// How turns in parts of the test differ from those in the part before, rad, world frame: a bias
@@ -90,7 +91,7 @@ std::vector<Vec3> changes_of(const std::vector<Vec3>& turns) {
 /// By attitude and by rates, which are means since the sample before, or many samples: where both
 /// tell the same way, or the opposite, their sizes must agree too. Rates that are single samples,
 /// between which more happens than at them, tell another way, and nothing is concluded.
-void look_at_turns(const Inspection& at) {
+void check_turns(const Inspection& at) {
     const Recording& r = at.recording;
     constexpr std::size_t parts = 16;
     if (at.still == 0 || r.size() < at.still + 2 * parts) return;
@@ -132,19 +133,19 @@ void look_at_turns(const Inspection& at) {
 
 } // namespace
 
-void look_at_attitude(const Inspection& at, const Vec3& gravity) {
+void check_attitude(const Inspection& at, const Vec3& gravity) {
     const Recording& r = at.recording;
     if (r.attitude.empty() || !are_unit(at) ||
         is_stuck(at, "attitude", r.attitude, r.info.attitude_noise))
         return;
-    if (at.still > 0) look_at_start(at);
+    if (at.still > 0) check_start(at);
     std::vector<Vec3> turned;
     for (const Quat& q : r.attitude) turned.push_back(attitude_error(q, r.attitude.front()));
-    look_at_scatter(at, "attitude", turned, r.info.attitude_noise,
-                    at.limits.turning * strain_step(at), "mrad", 1e-3);
+    check_scatter(at, "attitude", turned, r.info.attitude_noise,
+                  at.limits.turning * strain_step(at), "mrad", 1e-3);
     if (r.strain.empty()) return; // no slow test
-    if (!r.force.empty()) look_at_upwards(at, gravity);
-    if (!r.rate.empty()) look_at_turns(at);
+    if (!r.force.empty()) check_upwards(at, gravity);
+    if (!r.rate.empty()) check_turns(at);
 }
 
 } // namespace bris

@@ -20,7 +20,7 @@ std::vector<std::size_t> measured(const std::vector<double>& numbers) {
     return rows;
 }
 
-void look_at_temperature(const Inspection& at) {
+void check_temperature(const Inspection& at) {
     const auto& kelvin = at.recording.temperature;
     const auto rows = measured(kelvin);
     if (rows.empty()) return;
@@ -44,7 +44,7 @@ void look_at_temperature(const Inspection& at) {
 }
 
 /// What a gyroscope shows of a rock at rest is its bias; whether that follows the temperature.
-void look_at_bias(const Inspection& at) {
+void check_bias(const Inspection& at) {
     const Recording& r = at.recording;
     if (r.temperature.empty() || r.rate.empty()) return;
     std::vector<double> kelvin;
@@ -69,7 +69,7 @@ void look_at_bias(const Inspection& at) {
     }
 }
 
-void look_at_battery(const Inspection& at) {
+void check_battery(const Inspection& at) {
     const Recording& r = at.recording;
     const std::string& unit = r.info.battery_unit;
     const double low = r.info.battery_low > 0 ? r.info.battery_low : unit == "V" ? 3.3 : 15;
@@ -89,7 +89,7 @@ void look_at_battery(const Inspection& at) {
 
 } // namespace
 
-void look_at_flags(const Inspection& at) {
+void check_flags(const Inspection& at) {
     const Recording& r = at.recording;
     if (!r.flagged.empty())
         at.note("flags",
@@ -98,7 +98,7 @@ void look_at_flags(const Inspection& at) {
                             r.flagged.size(), r.flagged.size() + r.size(), r.flagged.front()));
 }
 
-void look_at_count(const Inspection& at) {
+void check_count(const Inspection& at) {
     const Recording& r = at.recording;
     if (r.sequence.empty()) return;
     std::vector<double> flagged = r.flagged;
@@ -127,17 +127,17 @@ void look_at_count(const Inspection& at) {
                         agree ? "" : ": clock, count or sampling_rate is wrong"));
 }
 
-void look_at_device(const Inspection& at) {
-    look_at_temperature(at);
-    look_at_bias(at);
-    look_at_battery(at);
+void check_device(const Inspection& at) {
+    check_temperature(at);
+    check_bias(at);
+    check_battery(at);
 }
 
-void look_at_field(const Inspection& at) {
+void check_field(const Inspection& at) {
     const Recording& r = at.recording;
     if (r.field.empty()) return;
     const Heading h = heading_of(r);
-    if (!h.seen()) return at.note("field", "it does not tell yaw: " + h.unseen_since);
+    if (!h.observable()) return at.note("field", "it does not tell yaw: " + h.unobservable_because);
     std::string text = fmt::format("{:.3g} uT, within {:.2g} %, dip {:.0f} degrees: it tells yaw, "
                                    "at the end {:+.1f} +- {:.1f} degrees",
                                    1e6 * h.field, 100 * h.wander, h.dip / degree, h.turn / degree,

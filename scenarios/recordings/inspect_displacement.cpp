@@ -7,7 +7,7 @@ namespace {
 
 /// A single sample that is far off is left to those who use it; one after which all are is not the
 /// rock's way.
-void look_at_jumps(const Inspection& at) {
+void check_jumps(const Inspection& at) {
     const Recording& r = at.recording;
     const auto& u = r.displacement;
     for (std::size_t k = 2; k + 1 < u.size(); ++k) {
@@ -29,44 +29,45 @@ double height_of_specimen(const Inspection& at) {
 }
 
 /// The platen drives all that moves: a rock goes as far as it, or slips once.
-void look_at_lengths(const Inspection& at) {
+void check_lengths(const Inspection& at) {
     const Recording& r = at.recording;
     const Vec3 start = at.still > 0
                            ? median(std::vector<Vec3>(r.displacement.begin(),
                                                       r.displacement.begin() +
                                                           static_cast<std::ptrdiff_t>(at.still)))
                            : Vec3(Vec3::Zero());
-    std::size_t astray = 0, first = 0;
+    std::size_t outliers = 0, first = 0;
     const auto compared =
         std::ranges::count_if(r.strain, [](double e) { return std::isfinite(e); });
-    const auto way = [&](std::size_t k) { return (r.displacement[k] - start).norm(); };
+    const auto displacement = [&](std::size_t k) { return (r.displacement[k] - start).norm(); };
     const auto longest = [&](std::size_t k) {
         return 2 * r.strain[k] * height_of_specimen(at) + at.limits.jump +
                5 * r.info.displacement_noise;
     };
     for (std::size_t k = at.still; k < r.strain.size(); ++k)
-        if (way(k) > longest(k) && astray++ == 0) first = k;
-    if (astray <= 3 ||
-        static_cast<double>(astray) <= at.limits.astray * static_cast<double>(compared))
+        if (displacement(k) > longest(k) && outliers++ == 0) first = k;
+    if (outliers <= 3 ||
+        static_cast<double>(outliers) <= at.limits.outlier_share * static_cast<double>(compared))
         return;
-    at.refuse("displacement",
-              fmt::format(
-                  "in {} of {} samples it is longer than the test lets a rock go, the first at "
-                  "{:.3f} % of axial strain: expected {:.1f} mm at most, found {:.1f} mm",
-                  astray, compared, 100 * r.strain[first], 1e3 * longest(first), 1e3 * way(first)));
+    at.refuse(
+        "displacement",
+        fmt::format("in {} of {} samples it is longer than the test lets a rock go, the first at "
+                    "{:.3f} % of axial strain: expected {:.1f} mm at most, found {:.1f} mm",
+                    outliers, compared, 100 * r.strain[first], 1e3 * longest(first),
+                    1e3 * displacement(first)));
 }
 
 } // namespace
 
-void look_at_displacement(const Inspection& at) {
+void check_displacement(const Inspection& at) {
     const Recording& r = at.recording;
     if (r.displacement.empty() ||
         is_stuck(at, "displacement", r.displacement, r.info.displacement_noise))
         return;
-    look_at_jumps(at);
-    look_at_scatter(at, "displacement", r.displacement, r.info.displacement_noise,
-                    height_of_specimen(at) * strain_step(at), "mm", 1e-3);
-    if (!r.strain.empty()) look_at_lengths(at);
+    check_jumps(at);
+    check_scatter(at, "displacement", r.displacement, r.info.displacement_noise,
+                  height_of_specimen(at) * strain_step(at), "mm", 1e-3);
+    if (!r.strain.empty()) check_lengths(at);
 }
 
 } // namespace bris

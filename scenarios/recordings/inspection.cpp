@@ -15,10 +15,10 @@ constexpr std::size_t fewest = 4; // samples at rest, and triples of samples in 
 double deviation_at_rest(const std::vector<Vec3>& values, std::size_t still) {
     const Vec3 middle = median(
         std::vector<Vec3>(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(still)));
-    std::vector<double> off;
+    std::vector<double> deviation;
     for (std::size_t k = 0; k < still; ++k)
-        for (const double d : (values[k] - middle).eval()) off.push_back(std::abs(d));
-    return deviation_of_median(median(std::move(off)));
+        for (const double d : (values[k] - middle).eval()) deviation.push_back(std::abs(d));
+    return deviation_of_median(median(std::move(deviation)));
 }
 
 /// Deviation of the noise of a steady motion.
@@ -32,8 +32,8 @@ double deviation_of_motion(const std::vector<Vec3>& values, std::size_t first) {
 
 } // namespace
 
-void look_at_scatter(const Inspection& at, const char* what, const std::vector<Vec3>& values,
-                     double declared, double roughness, const char* unit, double scale) {
+void check_scatter(const Inspection& at, const char* what, const std::vector<Vec3>& values,
+                   double declared, double roughness, const char* unit, double scale) {
     const auto compare = [&](const char* when, double found, double rough) {
         const auto text = fmt::format("{} {}: declared {:.3g} {}, found {:.3g}", what, when,
                                       declared / scale, unit, found / scale);

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/recordings/intake.hpp"
+#include "scenarios/recordings/quality_control.hpp"
 
 #include <fmt/format.h>
 
@@ -14,7 +14,7 @@ namespace bris {
 /// A recording that the intake looks at, and where its findings go.
 struct Inspection {
     const Recording& recording;
-    const IntakeLimits& limits;
+    const QualityControlLimits& limits;
     std::vector<Finding>& findings;
     std::size_t rest =
         0; ///< samples of the time at the beginning in which the rock should lie still
@@ -38,32 +38,32 @@ bool is_stuck(const Inspection& at, const char* what, const auto& values, double
 /// off count no more than others: at rest and, by second differences, from sample to sample in the
 /// test, in which the rocks' own motion may add `roughness`. `unit`: as shown, of which one is
 /// `scale` SI units.
-void look_at_scatter(const Inspection& at, const char* what, const std::vector<Vec3>& values,
-                     double declared, double roughness, const char* unit, double scale);
+void check_scatter(const Inspection& at, const char* what, const std::vector<Vec3>& values,
+                   double declared, double roughness, const char* unit, double scale);
 
 /// Axial strain from one sample to the next in the test, the median; 0: not known.
 double strain_step(const Inspection& at);
 
 /// Jumps, scatter beside that declared, and ways longer than the test lets a rock go.
-void look_at_displacement(const Inspection& at);
+void check_displacement(const Inspection& at);
 
 /// Unit quaternions; the attitude at rest that the metadata give; upwards where gravity says it is;
 /// turns as the rates say.
-void look_at_attitude(const Inspection& at, const Vec3& gravity);
+void check_attitude(const Inspection& at, const Vec3& gravity);
 
 /// How many samples the sensor itself said not to use.
-void look_at_flags(const Inspection& at);
+void check_flags(const Inspection& at);
 
 /// Samples that are missing by their count, beside what their times tell. For counts and times that
 /// grow.
-void look_at_count(const Inspection& at);
+void check_count(const Inspection& at);
 
 /// Temperature, its range and drift, whether the gyroscope's bias at rest follows it; a battery
 /// that is low.
-void look_at_device(const Inspection& at);
+void check_device(const Inspection& at);
 
 /// Whether the earth's field is steady, and what it says of yaw.
-void look_at_field(const Inspection& at);
+void check_field(const Inspection& at);
 
 /// Displacements of all sensors beside each other, of those that have not been refused: rocks go
 /// down with the upper platen, the higher the more.

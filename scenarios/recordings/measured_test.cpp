@@ -16,7 +16,7 @@ MeasuredTest measured_test(const std::vector<TriaxialPoint>& points) {
 
 MeasuredTest measured_test(const RecordedTest& test) {
     MeasuredTest s = measured_test(test.measured);
-    s.ways = test.ways;
+    s.trajectories = test.trajectories;
     double squares = 0;
     for (const Recording& r : test.recordings)
         squares += r.info.displacement_noise * r.info.displacement_noise;

@@ -10,10 +10,10 @@ namespace bris {
 /// strain, in order of strain, and the ways of the sensor rocks, if there are.
 struct MeasuredTest {
     std::vector<double> strain, q, volumetric_strain;
-    std::vector<SensorWay> ways = {};
+    std::vector<SensorTrajectory> trajectories = {};
     double displacement_noise = 1e-4;  ///< m, of them, root mean square
     double lateness = 0;               ///< of strain, by which their samples come late
-    std::vector<double> left_out = {}; ///< strains of q that was not believed
+    std::vector<double> rejected = {}; ///< strains of q that was not believed
 };
 MeasuredTest measured_test(const std::vector<TriaxialPoint>& points);
 MeasuredTest measured_test(const RecordedTest& test);

@@ -3,7 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/column_map.hpp"
 #include "scenarios/recordings/bench_hdf5.hpp"
-#include "scenarios/recordings/machine_intake.hpp"
+#include "scenarios/recordings/machine_quality_control.hpp"
 
 #include <fmt/format.h>
 
@@ -200,25 +200,26 @@ std::vector<SensorInfo> infos_of_test(const std::filesystem::path& folder, doubl
     return infos;
 }
 
-void examine(RecordedTest& test, const IntakeSettings& settings) {
+void examine(RecordedTest& test, const QualityControlSettings& settings) {
     for (Recording& r : test.recordings) {
         if (!settings.displacement) r.displacement.clear();
         if (!settings.attitude) r.attitude.clear();
     }
-    IntakeLimits limits;
+    QualityControlLimits limits;
     limits.rest = settings.rest;
-    test.ways.clear();
+    test.trajectories.clear();
     test.findings = synchronise(test.recordings, test.clock, settings.interval);
-    const auto of_sensors = look_at(test.recordings, Vec3(0, 0, -9.81), limits);
+    const auto of_sensors = check_recordings(test.recordings, Vec3(0, 0, -9.81), limits);
     test.findings.insert(test.findings.end(), of_sensors.begin(), of_sensors.end());
-    const auto of_machine = look_at_machine(test.measured, test.pressure);
+    const auto of_machine = check_machine(test.measured, test.pressure);
     test.findings.insert(test.findings.end(), of_machine.begin(), of_machine.end());
     for (const Recording& r : test.recordings)
-        test.ways.push_back(accepted(test.findings, r.info.id) ? way_of(r, settings.interval)
-                                                               : SensorWay{});
+        test.trajectories.push_back(accepted(test.findings, r.info.id)
+                                        ? trajectory_of(r, settings.interval)
+                                        : SensorTrajectory{});
 }
 
-std::string intake_report(const RecordedTest& test) {
+std::string quality_control_report(const RecordedTest& test) {
     std::string text;
     for (const Finding& f : test.findings)
         if (f.sensor == test_machine)
@@ -227,12 +228,12 @@ std::string intake_report(const RecordedTest& test) {
                             f.kind == Finding::Kind::refusal ? "refused: " : "", f.check, f.text);
     if (text.empty())
         text = fmt::format("test machine: {} records, nothing found\n", test.measured.size());
-    return text + intake_report(test.findings, test.recordings);
+    return text + quality_control_report(test.findings, test.recordings);
 }
 
 RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure,
                                 const std::vector<SensorInfo>& infos,
-                                const IntakeSettings& settings) {
+                                const QualityControlSettings& settings) {
     RecordedTest test;
     test.pressure = pressure;
     test.recordings = recordings_of(folder / folder_of(pressure),

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "engine/io/column_map.hpp"
-#include "scenarios/recordings/intake.hpp"
-#include "scenarios/recordings/sensor_way.hpp"
+#include "scenarios/recordings/quality_control.hpp"
+#include "scenarios/recordings/sensor_trajectory.hpp"
 #include "scenarios/recordings/synchronise.hpp"
 #include "scenarios/recordings/triaxial_point.hpp"
 #include "scenarios/specimens/specimen.hpp"
@@ -22,7 +22,8 @@ struct RecordedTest {
     double pressure = 0; ///< Pa
     std::vector<Recording> recordings;
     std::vector<Finding> findings; ///< of the intake: of sensors, and of the test machine
-    std::vector<SensorWay> ways;   ///< of all sensors; one that was refused tells nothing
+    std::vector<SensorTrajectory>
+        trajectories; ///< of all sensors; one that was refused tells nothing
     std::vector<TriaxialPoint>
         measured; ///< strain, q, volumetric strain and ring radii (NaN: not measured, or left out)
     MachineClock clock; ///< for sensors that do not record strain
@@ -30,7 +31,7 @@ struct RecordedTest {
 };
 
 /// What is taken from recordings.
-struct IntakeSettings {
+struct QualityControlSettings {
     double rest = 60;       ///< s, at their beginning, in which the rocks lie still
     double interval = 1e-3; ///< axial strain between samples
     bool displacement = true, attitude = true; ///< whether these channels are used where there are
@@ -42,10 +43,10 @@ struct IntakeSettings {
 /// Looks at the recordings of a test, and takes from those that pass how their rocks moved; clears
 /// the channels that are not to be used. Looks at what the machine measured, too, and leaves out
 /// what is wrong.
-void examine(RecordedTest& test, const IntakeSettings& settings);
+void examine(RecordedTest& test, const QualityControlSettings& settings);
 
 /// What was found, or that nothing was: of the test machine, and of each sensor.
-std::string intake_report(const RecordedTest& test);
+std::string quality_control_report(const RecordedTest& test);
 
 /// The columns that test.csv may have, with the units in which a column map may give them.
 const std::vector<KnownColumn>& machine_columns();
@@ -65,7 +66,7 @@ std::vector<SensorInfo> infos_of_test(const std::filesystem::path& folder, doubl
 /// two files; OutputError.
 RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure,
                                 const std::vector<SensorInfo>& infos,
-                                const IntakeSettings& settings);
+                                const QualityControlSettings& settings);
 
 /// Writes metadata, recordings, the sensor rocks' given poses (in radii and heights of the
 /// specimen) and what was measured. Throws OutputError.

@@ -83,7 +83,7 @@ void write_sensor_info(const std::filesystem::path& path, SensorInfo info) {
     write_whole(path, lines.text);
 }
 
-void leave_out_flagged(Recording& r) {
+void reject_flagged(Recording& r) {
     const auto without_any = [](const auto& numbers) {
         return std::ranges::none_of(numbers, [](const auto& n) {
             if constexpr (requires { n.allFinite(); })

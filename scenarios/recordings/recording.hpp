@@ -101,22 +101,22 @@ struct Recording {
     std::vector<Quat> attitude;          ///< body to world
     std::vector<double> temperature;     ///< K, of the sensor
     std::vector<double> battery;         ///< in its unit
-    std::vector<std::uint64_t> flags;    ///< see leave_out_flagged
+    std::vector<std::uint64_t> flags;    ///< see reject_flagged
     std::vector<double> flagged;         ///< s, times of samples that were left out
     std::map<std::string, std::string>
         first_without; ///< by channel: where the first of the samples not left out stands that has
                        ///< no number in it
     std::size_t size() const { return time.size(); }
     /// Remembers a place if one of the numbers is none.
-    void look_for_numbers(const char* channel, const auto& numbers, const std::string& place) {
-        if (!numbers.allFinite()) first_without.emplace(channel, place);
+    void look_for_numbers(const char* channel, const auto& numbers, const std::string& where) {
+        if (!numbers.allFinite()) first_without.emplace(channel, where);
     }
 };
 
 /// Leaves out what the sensor itself says not to use: samples with flags other than 0, but for
 /// flags_ignored. Channels of numbers that are allowed to be none, and are so in all samples, are
 /// emptied: this sensor does not have them.
-void leave_out_flagged(Recording& recording);
+void reject_flagged(Recording& recording);
 
 /// The columns that recordings may have, with the units in which a column map may give them.
 const std::vector<KnownColumn>& recording_columns();

@@ -55,7 +55,7 @@ std::string given_unit(const CsvForm& form, std::initializer_list<const char*> n
             (column->unit.empty() ? without : with) = column;
     if (with != nullptr && without != nullptr)
         throw InputError(fmt::format("{}: {}: expected a unit, as for {}, found none",
-                                     without->place, without->ours, with->ours));
+                                     without->where, without->ours, with->ours));
     return with == nullptr ? "" : with->unit;
 }
 
@@ -211,9 +211,9 @@ std::vector<Recording> read_recordings(const std::filesystem::path& csv,
                                        const std::vector<SensorInfo>& sensors,
                                        const CsvForm& form) {
     std::vector<Recording> recordings;
-    std::map<std::uint64_t, std::size_t> place;
+    std::map<std::uint64_t, std::size_t> where;
     for (const SensorInfo& info : sensors) {
-        require(place.emplace(info.id, recordings.size()).second,
+        require(where.emplace(info.id, recordings.size()).second,
                 fmt::format("sensor {}: expected one metadata file, found two", info.id));
         recordings.emplace_back().info = with_units_of(info, form);
     }
@@ -221,13 +221,13 @@ std::vector<Recording> read_recordings(const std::filesystem::path& csv,
     const auto time = table.column("t"), id = table.column("id");
     const Columns columns(table);
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
-        const auto found = place.find(count_of(table, row, "id", id[row]));
-        if (found == place.end())
+        const auto found = where.find(count_of(table, row, "id", id[row]));
+        if (found == where.end())
             throw InputError(fmt::format("{}: id: expected that of a metadata file, found {}",
                                          at_line(table, row), id[row]));
         columns.append(row, time[row], recordings[found->second]);
     }
-    for (Recording& r : recordings) leave_out_flagged(r);
+    for (Recording& r : recordings) reject_flagged(r);
     return recordings;
 }
 

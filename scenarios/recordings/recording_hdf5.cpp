@@ -163,7 +163,7 @@ Recording read_one(const Hdf5File& file, const SensorInfo& info) {
     read("temperature", "temp", number,
          [&](const auto& v) { r.temperature.push_back(info.temperature_of(v[0])); });
     read("battery", "batt", number, [&](const auto& v) { r.battery.push_back(v[0]); });
-    leave_out_flagged(r);
+    reject_flagged(r);
     return r;
 }
 

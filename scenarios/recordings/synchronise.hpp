@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/recordings/intake.hpp"
+#include "scenarios/recordings/quality_control.hpp"
 
 #include <map>
 #include <optional>

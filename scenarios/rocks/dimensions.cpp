@@ -68,7 +68,7 @@ double width(std::span<const Ball> balls, const Vec3& direction) {
     return high - low;
 }
 
-Dimensions measure_dimensions(std::span<const Ball> balls) {
+Dimensions compute_dimensions(std::span<const Ball> balls) {
     const Vec3 shortest = least_width_direction(balls);
     const Vec3 intermediate = least_width_across(balls, shortest);
     const Vec3 longest = intermediate.cross(shortest);

@@ -19,6 +19,6 @@ struct Dimensions {
 
 /// Dimensions of the hull of the balls (radius 0 allowed: vertices). Search over a lattice of 4,000
 /// directions with local refinement; error below 1e-4 of the size.
-Dimensions measure_dimensions(std::span<const Ball> balls);
+Dimensions compute_dimensions(std::span<const Ball> balls);
 
 } // namespace bris

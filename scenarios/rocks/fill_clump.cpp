@@ -23,9 +23,9 @@ namespace {
 /// What is wrong with a fill, as a length relative to the size: surface, flatness and angularity in
 /// the proportion in which they can be had (a mean distance of 0.01, ratios of 0.05 and 0.3).
 double badness(const Polyhedron& solid, std::span<const Ball> balls, double size) {
-    const Dimensions wanted = measure_dimensions(vertex_balls(solid));
+    const Dimensions wanted = compute_dimensions(vertex_balls(solid));
     const double flat_elongated =
-        measure_dimensions(balls).flat_elongated() / wanted.flat_elongated() - 1;
+        compute_dimensions(balls).flat_elongated() / wanted.flat_elongated() - 1;
     const double sharp = angularity(balls, wanted.axes) / angularity(solid, wanted.axes) - 1;
     const double distance =
         0.5 * (distance_to_union(solid, balls).mean + distance_to_polyhedron(solid, balls).mean);
@@ -104,7 +104,7 @@ std::vector<Ball> fill_clump(const Polyhedron& polyhedron, const FillSettings& s
     const std::vector<Ball> hull = vertex_balls(polyhedron);
     const double size = sieve_size(hull);
     require(settings.fit.spheres >= 4, "fill: expected at least 4 spheres");
-    require(measure_dimensions(hull).shortest > 2 * settings.fit.min_radius * size,
+    require(compute_dimensions(hull).shortest > 2 * settings.fit.min_radius * size,
             "fill: the solid is thinner than the least ball; ask for smaller ones");
     if (settings.method == FillMethod::level_set) {
         std::vector<Ball> balls = fill_level_set(polyhedron, size, settings.fit);

@@ -58,7 +58,7 @@ void add_edges(const Polyhedron& solid, double weight, double spacing,
 /// elongation.
 void weigh_extremes(const Polyhedron& solid, double size, double factor,
                     std::vector<Sample>& samples) {
-    const Mat3 axes = measure_dimensions(vertex_balls(solid)).axes;
+    const Mat3 axes = compute_dimensions(vertex_balls(solid)).axes;
     for (int side = 0; side < 6; ++side) {
         const Vec3 direction = (side % 2 == 0 ? 1.0 : -1.0) * axes.col(side / 2);
         double support = -std::numeric_limits<double>::infinity();
@@ -195,9 +195,9 @@ public:
         }
         std::sort(missed.begin(), missed.end());
         const double radius = settings_.min_radius * size_;
-        const Sample& place = samples_[worst];
-        balls[missed[rank % missed.size()].second] = {place.position + 1.2 * radius * place.inwards,
-                                                      radius};
+        const Sample& sample = samples_[worst];
+        balls[missed[rank % missed.size()].second] = {
+            sample.position + 1.2 * radius * sample.inwards, radius};
     }
 
     /// Insides of surface points, each as far from those before as can be.

@@ -223,10 +223,10 @@ SieveReport sieve_back(std::span<const RockChoice> rocks, std::span<const Clump>
         const double share = passing[k] / total;
         const double whole = truncated_fraction + (1 - truncated_fraction) * share;
         // a specimen cut above this sieve cannot be judged on it: its tail lies somewhere below
-        const bool judged = share > 0 || truncated_fraction == 0;
+        const bool assessment = share > 0 || truncated_fraction == 0;
         constexpr double slack = 1e-3;
         const bool within =
-            !judged || (whole >= sieve.lower - slack && whole <= sieve.upper + slack);
+            !assessment || (whole >= sieve.lower - slack && whole <= sieve.upper + slack);
         report.sieves.push_back({sieve.size, share, whole, sieve.lower, sieve.upper, within});
         report.within = report.within && within;
     }

@@ -72,9 +72,9 @@ LibraryRow compare(const std::string& name, const Polyhedron& solid, const std::
     const SurfaceDistance to_solid = distance_to_polyhedron(solid, balls);
     row.to_clump_mean = to_clump.mean, row.to_clump_max = to_clump.max;
     row.to_solid_mean = to_solid.mean, row.to_solid_max = to_solid.max;
-    const Dimensions dimensions = measure_dimensions(vertex_balls(solid));
+    const Dimensions dimensions = compute_dimensions(vertex_balls(solid));
     row.flat_elongated_solid = dimensions.flat_elongated();
-    row.flat_elongated_clump = measure_dimensions(balls).flat_elongated();
+    row.flat_elongated_clump = compute_dimensions(balls).flat_elongated();
     row.angularity_solid = angularity(solid, dimensions.axes);
     row.angularity_clump = angularity(balls, dimensions.axes);
     row.hull_angularity_clump = hull_angularity(balls, dimensions.axes);

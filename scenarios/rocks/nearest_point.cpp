@@ -42,10 +42,10 @@ NearestPoint::NearestPoint(const std::vector<Vec3>& points) {
 
 NearestPoint::~NearestPoint() = default;
 
-double NearestPoint::distance(const Vec3& place) const {
+double NearestPoint::distance(const Vec3& position) const {
     std::uint32_t nearest = 0;
     double squared = 0;
-    tree_->index.knnSearch(place.data(), 1, &nearest, &squared);
+    tree_->index.knnSearch(position.data(), 1, &nearest, &squared);
     return std::sqrt(squared);
 }
 

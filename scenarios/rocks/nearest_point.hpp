@@ -14,7 +14,7 @@ public:
     explicit NearestPoint(const std::vector<Vec3>& points);
     ~NearestPoint();
     /// m, from a place to the nearest of the points.
-    double distance(const Vec3& place) const;
+    double distance(const Vec3& position) const;
 
 private:
     struct Tree;

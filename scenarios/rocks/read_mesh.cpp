@@ -27,11 +27,11 @@ struct RawMesh {
     std::filesystem::path path;
     std::vector<Vec3> corners;
     std::vector<std::array<std::size_t, 3>> triangles;
-    std::vector<std::size_t> places;
+    std::vector<std::size_t> lines;
     bool binary = false;
 
     std::string where(std::size_t triangle) const {
-        return fmt::format("{}:{}{}", path.string(), binary ? " triangle " : "", places[triangle]);
+        return fmt::format("{}:{}{}", path.string(), binary ? " triangle " : "", lines[triangle]);
     }
 };
 
@@ -101,14 +101,14 @@ Polyhedron closed_surface(RawMesh mesh) {
             require(mesh.corners[corner].allFinite(),
                     mesh.where(t) + ": mesh: expected finite coordinates");
     const std::vector<std::size_t> index = weld(mesh.corners);
-    RawMesh clean{.path = mesh.path, .corners = mesh.corners, .triangles = {}, .places = {}};
+    RawMesh clean{.path = mesh.path, .corners = mesh.corners, .triangles = {}, .lines = {}};
     clean.binary = mesh.binary;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
         const auto& [i, j, k] = mesh.triangles[t];
         const std::array<std::size_t, 3> welded{index[i], index[j], index[k]};
         if (welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]) continue;
         clean.triangles.push_back(welded);
-        clean.places.push_back(mesh.places[t]);
+        clean.lines.push_back(mesh.lines[t]);
     }
     require(!clean.triangles.empty(),
             mesh.path.string() + ":1: mesh: all triangles are degenerate");
@@ -124,7 +124,7 @@ Polyhedron closed_surface(RawMesh mesh) {
 }
 
 RawMesh read_binary_stl(const std::filesystem::path& path, std::string_view bytes) {
-    RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .places = {}, .binary = true};
+    RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .lines = {}, .binary = true};
     const std::size_t count = (bytes.size() - 84) / 50;
     for (std::size_t t = 0; t < count; ++t) {
         std::array<float, 9> numbers; // after the normal, which the corners tell better
@@ -135,13 +135,13 @@ RawMesh read_binary_stl(const std::filesystem::path& path, std::string_view byte
                                       static_cast<double>(numbers[k + 1]),
                                       static_cast<double>(numbers[k + 2]));
         mesh.triangles.push_back({base, base + 1, base + 2});
-        mesh.places.push_back(t + 1);
+        mesh.lines.push_back(t + 1);
     }
     return mesh;
 }
 
 RawMesh read_text_stl(const std::filesystem::path& path, const std::string& bytes) {
-    RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .places = {}};
+    RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .lines = {}};
     std::istringstream text(bytes);
     std::string line, word;
     std::size_t since = 0; // corners of the loop that is open
@@ -162,7 +162,7 @@ RawMesh read_text_stl(const std::filesystem::path& path, const std::string& byte
             if (since != 3) refuse(fmt::format("facet: expected 3 vertices, found {}", since));
             const std::size_t base = mesh.corners.size() - 3;
             mesh.triangles.push_back({base, base + 1, base + 2});
-            mesh.places.push_back(number);
+            mesh.lines.push_back(number);
             since = 0;
         }
     }
@@ -181,7 +181,7 @@ Polyhedron read_stl(const std::filesystem::path& path) {
 }
 
 Polyhedron read_obj(const std::filesystem::path& path) {
-    RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .places = {}};
+    RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .lines = {}};
     std::istringstream text(contents(path));
     std::string line, word;
     for (std::size_t number = 1; std::getline(text, line); ++number) {
@@ -210,7 +210,7 @@ Polyhedron read_obj(const std::filesystem::path& path) {
             if (polygon.size() < 3) refuse("f: expected at least three indices");
             for (std::size_t k = 2; k < polygon.size(); ++k) {
                 mesh.triangles.push_back({polygon[0], polygon[k - 1], polygon[k]});
-                mesh.places.push_back(number);
+                mesh.lines.push_back(number);
             }
         }
     }

@@ -15,15 +15,15 @@ namespace {
 
 /// How far a ray from the origin runs until it leaves the last ball.
 double way_out(const Clump& clump, const Vec3& direction) {
-    double way = 0;
+    double reach = 0;
     for (const Ball& ball : clump.balls) {
         const double along = ball.centre.dot(direction),
                      aside = ball.centre.squaredNorm() - along * along;
         const double squared = ball.radius * ball.radius - aside;
-        if (squared > 0) way = std::max(way, along + std::sqrt(squared));
+        if (squared > 0) reach = std::max(reach, along + std::sqrt(squared));
     }
-    require(way > 0, fmt::format("clump {}: expected its centre of mass inside it", clump.name));
-    return way;
+    require(reach > 0, fmt::format("clump {}: expected its centre of mass inside it", clump.name));
+    return reach;
 }
 
 } // namespace

@@ -91,7 +91,7 @@ Polyhedron enclosed(const std::vector<Plane>& planes) {
 /// Turns the polyhedron so that its longest, intermediate and shortest dimensions lie along x, y,
 /// z.
 Dimensions align(Polyhedron& rock) {
-    const Dimensions dimensions = measure_dimensions(vertex_balls(rock));
+    const Dimensions dimensions = compute_dimensions(vertex_balls(rock));
     for (Vec3& vertex : rock.vertices) vertex = (dimensions.axes.transpose() * vertex).eval();
     return dimensions;
 }

@@ -19,7 +19,7 @@ struct Deepest {
     double overlap = 0; ///< m
     PairNames names{nobody, nobody, 0, 0};
 
-    void look(const PairNames& who, double found, double radius) {
+    void consider(const PairNames& who, double found, double radius) {
         if (!(found > ratio * radius)) return;
         ratio = found / radius;
         overlap = found;
@@ -35,11 +35,11 @@ double distance_from_plane(const World& world, Row plane, Row host, const Vec3& 
 
 double distance_from_facet(const World& world, Row facet, Row host, const Vec3& x) {
     const auto& local = world.column<Facets, LocalFacet>()[facet].corners;
-    FacetPlaceRow place{};
+    FacetRow placed{};
     for (std::size_t k = 0; k < 4; ++k)
-        place.corners[k] = world.column<Bodies, Position>()[host] + local[k];
-    place.normal = (local[1] - local[0]).cross(local[2] - local[0]).normalized();
-    return std::abs(detail::nearest_on_mesh_facet(place, x).distance);
+        placed.corners[k] = world.column<Bodies, Position>()[host] + local[k];
+    placed.normal = (local[1] - local[0]).cross(local[2] - local[0]).normalized();
+    return std::abs(detail::nearest_on_mesh_facet(placed, x).distance);
 }
 
 double distance_from_membrane(const World& world, Row sector, const Vec3& x) {
@@ -50,18 +50,18 @@ double distance_from_membrane(const World& world, Row sector, const Vec3& x) {
 }
 
 template <class Pairs>
-void look_at(const World& world, Deepest& deepest) {
+void find_deepest(const World& world, Deepest& deepest) {
     if (!world.has<Pairs>()) return;
     const auto names = world.column<Pairs, PairKey>();
     const auto rows = world.column<Pairs, PairRows>();
-    const auto place = world.column<Spheres, SpherePlace>();
+    const auto sphere_row = world.column<Spheres, SpherePosition>();
     for (std::size_t k = 0; k < names.size(); ++k) {
-        const PlaceRow& own = place[rows[k].sphere];
+        const SphereRow& own = sphere_row[rows[k].sphere];
         const Vec3 x = detail::centre_of(own);
         if constexpr (std::is_same_v<Pairs, SpherePairs>) {
-            const PlaceRow& other = place[rows[k].other];
+            const SphereRow& other = sphere_row[rows[k].other];
             const double reach = own.radius + other.radius;
-            deepest.look(names[k], reach - (x - detail::centre_of(other)).norm(), reach / 2);
+            deepest.consider(names[k], reach - (x - detail::centre_of(other)).norm(), reach / 2);
         } else {
             double distance = 0;
             if constexpr (std::is_same_v<Pairs, PlanePairs>)
@@ -70,7 +70,7 @@ void look_at(const World& world, Deepest& deepest) {
                 distance = distance_from_facet(world, rows[k].other, rows[k].partner_body, x);
             else
                 distance = distance_from_membrane(world, rows[k].other, x);
-            deepest.look(names[k], own.radius - distance, own.radius);
+            deepest.consider(names[k], own.radius - distance, own.radius);
         }
     }
 }
@@ -78,9 +78,9 @@ void look_at(const World& world, Deepest& deepest) {
 } // namespace
 
 void check_overlaps(World& world) {
-    refresh_pairs(world);
+    rebuild_pairs(world);
     Deepest deepest;
-    for_each_kind_of_pair([&]<class Pairs>() { look_at<Pairs>(world, deepest); });
+    for_each_kind_of_pair([&]<class Pairs>() { find_deepest<Pairs>(world, deepest); });
     invalidate_lists(world);
     const double limit = world.resource<Limits>().overlap;
     require(deepest.ratio <= limit,

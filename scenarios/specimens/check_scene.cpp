@@ -96,7 +96,7 @@ void check_body(const Table& bodies, Row b) {
     const std::string whose = fmt::format("body {}", bodies.column<BodyId>()[b]);
     expect_finite(whose, "position", bodies.column<Position>()[b], "m");
     expect_finite(whose, "velocity", bodies.column<Velocity>()[b], "m/s");
-    expect_finite(whose, "spin", bodies.column<Spin>()[b], "rad/s");
+    expect_finite(whose, "angular velocity", bodies.column<AngularVelocity>()[b], "rad/s");
     expect(whose, "bounding radius", bodies.column<BoundingRadius>()[b], at_least(0), "m");
     if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free)) return;
     expect(whose, "mass", bodies.column<Mass>()[b], above(0), "kg");

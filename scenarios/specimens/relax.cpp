@@ -56,8 +56,8 @@ void silence(World& world, double damping) {
     stop.template operator()<Acceleration>();
     stop.template operator()<DriveVelocity>();
     stop.template operator()<AngularMomentum>();
-    stop.template operator()<Spin>();
-    stop.template operator()<StepSpin>();
+    stop.template operator()<AngularVelocity>();
+    stop.template operator()<StepAngularVelocity>();
 }
 
 /// Of spheres of two bodies with one centre, the body with the higher id steps aside: between them
@@ -67,14 +67,14 @@ void part_coincident(World& world) {
     const auto ids = rows_by_id(bodies.column<BodyId>());
     const auto names = world.column<SpherePairs, PairKey>();
     const auto rows = world.column<SpherePairs, PairRows>();
-    const auto place = world.column<Spheres, SpherePlace>();
+    const auto sphere_row = world.column<Spheres, SpherePosition>();
     std::vector<double> aside(bodies.size(), 0.0); // by id
     for (std::size_t k = 0; k < names.size(); ++k) {
-        const PlaceRow &a = place[rows[k].sphere], &b = place[rows[k].other];
+        const SphereRow &a = sphere_row[rows[k].sphere], &b = sphere_row[rows[k].other];
         const double radius = std::min(a.radius, b.radius);
         if (!((detail::centre_of(a) - detail::centre_of(b)).norm() < 1e-6 * radius)) continue;
-        double& way = aside[std::max(names[k].owner, names[k].partner)];
-        way = std::max(way, nudge * radius);
+        double& separation = aside[std::max(names[k].owner, names[k].partner)];
+        separation = std::max(separation, nudge * radius);
     }
     for (EntityId id = 0; id < ids.size(); ++id)
         if (aside[id] > 0 && is_free(bodies, ids[id]))
@@ -88,17 +88,17 @@ struct Deepest {
 };
 
 template <class Pairs>
-void look_at(const World& world, Deepest& deepest) {
+void find_deepest(const World& world, Deepest& deepest) {
     if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
     const auto entry = world.column<typename Pairs::Near, NearPair>();
     const auto force = world.column<typename Pairs::Near, PairForce>();
-    const auto place = world.column<Listed, Place>();
+    const auto sphere_row = world.column<Listed, ListedPosition>();
     for (Row k = 0; k < index.size(); ++k) {
         if (!index.touches(k)) continue;
-        double diameter = 2 * place[entry[k].owner].radius;
+        double diameter = 2 * sphere_row[entry[k].owner].radius;
         if constexpr (std::is_same_v<Pairs, SpherePairs>)
-            diameter = diameter / 2 + place[entry[k].other].radius;
+            diameter = diameter / 2 + sphere_row[entry[k].other].radius;
         if (force[k].overlap / diameter > deepest.overlap)
             deepest = {force[k].overlap / diameter, world.column<Pairs, PairKey>()[entry[k].pair]};
     }
@@ -106,7 +106,7 @@ void look_at(const World& world, Deepest& deepest) {
 
 Deepest deepest_of(const World& world) {
     Deepest deepest;
-    for_each_kind_of_pair([&]<class Pairs>() { look_at<Pairs>(world, deepest); });
+    for_each_kind_of_pair([&]<class Pairs>() { find_deepest<Pairs>(world, deepest); });
     return deepest;
 }
 
@@ -142,12 +142,12 @@ void quench(World& world) {
     for (Row b = 0; b < bodies.size(); ++b) {
         if (!is_free(bodies, b)) continue;
         const double power = bodies.column<Force>()[b].dot(bodies.column<Velocity>()[b]) +
-                             bodies.column<Torque>()[b].dot(bodies.column<Spin>()[b]);
+                             bodies.column<Torque>()[b].dot(bodies.column<AngularVelocity>()[b]);
         if (power > 0) continue;
         bodies.column<Velocity>()[b].setZero();
         bodies.column<AngularMomentum>()[b].setZero();
-        bodies.column<Spin>()[b].setZero();
-        bodies.column<StepSpin>()[b].setZero();
+        bodies.column<AngularVelocity>()[b].setZero();
+        bodies.column<StepAngularVelocity>()[b].setZero();
     }
 }
 
@@ -173,8 +173,8 @@ void take_places(World& world, const World& from) {
         bodies.column<Velocity>()[to[id]].setZero();
         bodies.column<Acceleration>()[to[id]].setZero();
         bodies.column<AngularMomentum>()[to[id]].setZero();
-        bodies.column<Spin>()[to[id]].setZero();
-        bodies.column<StepSpin>()[to[id]].setZero();
+        bodies.column<AngularVelocity>()[to[id]].setZero();
+        bodies.column<StepAngularVelocity>()[to[id]].setZero();
     }
 }
 
@@ -185,7 +185,7 @@ Simulation make_pushing(const World& world, LawName law, const RelaxSettings& se
     World copy(world);
     silence(copy, settings.damping);
     add_lists(copy, smooth);
-    refresh_pairs(copy);
+    rebuild_pairs(copy);
     part_coincident(copy);
     invalidate_lists(copy);
     copy.resource<Clock>().dt = 1e-9 * stable_step_of_first_contact(copy); // to find the contacts
@@ -202,7 +202,7 @@ Relaxed relax(World& world, LawName law, const RelaxSettings& settings) {
     Relaxed r;
     Deepest deepest = deepest_of(now);
     r.first_overlap = deepest.overlap;
-    r.stored_energy = measure(now).elastic_energy;
+    r.stored_energy = compute_quantities(now).elastic_energy;
     r.speed_limit =
         settings.speed > 0 ? settings.speed : natural_speed(now, settings.overlap, first);
     Fastest fastest;
@@ -213,7 +213,7 @@ Relaxed relax(World& world, LawName law, const RelaxSettings& settings) {
         quench(now);
         pushing.advance(block);
         r.steps += block;
-        r.peak_energy = std::max(r.peak_energy, measure(now).kinetic_energy);
+        r.peak_energy = std::max(r.peak_energy, compute_quantities(now).kinetic_energy);
         deepest = deepest_of(now);
         fastest = fastest_of(now);
     }

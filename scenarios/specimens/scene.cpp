@@ -56,8 +56,8 @@ World make_world(Grains grains) {
     bodies.add<Position>();
     bodies.add<Velocity>();
     bodies.add<Acceleration>();
-    bodies.add<Spin>();
-    bodies.add<StepSpin>();
+    bodies.add<AngularVelocity>();
+    bodies.add<StepAngularVelocity>();
     bodies.add<AngularMomentum>();
     bodies.add<DriveVelocity>();
     bodies.add<Mass>();
@@ -131,7 +131,7 @@ EntityId add_plane(World& world, EntityId host, const Vec3& point, const Vec3& n
     planes.add<HostId>();
     planes.add<HostRow>();
     planes.add<LocalPlane>();
-    planes.add<PlanePlace>();
+    planes.add<PlanePosition>();
     const auto row = static_cast<Row>(planes.size());
     planes.resize(planes.size() + 1);
     planes.column<PlaneId>()[row] = row;
@@ -146,7 +146,7 @@ EntityId add_facet(World& world, EntityId host, const FacetShape& shape) {
     facets.add<HostId>();
     facets.add<HostRow>();
     facets.add<LocalFacet>();
-    facets.add<FacetPlace>();
+    facets.add<FacetPosition>();
     const auto row = static_cast<Row>(facets.size());
     facets.resize(facets.size() + 1);
     facets.column<FacetId>()[row] = row;
@@ -173,7 +173,7 @@ void add_membrane(World& world, Membrane membrane, double radius, std::uint32_t 
     elements.add<ElementHold>();
     elements.add<ElementArea>();
     elements.add<PrunedRadius>();
-    elements.add<RefreshedRadius>();
+    elements.add<RebuiltRadius>();
     elements.resize(count);
     for (Row e = 0; e < count; ++e) elements.column<ElementId>()[e] = e;
     for (double& r : elements.column<ElementRadius>()) r = radius;
@@ -187,18 +187,19 @@ Row row_of_body(const World& world, EntityId body) {
     throw InputError("no body has the id " + std::to_string(body));
 }
 
-Vec3 angular_momentum(const World& world, EntityId body, const Vec3& spin) {
+Vec3 angular_momentum(const World& world, EntityId body, const Vec3& angular_velocity) {
     const Table& bodies = world.table<Bodies>();
     const Row row = row_of_body(world, body);
-    if (bodies.has<SphereInertia>()) return bodies.column<SphereInertia>()[row] * spin;
+    if (bodies.has<SphereInertia>()) return bodies.column<SphereInertia>()[row] * angular_velocity;
     const Quat& q = bodies.column<Orientation>()[row];
-    const Vec3 local = q.conjugate() * spin;
+    const Vec3 local = q.conjugate() * angular_velocity;
     return q * Vec3(local.cwiseProduct(bodies.column<InertialInertia>()[row]));
 }
 
-void set_spin(World& world, EntityId body, const Vec3& spin) {
-    value_of<Spin>(world, body) = value_of<StepSpin>(world, body) = spin;
-    value_of<AngularMomentum>(world, body) = angular_momentum(world, body, spin);
+void set_angular_velocity(World& world, EntityId body, const Vec3& angular_velocity) {
+    value_of<AngularVelocity>(world, body) = value_of<StepAngularVelocity>(world, body) =
+        angular_velocity;
+    value_of<AngularMomentum>(world, body) = angular_momentum(world, body, angular_velocity);
 }
 
 EntityId add_floor(World& world, std::uint32_t material) {

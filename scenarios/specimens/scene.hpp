@@ -55,11 +55,11 @@ typename C::Value& value_of(Simulation& simulation, EntityId body) {
 }
 
 /// Moment of inertia (kg m2, world frame) times spin.
-Vec3 angular_momentum(const World& world, EntityId body, const Vec3& spin);
+Vec3 angular_momentum(const World& world, EntityId body, const Vec3& angular_velocity);
 
 /// Spin of a body, rad/s, with the angular momentum that goes with it. A boundary that turns keeps
 /// its shape.
-void set_spin(World& world, EntityId body, const Vec3& spin);
+void set_angular_velocity(World& world, EntityId body, const Vec3& angular_velocity);
 
 /// A plane z = 0 on a fixed body, grains above.
 EntityId add_floor(World& world, std::uint32_t material);

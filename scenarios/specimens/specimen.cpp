@@ -76,10 +76,10 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
         const Clump clump = scaled(clumps[choice.clump], specimen.scale.back());
         // parked on a lattice below the lower platen, where nothing free ever comes
         const std::size_t i = specimen.rocks.size();
-        const Vec3 place(static_cast<double>(i % 16), static_cast<double>(i / 16 % 16),
-                         -1 - static_cast<double>(i / 256));
+        const Vec3 position(static_cast<double>(i % 16), static_cast<double>(i / 16 % 16),
+                            -1 - static_cast<double>(i / 256));
         specimen.rocks.push_back(add_clump(world, clump, static_cast<std::uint32_t>(choice.clump),
-                                           s.height * place, random.rotation(),
+                                           s.height * position, random.rotation(),
                                            specimen.rock_material, Motion::fixed));
     }
     Membrane membrane;

@@ -21,9 +21,9 @@ World make_sphere_bed(const SphereBed& s) {
     for (unsigned n = 0; n < s.spheres; ++n) {
         Random random(s.seed, n);
         const double radius = s.radius * random.uniform(1 - s.size_spread, 1 + s.size_spread);
-        const Vec3 place(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
+        const Vec3 position(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
         const Vec3 corner(side * between / 2, side * between / 2, 0.5 * (between - pitch));
-        add_sphere(world, between * place - corner + 0.02 * largest * random.direction(),
+        add_sphere(world, between * position - corner + 0.02 * largest * random.direction(),
                    s.size_spread > 0 ? radius : s.radius, material);
     }
     const Vec3 low(-width / 2, -width / 2, 0), high(width / 2, width / 2, height);

@@ -2,7 +2,7 @@
 
 #include "scenarios/specimens/check_scene.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/contact/ledger.hpp"
+#include "systems/contact/energy_budget.hpp"
 #include "systems/steps.hpp"
 
 namespace bris {
@@ -10,8 +10,8 @@ namespace bris {
 Simulation start(World world, const StartSettings& s) {
     check_scene(world, s.law);
     add_lists(world, s.law, s.lists);
-    if (s.ledger) add_ledger(world);
-    Simulation simulation(std::move(world), steps(s.law, s.ledger), s.threads, s.schedule);
+    if (s.energy_budget) add_energy_budget(world);
+    Simulation simulation(std::move(world), steps(s.law, s.energy_budget), s.threads, s.schedule);
     simulation.on_restore(forget_lists);
     return simulation;
 }

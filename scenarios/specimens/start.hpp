@@ -12,7 +12,7 @@ struct StartSettings {
     unsigned threads = 1;
     ListSettings lists = {};
     ScheduleSettings schedule = {};
-    bool ledger = false; ///< accumulates the energy budget
+    bool energy_budget = false; ///< accumulates the energy budget
 };
 
 /// The simulation of a complete scene: adds the neighbour lists and the steps. Throws InputError

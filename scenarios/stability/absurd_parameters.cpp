@@ -91,7 +91,8 @@ void add_bodies(StressRows& rows) {
                 [&](World& w) { value_of<Position>(w, 1).y() = v; });
         attempt("velocity", v, Grains::spheres,
                 [&](World& w) { value_of<Velocity>(w, 1).y() = v; });
-        attempt("spin", v, Grains::spheres, [&](World& w) { value_of<Spin>(w, 1).y() = v; });
+        attempt("angular velocity", v, Grains::spheres,
+                [&](World& w) { value_of<AngularVelocity>(w, 1).y() = v; });
         attempt("gravity", v, Grains::spheres,
                 [&](World& w) { w.resource<Gravity>().value.x() = v; });
     }

@@ -10,7 +10,7 @@ namespace bris {
 StressRows stress_determinism(const StressSettings& s);         // S1
 StressRows stress_step_limit(const StressSettings& s);          // S4
 StressRows stress_vacuous_equilibrium(const StressSettings& s); // S5
-StressRows stress_energy_ledger(const StressSettings& s);       // S6
+StressRows stress_energy_budget(const StressSettings& s);       // S6
 StressRows stress_servo(const StressSettings& s);               // S7
 StressRows stress_size_ratio(const StressSettings& s);          // S8
 StressRows stress_deep_overlap(const StressSettings& s);        // S9

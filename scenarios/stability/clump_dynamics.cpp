@@ -13,9 +13,9 @@ namespace {
 using namespace stress;
 
 StressRow within_tolerance(const std::string& what, double found, double exact, double tolerance) {
-    const double off = std::abs(found / exact - 1);
+    const double error = std::abs(found / exact - 1);
     return {"S27", what, fmt::format("{:.8g} within {:g} %", exact, 100 * tolerance),
-            fmt::format("{:.8g}, off by {:.2g} %", found, 100 * off), off < tolerance};
+            fmt::format("{:.8g}, off by {:.2g} %", found, 100 * error), error < tolerance};
 }
 
 // A roly-poly: one sphere, whose centre is `rise` above the centre of mass, stands on a floor and
@@ -72,7 +72,7 @@ double elliptic_k(double m) {
 // an elliptic sine of period 4 K(m) / p (Landau and Lifshitz, Mechanics, section 37; here L^2 < 2 E
 // I2, so that the axes 1 and 3 change roles).
 void add_flips(StressRows& rows, double dt, int flips) {
-    const Vec3 inertia(1, 2, 3), spin(0.02, 1, 0);
+    const Vec3 inertia(1, 2, 3), angular_velocity(0.02, 1, 0);
     World world = make_world(Grains::clumps);
     Clump shape;
     shape.balls = {{Vec3::Zero(), 1}};
@@ -81,10 +81,10 @@ void add_flips(StressRows& rows, double dt, int flips) {
     shape.bounding_radius = 1;
     const auto material = world.resource<Materials>().add(linear_material(1, 1, 0, 1));
     const EntityId body = add_clump(world, shape, 0, Vec3::Zero(), Quat::Identity(), material);
-    set_spin(world, body, spin);
+    set_angular_velocity(world, body, angular_velocity);
     Simulation simulation = begin(std::move(world), {.dt = dt, .schedule = {.serial = true}});
-    const double twice_energy = spin.cwiseAbs2().dot(inertia),
-                 momentum2 = spin.cwiseProduct(inertia).squaredNorm();
+    const double twice_energy = angular_velocity.cwiseAbs2().dot(inertia),
+                 momentum2 = angular_velocity.cwiseProduct(inertia).squaredNorm();
     const double i1 = inertia.z(), i2 = inertia.y(), i3 = inertia.x();
     const double p = std::sqrt((i3 - i2) * (momentum2 - twice_energy * i1) / (i1 * i2 * i3));
     const double m =
@@ -93,9 +93,9 @@ void add_flips(StressRows& rows, double dt, int flips) {
     double before = 1, first = -1, last = 0;
     for (int found = 0; found <= flips;) {
         simulation.advance(1);
-        const double about =
-            (value_of<Orientation>(simulation, body).conjugate() * value_of<Spin>(simulation, body))
-                .y();
+        const double about = (value_of<Orientation>(simulation, body).conjugate() *
+                              value_of<AngularVelocity>(simulation, body))
+                                 .y();
         if (before * about < 0) {
             last = simulation.world().resource<Clock>().time() - dt * about / (about - before);
             if (first < 0) first = last;

@@ -43,7 +43,7 @@ World clump_in_clump(double ratio, double shift) {
     return world;
 }
 
-std::vector<Vec3> places(const World& world) {
+std::vector<Vec3> positions(const World& world) {
     const auto column = world.column<Bodies, Position>();
     return {column.begin(), column.end()};
 }
@@ -66,17 +66,17 @@ void add_rows(StressRows& rows, const std::string& what, const World& scene) {
     World relaxed(scene), again(scene);
     const Relaxed r = relax(relaxed, LawName::linear);
     relax(again, LawName::linear, {.threads = 3});
-    rows.push_back(
-        {"S9", what + ": relaxed",
-         fmt::format("overlap <= 1 % of a diameter, speed <= {:.2g} m/s", r.speed_limit),
-         r.done
-             ? fmt::format("{:.2f} %, {:.2g} m/s after {} steps", 100 * r.overlap, r.speed, r.steps)
-             : r.left,
-         r.done && r.overlap <= 0.01 && r.speed <= r.speed_limit && all_finite(places(relaxed))});
+    rows.push_back({"S9", what + ": relaxed",
+                    fmt::format("overlap <= 1 % of a diameter, speed <= {:.2g} m/s", r.speed_limit),
+                    r.done ? fmt::format("{:.2f} %, {:.2g} m/s after {} steps", 100 * r.overlap,
+                                         r.speed, r.steps)
+                           : r.left,
+                    r.done && r.overlap <= 0.01 && r.speed <= r.speed_limit &&
+                        all_finite(positions(relaxed))});
     rows.push_back({"S9", what + ": on the way", "kinetic energy <= elastic energy of the start",
                     fmt::format("{:.3g} of {:.3g} J", r.peak_energy, r.stored_energy),
                     r.peak_energy <= r.stored_energy && r.stored_energy > 0});
-    const bool same = same_bits(places(relaxed), places(again));
+    const bool same = same_bits(positions(relaxed), positions(again));
     rows.push_back({"S9", what + ": once more on 3 threads", "same bits",
                     same ? "same" : "other places", same});
 

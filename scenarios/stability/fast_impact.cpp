@@ -23,19 +23,20 @@ double contact_time(double mass) { return pi / std::sqrt(kn / mass); }
 enum class Target { plane, facet, edge, sphere };
 constexpr std::array targets{"a plane", "a facet", "an edge of a facet", "a sphere"};
 
-/// A sphere flies `way` radii a step, with `steps` a contact time, at a target. Its velocity after
-/// the rebound, or what the engine refused with.
+/// A sphere flies `step_ratio` radii a step, with `steps` a contact time, at a target. Its velocity
+/// after the rebound, or what the engine refused with.
 struct Shot {
     std::optional<Vec3> velocity;
     std::string refusal;
 };
 
-Shot shoot(Target target, double way, double steps) {
+Shot shoot(Target target, double step_ratio, double steps) {
     World world = make_world(Grains::spheres);
     const auto grain = world.resource<Materials>().add(linear_material(kn, 0, 0, density));
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, grain);
-    const double dt = contact_time(value_of<Mass>(world, ball)) / steps, speed = way * radius / dt;
-    const double gap = 3.3 * way * (steps / 50) * radius; // three steps of the coarse run
+    const double dt = contact_time(value_of<Mass>(world, ball)) / steps,
+                 speed = step_ratio * radius / dt;
+    const double gap = 3.3 * step_ratio * (steps / 50) * radius; // three steps of the coarse run
     const Vec3 aim =
         target == Target::edge ? Vec3(0.2 * radius, 0, 0) : Vec3::Zero(); // beside the edge
     value_of<Position>(world, ball) = Vec3(0, 0, radius + gap) + aim;
@@ -63,27 +64,27 @@ Shot shoot(Target target, double way, double steps) {
 void add_impacts(StressRows& rows) {
     for (std::size_t t = 0; t < targets.size(); ++t) {
         const auto target = static_cast<Target>(t);
-        for (const double way : {0.001, 0.01, 0.1, 0.3, 1.0, 2.0, 5.0}) {
-            const Shot coarse = shoot(target, way, 50);
+        for (const double step_ratio : {0.001, 0.01, 0.1, 0.3, 1.0, 2.0, 5.0}) {
+            const Shot coarse = shoot(target, step_ratio, 50);
             const std::string what =
-                fmt::format("a sphere at {} radii a step against {}", way, targets[t]);
+                fmt::format("a sphere at {} radii a step against {}", step_ratio, targets[t]);
             const char* criterion = "refused, or as a run 100 times finer within 1 %";
             if (!coarse.velocity) {
                 const bool deep =
-                    way * 50 / pi >
+                    step_ratio * 50 / pi >
                     0.25; // at its deepest, of a radius; shallower ones are not to be refused
                 rows.push_back({"S10", what, criterion, coarse.refusal, deep});
                 continue;
             }
-            const Shot fine = shoot(target, way / 100, 5000);
-            const double off = fine.velocity ? (*coarse.velocity - *fine.velocity).norm() : 1;
+            const Shot fine = shoot(target, step_ratio / 100, 5000);
+            const double error = fine.velocity ? (*coarse.velocity - *fine.velocity).norm() : 1;
             rows.push_back({"S10", what, criterion,
-                            fmt::format("rebound off by {:.2g} %", 100 * off), off < 0.01});
+                            fmt::format("rebound off by {:.2g} %", 100 * error), error < 0.01});
         }
     }
 }
 
-/// A wall that jumps `way` radii towards a sphere in one step.
+/// A wall that jumps `step_ratio` radii towards a sphere in one step.
 void add_jumping_wall(StressRows& rows, bool facet) {
     World world = make_world(Grains::spheres);
     const auto grain = world.resource<Materials>().add(linear_material(kn, 0, 0, density));
@@ -123,18 +124,18 @@ void add_shots(StressRows& rows, bool facets, unsigned shots, std::uint64_t seed
     unsigned escaped = 0, refused = 0, rebounds = 0;
     for (unsigned k = 0; k < shots; ++k) {
         Random random(seed, 100 + k);
-        const double way = std::exp(random.uniform(std::log(1e-3), std::log(5.0)));
+        const double step_ratio = std::exp(random.uniform(std::log(1e-3), std::log(5.0)));
         const Vec3 start =
             (half - 1.01 * radius) *
             Vec3(random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1));
-        const Vec3 velocity = way * radius / dt * random.direction();
+        const Vec3 velocity = step_ratio * radius / dt * random.direction();
         value_of<Position>(simulation, ball) = start;
         value_of<Velocity>(simulation, ball) = velocity;
         value_of<Acceleration>(simulation, ball).setZero();
         simulation.world().resource<Health>() = {};
         invalidate_lists(simulation.world());
         const auto steps =
-            static_cast<std::uint64_t>(std::clamp(4 * half / (way * radius), 20.0, 300.0));
+            static_cast<std::uint64_t>(std::clamp(4 * half / (step_ratio * radius), 20.0, 300.0));
         const bool stopped = !refusal_of([&] { simulation.advance(steps); }).empty();
         refused += stopped ? 1u : 0u;
         if (stopped) continue;

@@ -28,7 +28,7 @@ void take_to(World& world, const Frame& f) {
         Vec3& v = bodies.column<Velocity>()[b];
         x = f.turn * x + f.offset;
         v = f.turn * v + f.boost;
-        bodies.column<Spin>()[b] = f.turn * bodies.column<Spin>()[b];
+        bodies.column<AngularVelocity>()[b] = f.turn * bodies.column<AngularVelocity>()[b];
         bodies.column<AngularMomentum>()[b] = f.turn * bodies.column<AngularMomentum>()[b];
         if (bodies.has<Orientation>())
             bodies.column<Orientation>()[b] = turn * bodies.column<Orientation>()[b];
@@ -43,7 +43,7 @@ void take_to(World& world, const Frame& f) {
 
 /// Places of the bodies in the frame's own axes, by id. `nudge` (m) moves every body a little at
 /// the start.
-std::vector<Vec3> places(const Tumble& scene, const Frame& f, unsigned steps, double nudge = 0) {
+std::vector<Vec3> positions(const Tumble& scene, const Frame& f, unsigned steps, double nudge = 0) {
     World world = tumbling(scene);
     Random random(scene.seed, 15);
     for (EntityId id = 0; id < scene.bodies; ++id)
@@ -90,27 +90,27 @@ StressRows stress_frames(const StressSettings& s) {
         const Tumble scene{
             .grains = grains, .bodies = grains == Grains::spheres ? 60u : 20u, .seed = s.seed};
         const char* what = grains == Grains::spheres ? "spheres" : "clumps";
-        const auto reference = places(scene, {}, steps);
+        const auto reference = positions(scene, {}, steps);
         const double diameter = 2 * mean_radius(tumbling(scene)), nudge = 1e-9 * diameter;
         const double condition =
-            std::max(1.0, difference(reference, places(scene, {}, steps, nudge)) / nudge);
+            std::max(1.0, difference(reference, positions(scene, {}, steps, nudge)) / nudge);
         // every step rounds a place of this size by eps, which kicks a body by k eps size dt / m; n
         // kicks of random sign move it by (omega dt)^2 n^1.5 eps size, omega dt = 0.1 here, and the
         // run amplifies that by its condition; the worst of 60 bodies is three such deviations off
         const double rounding =
             3 * condition * 0.01 * std::pow(steps, 1.5) * std::numeric_limits<double>::epsilon();
         const auto add = [&](const std::string& name, const Frame& f, double size) {
-            const double off = difference(reference, places(scene, f, steps));
+            const double error = difference(reference, positions(scene, f, steps));
             const double allowed = rounding * size;
             rows.push_back({"S15", fmt::format("{}: {}", what, name),
                             fmt::format("places equal within three deviations of rounding x "
                                         "condition {:.0f}: {:.1e} m",
                                         condition, allowed),
-                            fmt::format("{:.1e} m", off), off <= allowed});
+                            fmt::format("{:.1e} m", error), error <= allowed});
         };
         double worst = 0;
         for (const Mat3& turn : cube_rotations())
-            worst = std::max(worst, difference(reference, places(scene, {.turn = turn}, steps)));
+            worst = std::max(worst, difference(reference, positions(scene, {.turn = turn}, steps)));
         const double allowed = rounding * 0.2;
         rows.push_back(
             {"S15", fmt::format("{}: turned 24 ways", what),

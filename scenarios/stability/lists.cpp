@@ -14,7 +14,7 @@ namespace {
 using namespace stress;
 
 struct Outcome {
-    std::uint64_t hash, refreshes, prunes;
+    std::uint64_t hash, rebuilds, prunes;
 };
 
 /// `chance`: of being told in a step that everything has changed.
@@ -27,7 +27,7 @@ Outcome run(const Tumble& scene, const ListSettings& lists, double chance, unsig
         simulation.advance();
     }
     const auto& state = simulation.world().resource<ListState>();
-    return {fingerprint(simulation.snapshot()), state.refreshes, state.prunes};
+    return {fingerprint(simulation.snapshot()), state.rebuilds, state.prunes};
 }
 
 } // namespace
@@ -46,7 +46,7 @@ StressRows stress_lists(const StressSettings& s) {
                 {"S25",
                  fmt::format("{}: {}", grains == Grains::spheres ? "spheres" : "clumps", what),
                  fmt::format("same hash after {} steps", steps),
-                 fmt::format("{:016x}, {} refreshes, {} prunes", found.hash, found.refreshes,
+                 fmt::format("{:016x}, {} refreshes, {} prunes", found.hash, found.rebuilds,
                              found.prunes),
                  found.hash == reference.hash && found.prunes > reference.prunes});
         };

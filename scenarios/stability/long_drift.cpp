@@ -22,12 +22,12 @@ void add_top(StressRows& rows, std::uint64_t steps) {
     shape.bounding_radius = 1;
     const auto material = world.resource<Materials>().add(linear_material(1, 1, 0, 1));
     const EntityId body = add_clump(world, shape, 0, Vec3::Zero(), Quat::Identity(), material);
-    set_spin(world, body, Vec3(0.1, 1, 0.1)); // about the middle axis: it flips
+    set_angular_velocity(world, body, Vec3(0.1, 1, 0.1)); // about the middle axis: it flips
     const double dt = 0.01;
     Simulation simulation = begin(std::move(world), {.dt = dt, .schedule = {.serial = true}});
     const auto energy = [&] {
-        const Vec3 local =
-            value_of<Orientation>(simulation, body).conjugate() * value_of<Spin>(simulation, body);
+        const Vec3 local = value_of<Orientation>(simulation, body).conjugate() *
+                           value_of<AngularVelocity>(simulation, body);
         return 0.5 * local.cwiseAbs2().dot(shape.inertia);
     };
     const Vec3 momentum = value_of<AngularMomentum>(simulation, body);
@@ -39,8 +39,8 @@ void add_top(StressRows& rows, std::uint64_t steps) {
         norm = std::max(norm, std::abs(value_of<Orientation>(simulation, body).norm() - 1));
         turn = std::max(turn, (value_of<AngularMomentum>(simulation, body) - momentum).norm() /
                                   momentum.norm());
-        const double off = std::abs(energy() / begun - 1);
-        (k < marks / 2 ? first : last) = std::max(k < marks / 2 ? first : last, off);
+        const double error = std::abs(energy() / begun - 1);
+        (k < marks / 2 ? first : last) = std::max(k < marks / 2 ? first : last, error);
     }
     const std::string what = fmt::format("a free top, {} steps: ", steps);
     rows.push_back({"S12", what + "norm of the quaternion", "within 1e-12 of 1",

@@ -22,16 +22,16 @@ constexpr unsigned block = 50; // steps
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
 /// Places in the state that are hit in turn.
-constexpr std::array places{"position", "velocity", "angular momentum", "spring"};
+constexpr std::array columns{"position", "velocity", "angular momentum", "spring"};
 
-/// Puts a NaN where `place` says, at a body of the scene.
-void hit(World& world, std::size_t place, EntityId body, Random& random) {
+/// Puts a NaN where `column` says, at a body of the scene.
+void hit(World& world, std::size_t column, EntityId body, Random& random) {
     const auto axis = static_cast<Eigen::Index>(random.bits() % 3);
-    if (place == 0)
+    if (column == 0)
         value_of<Position>(world, body)[axis] = none;
-    else if (place == 1)
+    else if (column == 1)
         value_of<Velocity>(world, body)[axis] = none;
-    else if (place == 2)
+    else if (column == 2)
         value_of<AngularMomentum>(world, body)[axis] = none;
     else {
         const auto spring = world.column<SpherePairs, Spring>();
@@ -61,7 +61,7 @@ struct Outcome {
     unsigned discarded = 0, caught = 0, named = 0, recovered = 0, tries = 0;
 };
 
-void attack(const Tumble& scene, std::size_t place, std::uint64_t draw, Outcome& o) {
+void attack(const Tumble& scene, std::size_t column, std::uint64_t draw, Outcome& o) {
     Random random(scene.seed, 2200 + draw);
     Simulation simulation = begin(tumbling(scene), {.dt = 2e-5, .law = LawName::linear_viscous});
     simulation.advance(300 + random.bits() % 600);
@@ -71,7 +71,7 @@ void attack(const Tumble& scene, std::size_t place, std::uint64_t draw, Outcome&
     simulation.restore(good);
     simulation.advance(1); // lists are there when the number turns bad
     const auto body = static_cast<EntityId>(random.bits() % scene.bodies);
-    hit(simulation.world(), place, body, random);
+    hit(simulation.world(), column, body, random);
     const std::string message = refusal_of([&] { simulation.advance(block); });
     ++o.tries;
     o.discarded += message.empty() && all_finite(simulation.world()) ? 1u : 0u;
@@ -90,14 +90,14 @@ StressRows stress_not_a_number(const StressSettings& s) {
     StressRows rows;
     const unsigned tries = s.full ? 100 : 6;
     for (const Grains grains : {Grains::spheres, Grains::clumps})
-        for (std::size_t place = 0; place < places.size(); ++place) {
+        for (std::size_t column = 0; column < columns.size(); ++column) {
             const Tumble scene{
                 .grains = grains, .bodies = grains == Grains::spheres ? 60u : 20u, .seed = s.seed};
             Outcome o;
-            for (unsigned k = 0; k < tries; ++k) attack(scene, place, k, o);
+            for (unsigned k = 0; k < tries; ++k) attack(scene, column, k, o);
             const char* what = grains == Grains::spheres ? "spheres" : "clumps";
             rows.push_back(
-                {"S22", fmt::format("{}: NaN in a {}", what, places[place]),
+                {"S22", fmt::format("{}: NaN in a {}", what, columns[column]),
                  fmt::format("caught within {} steps, body named; or gone with its contact", block),
                  fmt::format("{} of {} caught, {} named, {} gone", o.caught, o.tries, o.named,
                              o.discarded),

@@ -143,14 +143,16 @@ void add_friction(StressRows& rows) {
                      exact_halfway = mu > 0 ? 1 - 1.0 / 7 : 1;
         simulation.advance(10'000);
         const double found = value_of<Velocity>(simulation, ball).x() / speed,
-                     spin = value_of<Spin>(simulation, ball).y() * radius / speed;
-        const double exact = mu > 0 ? 5.0 / 7 : 1, exact_spin = mu > 0 ? 5.0 / 7 : 0;
+                     angular_velocity =
+                         value_of<AngularVelocity>(simulation, ball).y() * radius / speed;
+        const double exact = mu > 0 ? 5.0 / 7 : 1, exact_angular_velocity = mu > 0 ? 5.0 / 7 : 0;
         rows.push_back(
             {"S13", fmt::format("friction {}: from sliding to rolling", mu),
              fmt::format("v / v0 = {:.5f} at half time, then {:.5f}, rolling, within 1e-3",
                          exact_halfway, exact),
-             fmt::format("{:.5f}, then {:.5f}, surface {:.5f}", halfway, found, spin),
-             std::abs(found - exact) < 1e-3 && std::abs(spin - exact_spin) < 1e-3 &&
+             fmt::format("{:.5f}, then {:.5f}, surface {:.5f}", halfway, found, angular_velocity),
+             std::abs(found - exact) < 1e-3 &&
+                 std::abs(angular_velocity - exact_angular_velocity) < 1e-3 &&
                  std::abs(halfway - exact_halfway) < 1e-3});
     }
 }

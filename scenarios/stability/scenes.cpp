@@ -4,7 +4,7 @@
 #include "engine/random.hpp"
 #include "scenarios/triaxial/equilibrium.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/contact/ledger.hpp"
+#include "systems/contact/energy_budget.hpp"
 #include "systems/steps.hpp"
 
 #include <array>
@@ -19,10 +19,10 @@ constexpr double tumble_pitch = 0.0187; // m, of the places at the start
 Simulation begin(World world, const Setup& s) {
     world.resource<Clock>().dt = s.dt;
     add_lists(world, s.law, s.lists);
-    if (s.ledger) add_ledger(world);
+    if (s.energy_budget) add_energy_budget(world);
     ScheduleSettings schedule = s.schedule;
     schedule.least_rows = 0; // small as the scene is, the threads are what is tried
-    Simulation simulation(std::move(world), steps(s.law, s.ledger), s.threads, schedule);
+    Simulation simulation(std::move(world), steps(s.law, s.energy_budget), s.threads, schedule);
     simulation.on_restore(forget_lists);
     return simulation;
 }
@@ -77,18 +77,18 @@ World tumbling(const Tumble& t) {
         const auto i = static_cast<int>(made);
         const Vec3 site((i % n + 0.5) * pitch, (i / n % n + 0.5) * pitch,
                         (i / n / n + 0.5) * pitch);
-        const Vec3 place = site + 0.0003 * length * random.direction();
+        const Vec3 position = site + 0.0003 * length * random.direction();
         EntityId id = 0;
         if (t.grains == Grains::spheres) {
-            id = add_sphere(world, place, 0.0091 * length * random.uniform(0.75, 1), grain);
+            id = add_sphere(world, position, 0.0091 * length * random.uniform(0.75, 1), grain);
         } else {
             const Clump sized =
                 scaled(rock, 0.0091 * length / rock.bounding_radius * random.uniform(0.8, 1));
-            id = add_clump(world, sized, 0, place, random.rotation(), grain);
+            id = add_clump(world, sized, 0, position, random.rotation(), grain);
         }
         value_of<Velocity>(world, id) =
             length / time * (0.4 * random.direction() + Vec3(0, 0, -0.5));
-        set_spin(world, id, 20 / time * random.direction());
+        set_angular_velocity(world, id, 20 / time * random.direction());
     }
     if (t.walls) add_box(world, Vec3::Zero(), box_of(t), wall);
     world.add_resource<Gravity>({length / (time * time) * Vec3(3, 2, -60)});

@@ -21,7 +21,7 @@ struct Setup {
     unsigned threads = 1;
     ListSettings lists = {};
     ScheduleSettings schedule = {};
-    bool ledger = false;
+    bool energy_budget = false;
 };
 
 /// Adds the lists and the steps to a scene that is complete.

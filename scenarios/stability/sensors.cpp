@@ -2,10 +2,10 @@
 // bodies go on as without it.
 #include "engine/random.hpp"
 #include "engine/signal/imu.hpp"
-#include "scenarios/recordings/intake.hpp"
+#include "scenarios/recordings/quality_control.hpp"
 #include "scenarios/stability/cases.hpp"
+#include "scenarios/stability/observed.hpp"
 #include "scenarios/stability/scenes.hpp"
-#include "scenarios/stability/seen.hpp"
 #include "systems/fusion/fuse.hpp"
 
 #include <fmt/format.h>
@@ -43,7 +43,7 @@ std::vector<Samples> record(std::uint64_t seed) {
         truth.advance(steps_each);
         for (std::size_t s = 0; s < all.size(); ++s)
             all[s].push_back(
-                {interval * k, seen(truth, s < hosts.size() ? hosts[s] : another, random)});
+                {interval * k, observed(truth, s < hosts.size() ? hosts[s] : another, random)});
     }
     return all;
 }
@@ -75,7 +75,8 @@ constexpr std::array faults{
     Fault{"dies", [](auto& m, auto&, auto&) { m.what = {}; }},
     Fault{"infinities",
           [](auto& m, auto&, auto&) {
-              m.what.position = m.what.velocity = m.what.spin = Vec3(infinite, 0, -infinite),
+              m.what.position = m.what.velocity = m.what.angular_velocity =
+                  Vec3(infinite, 0, -infinite),
               m.what.attitude.coeffs().setConstant(infinite);
           }},
     Fault{"spikes of a metre",
@@ -86,8 +87,9 @@ constexpr std::array faults{
           [](auto& m, auto&, auto&) { m.what = position(1e3 * m.what.position); }},
     Fault{"degrees for radians",
           [](auto& m, auto&, auto&) {
-              m.what.spin *= 180 / pi, m.what.position = m.what.velocity = Measured().position,
-                                       m.what.attitude = Measured().attitude;
+              m.what.angular_velocity *= 180 / pi,
+                  m.what.position = m.what.velocity = Measured().position,
+                  m.what.attitude = Measured().attitude;
           },
           false},
     Fault{"the opposite sign", [](auto& m, auto&, auto&) { m.what = position(-m.what.position); }},
@@ -139,7 +141,7 @@ Simulation with_sensors(std::uint64_t seed, std::vector<Samples> samples, const 
                 {.position = 1e-4,
                  .velocity = 0.1,
                  .attitude = 0.02,
-                 .spin = 1,
+                 .angular_velocity = 1,
                  .acceleration_density = 0.1,
                  .angular_acceleration_density = 1e3,
                  .gate = fault.gate},
@@ -202,7 +204,7 @@ void add_fault(StressRows& rows, std::uint64_t seed, const Fault& fault,
         with.advance(steps_each * all_of_them + 1);
     });
     const bool same = mechanics(with) == mechanics(without), finite = all_finite(with),
-               heard = counted<Accepted>(without) > hosts.size() * good_ones;
+               assimilated = counted<Accepted>(without) > hosts.size() * good_ones;
     const double work = fusion_work(with.world()), energy = energy_of(seed);
     const auto found =
         fmt::format("{}, {} refused, {} too late, {} withheld, work {:.1e} of {:.1e} J, {}",
@@ -215,7 +217,7 @@ void add_fault(StressRows& rows, std::uint64_t seed, const Fault& fault,
              ? "finite, bodies as if the recordings had ended"
              : "finite, work of fusion below the sensors' share of the bed's energy, 5 %",
          stop.empty() ? found : stop,
-         stop.empty() && finite && heard &&
+         stop.empty() && finite && assimilated &&
              (fault.is_found ? same : std::abs(work) < 0.05 * energy)});
 }
 
@@ -236,16 +238,16 @@ void add_spikes_between(StressRows& rows, std::uint64_t seed,
                without = with_sensors(seed, std::move(few), faults[0]);
     with.advance(steps_each * good_ones);
     without.advance(steps_each * good_ones);
-    double off = 0;
+    double error = 0;
     for (const EntityId host : hosts)
-        off = std::max(off,
-                       (value_of<Position>(with, host) - value_of<Position>(without, host)).norm());
+        error = std::max(
+            error, (value_of<Position>(with, host) - value_of<Position>(without, host)).norm());
     rows.push_back(
         {"S11", "sensors in a bed: a spike of 0.1 m every third sample",
          "sensors' bodies where they are without, to a deviation, 1e-5 m",
          fmt::format("{} refused, {:.1e} m", counted<Refused>(with) - counted<Refused>(without),
-                     off),
-         off < position_deviation && counted<Refused>(with) > counted<Refused>(without)});
+                     error),
+         error < position_deviation && counted<Refused>(with) > counted<Refused>(without)});
 }
 
 /// Five seconds of a rock that lies still for two and is shaken then.
@@ -268,7 +270,7 @@ Recording recording(std::uint64_t seed) {
         const double t = k / model.rate, w = t > 2 ? 4 : 0;
         const ImuSample s = imu.sample(t, {.orientation = q,
                                            .acceleration = Vec3(0.5 * std::sin(w * t), 0, 0),
-                                           .spin = Vec3(0, 0.1 * std::sin(w * t), 0)});
+                                           .angular_velocity = Vec3(0, 0.1 * std::sin(w * t), 0)});
         r.time.push_back(s.time);
         r.sequence.push_back(s.sequence);
         r.force.push_back(s.force);
@@ -317,11 +319,11 @@ void add_recordings(StressRows& rows, std::uint64_t seed) {
     for (const Spoilt& spoilt : recordings) {
         Recording r = recording(seed);
         spoilt.spoil(r);
-        const auto findings = look_at({r}, Vec3(0, 0, -9.81));
+        const auto findings = check_recordings({r}, Vec3(0, 0, -9.81));
         const auto refusal = std::ranges::find(findings, Finding::Kind::refusal, &Finding::kind);
         const bool refused = refusal != findings.end(), wanted = *spoilt.check != '\0';
         rows.push_back(
-            {"S11", fmt::format("intake: {}", spoilt.what),
+            {"S11", fmt::format("quality control: {}", spoilt.what),
              wanted ? fmt::format("refused: {}", spoilt.check) : "taken",
              refused ? fmt::format("refused: {}: {}", refusal->check, refusal->text) : "taken",
              refused == wanted && (!wanted || refusal->check == spoilt.check)});

@@ -68,10 +68,12 @@ Simulation make_tube(const Tube& t) {
     for (int n = 0; n < t.layers * t.columns * t.columns; ++n) {
         const int layer = n / (t.columns * t.columns), i = n % t.columns,
                   j = n / t.columns % t.columns;
-        const Vec3 place(pitch * (i - 0.5 * (t.columns - 1)), pitch * (j - 0.5 * (t.columns - 1)),
-                         grain_radius + 0.001 + pitch * layer);
+        const Vec3 position(pitch * (i - 0.5 * (t.columns - 1)),
+                            pitch * (j - 0.5 * (t.columns - 1)),
+                            grain_radius + 0.001 + pitch * layer);
         const double radius = t.filling * grain_radius * random.uniform(0.85, 1);
-        const EntityId id = add_sphere(world, place + 0.0003 * random.direction(), radius, grain);
+        const EntityId id =
+            add_sphere(world, position + 0.0003 * random.direction(), radius, grain);
         value_of<Velocity>(world, id) = t.speed * random.direction();
     }
     if (t.layers == 0) mass = 1;

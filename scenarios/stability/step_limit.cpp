@@ -40,7 +40,8 @@ void disturb(World& world, double dt, std::uint64_t seed) {
         if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free)) continue;
         const double speed = 1e-9 * bodies.column<BoundingRadius>()[b] / dt;
         bodies.column<Velocity>()[b] = speed * random.direction();
-        set_spin(world, id, speed / bodies.column<BoundingRadius>()[b] * random.direction());
+        set_angular_velocity(world, id,
+                             speed / bodies.column<BoundingRadius>()[b] * random.direction());
     }
 }
 
@@ -101,10 +102,10 @@ Simulation pressed_pair(double ratio) {
                  wall_squeeze = 0.1 * radius; // 1e-4 of the stiffness, 1e4 times the overlap
     add_sphere(world, Vec3(0, 0, -radius + squeeze / 2), radius, grain);
     add_sphere(world, Vec3(0, 0, radius - squeeze / 2), radius, grain);
-    const double place = 2 * radius - squeeze / 2 - wall_squeeze * (1 + 0.5e-4);
+    const double position = 2 * radius - squeeze / 2 - wall_squeeze * (1 + 0.5e-4);
     const EntityId host = add_boundary(world, Vec3::Zero(), wall);
-    add_plane(world, host, Vec3(0, 0, -place), Vec3::UnitZ());
-    add_plane(world, host, Vec3(0, 0, place), -Vec3::UnitZ());
+    add_plane(world, host, Vec3(0, 0, -position), Vec3::UnitZ());
+    add_plane(world, host, Vec3(0, 0, position), -Vec3::UnitZ());
     return begin(std::move(world), {.dt = 1e-6, .law = law_of(ratio)});
 }
 

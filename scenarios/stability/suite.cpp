@@ -16,7 +16,7 @@ constexpr std::array cases{
     StressCase{"S1", "threads, skins and the order of rows", stress_determinism},
     StressCase{"S4", "limit of the time step", stress_step_limit},
     StressCase{"S5", "equilibria of nothing", stress_vacuous_equilibrium},
-    StressCase{"S6", "energy ledger", stress_energy_ledger},
+    StressCase{"S6", "energy budget", stress_energy_budget},
     StressCase{"S7", "servo", stress_servo},
     StressCase{"S8", "ratios of size and mass", stress_size_ratio},
     StressCase{"S9", "deep overlaps", stress_deep_overlap},

@@ -19,7 +19,7 @@ std::vector<double> bare_state(const Tumble& t, unsigned steps) {
     for (EntityId id = 0; id < t.bodies; ++id) {
         const Vec3 x = value_of<Position>(simulation, id) / t.units.length,
                    v = value_of<Velocity>(simulation, id) * t.units.time / t.units.length,
-                   w = value_of<Spin>(simulation, id) * t.units.time;
+                   w = value_of<AngularVelocity>(simulation, id) * t.units.time;
         for (const Vec3& vector : {x, v, w})
             list.insert(list.end(), {vector.x(), vector.y(), vector.z()});
     }
@@ -66,10 +66,11 @@ StressRows stress_unit_scaling(const StressSettings& s) {
         for (const Units& u : {Units{0x1p-20, 1, 1}, Units{0x1p20, 1, 1}, Units{1, 0x1p-40, 1},
                                Units{1, 1, 0x1p-20}, Units{0x1p10, 0x1p30, 0x1p15}}) {
             scene.units = u;
-            const double off = difference(exact, bare_state(scene, long_run));
+            const double error = difference(exact, bare_state(scene, long_run));
             rows.push_back({"S14", fmt::format("{}: {}", what, describe(u)),
                             fmt::format("every bit the same after {} steps", long_run),
-                            off == 0 ? "same" : fmt::format("differs by {:.2e}", off), off == 0});
+                            error == 0 ? "same" : fmt::format("differs by {:.2e}", error),
+                            error == 0});
         }
         // other factors round anew; a short run with contacts does not yet amplify that
         constexpr unsigned short_run = 300;
@@ -81,10 +82,10 @@ StressRows stress_unit_scaling(const StressSettings& s) {
             systems.push_back({1, 1, std::sqrt(1e5 / stiffness)}); // speeds to match
         for (const Units& u : systems) {
             scene.units = u;
-            const double off = difference(plain, bare_state(scene, short_run));
+            const double error = difference(plain, bare_state(scene, short_run));
             rows.push_back({"S14", fmt::format("{}: {}", what, describe(u)),
                             fmt::format("equal to 1e-12 after {} steps", short_run),
-                            fmt::format("differs by {:.2e}", off), off < 1e-12});
+                            fmt::format("differs by {:.2e}", error), error < 1e-12});
         }
     }
     return rows;

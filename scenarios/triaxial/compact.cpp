@@ -63,8 +63,8 @@ void exchange_rocks(World& world, std::span<const double> squeezed, std::uint64_
             continue;
         if (growth[small] < 1 || growth[large] < ratio || (only_stuck && growth[large] == 1))
             continue;
-        swap_rows<Position, Orientation, Velocity, Acceleration, AngularMomentum, Spin, StepSpin,
-                  InertialMass, InertialInertia>(world, small, large);
+        swap_rows<Position, Orientation, Velocity, Acceleration, AngularMomentum, AngularVelocity,
+                  StepAngularVelocity, InertialMass, InertialInertia>(world, small, large);
         growth[large] = ratio;
         invalidate_lists(world);
     }
@@ -87,12 +87,12 @@ void vibrate(World& world, double speed) {
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto velocity = world.column<Bodies, Velocity>();
     const auto momentum = world.column<Bodies, AngularMomentum>();
-    const auto spin = world.column<Bodies, Spin>();
+    const auto angular_velocity = world.column<Bodies, AngularVelocity>();
     const auto mass = world.column<Bodies, InertialMass>();
     double found = 0, wanted = 0; // twice the energies
     for (const EntityId id : rocks) {
         const Row r = rows[id];
-        found += mass[r] * velocity[r].squaredNorm() + momentum[r].dot(spin[r]);
+        found += mass[r] * velocity[r].squaredNorm() + momentum[r].dot(angular_velocity[r]);
         wanted += 6 * mass[r] * speed * speed;
     }
     const double scale = std::sqrt(wanted / found);

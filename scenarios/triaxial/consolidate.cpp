@@ -25,8 +25,8 @@ void stop_rocks(World& world) {
     };
     stop.template operator()<Velocity>();
     stop.template operator()<AngularMomentum>();
-    stop.template operator()<Spin>();
-    stop.template operator()<StepSpin>();
+    stop.template operator()<AngularVelocity>();
+    stop.template operator()<StepAngularVelocity>();
 }
 
 } // namespace
@@ -78,7 +78,7 @@ void TriaxialTest::consolidate() {
     if (state.phase_steps > 10 * settings_.longest_stage)
         throw SimulationError(
             fmt::format("consolidation: no equilibrium after {} steps: unbalanced ratio {:.2e}",
-                        state.phase_steps, measure_balance(world).unbalanced_ratio));
+                        state.phase_steps, compute_balance(world).unbalanced_ratio));
 }
 
 void TriaxialTest::start_shear() {
@@ -99,7 +99,7 @@ void TriaxialTest::start_shear() {
     state.phase = TriaxialPhase::shear;
     state.stage = 0;
     state.phase_steps = 0;
-    state.points.push_back(measure_point());
+    state.points.push_back(compute_point());
     rescale();
 }
 

@@ -16,7 +16,7 @@ std::uint64_t find_equilibrium(Simulation& simulation, const EquilibriumSettings
     for (std::uint64_t done = 0; done < settings.longest;) {
         simulation.advance(settings.every);
         done += settings.every;
-        balance = measure_balance(simulation.world());
+        balance = compute_balance(simulation.world());
         if (carries_load(balance) && balance.unbalanced_ratio <= settings.ratio) return done;
     }
     const bool loaded = carries_load(balance);

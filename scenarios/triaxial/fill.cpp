@@ -46,14 +46,14 @@ void place_lift(World& world, std::span<const EntityId> lift, double low, double
     const auto motion = world.column<Bodies, MotionOf>();
     const auto radius = world.column<Bodies, BoundingRadius>();
     const auto run = world.column<Bodies, SpheresOf>();
-    struct Placed {
+    struct Filled {
         Vec3 position;
         double radius;
     };
-    std::vector<Placed> placed;
+    std::vector<Filled> filled;
     for (Row b = 0; b < motion.size();
          ++b) // what is already there: held sensor rocks, earlier lifts
-        if (run[b].count > 0 && position[b].z() > 0) placed.push_back({position[b], radius[b]});
+        if (run[b].count > 0 && position[b].z() > 0) filled.push_back({position[b], radius[b]});
     std::vector<EntityId> order(lift.begin(), lift.end());
     std::sort(order.begin(), order.end(), [&](EntityId a, EntityId b) {
         return radius[rows[a]] != radius[rows[b]] ? radius[rows[a]] > radius[rows[b]] : a < b;
@@ -68,12 +68,12 @@ void place_lift(World& world, std::span<const EntityId> lift, double low, double
                          angle = 2 * pi * random.uniform();
             const Vec3 x(away * std::cos(angle), away * std::sin(angle),
                          random.uniform(low + size, high - size));
-            if (std::any_of(placed.begin(), placed.end(), [&](const Placed& p) {
+            if (std::any_of(filled.begin(), filled.end(), [&](const Filled& p) {
                     return (p.position - x).squaredNorm() < (size + p.radius) * (size + p.radius);
                 }))
                 continue;
             position[r] = x;
-            placed.push_back({x, size});
+            filled.push_back({x, size});
             break;
         }
         motion[r] = static_cast<std::uint32_t>(Motion::free);

@@ -45,7 +45,7 @@ double inertial_number(const World& world, const std::vector<Row>& rows, double 
 
 } // namespace
 
-TriaxialPoint TriaxialTest::measure_point() const {
+TriaxialPoint TriaxialTest::compute_point() const {
     const World& world = simulation_.world();
     const TriaxialState& s = state();
     const auto& membrane = world.resource<Membrane>();
@@ -78,13 +78,13 @@ TriaxialPoint TriaxialTest::measure_point() const {
     p.axial_strain = s.height > 0 ? 1 - top / s.height : 0;
     p.volumetric_strain = s.volume > 0 ? 1 - volume / s.volume : 0;
 
-    const Stresses stresses = measure_stresses(world);
+    const Stresses stresses = compute_stresses(world);
     p.contact_axial = stresses.contact.axial / volume;
     p.contact_radial = stresses.contact.radial / volume;
     p.boundary_axial = stresses.boundary.axial / volume;
     p.boundary_radial = stresses.boundary.radial / volume;
 
-    const Quantities q = measure(world);
+    const Quantities q = compute_quantities(world);
     p.unbalanced = q.unbalanced_ratio;
     p.coordination = q.coordination;
     p.stored = q.elastic_energy;
@@ -151,21 +151,21 @@ void TriaxialTest::shear() {
         return;
     }
     if (state.phase_steps == 0) {
-        if (world.has_resource<Fusion>()) hold_pulls(world);
+        if (world.has_resource<Fusion>()) hold_nudging_forces(world);
         move_platen();
     }
     run(20);
     if (is_in_equilibrium()) {
         if (analyse()) return;
         ++state.stage;
-        state.points.push_back(measure_point());
+        state.points.push_back(compute_point());
         state.phase_steps = 0;
         rescale();
         return;
     }
     if (state.phase_steps % 200 < 20) keep_stable();
     if (state.phase_steps > settings_.longest_stage) {
-        const Balance balance = measure_balance(world);
+        const Balance balance = compute_balance(world);
         throw SimulationError(fmt::format(
             "stage {} (axial strain {:.4f}): no equilibrium after {} steps: unbalanced ratio "
             "{:.2e} (wanted {:.1e}), "

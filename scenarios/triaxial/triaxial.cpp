@@ -95,7 +95,7 @@ bool TriaxialTest::advance() {
 
 bool TriaxialTest::is_in_equilibrium() const {
     const World& world = simulation_.world();
-    const Balance balance = measure_balance(world);
+    const Balance balance = compute_balance(world);
     if (!carries_load(balance)) return false;
     if (!(balance.unbalanced_ratio <= settings_.tolerance)) return false;
     const auto& membrane = world.resource<Membrane>();
@@ -107,7 +107,7 @@ bool TriaxialTest::is_in_equilibrium() const {
     const auto& platen = world.resource<Platen>();
     if (platen.controlled && off(platen.pressure)) return false;
     // small forces left on many rocks weigh more in the stress of a large specimen
-    return measure_stresses(world).mismatch() <= settings_.pressure_tolerance;
+    return compute_stresses(world).mismatch() <= settings_.pressure_tolerance;
 }
 
 // how long compaction and consolidation take is not known before they are over

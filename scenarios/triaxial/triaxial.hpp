@@ -103,7 +103,7 @@ private:
     void run(std::uint64_t steps);
     void keep_stable();
     bool is_in_equilibrium() const;
-    TriaxialPoint measure_point() const;
+    TriaxialPoint compute_point() const;
 
     Simulation& simulation_;
     TriaxialSettings settings_;

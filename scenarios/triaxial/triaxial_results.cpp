@@ -27,7 +27,7 @@ double bulge_index(const TriaxialPoint& first, const TriaxialPoint& last) {
     return mean != 0 ? (middle - 0.5 * (widening.front() + widening.back())) / mean : 0;
 }
 
-double energy_mismatch(const TriaxialPoint& a, const TriaxialPoint& b) {
+double relative_energy_error(const TriaxialPoint& a, const TriaxialPoint& b) {
     const double work = b.boundary_work - a.boundary_work + b.scaling_work - a.scaling_work;
     const double kept = b.stored + b.kinetic - a.stored - a.kinetic;
     const double lost = b.friction_work - a.friction_work + b.damping_work - a.damping_work;
@@ -89,7 +89,7 @@ TriaxialProperties properties_of(const std::vector<TriaxialPoint>& points,
     p.final_volumetric_strain = points.back().volumetric_strain;
     p.largest_dilation_angle = largest_dilation_angle(points);
     p.bulge_index = bulge_index(points.front(), points.back());
-    p.energy_mismatch = energy_mismatch(points.front(), points.back());
+    p.relative_energy_error = relative_energy_error(points.front(), points.back());
     return p;
 }
 
@@ -108,7 +108,7 @@ std::vector<NamedValue> describe(const TriaxialProperties& p) {
             {"mean_ring_pressure_error", p.mean_ring_error},
             {"worst_ring_pressure_error", p.worst_ring_error},
             {"worst_boundary_contact_stress_mismatch", p.worst_stress_mismatch},
-            {"energy_balance_mismatch", p.energy_mismatch},
+            {"relative_energy_error", p.relative_energy_error},
             {"largest_inertial_number", p.largest_inertial_number}};
 }
 

@@ -27,8 +27,8 @@ struct TriaxialProperties {
     double bulge_index = 0; ///< -, (dR of the middle rings - dR of the end rings) / mean dR
     double worst_ring_error = 0, mean_ring_error = 0; ///< -, over all stage ends
     double worst_stress_mismatch = 0; ///< -, |boundary - contact| / boundary, axial and radial
-    double energy_mismatch = 0; ///< -, |work + scaling - (stored + kinetic) - friction - damping| /
-                                ///< work, over the shearing
+    double relative_energy_error = 0; ///< -, |work + scaling - (stored + kinetic) - friction -
+                                      ///< damping| / work, over the shearing
     double largest_inertial_number = 0;
 };
 

@@ -110,8 +110,9 @@ void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit,
 
 Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {
     World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rocks, s.sample.rocks, s.poses);
-    Simulation simulation = start(
-        std::move(world), {.threads = threads, .schedule = {.serial = serial}, .ledger = true});
+    Simulation simulation =
+        start(std::move(world),
+              {.threads = threads, .schedule = {.serial = serial}, .energy_budget = true});
     simulation.world().add_resource<TriaxialState>();
     return simulation;
 }

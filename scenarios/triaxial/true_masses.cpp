@@ -17,7 +17,7 @@ double restore_masses(World& world) {
     const auto inertial_inertia = bodies.column<InertialInertia>();
     const auto velocity = bodies.column<Velocity>();
     const auto momentum = bodies.column<AngularMomentum>();
-    const auto spin = bodies.column<Spin>();
+    const auto angular_velocity = bodies.column<AngularVelocity>();
     const auto work =
         bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
     for (Row b = 0; b < bodies.size(); ++b) {
@@ -26,7 +26,7 @@ double restore_masses(World& world) {
             inertia[b].x() / inertial_inertia[b].x(); // inertias were scaled as a whole
         if (!work.empty())
             work[b] += 0.5 * (mass[b] - inertial[b]) * velocity[b].squaredNorm() +
-                       0.5 * (turning - 1) * momentum[b].dot(spin[b]);
+                       0.5 * (turning - 1) * momentum[b].dot(angular_velocity[b]);
         momentum[b] *= turning;
         inertial[b] = mass[b];
         inertial_inertia[b] = inertia[b];

@@ -8,7 +8,7 @@
 
 namespace bris {
 
-ImpactArrayResult measure(const ImpactArray& s) {
+ImpactArrayResult run_experiment(const ImpactArray& s) {
     require(s.impact.target == Target::plane && s.count > 1,
             "array: expected a plane, and two spheres or more");
     World world = make_world(Grains::spheres);
@@ -43,15 +43,16 @@ ImpactArrayResult measure(const ImpactArray& s) {
         alone.angle = r.angle[k];
         alone.steps_per_contact = normal_contact(alone).time() / dt;
         alone.phase = 0.5;
-        const ImpactResult one = measure(alone);
+        const ImpactResult one = run_experiment(alone);
         const Vec3 v = value_of<Velocity>(sim, ids[k]);
         r.tangential_restitution.push_back(v.x() / (s.impact.speed * std::sin(r.angle[k])));
         const double normal = v.z() / (s.impact.speed * std::cos(r.angle[k]));
-        const double spin =
-            s.impact.radius * (value_of<Spin>(sim, ids[k]) - one.spin).norm() / s.impact.speed;
-        r.largest_difference =
-            std::max({r.largest_difference, std::abs(normal - one.normal_restitution), spin,
-                      std::abs(r.tangential_restitution.back() - one.tangential_restitution)});
+        const double angular_velocity =
+            s.impact.radius *
+            (value_of<AngularVelocity>(sim, ids[k]) - one.angular_velocity).norm() / s.impact.speed;
+        r.largest_difference = std::max(
+            {r.largest_difference, std::abs(normal - one.normal_restitution), angular_velocity,
+             std::abs(r.tangential_restitution.back() - one.tangential_restitution)});
     }
     return r;
 }

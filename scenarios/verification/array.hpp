@@ -17,6 +17,6 @@ struct ImpactArrayResult {
     double largest_difference =
         0; ///< of velocity (over the speed) and surface speed of spin, from the same impact alone
 };
-ImpactArrayResult measure(const ImpactArray& array);
+ImpactArrayResult run_experiment(const ImpactArray& array);
 
 } // namespace bris

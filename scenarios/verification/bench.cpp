@@ -2,21 +2,21 @@
 
 #include "components/settings.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/contact/ledger.hpp"
+#include "systems/contact/energy_budget.hpp"
 #include "systems/steps.hpp"
 
 #include <algorithm>
 
 namespace bris {
 
-Simulation begin(World world, LawName law, double dt, bool ledger, unsigned threads) {
+Simulation begin(World world, LawName law, double dt, bool energy_budget, unsigned threads) {
     world.resource<Clock>().dt = dt;
     Limits& limits = world.resource<Limits>();
     limits.overlap = 2; // of the mean radius: whatever is touched
     limits.speed = std::numeric_limits<double>::max();
     add_lists(world, law);
-    if (ledger) add_ledger(world);
-    Simulation simulation(std::move(world), steps(law, ledger), threads);
+    if (energy_budget) add_energy_budget(world);
+    Simulation simulation(std::move(world), steps(law, energy_budget), threads);
     simulation.on_restore(forget_lists);
     return simulation;
 }
@@ -40,7 +40,7 @@ Touch touch_of(const World& world) {
 }
 
 double free_kinetic_energy(World& world, EntityId body) {
-    const Vec3& w = value_of<Spin>(world, body);
+    const Vec3& w = value_of<AngularVelocity>(world, body);
     return 0.5 *
            (value_of<InertialMass>(world, body) * value_of<Velocity>(world, body).squaredNorm() +
             w.dot(angular_momentum(world, body, w)));

@@ -13,7 +13,8 @@ namespace bris {
 
 /// A complete scene with lists and steps, on one thread. Overlaps are not limited: what is asked
 /// for is measured.
-Simulation begin(World world, LawName law, double dt, bool ledger = false, unsigned threads = 1);
+Simulation begin(World world, LawName law, double dt, bool energy_budget = false,
+                 unsigned threads = 1);
 
 /// All touching pairs of the last step, taken together.
 struct Touch {

@@ -11,7 +11,7 @@
 
 namespace bris {
 
-std::vector<BounceRecord> measure(const Bounce& s) {
+std::vector<BounceRecord> run_experiment(const Bounce& s) {
     require(s.height > s.radius && s.gravity > 0,
             "bounce: expected a height above the radius, and gravity above 0");
     World world = make_world(Grains::spheres);
@@ -64,7 +64,7 @@ std::vector<BounceRecord> measure(const Bounce& s) {
     throw SimulationError("bounce: it has come to rest before the last bounce");
 }
 
-StackResult measure(const Stack& s) {
+StackResult run_experiment(const Stack& s) {
     World world = make_world(Grains::spheres);
     Material m = linear_material(s.stiffness, 0, 0, s.density[0]);
     m.restitution = s.restitution;
@@ -124,7 +124,7 @@ StackResult measure(const Stack& s) {
     return r;
 }
 
-double measure(const DampedFall& s) {
+double run_experiment(const DampedFall& s) {
     World world = make_world(Grains::spheres);
     const auto material = world.resource<Materials>().add(linear_material(1e5));
     const EntityId ball = add_sphere(world, Vec3::Zero(), 0.01, material);

@@ -26,7 +26,7 @@ struct BounceRecord {
     double apex = 0;                    ///< m, of the centre after the bounce
 };
 /// Flight between the steps is a parabola, on which the leapfrog is exact.
-std::vector<BounceRecord> measure(const Bounce& bounce);
+std::vector<BounceRecord> run_experiment(const Bounce& bounce);
 
 /// Two spheres pressed between floor and lid, a linear system of two degrees of freedom while
 /// nothing parts (MFiX DEM03).
@@ -48,13 +48,13 @@ struct StackResult {
     std::uint64_t steps = 0;
 };
 /// `exact` is the matrix exponential of the system.
-StackResult measure(const Stack& stack);
+StackResult run_experiment(const Stack& stack);
 
 /// Fall, or rise, of a sphere under local damping.
 struct DampedFall {
     double fraction = 0.7, speed = -3, gravity = 9.81;
     unsigned steps = 200;
 };
-double measure(const DampedFall& fall); ///< acceleration over gravity
+double run_experiment(const DampedFall& fall); ///< acceleration over gravity
 
 } // namespace bris

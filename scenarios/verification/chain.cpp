@@ -26,7 +26,7 @@ std::vector<EntityId> add_beads(World& world, unsigned count, double spacing, do
 
 } // namespace
 
-ChainWaveResult measure(const ChainWave& s) {
+ChainWaveResult run_experiment(const ChainWave& s) {
     require(s.mode >= 1 && s.mode <= s.beads,
             "chain: expected a mode from 1 to the number of beads");
     const double gap = s.overlap * s.radius, spacing = 2 * s.radius - gap;
@@ -73,7 +73,7 @@ ChainWaveResult measure(const ChainWave& s) {
     return r;
 }
 
-ChainPulseResult measure(const ChainPulse& s) {
+ChainPulseResult run_experiment(const ChainPulse& s) {
     require(s.beads >= 10 && s.front > 0 && s.front < s.rear && s.rear < 1,
             "chain: expected 10 beads or more, and 0 < front < rear < 1");
     const NormalContact c = like_spheres(s.material, s.law, s.radius, s.speed);
@@ -102,7 +102,7 @@ ChainPulseResult measure(const ChainPulse& s) {
         for (const EntityId id : ids) velocity[id].add(value_of<Velocity>(sim, id).x());
     }
     const auto at = [&](double share) { return static_cast<std::size_t>(share * s.beads); };
-    for (const Peak& p : force) r.arrival.push_back(p.place() * s.step);
+    for (const Peak& p : force) r.arrival.push_back(p.time_index() * s.step);
     const double unit = mass * s.speed / r.time_unit;
     r.pulse_speed = static_cast<double>(at(s.rear) - at(s.front)) /
                     (r.arrival[at(s.rear)] - r.arrival[at(s.front)]);

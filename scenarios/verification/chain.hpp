@@ -29,7 +29,7 @@ struct ChainWaveResult {
 };
 /// The frequency of the engine's chain is that of the leapfrog to rounding for linear contacts; for
 /// Hertz's to second order in the amplitude.
-ChainWaveResult measure(const ChainWave& chain);
+ChainWaveResult run_experiment(const ChainWave& chain);
 
 /// A chain of beads that just touch; the first is thrown at the others: Nesterenko's solitary wave.
 struct ChainPulse {
@@ -52,6 +52,6 @@ struct ChainPulseResult {
     double momentum_change = 0;  ///< of m v0
     std::uint64_t steps = 0;
 };
-ChainPulseResult measure(const ChainPulse& chain);
+ChainPulseResult run_experiment(const ChainPulse& chain);
 
 } // namespace bris

@@ -30,10 +30,12 @@ struct Frame {
         : d(description), turn(d.rotation.toRotationMatrix()) {
         if (d.mirrored) turn = turn * Vec3(-1, 1, 1).asDiagonal();
     }
-    Vec3 place(const Vec3& x) const { return d.length * (turn * x + d.offset); }
+    Vec3 transformed(const Vec3& x) const { return d.length * (turn * x + d.offset); }
     Vec3 velocity(const Vec3& v) const { return d.length / d.time * (turn * v + d.boost); }
-    Vec3 spin(const Vec3& w) const { return 1 / d.time * (d.mirrored ? -1 : 1) * (turn * w); }
-    Vec3 place_back(const Vec3& x, double time) const {
+    Vec3 angular_velocity(const Vec3& w) const {
+        return 1 / d.time * (d.mirrored ? -1 : 1) * (turn * w);
+    }
+    Vec3 transformed_back(const Vec3& x, double time) const {
         return turn.transpose() * (x / d.length - d.offset - time * d.boost);
     }
     Vec3 velocity_back(const Vec3& v) const {
@@ -52,7 +54,7 @@ struct Frame {
 };
 
 struct Outcome {
-    std::vector<Vec3> places, velocities; // in the plain description, by sphere
+    std::vector<Vec3> positions, velocities; // in the plain description, by sphere
     double contacts = 0;
 };
 
@@ -75,12 +77,12 @@ Outcome run(const Cluster& s, const Description& d) {
                                        i / s.side / s.side + 0.505);
         const Vec3 x = site + 0.004 * radius * random.direction(),
                    v = speed * (Vec3(0, 0, -1) - 0.3 * site / radius) + 0.2 * random.direction();
-        ids[i] = add_sphere(world, frame.place(x), d.length * radius, material);
+        ids[i] = add_sphere(world, frame.position_difference(x), d.length * radius, material);
         value_of<Velocity>(world, ids[i]) = frame.velocity(v);
-        set_spin(world, ids[i], frame.spin(30 * random.direction()));
+        set_angular_velocity(world, ids[i], frame.angular_velocity(30 * random.direction()));
     }
     const EntityId host =
-        add_boundary(world, frame.place(Vec3::Zero()), material, Motion::prescribed);
+        add_boundary(world, frame.position_difference(Vec3::Zero()), material, Motion::prescribed);
     value_of<DriveVelocity>(world, host) = value_of<Velocity>(world, host) =
         frame.velocity(Vec3::Zero());
     add_plane(world, host, Vec3::Zero(), frame.turn * Vec3::UnitZ());
@@ -92,7 +94,7 @@ Outcome run(const Cluster& s, const Description& d) {
         r.contacts += static_cast<double>(touch_of(sim.world()).pairs) / s.steps;
     }
     for (const EntityId id : ids) {
-        r.places.push_back(frame.place_back(value_of<Position>(sim, id), dt * s.steps));
+        r.positions.push_back(frame.transformed_back(value_of<Position>(sim, id), dt * s.steps));
         r.velocities.push_back(frame.velocity_back(value_of<Velocity>(sim, id)));
     }
     return r;
@@ -104,8 +106,9 @@ Difference compare(const Cluster& cluster, const Description& description) {
     const Outcome plain = run(cluster, {}), other = run(cluster, description);
     Difference r;
     r.contacts = plain.contacts;
-    for (std::size_t i = 0; i < plain.places.size(); ++i) {
-        r.place = std::max(r.place, (plain.places[i] - other.places[i]).norm() / radius);
+    for (std::size_t i = 0; i < plain.positions.size(); ++i) {
+        r.position_difference = std::max(r.position_difference,
+                                         (plain.positions[i] - other.positions[i]).norm() / radius);
         r.motion = std::max(r.motion, (plain.velocities[i] - other.velocities[i]).norm() / speed);
     }
     return r;

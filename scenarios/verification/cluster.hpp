@@ -29,7 +29,8 @@ struct Description {
 };
 
 struct Difference {
-    double place = 0;    ///< largest distance between where a sphere is in both, over a radius
+    double position_difference =
+        0;               ///< largest distance between where a sphere is in both, over a radius
     double motion = 0;   ///< largest difference of velocity, over the speed of impact
     double contacts = 0; ///< touching pairs during the run, mean; a run without any proves nothing
 };

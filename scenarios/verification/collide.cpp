@@ -28,12 +28,12 @@ void check(const Collide& s) {
 /// The balls that are hit: the first touches the origin's place, the others stand behind it in
 /// rows.
 std::vector<Vec3> targets(const Collide& s) {
-    std::vector<Vec3> places;
+    std::vector<Vec3> positions;
     const double pitch = 2.001 * s.radius;
-    for (unsigned row = 0; places.size() + 1 < s.balls; ++row)
-        for (unsigned k = 0; k <= row && places.size() + 1 < s.balls; ++k)
-            places.emplace_back(row * pitch * std::sqrt(0.75), (k - 0.5 * row) * pitch, 0);
-    return places;
+    for (unsigned row = 0; positions.size() + 1 < s.balls; ++row)
+        for (unsigned k = 0; k <= row && positions.size() + 1 < s.balls; ++k)
+            positions.emplace_back(row * pitch * std::sqrt(0.75), (k - 0.5 * row) * pitch, 0);
+    return positions;
 }
 
 struct Setting {
@@ -51,7 +51,7 @@ Simulation make_run(const Collide& s, const Setting& setting,
     const double y = setting.offset * s.radius,
                  touching = std::sqrt(4 * s.radius * s.radius - std::pow(s.offset * s.radius, 2));
     (void)add_sphere(world, Vec3(-touching - s.gap, y, 0), s.radius, m);
-    for (const Vec3& place : targets(s)) (void)add_sphere(world, place, s.radius, m);
+    for (const Vec3& position : targets(s)) (void)add_sphere(world, position, s.radius, m);
     value_of<Velocity>(world, first) = Vec3(setting.speed, 0, 0);
     if (recording != nullptr)
         add_sensors(world, {first}, {*recording}, s.filter, s.injection_steps);
@@ -107,7 +107,7 @@ void advance(Simulation& run, FirstTouch& touch) {
 
 } // namespace
 
-CollideResult measure(const Collide& s) {
+CollideResult run_experiment(const Collide& s) {
     check(s);
     const double dt =
         like_spheres(s.material, s.law, s.radius, s.speed).time() / s.steps_per_contact;
@@ -162,8 +162,8 @@ CollideResult measure(const Collide& s) {
     r.accepted = fused.world().column<Sensors, Accepted>()[0];
     r.refused = fused.world().column<Sensors, Refused>()[0];
     r.fusion_work = fusion_work(fused.world());
-    r.energy_open = kinetic_energy(s, fused.world()) - energy_before + dissipated(fused.world()) -
-                    r.fusion_work;
+    r.energy_error = kinetic_energy(s, fused.world()) - energy_before + dissipated(fused.world()) -
+                     r.fusion_work;
     return r;
 }
 

@@ -50,12 +50,12 @@ struct CollideResult {
     Vec3 carried = Vec3::Zero(), expected = Vec3::Zero();
     std::uint64_t accepted = 0, refused = 0; ///< vectors measured
     double fusion_work = 0;                  ///< J, booked
-    double energy_open =
+    double energy_error =
         0; ///< J, that energies at start and end, work of fusion and dashpots leave open
     std::uint64_t steps = 0;
 };
 
 /// Throws InputError if the numbers are out of range.
-CollideResult measure(const Collide& collide);
+CollideResult run_experiment(const Collide& collide);
 
 } // namespace bris

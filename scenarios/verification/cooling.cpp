@@ -25,7 +25,7 @@ double motion_of(const World& world) {
 
 } // namespace
 
-CoolingResult measure(const Cooling& s) {
+CoolingResult run_experiment(const Cooling& s) {
     require(s.material.restitution > 0 && s.material.restitution < 1,
             "cooling: expected a restitution between 0 and 1");
     require(s.pitch > 1 && s.from <= 1 && s.to < s.from && s.to > 0,

@@ -26,6 +26,6 @@ struct CoolingResult {
     std::size_t samples = 0;
     std::uint64_t steps = 0;
 };
-CoolingResult measure(const Cooling& cooling);
+CoolingResult run_experiment(const Cooling& cooling);
 
 } // namespace bris

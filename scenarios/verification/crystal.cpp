@@ -93,7 +93,7 @@ double cell_volume(Lattice lattice) {
     return lattice == Lattice::face_centred ? 1 / std::sqrt(2.0) : 4 / (3 * std::sqrt(3.0));
 }
 
-CrystalResult measure(const Crystal& s) {
+CrystalResult run_experiment(const Crystal& s) {
     require(s.pressure > 0 && s.strain > 0, "crystal: expected a pressure and a strain above 0");
     CrystalResult r;
     r.contact_force = contact_force(s);
@@ -160,22 +160,23 @@ bool grows(const StabilityLimit& s, double step) {
     world.add_resource<Gravity>({-push / mass});
     const double dt = step * std::sqrt(mass / kn);
     value_of<Velocity>(world, middle) = disturbance / dt * Vec3(0.5, 0.7, -0.6);
-    set_spin(world, middle, disturbance / (radius * dt) * Vec3(-0.6, 0.5, 0.8));
+    set_angular_velocity(world, middle, disturbance / (radius * dt) * Vec3(-0.6, 0.5, 0.8));
     Simulation sim = begin(std::move(world), LawName::linear, dt);
     const auto copy = [&] { // the images of the sphere
         World& w = sim.world();
         const Vec3 x = value_of<Position>(w, middle), v = value_of<Velocity>(w, middle);
-        const Vec3 spin = value_of<Spin>(w, middle), step_spin = value_of<StepSpin>(w, middle);
+        const Vec3 angular_velocity = value_of<AngularVelocity>(w, middle),
+                   step_angular_velocity = value_of<StepAngularVelocity>(w, middle);
         EntityId id = middle;
         for (const Neighbour& n : s.around) {
             ++id;
             value_of<Position>(w, id) = spacing * n.direction + n.translation * x;
             value_of<Velocity>(w, id) = n.translation * v;
-            value_of<Spin>(w, id) = n.spin * spin;
-            value_of<StepSpin>(w, id) = n.spin * step_spin;
+            value_of<AngularVelocity>(w, id) = n.angular_velocity * angular_velocity;
+            value_of<StepAngularVelocity>(w, id) = n.angular_velocity * step_angular_velocity;
         }
         invalidate_lists(w);
-        return x.norm() + radius * step_spin.norm() * dt;
+        return x.norm() + radius * step_angular_velocity.norm() * dt;
     };
     copy();
     for (unsigned k = 0; k < s.steps; ++k) {
@@ -187,7 +188,7 @@ bool grows(const StabilityLimit& s, double step) {
 
 } // namespace
 
-double measure(const StabilityLimit& s) {
+double run_experiment(const StabilityLimit& s) {
     double low = 0.05, high = 4; // sqrt(m/kn): of a dozen stiff contacts, and twice that of one
     if (grows(s, low)) throw SimulationError("stability limit: below 0.05 sqrt(m/kn)");
     if (!grows(s, high)) return std::numeric_limits<double>::infinity();

@@ -35,13 +35,13 @@ struct CrystalResult {
 /// Moduli as stresses (1/V) sum f l / 2 per strain, from the engine's contact forces at plus and
 /// minus the strain: second order in strain over overlap / spacing. What forces change only because
 /// contacts turn is taken away.
-CrystalResult measure(const Crystal& crystal);
+CrystalResult run_experiment(const Crystal& crystal);
 
 /// A sphere's neighbour in a wave: it moves as the sphere does times `translation`, and spins as it
-/// does times `spin`: 1, -1, or 0 if it is held.
+/// does times `angular_velocity`: 1, -1, or 0 if it is held.
 struct Neighbour {
     Vec3 direction;
-    double translation, spin;
+    double translation, angular_velocity;
 };
 std::vector<Neighbour> held(Lattice lattice); ///< all neighbours held
 std::vector<Neighbour>
@@ -62,6 +62,6 @@ struct StabilityLimit {
 /// Limit over sqrt(m/kn), by bisection to 2e-4: a step is unstable if a disturbance grows 1e4
 /// times. The engine moves the sphere; its neighbours are put in their places by hand after every
 /// step. Infinite beyond 4 sqrt(m/kn).
-double measure(const StabilityLimit& limit);
+double run_experiment(const StabilityLimit& limit);
 
 } // namespace bris

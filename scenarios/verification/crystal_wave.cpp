@@ -50,13 +50,13 @@ public:
             const Member& free = layer.front();
             const Vec3 x = value_of<Position>(world, free.id) - free.site,
                        v = value_of<Velocity>(world, free.id);
-            const Vec3 spin = value_of<Spin>(world, free.id),
-                       step_spin = value_of<StepSpin>(world, free.id);
+            const Vec3 angular_velocity = value_of<AngularVelocity>(world, free.id),
+                       step_angular_velocity = value_of<StepAngularVelocity>(world, free.id);
             for (auto image = layer.begin() + 1; image != layer.end(); ++image) {
                 value_of<Position>(world, image->id) = image->site + x;
                 value_of<Velocity>(world, image->id) = v;
-                value_of<Spin>(world, image->id) = spin;
-                value_of<StepSpin>(world, image->id) = step_spin;
+                value_of<AngularVelocity>(world, image->id) = angular_velocity;
+                value_of<StepAngularVelocity>(world, image->id) = step_angular_velocity;
             }
         }
         show_velocities(world); // moved by far less than the lists' skin
@@ -74,10 +74,10 @@ private:
 
 } // namespace
 
-CrystalWaveResult measure(const CrystalWave& s) {
+CrystalWaveResult run_experiment(const CrystalWave& s) {
     require(s.wavelength > 0 && s.path > 0 && s.amplitude > 0 && s.step > 0,
             "crystal wave: expected a wavelength, a path, an amplitude and a step above 0");
-    const CrystalResult still = measure(s.crystal);
+    const CrystalResult still = run_experiment(s.crystal);
     const double radius = 0.5 * (s.crystal.spacing + still.overlap);
     const double height = neighbours(s.crystal.lattice).back().x(); // of a layer, over the spacing
     const auto layers_in = [&](double spacings) {
@@ -112,8 +112,9 @@ CrystalWaveResult measure(const CrystalWave& s) {
     const auto limit = static_cast<std::uint64_t>(10 * (2 * s.wavelength + s.path) / s.step);
     const double quarter = 0.25 * s.wavelength / s.path;
     const auto is_past = [&] {
-        const double late = static_cast<double>(r.steps) - last.place();
-        return last.value() > 0.1 * speed && late > quarter * (last.place() - first.place());
+        const double late = static_cast<double>(r.steps) - last.time_index();
+        return last.value() > 0.1 * speed &&
+               late > quarter * (last.time_index() - first.time_index());
     };
     while (r.steps < limit && !is_past()) {
         sim.advance();
@@ -123,8 +124,8 @@ CrystalWaveResult measure(const CrystalWave& s) {
         ++r.steps;
     }
     if (r.steps == limit) throw SimulationError("crystal wave: the pulse does not arrive");
-    r.speed =
-        static_cast<double>(far - near) * layers.height() / ((last.place() - first.place()) * dt);
+    r.speed = static_cast<double>(far - near) * layers.height() /
+              ((last.time_index() - first.time_index()) * dt);
     r.amplitude = last.value() / (0.5 * speed);
     return r;
 }

@@ -30,6 +30,6 @@ struct CrystalWaveResult {
 /// half runs either way. Slower than sqrt(modulus / density) by the lattice's dispersion: by (pi h
 /// / wavelength)^2 / 6 for a wave of that length and layers h apart, up to three times that for the
 /// peak of a pulse; and by half the pressure over the modulus.
-CrystalWaveResult measure(const CrystalWave& wave);
+CrystalWaveResult run_experiment(const CrystalWave& wave);
 
 } // namespace bris

@@ -24,7 +24,7 @@ void verify_gas(Checks& checks) {
         for (const Published& p : list) {
             gas.law = law;
             gas.steps_per_contact = p.steps;
-            const GasResult r = measure(gas);
+            const GasResult r = run_experiment(gas);
             // where contacts begin and end it is of third order and more, but several at a time
             // disturb each other
             checks.absolute(fmt::format("{}, t_c/{}: largest change of energy",
@@ -40,15 +40,15 @@ void verify_gas(Checks& checks) {
     gas.law = LawName::hertz_mindlin;
     gas.material.friction = 0.5;
     checks.at_most("Hertz-Mindlin with friction 0.5: largest gain of energy", "", 0,
-                   measure(gas).largest_gain, 4e-6, 4e-6);
+                   run_experiment(gas).largest_gain, 4e-6, 4e-6);
     gas.law = LawName::hertz_mindlin_viscous;
     gas.material.restitution = 0.8;
-    const GasResult damped = measure(gas);
+    const GasResult damped = run_experiment(gas);
     checks.at_most("restitution 0.8: largest rise of energy", "", 0, damped.largest_rise, 4e-6);
     checks.at_most("restitution 0.8: energy left", "", 0.9, damped.last);
 
     for (const double factor : {2.0, 0.5}) {
-        const StiffeningResult r = measure(Stiffening{.factor = factor});
+        const StiffeningResult r = run_experiment(Stiffening{.factor = factor});
         checks.relative(fmt::format("stiffness times {} in contact: energy put in", factor), "",
                         r.exact, r.injected, 1e-4);
         checks.relative(fmt::format("stiffness times {} in contact: restitution", factor), "",
@@ -67,13 +67,13 @@ void verify_cooling(Checks& checks) {
         checks.at_least(
             fmt::format("{}, restitution 0.9: R^2 of 1/sqrt(T) over t, T from 1/2 to 1/20",
                         is_hertz(law) ? "Hertz" : "linear"),
-            "", 0.9997, measure(s).r_squared);
+            "", 0.9997, run_experiment(s).r_squared);
     }
 }
 
 void verify_rest(Checks& checks) {
     for (const double ratio : {3.0, 10.0, 50.0}) {
-        const RestResult r = measure(SmallBetweenLarge{.ratio = ratio});
+        const RestResult r = run_experiment(SmallBetweenLarge{.ratio = ratio});
         const auto name = [&](const char* what) {
             return fmt::format("small sphere between two {} times as large: {}", ratio, what);
         };
@@ -81,7 +81,7 @@ void verify_rest(Checks& checks) {
         checks.absolute(name("travel over r"), "", 0, r.travel, 1e-9);
         checks.absolute(name("resultant over weight"), "", 0, r.unbalanced, 1e-9);
     }
-    const PackingResult r = measure(Packing{});
+    const PackingResult r = run_experiment(Packing{});
     checks.at_most("packing: unbalanced over mean force", "", 1e-11, r.unbalanced_ratio);
     checks.absolute("packing: force on the box over weight", "", 1, 1 + r.floor_force_error, 1e-6);
     checks.absolute("packing: contact stress against boundary tractions", "", 0, r.stress_mismatch,

@@ -28,20 +28,20 @@ ImpactResult integrate_finely(const Impact& s, Arm arm, double steps) {
     const double shear = m.young_modulus / (2 * (1 + m.poisson_ratio) * (2 - m.poisson_ratio)),
                  inertia = 0.4 * c.mass * s.radius * s.radius;
     const double beta = damping_ratio(m.restitution, s.policy.tension), h = c.time() / steps;
-    double x = 0, in = c.speed, along = s.speed * std::sin(s.angle), spin = s.spin.y(),
+    double x = 0, in = c.speed, along = s.speed * std::sin(s.angle), omega = s.angular_velocity.y(),
            friction = 0, stiffness = 0;
     const auto energy = [&] {
-        return 0.5 * (c.mass * (in * in + along * along) + inertia * spin * spin);
+        return 0.5 * (c.mass * (in * in + along * along) + inertia * omega * omega);
     };
     ImpactResult r;
     r.energy_before = energy();
-    r.slip_before = along - s.radius * spin;
+    r.slip_before = along - s.radius * omega;
     const double along_before = along;
     do {
         // half a drift, a kick, half a drift; the dashpot sees the velocity before the kick, the
         // spring the mean motion
         const double lever = arm == Arm::surface ? s.radius : s.radius - 0.5 * x,
-                     slip = along - lever * spin;
+                     slip = along - lever * omega;
         x += 0.5 * h * in;
         const double now = 8 * shear * std::sqrt(s.radius * std::max(x, 0.0)),
                      normal_stiffness = 1.5 * c.stiffness * std::sqrt(std::max(x, 0.0));
@@ -55,13 +55,13 @@ ImpactResult integrate_finely(const Impact& s, Arm arm, double steps) {
         stiffness = now;
         in -= h * force / c.mass;
         along += h * friction / c.mass;
-        spin -= h * lever * friction / inertia;
+        omega -= h * lever * friction / inertia;
         x += 0.5 * h * in;
     } while (x > 0);
     r.normal_restitution = -in / c.speed;
     r.tangential_restitution = along / along_before;
-    r.spin = Vec3(0, spin, 0);
-    r.slip = along - s.radius * spin;
+    r.angular_velocity = Vec3(0, omega, 0);
+    r.slip = along - s.radius * omega;
     r.rebound_angle = std::atan2(r.slip, -in);
     r.energy_change = energy() / r.energy_before - 1;
     return r;

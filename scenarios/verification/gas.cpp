@@ -11,7 +11,7 @@
 
 namespace bris {
 
-GasResult measure(const Gas& s) {
+GasResult run_experiment(const Gas& s) {
     const double time = like_spheres(s.material, s.law, s.radius, s.speed).time(),
                  dt = time / s.steps_per_contact;
 
@@ -36,7 +36,8 @@ GasResult measure(const Gas& s) {
         const World& w = sim.world();
         const auto velocity = w.column<Bodies, Velocity>(),
                    acceleration = w.column<Bodies, Acceleration>(),
-                   spin = w.column<Bodies, StepSpin>(), torque = w.column<Bodies, Torque>();
+                   angular_velocity = w.column<Bodies, StepAngularVelocity>(),
+                   torque = w.column<Bodies, Torque>();
         const auto mass = w.column<Bodies, Mass>(), inertia = w.column<Bodies, SphereInertia>();
         double kinetic = 0;
         for (Row b = 0; b < mass.size(); ++b)
@@ -44,8 +45,9 @@ GasResult measure(const Gas& s) {
                 kinetic +=
                     0.5 *
                     (mass[b] * (velocity[b] - 0.5 * dt * acceleration[b]).squaredNorm() +
-                     inertia[b] * (spin[b] - 0.5 * dt / inertia[b] * torque[b]).squaredNorm());
-        const Quantities q = measure(w);
+                     inertia[b] *
+                         (angular_velocity[b] - 0.5 * dt / inertia[b] * torque[b]).squaredNorm());
+        const Quantities q = compute_quantities(w);
         r.contacts += static_cast<double>(q.contacts);
         return kinetic + q.elastic_energy;
     };
@@ -66,7 +68,7 @@ GasResult measure(const Gas& s) {
     return r;
 }
 
-StiffeningResult measure(const Stiffening& s) {
+StiffeningResult run_experiment(const Stiffening& s) {
     const double radius = 0.01, speed = 1;
     Material m;
     m.density = 2600;

@@ -26,7 +26,7 @@ struct GasResult {
     double contacts = 0;     ///< touching pairs, mean over the samples
     std::uint64_t steps = 0;
 };
-GasResult measure(const Gas& gas);
+GasResult run_experiment(const Gas& gas);
 
 /// A normal Hertz impact whose stiffness changes while in contact.
 struct Stiffening {
@@ -39,6 +39,6 @@ struct StiffeningResult {
     double exact = 0;    ///< 8/15 (E2* - E1*) sqrt(R*) overlap^(5/2), over the same
     double restitution = 0;
 };
-StiffeningResult measure(const Stiffening& stiffening);
+StiffeningResult run_experiment(const Stiffening& stiffening);
 
 } // namespace bris

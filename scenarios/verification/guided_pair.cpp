@@ -31,19 +31,19 @@ GuidedPair::Answer GuidedPair::step(const Vec3& shift, const Vec3& turn, const V
     World& world = simulation_.world();
     value_of<DriveVelocity>(world, led) = shift / dt_;
     // spins of the coming displacement: they are read when the new places are
-    value_of<Spin>(world, led) = value_of<StepSpin>(world, led) = turn / dt_;
-    set_spin(world, heavy, heavy_turn / dt_);
+    value_of<AngularVelocity>(world, led) = value_of<StepAngularVelocity>(world, led) = turn / dt_;
+    set_angular_velocity(world, heavy, heavy_turn / dt_);
     simulation_.advance();
     return {value_of<Force>(world, heavy), value_of<Torque>(world, heavy),
             touch_of(world).normal_force};
 }
 
-Vec3 GuidedPair::place() const {
+Vec3 GuidedPair::position() const {
     const auto ids = simulation_.world().column<Bodies, BodyId>();
     return simulation_.world().column<Bodies, Position>()[ids[0] == led ? 0 : 1];
 }
 
-ShearLoopResult measure(const ShearLoop& s) {
+ShearLoopResult run_experiment(const ShearLoop& s) {
     GuidedPair::Settings settings;
     settings.overlap = s.overlap;
     settings.material = linear_material(s.stiffness, s.shear_ratio * s.stiffness, s.friction);
@@ -70,7 +70,7 @@ ShearLoopResult measure(const ShearLoop& s) {
     return r;
 }
 
-RigidTurnResult measure(const RigidTurn& s) {
+RigidTurnResult run_experiment(const RigidTurn& s) {
     GuidedPair::Settings settings;
     settings.radius = s.radius;
     settings.overlap = 1e-3 * s.radius;
@@ -79,15 +79,16 @@ RigidTurnResult measure(const RigidTurn& s) {
     const double arm = s.radius - 0.5 * settings.overlap;
     pair.step(Vec3::Zero(), Vec3(0.6, 0.8, 0) * s.stretch / arm);
     const Vec3 axis = s.axis.normalized(), turn = 2 * pi / s.steps * axis;
-    const auto place = [&](unsigned k) {
+    const auto position = [&](unsigned k) {
         return exponential_map(2 * pi * k / s.steps * axis) *
                Vec3(0, 0, 2 * s.radius - settings.overlap);
     };
     Vec3 first = Vec3::Zero();
     RigidTurnResult r;
     for (unsigned k = 0; k <= s.steps; ++k) {
-        const Vec3 n = place(k).normalized();
-        const Vec3 shift = k < s.steps ? Vec3(place(k + 1) - pair.place()) : Vec3(Vec3::Zero());
+        const Vec3 n = position(k).normalized();
+        const Vec3 shift =
+            k < s.steps ? Vec3(position(k + 1) - pair.position()) : Vec3(Vec3::Zero());
         const Vec3 force = pair.step(shift, turn, turn).force, now = force - force.dot(n) * n;
         if (k == 0) first = now;
         r.length_drift = std::max(r.length_drift, std::abs(now.norm() / first.norm() - 1));
@@ -96,7 +97,7 @@ RigidTurnResult measure(const RigidTurn& s) {
     return r;
 }
 
-double measure(const RollAndTwist& s) {
+double run_experiment(const RollAndTwist& s) {
     GuidedPair::Settings settings;
     settings.law = LawName::linear_rolling;
     settings.material =

@@ -30,7 +30,7 @@ public:
     /// vectors, rad).
     Answer step(const Vec3& shift, const Vec3& turn = Vec3::Zero(),
                 const Vec3& heavy_turn = Vec3::Zero());
-    Vec3 place() const; ///< m, of the led sphere
+    Vec3 position() const; ///< m, of the led sphere
 
 private:
     Simulation simulation_;
@@ -51,7 +51,7 @@ struct ShearLoopResult {
     double largest_ratio = 0; ///< tangential over normal force, over mu
 };
 /// Corners of the loop are cut: first order in the step.
-ShearLoopResult measure(const ShearLoop& loop);
+ShearLoopResult run_experiment(const ShearLoop& loop);
 
 /// A loaded pair, sheared and then turned once as one rigid body.
 struct RigidTurn {
@@ -64,7 +64,7 @@ struct RigidTurnResult {
     double length_drift = 0; ///< largest | |F_t| / |F_t at first| - 1 |
     double angle = 0;        ///< rad, between the tangential force before and after
 };
-RigidTurnResult measure(const RigidTurn& turn);
+RigidTurnResult run_experiment(const RigidTurn& turn);
 
 /// The led sphere rolls and twists at once until both springs slip.
 struct RollAndTwist {
@@ -72,6 +72,6 @@ struct RollAndTwist {
     bool roll = true, twist = true;
 };
 /// Torque over the radius (of both, R*) times normal force.
-double measure(const RollAndTwist& motion);
+double run_experiment(const RollAndTwist& motion);
 
 } // namespace bris

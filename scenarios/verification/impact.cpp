@@ -59,8 +59,8 @@ struct Run {
     /// Velocity of the sphere's surface against the partner's where they meet.
     Vec3 slip() {
         const Vec3 n = normal(), u = relative_velocity() -
-                                     radius * value_of<Spin>(sim, ball).cross(n) -
-                                     partner_radius * partner_of(Spin{}).cross(n);
+                                     radius * value_of<AngularVelocity>(sim, ball).cross(n) -
+                                     partner_radius * partner_of(AngularVelocity{}).cross(n);
         return u - u.dot(n) * n;
     }
     double energy() {
@@ -99,11 +99,11 @@ Run make_run(const Impact& s, double dt, double wait) {
                other_v = sphere ? Vec3(-s.partner_share * v) : Vec3(Vec3::Zero());
     value_of<Velocity>(world, ball) = sphere ? mine_v : v;
     value_of<Position>(world, ball) -= wait * value_of<Velocity>(world, ball);
-    set_spin(world, ball, s.spin);
+    set_angular_velocity(world, ball, s.angular_velocity);
     if (sphere) {
         value_of<Velocity>(world, partner) = other_v;
         value_of<Position>(world, partner) -= wait * other_v;
-        set_spin(world, partner, s.partner_spin);
+        set_angular_velocity(world, partner, s.partner_angular_velocity);
     }
     if (s.local_damping > 0) world.add_resource(LocalDamping{s.local_damping});
     return {begin(std::move(world), s.law, dt, has_springs(s.law)),
@@ -200,7 +200,7 @@ NormalContact normal_contact(const Impact& s) {
     return c;
 }
 
-ImpactResult measure(const Impact& s) {
+ImpactResult run_experiment(const Impact& s) {
     check(s);
     const double dt = normal_contact(s).time() / s.steps_per_contact, lead = 3;
     Run run = make_run(s, dt, (lead - s.phase) * dt);
@@ -240,17 +240,17 @@ ImpactResult measure(const Impact& s) {
     r.contact_time = (static_cast<double>(last) - (lead - s.phase)) * dt + last_overlap / out;
     r.normal_restitution = out / in;
     r.tangential_restitution = (after - out * n).x() / before.x();
-    r.spin = value_of<Spin>(run.sim, run.ball);
-    r.partner_spin = run.partner_of(Spin{});
+    r.angular_velocity = value_of<AngularVelocity>(run.sim, run.ball);
+    r.partner_angular_velocity = run.partner_of(AngularVelocity{});
     r.slip = slip.x();
     r.rebound_angle = std::atan2(r.slip, out);
     r.energy_change = run.energy() / r.energy_before - 1;
     r.friction_work = work(run, FrictionWork{});
     r.viscous_work = work(run, ViscousWork{});
     r.rolling_work = work(run, RollingWork{});
-    r.ledger_error = -r.energy_change - (r.friction_work + r.viscous_work + r.rolling_work +
-                                         work(run, DampingWork{})) /
-                                            r.energy_before;
+    r.energy_budget_error = -r.energy_change - (r.friction_work + r.viscous_work + r.rolling_work +
+                                                work(run, DampingWork{})) /
+                                                   r.energy_before;
     r.momentum_change = (run.momentum() - momentum).norm() / momentum_scale;
     r.angular_momentum_change = (run.angular_momentum() - turning).norm() /
                                 (momentum_scale * (s.radius + s.partner_radius));

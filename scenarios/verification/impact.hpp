@@ -22,9 +22,9 @@ struct Impact {
     double speed = 1;         ///< m/s, relative, > 0
     double angle = 0;         ///< rad between velocity and normal, in [0, pi/2)
     double partner_share = 0; ///< of the speed that the partner sphere has, in [0, 1]
-    Vec3 spin = Vec3::Zero(), partner_spin = Vec3::Zero(); ///< rad/s
-    double local_damping = 0;                              ///< fraction, in [0, 1)
-    double steps_per_contact = 200;                        ///< of the undamped contact time, > 1
+    Vec3 angular_velocity = Vec3::Zero(), partner_angular_velocity = Vec3::Zero(); ///< rad/s
+    double local_damping = 0;       ///< fraction, in [0, 1)
+    double steps_per_contact = 200; ///< of the undamped contact time, > 1
     double phase = 0.5; ///< of a step, from the first touch to the first force, in [0, 1)
 };
 
@@ -50,7 +50,7 @@ struct ImpactResult {
     double normal_restitution = 0; ///< normal relative speed of the centres after over before
     double tangential_restitution =
         0; ///< the same of the tangential speed of the centres; nan at normal impact
-    Vec3 spin = Vec3::Zero(), partner_spin = Vec3::Zero(); ///< rad/s, after
+    Vec3 angular_velocity = Vec3::Zero(), partner_angular_velocity = Vec3::Zero(); ///< rad/s, after
     double slip = 0; ///< m/s, of the surfaces at the contact after it, along x
     double slip_before = 0;
     double rebound_angle = 0;           ///< rad, atan(slip / normal speed after)
@@ -59,14 +59,14 @@ struct ImpactResult {
     double angular_momentum_change = 0; ///< of sum m |v| r; sphere partners
     double friction_ratio = 0;          ///< largest tangential over normal force
     double friction_work = 0, viscous_work = 0,
-           rolling_work = 0;  ///< J, booked by the energy ledger
-    double energy_before = 0; ///< J
-    double ledger_error = 0;  ///< (energy before - after - booked work) / before
+           rolling_work = 0;        ///< J, booked by the energy ledger
+    double energy_before = 0;       ///< J
+    double energy_budget_error = 0; ///< (energy before - after - booked work) / before
     std::uint64_t steps = 0;
 };
 
 /// Runs one impact. Error of second order in dt, of fourth without damping and friction. Throws
 /// SimulationError if the contact does not end in 50 contact times.
-ImpactResult measure(const Impact& impact);
+ImpactResult run_experiment(const Impact& impact);
 
 } // namespace bris

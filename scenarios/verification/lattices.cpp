@@ -15,7 +15,7 @@ void verify_chains(Checks& checks) {
             s.mode = mode;
             s.step = step;
             s.material = linear_material(1e5);
-            const ChainWaveResult r = measure(s);
+            const ChainWaveResult r = run_experiment(s);
             checks.relative(
                 fmt::format("linear chain, mode {} of 31, dt = {} sqrt(m/k): discrete frequency",
                             mode, step),
@@ -29,14 +29,14 @@ void verify_chains(Checks& checks) {
     hertz.amplitude = 1e-3;
     hertz.overlap = 1e-3;
     hertz.mode = 8;
-    const ChainWaveResult wave = measure(hertz);
+    const ChainWaveResult wave = run_experiment(hertz);
     checks.relative("precompressed Hertz chain, mode 8 of 31: discrete frequency", "rad/s",
                     wave.discrete_frequency, wave.frequency, 1e-6);
 
     // reference/data/nesterenko_chain.json
     ChainPulse pulse;
     pulse.material = hertz.material;
-    const ChainPulseResult r = measure(pulse);
+    const ChainPulseResult r = run_experiment(pulse);
     checks.relative("Nesterenko's wave: speed", "beads/time", 0.8405089136297338, r.pulse_speed,
                     1e-4, 0.012);
     checks.relative("Nesterenko's wave: force", "", 0.6395548312578665, r.largest_force, 1e-4);
@@ -98,7 +98,7 @@ void verify_crystals(Checks& checks) {
         s.material.young_modulus = 5e9;
         s.material.poisson_ratio = 0.25;
         s.material.friction = 10;
-        const CrystalResult r = measure(s);
+        const CrystalResult r = run_experiment(s);
         check_moduli(
             checks, fmt::format("Hertz-Mindlin {}, {:g} kPa", name_of(m.lattice), m.pressure / 1e3),
             r, 1, Vec3(m.c11, m.c12, m.c44), 1e-3);
@@ -113,7 +113,7 @@ void verify_crystals(Checks& checks) {
         const double kn = 1e9;
         s.material = linear_material(kn, m.ratio * kn, 10);
         check_moduli(checks, fmt::format("linear {}, ks/kn = {}", name_of(m.lattice), m.ratio),
-                     measure(s), kn / s.spacing, Vec3(m.c11, m.c12, m.c44), 1e-6);
+                     run_experiment(s), kn / s.spacing, Vec3(m.c11, m.c12, m.c44), 1e-6);
     }
 }
 
@@ -123,7 +123,7 @@ void verify_waves(Checks& checks) {
                            double c44) {
         const double density = crystal.material.density * pi / 6 / cell_volume(crystal.lattice);
         for (const bool shear : {false, true}) {
-            const CrystalWaveResult r = measure(CrystalWave{
+            const CrystalWaveResult r = run_experiment(CrystalWave{
                 .crystal = crystal, .motion = shear ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitX())});
             checks.relative(name + (shear ? ": shear wave of 20 d along [100]"
                                           : ": pressure wave of 20 d along [100]"),
@@ -146,7 +146,7 @@ void verify_waves(Checks& checks) {
 
 void verify_stability(Checks& checks) {
     const auto limit = [](std::vector<Neighbour> around, double ratio) {
-        return measure(StabilityLimit{.around = std::move(around), .shear_ratio = ratio});
+        return run_experiment(StabilityLimit{.around = std::move(around), .shear_ratio = ratio});
     };
     // bisection: 2e-4; the published limits have three to six digits
     constexpr double tolerance = 1e-3;

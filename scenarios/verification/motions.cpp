@@ -30,7 +30,7 @@ void verify_bouncing(Checks& checks) {
         s.stiffness = c.stiffness;
         s.restitution = c.restitution;
         s.steps_per_contact = 2000;
-        const BounceRecord r = measure(s).at(0);
+        const BounceRecord r = run_experiment(s).at(0);
         const auto name = [&](const char* what) {
             return fmt::format("DEM01 k = {:g} N/m, e = {}: {}", c.stiffness, c.restitution, what);
         };
@@ -48,7 +48,7 @@ void verify_bouncing(Checks& checks) {
         s.restitution = e;
         s.bounces = bounces;
         s.steps_per_contact = 2000;
-        return measure(s).back().apex;
+        return run_experiment(s).back().apex;
     };
     const double hard = 0.1 + 0.4 * std::pow(0.9, 6);
     const double soft = height(5e4, 3, 0.9) - hard, middle = height(5e5, 3, 0.9) - hard,
@@ -65,13 +65,13 @@ void verify_stack(Checks& checks) {
     for (const double e : {1.0, 0.9, 0.5}) {
         Stack s;
         s.restitution = e;
-        const StackResult r = measure(s);
+        const StackResult r = run_experiment(s);
         checks.absolute(fmt::format("DEM03 e = {}: largest error of a height over its travel", e),
                         "", 0, r.largest_error / r.travel, 5e-4, 0.05);
         Stack fine = s;
         fine.step = 0.5 * s.step;
         checks.absolute(fmt::format("DEM03 e = {}: order in dt", e), "", 2,
-                        std::log2(r.largest_error / measure(fine).largest_error), 0.15);
+                        std::log2(r.largest_error / run_experiment(fine).largest_error), 0.15);
     }
 }
 
@@ -97,7 +97,7 @@ void check_slope(Checks& checks, double degrees, double rolling_friction) {
         5.0 / 7 * s.gravity * (std::sin(s.slope) - rolling_friction * std::cos(s.slope));
     checks.relative(fmt::format("slope {} degrees, rolling friction {}: acceleration", degrees,
                                 rolling_friction),
-                    "m/s2", exact, measure(s).acceleration, 1e-3);
+                    "m/s2", exact, run_experiment(s).acceleration, 1e-3);
 }
 
 } // namespace
@@ -109,15 +109,15 @@ void verify_rolling(Checks& checks) {
         const double slip_time = 2.0 / 7 * s.speed / (friction * s.gravity);
         s.duration = 3 * slip_time;
         s.step = 0.02;
-        const RollingSphereResult r = measure(s);
+        const RollingSphereResult r = run_experiment(s);
         const auto name = [&](const char* what) {
             return fmt::format("DEM04 friction {}: {}", friction, what);
         };
         checks.relative(name("time of slip over v0/(mu g)"), "", 2.0 / 7,
                         r.slip_end * friction * s.gravity / s.speed, 5e-3, 4e-4);
         checks.relative(name("speed over v0"), "", 5.0 / 7, r.speed / s.speed, 2e-4, 5e-6);
-        checks.relative(name("R spin over v0"), "", 5.0 / 7, r.spin * s.radius / s.speed, 2e-4,
-                        1e-5);
+        checks.relative(name("R spin over v0"), "", 5.0 / 7,
+                        r.angular_velocity * s.radius / s.speed, 2e-4, 1e-5);
         checks.at_most(name("friction over normal force"), "", friction, r.friction_ratio,
                        1e-14 * friction);
     }
@@ -132,19 +132,19 @@ void verify_rolling(Checks& checks) {
     at_rest.policy.rolling_damping_ratio = 0.3;
     at_rest.duration = 0.1;
     checks.absolute("slope 5 degrees, rolling friction 0.1: acceleration", "m/s2", 0,
-                    measure(at_rest).acceleration, 1e-9);
+                    run_experiment(at_rest).acceleration, 1e-9);
 
     RollingSphere flat = grain_on_plane(0.5); // rolls from the start, and slows down
     flat.law = LawName::linear_rolling;
     flat.material.rolling_friction = 0.1;
     flat.speed = 0.1;
-    flat.spin = flat.speed / flat.radius;
+    flat.angular_velocity = flat.speed / flat.radius;
     flat.duration = 0.1;
     checks.relative("flat, rolling friction 0.1: acceleration", "m/s2", -5.0 / 7 * 0.1 * 9.81,
-                    measure(flat).acceleration, 1e-3);
+                    run_experiment(flat).acceleration, 1e-3);
     flat.policy.rolling_damping_ratio = 0.3;
     flat.duration = 0.5; // it stops after 0.143 s
-    const RollingSphereResult stopped = measure(flat);
+    const RollingSphereResult stopped = run_experiment(flat);
     checks.at_most("stopped: kinetic energy over that at the start", "", 1e-12,
                    stopped.kinetic_energy / stopped.first_kinetic_energy);
 
@@ -154,16 +154,16 @@ void verify_rolling(Checks& checks) {
     twisting.twist = 100;
     twisting.duration = 0.01;
     checks.relative("spin about the normal, twisting friction 0.1: deceleration", "rad/s2",
-                    -2.5 * 0.1 * 9.81 / twisting.radius, measure(twisting).twist_acceleration,
-                    1e-3);
+                    -2.5 * 0.1 * 9.81 / twisting.radius,
+                    run_experiment(twisting).twist_acceleration, 1e-3);
 }
 
 void verify_local_damping(Checks& checks) {
     for (const double fraction : {0.1, 0.5, 0.7}) {
         checks.relative(fmt::format("fraction {}: fall over g", fraction), "", 1 - fraction,
-                        measure(DampedFall{.fraction = fraction, .speed = -3}), 1e-12);
+                        run_experiment(DampedFall{.fraction = fraction, .speed = -3}), 1e-12);
         checks.relative(fmt::format("fraction {}: rise over g", fraction), "", 1 + fraction,
-                        measure(DampedFall{.fraction = fraction, .speed = 3}), 1e-12);
+                        run_experiment(DampedFall{.fraction = fraction, .speed = 3}), 1e-12);
         for (const LawName law : {LawName::linear_frictionless, LawName::hertz_frictionless}) {
             Material m = is_hertz(law) ? elastic("glass", 4.8e10, 0.2, 2800) : linear_material(1e6);
             Impact s = on_wall(m, 0.01, 1, law);
@@ -173,7 +173,7 @@ void verify_local_damping(Checks& checks) {
             checks.relative(fmt::format("fraction {}, {}: restitution", fraction,
                                         is_hertz(law) ? "Hertz" : "linear"),
                             "", std::sqrt((1 - fraction) / (1 + fraction)),
-                            measure(s).normal_restitution, 1e-4, 0.01);
+                            run_experiment(s).normal_restitution, 1e-4, 0.01);
         }
     }
 }

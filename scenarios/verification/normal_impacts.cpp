@@ -17,7 +17,7 @@ struct Elastic {
 };
 
 void check_elastic(Checks& checks, const Elastic& c, const Impact& impact) {
-    const ImpactResult r = measure(impact);
+    const ImpactResult r = run_experiment(impact);
     const std::string name = c.name;
     checks.relative(name + " overlap", "m", c.overlap, r.largest_overlap, 1e-4, 1e-5);
     checks.relative(name + " force", "N", c.force, r.largest_force, 1e-4, 1e-5);
@@ -63,7 +63,7 @@ void verify_impact_scaling(Checks& checks) {
     const auto at = [&](double speed) {
         Impact s = on_wall(glass, 0.01, speed, LawName::hertz_frictionless);
         s.steps_per_contact = 400;
-        return measure(s);
+        return run_experiment(s);
     };
     const ImpactResult slow = at(0.01), fast = at(10);
     checks.absolute("exponent of force in speed, 0.01 to 10 m/s", "", 1.2,
@@ -81,14 +81,15 @@ void verify_impact_scaling(Checks& checks) {
         for (const double speed : {0.01, 1.0}) {
             s.speed = speed;
             checks.relative(fmt::format("linear contact time, e = {}, {} m/s", e, speed), "s",
-                            exact, measure(s).contact_time, 5e-4, 5e-4);
+                            exact, run_experiment(s).contact_time, 5e-4, 5e-4);
         }
     }
     // second order in dt, for an undamped contact: errors at 100 and 200 steps
     const auto error = [&](double steps) {
         Impact s = on_wall(glass, 0.01, 1, LawName::hertz_frictionless);
         s.steps_per_contact = steps;
-        return std::abs(measure(s).largest_overlap / normal_contact(s).largest_overlap() - 1);
+        return std::abs(run_experiment(s).largest_overlap / normal_contact(s).largest_overlap() -
+                        1);
     };
     checks.absolute("order in dt of the largest overlap, Hertz", "", 2,
                     std::log2(error(100) / error(200)), 0.2);
@@ -102,7 +103,7 @@ double worst_restitution(Impact s, double expected) {
     double worst = expected;
     for (const double phase : {0.1, 0.5, 0.9}) {
         s.phase = phase;
-        const double e = measure(s).normal_restitution;
+        const double e = run_experiment(s).normal_restitution;
         if (std::abs(e - expected) > std::abs(worst - expected)) worst = e;
     }
     return worst;

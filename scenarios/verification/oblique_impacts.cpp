@@ -25,7 +25,7 @@ Impact alumina_at(double angle, double speed = 3.9) {
 constexpr double slow = 0.01;
 
 struct Oblique {
-    double angle, et, spin, rebound;
+    double angle, et, angular_velocity, rebound;
 };
 // reference/data/chung_ooi_test4_oblique_reference.csv, columns *_incr
 constexpr Oblique oblique[]{{5, 0.861184, 47.1845, 2.6280},    {10, 0.710567, 196.0120, -0.1342},
@@ -34,11 +34,12 @@ constexpr Oblique oblique[]{{5, 0.861184, 47.1845, 2.6280},    {10, 0.710567, 19
                             {60, 0.894826, 355.2256, 48.1583}, {80, 0.967879, 123.3688, 78.9830}};
 
 void check_oblique(Checks& checks, const std::string& name, const Impact& impact,
-                   const Oblique& expected, double spin_unit) {
-    const ImpactResult r = measure(impact);
+                   const Oblique& expected, double angular_velocity_unit) {
+    const ImpactResult r = run_experiment(impact);
     checks.relative(name + "tangential restitution", "", expected.et, r.tangential_restitution,
                     1e-3, 1.3e-4);
-    checks.relative(name + "spin", "rad/s", expected.spin * spin_unit, r.spin.y(), 1e-3, 1.3e-4);
+    checks.relative(name + "spin", "rad/s", expected.angular_velocity * angular_velocity_unit,
+                    r.angular_velocity.y(), 1e-3, 1.3e-4);
     // an angle near 0 has no relative error: 1e-3 of 45 degrees
     checks.absolute(name + "rebound angle", "degrees", expected.rebound, r.rebound_angle / degree,
                     0.045);
@@ -54,27 +55,29 @@ void verify_oblique_impacts(Checks& checks) {
         // elsewhere by 1e-6
         const ImpactResult fine = integrate_finely(alumina_at(o.angle), Arm::surface);
         checks.relative(fmt::format("own fine integration, arm R, {} degrees: spin", o.angle),
-                        "rad/s", o.spin, fine.spin.y(), 2e-4);
+                        "rad/s", o.angular_velocity, fine.angular_velocity.y(), 2e-4);
         check_oblique(checks, fmt::format("{} degrees, published: ", o.angle),
                       alumina_at(o.angle, slow * 3.9), o, slow);
         const ImpactResult law = integrate_finely(alumina_at(o.angle), Arm::middle);
-        check_oblique(
-            checks, fmt::format("{} degrees, 3.9 m/s, fine steps: ", o.angle), alumina_at(o.angle),
-            {o.angle, law.tangential_restitution, law.spin.y(), law.rebound_angle / degree}, 1);
+        check_oblique(checks, fmt::format("{} degrees, 3.9 m/s, fine steps: ", o.angle),
+                      alumina_at(o.angle),
+                      {o.angle, law.tangential_restitution, law.angular_velocity.y(),
+                       law.rebound_angle / degree},
+                      1);
     }
     // gross sliding, exact in the limit e = 1: onset of it, tan = 3.5 mu (1 + e)
     Impact sliding = on_wall(alumina(), alumina_radius, 3.9, LawName::hertz_mindlin_viscous);
     sliding.material.restitution = sliding.partner_material.restitution = 1;
     sliding.angle = 45 * degree;
     sliding.steps_per_contact = 1000;
-    const ImpactResult r = measure(sliding);
+    const ImpactResult r = run_experiment(sliding);
     const double normal = 3.9 * std::cos(sliding.angle);
     checks.relative("e = 1, 45 degrees: loss of tangential velocity over mu (1 + e) v_n", "", 1,
                     (1 - r.tangential_restitution) * 3.9 * std::sin(sliding.angle) /
                         (0.092 * 2 * normal),
                     1e-4);
     checks.relative("e = 1, 45 degrees: spin over 5/2 mu (1 + e) v_n / R", "", 1,
-                    r.spin.y() * alumina_radius / (2.5 * 0.092 * 2 * normal),
+                    r.angular_velocity.y() * alumina_radius / (2.5 * 0.092 * 2 * normal),
                     2e-3); // the arm is 1.2e-3 short
     // experiment, where it slides (Kharaz et al. 2001): tangential restitution
     struct Measured {
@@ -82,7 +85,8 @@ void verify_oblique_impacts(Checks& checks) {
     };
     for (const Measured& m : {Measured{31, 0.688}, {39.3, 0.772}, {49.5, 0.847}, {59.8, 0.902}})
         checks.relative(fmt::format("experiment, {} degrees: tangential restitution", m.angle), "",
-                        m.et, measure(alumina_at(m.angle)).tangential_restitution, 0.02, 0.016);
+                        m.et, run_experiment(alumina_at(m.angle)).tangential_restitution, 0.02,
+                        0.016);
 }
 
 void verify_slip_impacts(Checks& checks) {
@@ -110,15 +114,15 @@ void verify_slip_impacts(Checks& checks) {
             };
             // a thousandth of the speed, for the arm: overlap / radius 3e-5 and 2e-4
             const double normal_speed = 5e-3;
-            const ImpactResult r = measure(impact(m, x.ratio, normal_speed));
+            const ImpactResult r = run_experiment(impact(m, x.ratio, normal_speed));
             checks.absolute(name("published: slip'/v_n'"), "",
                             m.name == "steel" ? x.steel : x.polyethylene,
                             r.slip / (normal_speed * r.normal_restitution), 1e-3, 0.015);
             if (x.ratio >= 2.25) // slides throughout
                 checks.relative(name("R spin/(mu v_n)"), "", 5,
-                                r.spin.y() * 1e-5 / (0.3 * normal_speed), 1e-3, 0.01);
+                                r.angular_velocity.y() * 1e-5 / (0.3 * normal_speed), 1e-3, 0.01);
             const ImpactResult law = integrate_finely(impact(m, x.ratio, 5), Arm::middle),
-                               fast = measure(impact(m, x.ratio, 5));
+                               fast = run_experiment(impact(m, x.ratio, 5));
             checks.absolute(name("5 m/s, fine steps: slip'/v_n'"), "",
                             law.slip / (5 * law.normal_restitution),
                             fast.slip / (5 * fast.normal_restitution), 1e-3, 0.015);
@@ -136,9 +140,9 @@ ImpactResult spinning(const Material& m, double ratio, const Material* partner, 
         s.partner_material = *partner;
     }
     s.policy.tension = tension;
-    s.spin = Vec3(0, -ratio * 0.2 / 0.1, 0); // the lowest point moves along +x
+    s.angular_velocity = Vec3(0, -ratio * 0.2 / 0.1, 0); // the lowest point moves along +x
     s.steps_per_contact = 2000;
-    return measure(s);
+    return run_experiment(s);
 }
 
 } // namespace
@@ -161,11 +165,12 @@ void verify_spinning_impacts(Checks& checks) {
     pair.partner_radius = 0.1;
     pair.partner_material = alloy;
     pair.partner_share = 0.5;
-    pair.spin = Vec3(0, 7, 0);
-    pair.partner_spin = -pair.spin;
-    const ImpactResult r = measure(pair);
+    pair.angular_velocity = Vec3(0, 7, 0);
+    pair.partner_angular_velocity = -pair.angular_velocity;
+    const ImpactResult r = run_experiment(pair);
     checks.absolute("test 7, change of spin", "rad/s", 0,
-                    (r.spin - pair.spin).norm() + (r.partner_spin - pair.partner_spin).norm(),
+                    (r.angular_velocity - pair.angular_velocity).norm() +
+                        (r.partner_angular_velocity - pair.partner_angular_velocity).norm(),
                     1e-12, 0);
     checks.absolute("test 7, slip after", "m/s", 0, std::abs(r.slip), 1e-12, 0);
 
@@ -196,7 +201,7 @@ void verify_energy_defect(Checks& checks) {
         s.policy.shear_history = history;
         s.angle = angle * degree;
         s.steps_per_contact = 1000;
-        return measure(s).energy_change;
+        return run_experiment(s).energy_change;
     };
     for (const Defect& d : list) {
         const auto name = [&](const char* law) {
@@ -222,17 +227,18 @@ void verify_surfaces(Checks& checks) {
         Impact s = on_wall(alumina(), alumina_radius, 3.9, LawName::hertz_mindlin_viscous);
         s.target = target;
         s.angle = angle * degree;
-        return measure(s);
+        return run_experiment(s);
     };
     for (const double angle : {0.0, 25.0, 60.0}) {
         const ImpactResult plane = run(Target::plane, angle);
         const auto compare = [&](const char* name, Target target) {
             const ImpactResult r = run(target, angle);
-            const double spin = (r.spin - plane.spin).norm() / std::max(1.0, plane.spin.norm());
+            const double angular_velocity = (r.angular_velocity - plane.angular_velocity).norm() /
+                                            std::max(1.0, plane.angular_velocity.norm());
             checks.absolute(fmt::format("{} against plane, {} degrees: restitution", name, angle),
                             "", plane.normal_restitution, r.normal_restitution, 1e-12);
             checks.absolute(fmt::format("{} against plane, {} degrees: spin", name, angle), "", 0,
-                            spin, 1e-12);
+                            angular_velocity, 1e-12);
         };
         compare("facet", Target::facet);
         compare("shared edge", Target::edge);

@@ -14,7 +14,7 @@ void verify_array(Checks& checks) {
     s.impact = on_wall(elastic("Al oxide", 3.8e11, 0.23, 4000, 0.98, 0.092), 0.0025, 3.9,
                        LawName::hertz_mindlin_viscous);
     s.impact.steps_per_contact = 200;
-    const ImpactArrayResult hertz = measure(s);
+    const ImpactArrayResult hertz = run_experiment(s);
     checks.absolute("93 impacts at once, Hertz: largest difference from each alone", "", 0,
                     hertz.largest_difference, 1e-12);
     // where all slide the loss of tangential velocity is mu (1 + e) v_n, whatever the springs
@@ -23,7 +23,7 @@ void verify_array(Checks& checks) {
     s.impact.material.shear_stiffness = s.impact.partner_material.shear_stiffness = 2 * 1.48e7;
     s.impact.steps_per_contact = 2000;
     s.least_angle = 40 * degree;
-    const ImpactArrayResult linear = measure(s);
+    const ImpactArrayResult linear = run_experiment(s);
     checks.absolute("93 impacts at once, linear: largest difference from each alone", "", 0,
                     linear.largest_difference, 1e-12);
     double worst = 0;
@@ -39,7 +39,7 @@ void verify_contact_pair(Checks& checks) {
     ShearLoop loop;
     for (const double amplitude : {1.5e-5, 5e-5}) {
         loop.amplitude = amplitude;
-        const ShearLoopResult r = measure(loop);
+        const ShearLoopResult r = run_experiment(loop);
         // corners are cut by up to a step of displacement: 2 pi / steps of the loop
         checks.relative(fmt::format("shear loop of {:g} mm: work", 1e3 * amplitude), "J", r.exact,
                         r.work, 2 * pi / loop.steps);
@@ -47,7 +47,8 @@ void verify_contact_pair(Checks& checks) {
             fmt::format("shear loop of {:g} mm: friction over Coulomb's limit", 1e3 * amplitude),
             "", 1, r.largest_ratio, 1e-14);
     }
-    const RigidTurnResult about_normal = measure(RigidTurn{.axis = Vec3::UnitZ(), .steps = 20'000});
+    const RigidTurnResult about_normal =
+        run_experiment(RigidTurn{.axis = Vec3::UnitZ(), .steps = 20'000});
     checks.absolute("loaded pair turned about its normal: change of |F_t|", "", 0,
                     about_normal.length_drift, 1e-10);
     // a step goes along a chord, which is shorter than the arc by h^3/24 of the branch: 2 pi d h^2
@@ -57,21 +58,21 @@ void verify_contact_pair(Checks& checks) {
         const double h = 2 * pi / steps,
                      bound = 2 * pi * 2 * turn.radius * h * h / 24 / turn.stretch;
         checks.absolute(fmt::format("loaded pair turned over in {} steps: change of |F_t|", steps),
-                        "", 0, measure(turn).length_drift, 1.1 * bound);
+                        "", 0, run_experiment(turn).length_drift, 1.1 * bound);
     }
     checks.relative("torque of rolling, over its limit", "", 1,
-                    measure(RollAndTwist{.twist = false}) / 0.1, 1e-6);
+                    run_experiment(RollAndTwist{.twist = false}) / 0.1, 1e-6);
     checks.relative("torque of twisting, over its limit", "", 1,
-                    measure(RollAndTwist{.roll = false}) / 0.1, 1e-6);
+                    run_experiment(RollAndTwist{.roll = false}) / 0.1, 1e-6);
     checks.relative("torque of both, over one limit", "", std::sqrt(2.0),
-                    measure(RollAndTwist{}) / 0.1, 1e-6);
+                    run_experiment(RollAndTwist{}) / 0.1, 1e-6);
 }
 
 void verify_descriptions(Checks& checks) {
     const auto compared = [&](const std::string& name, const Cluster& cluster,
                               const Description& description, double tolerance) {
         const Difference d = compare(cluster, description);
-        checks.absolute(name + ": places over a radius", "", 0, d.place, tolerance);
+        checks.absolute(name + ": places over a radius", "", 0, d.position_difference, tolerance);
         checks.absolute(name + ": velocities over the speed", "", 0, d.motion, 100 * tolerance);
         checks.at_least(name + ": touching pairs, mean", "", 5, d.contacts);
     };
@@ -90,7 +91,8 @@ void verify_descriptions(Checks& checks) {
     }
     // local damping knows the frame, by its definition: the test sees it
     const Difference damped = compare(Cluster{.local_damping = 0.5}, {.boost = Vec3(5, -3, 2)});
-    checks.at_least("local damping, boost of 5 m/s: places over a radius", "", 0.01, damped.place);
+    checks.at_least("local damping, boost of 5 m/s: places over a radius", "", 0.01,
+                    damped.position_difference);
 }
 
 } // namespace bris::detail

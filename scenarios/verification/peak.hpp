@@ -23,7 +23,7 @@ public:
         return bend() < 0 ? middle_ - slope() * slope() / (8 * bend()) : middle_;
     }
     /// Place of the peak, in samples from the first.
-    double place() const { return at_ + (bend() < 0 ? -0.5 * slope() / bend() : 0); }
+    double time_index() const { return at_ + (bend() < 0 ? -0.5 * slope() / bend() : 0); }
 
 private:
     double bend() const { return before_ - 2 * middle_ + after_; }

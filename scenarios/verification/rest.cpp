@@ -10,7 +10,7 @@
 
 namespace bris {
 
-RestResult measure(const SmallBetweenLarge& s) {
+RestResult run_experiment(const SmallBetweenLarge& s) {
     constexpr double radius = 1e-3, kn = 1e4, g = 9.81;
     World world = make_world(Grains::spheres);
     Material m = linear_material(kn, 0.8 * kn, s.friction);
@@ -35,13 +35,13 @@ RestResult measure(const SmallBetweenLarge& s) {
     sim.advance(steps / 10);
     RestResult r;
     r.speed = value_of<Velocity>(sim, small).norm() / std::sqrt(g * radius);
-    r.spin = value_of<Spin>(sim, small).norm() * std::sqrt(radius / g);
+    r.angular_velocity = value_of<AngularVelocity>(sim, small).norm() * std::sqrt(radius / g);
     r.travel = (value_of<Position>(sim, small) - before).norm() / radius;
     r.unbalanced = value_of<Force>(sim, small).norm() / (mass * g);
     return r;
 }
 
-PackingResult measure(const Packing& s) {
+PackingResult run_experiment(const Packing& s) {
     constexpr double radius = 0.01, kn = 1e5;
     World world = make_world(Grains::spheres);
     Material m = linear_material(kn, 0.8 * kn, 0.5);
@@ -64,13 +64,13 @@ PackingResult measure(const Packing& s) {
     PackingResult r;
     for (int k = 0; k < 60; ++k) {
         sim.advance(1000);
-        const Quantities q = measure(sim.world());
+        const Quantities q = compute_quantities(sim.world());
         r.unbalanced_ratio = q.unbalanced_ratio;
         r.floor_force_error = std::abs(q.boundary_force.z() / q.weight.z() - 1);
         r.coordination = q.coordination;
         if (r.unbalanced_ratio < 1e-12) break;
     }
-    r.stress_mismatch = measure_stresses(sim.world()).mismatch();
+    r.stress_mismatch = compute_stresses(sim.world()).mismatch();
     return r;
 }
 

@@ -12,12 +12,12 @@ struct SmallBetweenLarge {
     double offset = 0.2; ///< of the small radius, from the middle at the start
 };
 struct RestResult {
-    double speed = 0;      ///< of the small one at the end, over sqrt(g r)
-    double spin = 0;       ///< rad/s sqrt(r / g), likewise
-    double travel = 0;     ///< of r, in the last tenth of the run
-    double unbalanced = 0; ///< resultant over weight
+    double speed = 0;            ///< of the small one at the end, over sqrt(g r)
+    double angular_velocity = 0; ///< rad/s sqrt(r / g), likewise
+    double travel = 0;           ///< of r, in the last tenth of the run
+    double unbalanced = 0;       ///< resultant over weight
 };
-RestResult measure(const SmallBetweenLarge& scene);
+RestResult run_experiment(const SmallBetweenLarge& scene);
 
 /// A packing of spheres of several sizes in a box, at rest under its weight.
 struct Packing {
@@ -31,6 +31,6 @@ struct PackingResult {
         0; ///< of contact stress (Love 1927, Weber 1966) and boundary tractions
     double coordination = 0;
 };
-PackingResult measure(const Packing& packing);
+PackingResult run_experiment(const Packing& packing);
 
 } // namespace bris

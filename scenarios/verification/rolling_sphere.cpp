@@ -8,7 +8,7 @@
 
 namespace bris {
 
-RollingSphereResult measure(const RollingSphere& s) {
+RollingSphereResult run_experiment(const RollingSphere& s) {
     require(!is_hertz(s.law), "roll: expected a linear law");
     require(s.slope >= 0 && s.slope < pi / 2, "roll: expected a slope from 0 to pi/2 rad");
     World world = make_world(Grains::spheres);
@@ -22,7 +22,7 @@ RollingSphereResult measure(const RollingSphere& s) {
     value_of<Position>(world, ball).z() =
         s.radius - mass * s.gravity * std::cos(s.slope) / kn; // in balance from the start
     value_of<Velocity>(world, ball).x() = s.speed;
-    set_spin(world, ball, Vec3(0, s.spin, s.twist));
+    set_angular_velocity(world, ball, Vec3(0, s.angular_velocity, s.twist));
     world.add_resource<Gravity>({s.gravity * Vec3(std::sin(s.slope), 0, -std::cos(s.slope))});
     Simulation sim = begin(std::move(world), s.law, dt);
 
@@ -32,7 +32,7 @@ RollingSphereResult measure(const RollingSphere& s) {
     r.steps = static_cast<std::uint64_t>(std::ceil(s.duration / dt));
     const double limit = s.material.friction;
     double half_speed = 0, half_time = 0;
-    Vec3 half_spin = Vec3::Zero();
+    Vec3 half_omega = Vec3::Zero();
     bool slipped = false;
     for (std::uint64_t k = 0; k < r.steps; ++k) {
         sim.advance();
@@ -43,18 +43,18 @@ RollingSphereResult measure(const RollingSphere& s) {
             r.slip_end = dt * (static_cast<double>(k) - 0.5);
         if (k == r.steps / 2) {
             half_speed = value_of<Velocity>(sim, ball).x();
-            half_spin = value_of<Spin>(sim, ball);
+            half_omega = value_of<AngularVelocity>(sim, ball);
             half_time = sim.world().resource<Clock>().time();
         }
     }
     const double time = sim.world().resource<Clock>().time() - half_time;
-    const Vec3 spin = value_of<Spin>(sim, ball);
+    const Vec3 omega = value_of<AngularVelocity>(sim, ball);
     r.speed = value_of<Velocity>(sim, ball).x();
-    r.spin = spin.y();
-    r.twist = spin.z();
+    r.angular_velocity = omega.y();
+    r.twist = omega.z();
     r.acceleration = (r.speed - half_speed) / time;
-    r.spin_acceleration = (spin.y() - half_spin.y()) / time;
-    r.twist_acceleration = (spin.z() - half_spin.z()) / time;
+    r.angular_acceleration = (omega.y() - half_omega.y()) / time;
+    r.twist_acceleration = (omega.z() - half_omega.z()) / time;
     r.kinetic_energy = free_kinetic_energy(sim.world(), ball);
     return r;
 }

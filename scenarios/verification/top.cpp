@@ -49,11 +49,11 @@ Clump shape_of(const Ball& ball, const Vec3& inertia, double reach) {
 
 } // namespace
 
-FreeTop::FreeTop(const Vec3& inertia, const Vec3& spin) {
+FreeTop::FreeTop(const Vec3& inertia, const Vec3& angular_velocity) {
     const double i1 = inertia.x(), i2 = inertia.y(), i3 = inertia.z();
     require(i1 > 0 && i1 <= i2 && i2 <= i3 && i1 < i3,
             "top: expected ascending moments above 0 kg m2, not all equal");
-    const Vec3 squares = spin.cwiseAbs2();
+    const Vec3 squares = angular_velocity.cwiseAbs2();
     const double energy = squares.dot(inertia),
                  momentum = squares.dot(inertia.cwiseAbs2()); // 2 T and L^2
     circled_ = momentum > energy * i2 ? 2 : 0;
@@ -75,14 +75,14 @@ FreeTop::FreeTop(const Vec3& inertia, const Vec3& spin) {
         m_ = (i3 - i2) * low / ((i2 - i1) * high);
     }
     // the circled component keeps its sign, and I2 w2' = (I3 - I1) w3 w1 gives that of the second
-    const double sign = spin[circled_] < 0 ? -1 : 1;
+    const double sign = angular_velocity[circled_] < 0 ? -1 : 1;
     amplitude_ = circled_ == 2 ? Vec3(a1, sign * a2, sign * a3) : Vec3(sign * a1, sign * a2, a3);
-    begin_ =
-        std::ellint_1(std::sqrt(m_), std::atan2(spin.y() / amplitude_.y(),
-                                                spin[2 - circled_] / amplitude_[2 - circled_]));
+    begin_ = std::ellint_1(std::sqrt(m_),
+                           std::atan2(angular_velocity.y() / amplitude_.y(),
+                                      angular_velocity[2 - circled_] / amplitude_[2 - circled_]));
 }
 
-Vec3 FreeTop::spin(double time) const {
+Vec3 FreeTop::angular_velocity(double time) const {
     const Elliptic e = jacobi(begin_ + rate_ * time, m_);
     return circled_ == 2
                ? Vec3(amplitude_.x() * e.cn, amplitude_.y() * e.sn, amplitude_.z() * e.dn)
@@ -94,7 +94,8 @@ Quat FreeTop::attitude(double time, int steps) const {
     const double h = time / steps, gauss = std::sqrt(3.0) / 6;
     for (int k = 0; k < steps; ++k) {
         const double middle = (k + 0.5) * h;
-        const Vec3 a = spin(middle - gauss * h), b = spin(middle + gauss * h);
+        const Vec3 a = angular_velocity(middle - gauss * h),
+                   b = angular_velocity(middle + gauss * h);
         q = q * exponential_map(0.5 * h * (a + b) + std::sqrt(3.0) / 12 * h * h * a.cross(b));
     }
     return q.normalized();
@@ -102,11 +103,12 @@ Quat FreeTop::attitude(double time, int steps) const {
 
 double FreeTop::period() const { return 4 * std::comp_ellint_1(std::sqrt(m_)) / rate_; }
 
-TopResult measure(const Top& s) {
+TopResult run_experiment(const Top& s) {
     require(s.angle_per_step > 0 && s.duration > 0, "top: expected a step and a duration above 0");
-    const FreeTop exact(s.inertia, s.spin);
+    const FreeTop exact(s.inertia, s.angular_velocity);
     TopResult r;
-    r.steps = static_cast<std::uint64_t>(std::ceil(s.duration * s.spin.norm() / s.angle_per_step));
+    r.steps = static_cast<std::uint64_t>(
+        std::ceil(s.duration * s.angular_velocity.norm() / s.angle_per_step));
     r.dt = s.duration / static_cast<double>(r.steps);
 
     World world = make_world(Grains::clumps);
@@ -115,21 +117,21 @@ TopResult measure(const Top& s) {
     const auto material = world.resource<Materials>().add(m);
     const EntityId body = add_clump(world, shape_of({Vec3::Zero(), 1}, s.inertia, 1), 0,
                                     Vec3::Zero(), Quat(Quat::Identity()), material);
-    set_spin(world, body, s.spin);
+    set_angular_velocity(world, body, s.angular_velocity);
     const Vec3 momentum = value_of<AngularMomentum>(world, body);
-    const double energy = s.spin.cwiseAbs2().dot(s.inertia);
+    const double energy = s.angular_velocity.cwiseAbs2().dot(s.inertia);
     Simulation sim = begin(std::move(world), LawName::linear_frictionless, r.dt);
     const std::uint64_t samples = std::min<std::uint64_t>(r.steps, 1000);
     for (std::uint64_t k = 1; k <= samples; ++k) {
         sim.advance(r.steps * k / samples - sim.world().resource<Clock>().step);
         r.attitude = value_of<Orientation>(sim, body);
-        r.spin = r.attitude.conjugate() * value_of<Spin>(sim, body);
-        r.energy_drift =
-            std::max(r.energy_drift, std::abs(r.spin.cwiseAbs2().dot(s.inertia) / energy - 1));
+        r.angular_velocity = r.attitude.conjugate() * value_of<AngularVelocity>(sim, body);
+        r.energy_drift = std::max(
+            r.energy_drift, std::abs(r.angular_velocity.cwiseAbs2().dot(s.inertia) / energy - 1));
         r.norm_drift = std::max(r.norm_drift, std::abs(r.attitude.norm() - 1));
     }
-    r.spin_error = (r.spin - exact.spin(s.duration)).norm();
-    const double angle = s.duration * s.spin.norm();
+    r.angular_velocity_error = (r.angular_velocity - exact.angular_velocity(s.duration)).norm();
+    const double angle = s.duration * s.angular_velocity.norm();
     r.attitude_error =
         angle < 1000 ? angle_between(r.attitude,
                                      exact.attitude(s.duration, static_cast<int>(200 * angle) + 1))
@@ -138,7 +140,7 @@ TopResult measure(const Top& s) {
     return r;
 }
 
-PendulumResult measure(const Pendulum& s) {
+PendulumResult run_experiment(const Pendulum& s) {
     require(s.amplitude > 0 && s.amplitude < pi / 4,
             "pendulum: expected an amplitude from 0 to pi/4 rad (both planes are to hold it)");
     World world = make_world(Grains::clumps);

@@ -22,7 +22,7 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
     const auto run = bodies.column<SpheresOf>();
     const auto id = bodies.column<BodyId>();
     const auto material = bodies.column<MaterialOf>();
-    const auto place = world.column<Spheres, SpherePlace>();
+    const auto sphere_row = world.column<Spheres, SpherePosition>();
     const auto& materials = world.resource<Materials>();
     ChunkLists<Candidate> found;
     std::vector<Row> first;
@@ -33,7 +33,7 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
             if (!near_body(b, e)) continue;
             const std::uint32_t law = materials.pair(material[b], material[host[e]]);
             for (Row k = run[b].first; k < run[b].first + run[b].count; ++k)
-                if (near_sphere(centre_of(place[k]), place[k].radius, e))
+                if (near_sphere(centre_of(sphere_row[k]), sphere_row[k].radius, e))
                     list.push_back(
                         {{id[b], id[host[e]], k - run[b].first, part[e]}, {k, e, host[e], law}});
         }

@@ -70,9 +70,9 @@ void replace_pairs(World& world, const ChunkLists<Candidate>& found,
     table.resize(found.size());
     const auto names = table.column<PairKey>();
     const auto rows = table.column<PairRows>();
-    found.lay_out([&](std::size_t place, const Candidate& c) {
-        names[place] = c.names;
-        rows[place] = c.rows;
+    found.lay_out([&](std::size_t index, const Candidate& c) {
+        names[index] = c.names;
+        rows[index] = c.rows;
     });
     world.resource<Candidates<Pairs>>().first = first;
     give_back(table, springs, first);

@@ -43,8 +43,8 @@ public:
     template <class Body>
     void lay_out(Body&& body) const {
         for_chunks(lists_.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {
-            std::size_t place = starts_[chunk];
-            for (const T& entry : lists_[chunk]) body(place++, entry);
+            std::size_t index = starts_[chunk];
+            for (const T& entry : lists_[chunk]) body(index++, entry);
         });
     }
 

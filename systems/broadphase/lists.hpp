@@ -16,12 +16,12 @@ bool lists_are_due(const World& world);
 
 /// True in steps that begin with what contacts read placed anew: with new lists, or velocities
 /// changed by hand.
-bool places_are_due(const World& world);
-void note_places(ListState& state);
+bool positions_are_due(const World& world);
+void note_positions(ListState& state);
 
 /// Rarely: orders rows along a Morton curve, finds the candidate pairs within the outer skin,
 /// carries every spring over. The one place where rows change.
-void refresh_pairs(World& world);
+void rebuild_pairs(World& world);
 
 /// Now and then: the short lists, pairs within the inner skin; which spheres are listed; who is
 /// near whom. Writes what is Derived, and clears the springs of pairs that are apart.
@@ -44,12 +44,12 @@ void forget_lists(World& world);
 
 namespace detail {
 
-inline Vec3 centre_of(const PlaceRow& p) { return {p.x, p.y, p.z}; }
+inline Vec3 centre_of(const SphereRow& p) { return {p.x, p.y, p.z}; }
 
 /// Candidate of a pair table before it gets its row.
 struct Candidate {
     PairNames names;
-    PairPlaces rows;
+    PairRowNumbers rows;
 };
 
 /// Where the candidates of each body row begin.

@@ -22,28 +22,28 @@ void list_near(World& world, Near&& near_bits) {
     RollRow* roll = pairs.has<Roll>() ? pairs.column<Roll>().data() : nullptr;
     auto& index = world.resource<NearIndex<Pairs>>();
     detail::ChunkLists<NearEntry> found;
-    found.collect(candidates.size() - 1, index.owned_first,
-                  [&](std::vector<NearEntry>& list, Row b) {
-                      for (Row first = candidates[b], last = candidates[b + 1]; first < last;
-                           first += lane_count) {
-                          const unsigned count = std::min<unsigned>(lane_count, last - first),
-                                         now = near_bits(&rows[first], count);
-                          for (Row p = first; spring != nullptr && p < first + count; ++p)
-                              if (((now >> (p - first)) & 1) == 0 && Spring::keep(spring[p])) {
-                                  spring[p] = {};
-                                  if (roll != nullptr) roll[p] = {};
-                              }
-                          for (unsigned rest = now; rest != 0; rest &= rest - 1) {
-                              const Row p = first + static_cast<Row>(__builtin_ctz(rest));
-                              list.push_back({rows[p].sphere, rows[p].other, p, rows[p].law});
-                          }
-                      }
-                  });
+    found.collect(
+        candidates.size() - 1, index.owned_first, [&](std::vector<NearEntry>& list, Row b) {
+            for (Row first = candidates[b], last = candidates[b + 1]; first < last;
+                 first += lane_count) {
+                const unsigned count = std::min<unsigned>(lane_count, last - first),
+                               now = near_bits(&rows[first], count);
+                for (Row p = first; spring != nullptr && p < first + count; ++p)
+                    if (((now >> (p - first)) & 1) == 0 && Spring::keep(spring[p])) {
+                        spring[p] = {};
+                        if (roll != nullptr) roll[p] = {};
+                    }
+                for (unsigned remaining = now; remaining != 0; remaining &= remaining - 1) {
+                    const Row p = first + static_cast<Row>(__builtin_ctz(remaining));
+                    list.push_back({rows[p].sphere, rows[p].other, p, rows[p].law});
+                }
+            }
+        });
     Table& near = world.table<typename Pairs::Near>();
     const std::size_t count = found.size(), padded = (count + 7) / 8 * 8;
     near.resize(padded);
     const auto entry = near.template column<NearPair>();
-    found.lay_out([&](std::size_t place, const NearEntry& e) { entry[place] = e; });
+    found.lay_out([&](std::size_t slot, const NearEntry& e) { entry[slot] = e; });
     for (std::size_t k = count; k < padded; ++k)
         entry[k] = entry[0]; // lanes past the end read valid rows
     // all are taken to have touched, so that the next step clears what does not
@@ -58,7 +58,7 @@ void list_near(World& world, Near&& near_bits) {
 
 template <class Pairs, class Gap>
 void make_short_list(World& world, double skin, Gap&& gap) {
-    list_near<Pairs>(world, [&](const PairPlaces* rows, unsigned count) {
+    list_near<Pairs>(world, [&](const PairRowNumbers* rows, unsigned count) {
         unsigned now = 0;
         for (unsigned k = 0; k < count; ++k) now |= (gap(rows[k]) < skin ? 1u : 0u) << k;
         return now;
@@ -67,13 +67,14 @@ void make_short_list(World& world, double skin, Gap&& gap) {
 
 // of spheres: the one list that is long enough for lanes
 void list_near_spheres(World& world, double skin) {
-    const auto place = world.column<Spheres, SpherePlace>();
-    list_near<SpherePairs>(world, [&](const PairPlaces* rows, unsigned count) {
-        const auto row = [&](int q) -> const PairPlaces& {
+    const auto sphere_row = world.column<Spheres, SpherePosition>();
+    list_near<SpherePairs>(world, [&](const PairRowNumbers* rows, unsigned count) {
+        const auto row = [&](int q) -> const PairRowNumbers& {
             return rows[std::min(static_cast<unsigned>(q), count - 1)];
         };
-        return near_lanes([&](int q) -> const PlaceRow& { return place[row(q).sphere]; },
-                          [&](int q) -> const PlaceRow& { return place[row(q).other]; }, skin) &
+        return near_lanes([&](int q) -> const SphereRow& { return sphere_row[row(q).sphere]; },
+                          [&](int q) -> const SphereRow& { return sphere_row[row(q).other]; },
+                          skin) &
                ((1u << count) - 1);
     });
 }
@@ -186,18 +187,19 @@ void prune_pairs(World& world) {
     auto& state = world.resource<ListState>();
     const double skin = world.resource<ListSettings>().inner_skin;
     Table& bodies = world.table<Bodies>();
-    const auto place = world.column<Spheres, SpherePlace>();
+    const auto sphere_row = world.column<Spheres, SpherePosition>();
     bodies.leave_idle({});
     list_near_spheres(world, skin);
     make_incidence<SpherePairs>(world);
     const auto position = bodies.column<Position>();
     if (world.has<PlanePairs>()) {
         const auto shape = world.column<Planes, LocalPlane>();
-        make_short_list<PlanePairs>(world, skin, [&](const PairPlaces& p) {
+        make_short_list<PlanePairs>(world, skin, [&](const PairRowNumbers& p) {
             const PlaneShape& plane = shape[p.other];
-            return (detail::centre_of(place[p.sphere]) - position[p.partner_body] - plane.point)
+            return (detail::centre_of(sphere_row[p.sphere]) - position[p.partner_body] -
+                    plane.point)
                        .dot(plane.normal) -
-                   place[p.sphere].radius;
+                   sphere_row[p.sphere].radius;
         });
         make_incidence<PlanePairs>(world);
     }
@@ -211,25 +213,26 @@ void prune_pairs(World& world) {
             normal[e] = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
         }
         // the distance to the facet's box and to its plane are both lower bounds
-        make_short_list<FacetPairs>(world, skin, [&](const PairPlaces& p) {
-            const Vec3 x = detail::centre_of(place[p.sphere]) - position[p.partner_body];
+        make_short_list<FacetPairs>(world, skin, [&](const PairRowNumbers& p) {
+            const Vec3 x = detail::centre_of(sphere_row[p.sphere]) - position[p.partner_body];
             const double height = std::abs((x - shape[p.other].corners[0]).dot(normal[p.other]));
-            if (height - place[p.sphere].radius >= skin) return skin;
-            return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) - place[p.sphere].radius;
+            if (height - sphere_row[p.sphere].radius >= skin) return skin;
+            return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) -
+                   sphere_row[p.sphere].radius;
         });
         make_incidence<FacetPairs>(world);
     }
     if (world.has<MembranePairs>()) {
         const auto& membrane = world.resource<Membrane>();
         const MembraneSurface surface(membrane, world.column<Elements, ElementRadius>().data());
-        make_short_list<MembranePairs>(world, skin, [&](const PairPlaces& p) {
-            const Vec3 x = detail::centre_of(place[p.sphere]);
+        make_short_list<MembranePairs>(world, skin, [&](const PairRowNumbers& p) {
+            const Vec3 x = detail::centre_of(sphere_row[p.sphere]);
             const double out = x.dot(membrane.outward[p.other]);
             const auto sector = static_cast<int>(p.other);
-            const double reach = place[p.sphere].radius + skin;
+            const double reach = sphere_row[p.sphere].radius + skin;
             if (out + reach <= surface.least_radius(sector, x.z()))
                 return skin; // most, and dearer to know exactly
-            return surface.nearest(sector, out, x.z()).distance - place[p.sphere].radius;
+            return surface.nearest(sector, out, x.z()).distance - sphere_row[p.sphere].radius;
         });
         make_incidence<MembranePairs>(world);
         std::ranges::copy(world.column<Elements, ElementRadius>(),
@@ -242,11 +245,11 @@ void prune_pairs(World& world) {
     if (world.has<MembranePairs>()) use_slots<MembranePairs>(world, false);
 
     const auto pruned = bodies.column<PrunedAt>();
-    const auto travel = bodies.column<Travel>();
+    const auto displacement = bodies.column<DisplacementBound>();
     const Quat* q = bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr;
     for (Row b = 0; b < bodies.size(); ++b) {
         pruned[b] = {position[b], q != nullptr ? q[b] : Quat(Quat::Identity())};
-        travel[b] = 0;
+        displacement[b] = 0;
     }
     state.last_prune = world.resource<Clock>().step;
     ++state.prunes;

@@ -117,7 +117,7 @@ struct Scene {
     std::span<const EntityId> id;
     std::span<const std::uint32_t> motion, material;
     std::span<const SphereRun> run;
-    std::span<const PlaceRow> place;
+    std::span<const SphereRow> sphere_row;
     const Materials& materials;
     double skin;
 };
@@ -125,35 +125,37 @@ struct Scene {
 /// Spheres of one body, their places side by side.
 struct Cluster {
     std::vector<Row> row;
-    std::vector<PlaceRow> place;
+    std::vector<SphereRow> sphere_row;
 };
 
 // calls visit(k) for those of `count` places that are within the skin of `one`
 template <class Visit>
-void visit_near(const PlaceRow& one, const PlaceRow* place, Row count, double skin, Visit&& visit) {
+void visit_near(const SphereRow& one, const SphereRow* sphere_row, Row count, double skin,
+                Visit&& visit) {
     for (Row first = 0; first < count; first += lane_count) {
         const Row here = std::min<Row>(lane_count, count - first);
         const unsigned now =
-            near_lanes([&](int) -> const PlaceRow& { return one; },
-                       [&](int q) -> const PlaceRow& {
-                           return place[first + std::min(static_cast<Row>(q), here - 1)];
+            near_lanes([&](int) -> const SphereRow& { return one; },
+                       [&](int q) -> const SphereRow& {
+                           return sphere_row[first + std::min(static_cast<Row>(q), here - 1)];
                        },
                        skin);
-        for (unsigned rest = now & ((1u << here) - 1); rest != 0; rest &= rest - 1)
-            visit(first + static_cast<Row>(__builtin_ctz(rest)));
+        for (unsigned remaining = now & ((1u << here) - 1); remaining != 0;
+             remaining &= remaining - 1)
+            visit(first + static_cast<Row>(__builtin_ctz(remaining)));
     }
 }
 
 // spheres of body a that reach into the bounding sphere of body b
 void near_spheres(const Scene& s, Row a, Row b, Cluster& found) {
     found.row.clear();
-    found.place.clear();
+    found.sphere_row.clear();
     const Vec3& x = s.position[b];
     const SphereRun& run = s.run[a];
-    visit_near({x.x(), x.y(), x.z(), s.radius[b]}, &s.place[run.first], run.count, s.skin,
+    visit_near({x.x(), x.y(), x.z(), s.radius[b]}, &s.sphere_row[run.first], run.count, s.skin,
                [&](Row k) {
                    found.row.push_back(run.first + k);
-                   found.place.push_back(s.place[run.first + k]);
+                   found.sphere_row.push_back(s.sphere_row[run.first + k]);
                });
 }
 
@@ -168,8 +170,8 @@ void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector
     near_spheres(s, b, a, scratch.other);
     const std::uint32_t law = s.materials.pair(s.material[a], s.material[b]);
     for (std::size_t k = 0; k < own.row.size(); ++k)
-        visit_near(own.place[k], other.place.data(), static_cast<Row>(other.row.size()), s.skin,
-                   [&](Row m) {
+        visit_near(own.sphere_row[k], other.sphere_row.data(), static_cast<Row>(other.row.size()),
+                   s.skin, [&](Row m) {
                        const Row i = own.row[k], j = other.row[m];
                        list.push_back({{s.id[a], s.id[b], i - s.run[a].first, j - s.run[b].first},
                                        {i, j, b, law}});
@@ -186,7 +188,7 @@ void find_sphere_pairs(World& world, double skin) {
                   bodies.column<MotionOf>(),
                   bodies.column<MaterialOf>(),
                   bodies.column<SpheresOf>(),
-                  world.column<Spheres, SpherePlace>(),
+                  world.column<Spheres, SpherePosition>(),
                   world.resource<Materials>(),
                   skin};
     std::vector<Row> rows;

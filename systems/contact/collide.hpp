@@ -7,7 +7,7 @@ namespace bris {
 
 /// What the systems of a step are to do besides.
 struct StepChoices {
-    bool ledger =
+    bool energy_budget =
         false; ///< book the work that friction, dashpots and rolling take, for each near pair
     PatchStiffness patch = PatchStiffness::per_sphere; ///< as the scene's ContactPolicy
 };

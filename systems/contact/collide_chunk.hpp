@@ -14,8 +14,8 @@ inline constexpr std::size_t near_rows_in_cache = 8192;
 /// Forces of some near rows: those that touch are listed first, then handed to the law lane_count
 /// at a time. A Geometry knows the surfaces:
 ///   unsigned touching(near)         bit q: near pair q of lane_count touches
-///   void call_for_places(near)      asks for what touching() will read of these eight
-///   void call_for(to, rows)         asks for what the tile after next will read
+///   void prefetch_positions(near)      asks for what touching() will read of these eight
+///   void prefetch_rows(to, rows)         asks for what the tile after next will read
 ///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes that are too deep
 template <class Law, class Geometry, class Pairs>
 void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index,
@@ -28,7 +28,7 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
         unsigned now = geometry.touching(to.near + group);
         if constexpr (lane_count == 4) now |= geometry.touching(to.near + group + 4) << 4;
         if (last - group < 8) now &= (1u << (last - group)) - 1;
-        if (group + 56 <= last) geometry.call_for_places(to.near + group + 48);
+        if (group + 56 <= last) geometry.prefetch_positions(to.near + group + 48);
         std::uint8_t& flags = index.touching[group / 8];
         now = sleepers.touching(group, now, flags);
         forget(to, static_cast<Row>(group), flags & ~now);
@@ -42,7 +42,7 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
     for (std::size_t k = 0; k < 8; ++k) touching[count + k] = touching[count - 1];
     for (std::size_t k = 0; k < count; k += lane_count) {
         if (far && k + 3 * lane_count <= count)
-            geometry.call_for(to, &touching[k + 2 * lane_count]);
+            geometry.prefetch_rows(to, &touching[k + 2 * lane_count]);
         const int here = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
         const unsigned deep = geometry.template collide<Law>(to, &touching[k], here);
         if (deep != 0 && index.too_deep[chunk] == no_row)

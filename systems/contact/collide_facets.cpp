@@ -28,7 +28,7 @@ struct Reached : Nearest {
 
 struct Surfaces {
     detail::Movers movers;
-    const FacetPlaceRow* facets;
+    const FacetRow* facets;
     const PairNames* names;
     double deepest;
 };
@@ -36,7 +36,7 @@ struct Surfaces {
 /// Those of near rows [first, last), one sphere against one body, that are in reach.
 std::span<Reached> reached_of(const Surfaces& s, const TileTarget& to, std::size_t first,
                               std::size_t last, std::span<Reached> room) {
-    const PlaceRow& p = s.movers.place[to.near[first].owner];
+    const SphereRow& p = s.movers.sphere_row[to.near[first].owner];
     const Vec3 centre(p.x, p.y, p.z);
     std::size_t count = 0;
     for (std::size_t row = first; row < last; ++row) {
@@ -60,7 +60,7 @@ bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Reache
         if (j == k) continue;
         const double apart = (mine.point - run[j].point).norm();
         if (run[j].feature == Feature::face) {
-            const FacetPlaceRow& face = s.facets[to.near[run[j].row].other];
+            const FacetRow& face = s.facets[to.near[run[j].row].other];
             if (apart <= radius && lies_in(mine.point, face.corners[0], face.normal, close))
                 return true;
         } else if (apart <= close &&
@@ -129,7 +129,7 @@ void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex
     std::vector<Reached> many(last - first > usual_run ? last - first : 0);
     const std::span<Reached> run =
         reached_of(s, to, first, last, many.empty() ? std::span<Reached>(few) : many);
-    const double radius = s.movers.place[to.near[first].owner].radius;
+    const double radius = s.movers.sphere_row[to.near[first].owner].radius;
     choose(s, to, run, radius);
     if (to.spring != nullptr) hand_over_springs(to, run);
     auto next = run.begin();
@@ -141,7 +141,8 @@ void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex
         if (!touches) continue;
         if (radius - next->distance > s.deepest * radius) too_deep = row;
         const SurfaceMotion& motion = s.facets[to.near[row].other].motion;
-        tile.add(row, next->normal, next->distance, motion.at(next->point), motion.spin);
+        tile.add(row, next->normal, next->distance, motion.at(next->point),
+                 motion.angular_velocity);
     }
 }
 
@@ -180,12 +181,12 @@ template <class Law, class... Near, class... Pairs>
 struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
     static void facets(Rows<NearFacets, const NearPair, PairForce, Near...> near,
                        detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
-                       Rows<Facets, const FacetPlace> places,
+                       Rows<Facets, const FacetPosition> facet_rows,
                        Rows<FacetPairs, const PairKey, Pairs...> pairs,
                        NearIndex<FacetPairs>& index, const Materials& materials,
                        const Limits& limits, const Clock& clock) {
         run_chunks<Law>({{listed, bodies, index},
-                         places.template column<FacetPlace>(),
+                         facet_rows.template column<FacetPosition>(),
                          pairs.template column<PairKey>(),
                          limits.overlap},
                         detail::target_of<Law>(near, pairs, materials, clock), index);
@@ -195,9 +196,10 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
 } // namespace
 
 System collide_facets(LawName law, const StepChoices& choices) {
-    return with_law(law, {.ledger = choices.ledger}, []<class Law, class Near, class Pairs>() {
-        return system("collide_facets", Collide<Law, Near, Pairs>::facets);
-    });
+    return with_law(law, {.energy_budget = choices.energy_budget},
+                    []<class Law, class Near, class Pairs>() {
+                        return system("collide_facets", Collide<Law, Near, Pairs>::facets);
+                    });
 }
 
 } // namespace bris

@@ -41,7 +41,8 @@ struct Found {
 
 Found find_touching(const Band& band, const NearEntry* near) {
     const double height = band.surface.ring_height;
-    const auto c = transpose(load_rows([&](int q) { return &band.movers.place[near[q].owner].x; }));
+    const auto c =
+        transpose(load_rows([&](int q) { return &band.movers.sphere_row[near[q].owner].x; }));
     Found f;
     f.radius = c[3];
     f.here = floor(c[2] * (1 / height) - 0.5);
@@ -102,7 +103,7 @@ void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePai
             add_touching(found, touching, band, to, row, tile, index.too_deep[chunk]);
             now |= touching << lane;
         }
-        detail::book(to, index, group, now);
+        detail::write_touching(to, index, group, now);
     }
     tile.flush();
 }
@@ -139,8 +140,8 @@ System collide_membrane(LawName law, const StepChoices& choices) {
                              : system(name, collide<LinearFrictionless>);
     const auto damped = [&]<class Normal>() {
         using Damped = Law<Normal, Dashpots, Frictionless>;
-        return choices.ledger ? system(name, collide<Damped, PairWork>)
-                              : system(name, collide<Damped>);
+        return choices.energy_budget ? system(name, collide<Damped, PairWork>)
+                                     : system(name, collide<Damped>);
     };
     return is_hertz(law) ? damped.template operator()<HertzNormal>()
                          : damped.template operator()<LinearNormal>();

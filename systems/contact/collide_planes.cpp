@@ -17,27 +17,29 @@ Vec3Lanes vector(const FourLanes& a) { return {a[0], a[1], a[2]}; }
 /// Planes, one a lane: numbers from + 0 to + 3 of their rows.
 template <class PlaneOf>
 FourLanes four_of(PlaneOf&& plane, std::ptrdiff_t from) {
-    static_assert(sizeof(PlanePlaceRow) == 15 * sizeof(double));
+    static_assert(sizeof(PlaneRow) == 15 * sizeof(double));
     return transpose(load_rows([&](int q) { return plane(q).point.data() + from; }));
 }
 
 struct PlaneGeometry {
     Movers movers;
-    const PlanePlaceRow* planes;
+    const PlaneRow* planes;
     double deepest; // of the radius
 
     unsigned touching(const NearEntry* near) const {
-        const auto a = transpose(load_rows([&](int q) { return &movers.place[near[q].owner].x; }));
-        const auto plane = [&](int q) -> const PlanePlaceRow& { return planes[near[q].other]; };
+        const auto a =
+            transpose(load_rows([&](int q) { return &movers.sphere_row[near[q].owner].x; }));
+        const auto plane = [&](int q) -> const PlaneRow& { return planes[near[q].other]; };
         const auto p = four_of(plane, 0), n = four_of(plane, 2); // n[0]: z of the point
         return bits(dot({a[0] - p[0], a[1] - p[1], a[2] - p[2]}, {n[1], n[2], n[3]}) < a[3]);
     }
-    void call_for_places(const NearEntry*) const {} // few, and close to those of their neighbours
-    void call_for(const TileTarget& to, const Row* rows) const {
+    void prefetch_positions(const NearEntry*) const {
+    } // few, and close to those of their neighbours
+    void prefetch_rows(const TileTarget& to, const Row* rows) const {
         std::array<std::size_t, lane_count> own;
         for (std::size_t q = 0; q < lane_count; ++q) own[q] = to.near[rows[q]].owner;
-        movers.call_for(own);
-        to.call_for(rows);
+        movers.prefetch_rows(own);
+        to.prefetch_rows(rows);
     }
 
     template <class Law>
@@ -49,10 +51,8 @@ struct PlaneGeometry {
             return transpose(load_rows(
                 [&](int q) { return &(table[bodies[static_cast<std::size_t>(q)]].*member); }));
         };
-        const auto plane = [&](int q) -> const PlanePlaceRow& {
-            return planes[to.near[rows[q]].other];
-        };
-        const auto a = rows_of(movers.place, slot, &PlaceRow::x);
+        const auto plane = [&](int q) -> const PlaneRow& { return planes[to.near[rows[q]].other]; };
+        const auto a = rows_of(movers.sphere_row, slot, &SphereRow::x);
         const auto p0 = four_of(plane, 0), p4 = four_of(plane, 4), p8 = four_of(plane, 8),
                    p11 = four_of(plane, 11);
         const Vec3Lanes foot{p0[0], p0[1], p0[2]}, normal{p0[3], p4[0], p4[1]},
@@ -62,28 +62,28 @@ struct PlaneGeometry {
                    arm = a[3] - 0.5 * overlap;
         const Vec3Lanes point = centre - arm * normal; // in the middle of the overlap
         const auto v = rows_of(movers.motion, own, &MotionRow::vx);
-        const Vec3Lanes spin = vector(rows_of(movers.motion, own, &MotionRow::spin_x));
+        const Vec3Lanes omega = vector(rows_of(movers.motion, own, &MotionRow::omega_x));
         Vec3Lanes u = vector(v) - (drift + cross(turning, centre - distance * normal - pivot)),
                   middle = centre; // of the body
         if (movers.centre != nullptr) {
             middle = vector(rows_of(movers.centre, own, &CentreRow::x));
-            u = u + cross(spin, centre - middle);
+            u = u + cross(omega, centre - middle);
         }
         ContactLanes c{normal.x, normal.y, normal.z, overlap, v[3], a[3]};
         c.closing = -dot(u, normal);
         if constexpr (Law::has_history) {
-            u = u - arm * cross(spin, normal);
-            c.twist = 0.5 * dot(spin + turning, normal);
+            u = u - arm * cross(omega, normal);
+            c.twist = 0.5 * dot(omega + turning, normal);
             c.ux = u.x, c.uy = u.y, c.uz = u.z;
         }
         if constexpr (Law::has_dashpots) {
             const Vec3Lanes kick = vector(rows_of(movers.kick, own, &KickRow::vx)),
-                            more = vector(rows_of(movers.kick, own, &KickRow::spin_x));
+                            more = vector(rows_of(movers.kick, own, &KickRow::omega_x));
             const Vec3Lanes now = u + kick + cross(more, point - middle);
             c.vx = now.x, c.vy = now.y, c.vz = now.z;
         }
         if constexpr (Law::has_rolling) {
-            const Vec3Lanes w = spin - turning;
+            const Vec3Lanes w = omega - turning;
             c.wx = w.x, c.wy = w.y, c.wz = w.z;
         }
         detail::apply_law<Law>(to, rows, count, c, point.x, point.y, point.z);
@@ -97,13 +97,14 @@ template <class Law, class... Near, class... Pairs>
 struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
     static void planes(Rows<NearPlanes, const NearPair, PairForce, Near...> near,
                        detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
-                       Rows<Planes, const PlanePlace> places, Rows<PlanePairs, Pairs...> pairs,
-                       NearIndex<PlanePairs>& index, const Materials& materials,
-                       const Limits& limits, const Clock& clock) {
-        detail::collide_all<Law>(
-            detail::target_of<Law>(near, pairs, materials, clock),
-            PlaneGeometry{{listed, bodies, index}, places.column<PlanePlace>(), limits.overlap},
-            index);
+                       Rows<Planes, const PlanePosition> plane_rows,
+                       Rows<PlanePairs, Pairs...> pairs, NearIndex<PlanePairs>& index,
+                       const Materials& materials, const Limits& limits, const Clock& clock) {
+        detail::collide_all<Law>(detail::target_of<Law>(near, pairs, materials, clock),
+                                 PlaneGeometry{{listed, bodies, index},
+                                               plane_rows.column<PlanePosition>(),
+                                               limits.overlap},
+                                 index);
     }
 };
 

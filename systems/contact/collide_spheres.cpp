@@ -16,21 +16,22 @@ struct SphereGeometry {
     double deepest; // of the mean radius
 
     unsigned touching(const NearEntry* near) const {
-        return near_lanes([&](int q) -> const PlaceRow& { return movers.place[near[q].owner]; },
-                          [&](int q) -> const PlaceRow& { return movers.place[near[q].other]; }, 0);
+        return near_lanes(
+            [&](int q) -> const SphereRow& { return movers.sphere_row[near[q].owner]; },
+            [&](int q) -> const SphereRow& { return movers.sphere_row[near[q].other]; }, 0);
     }
-    void call_for_places(const NearEntry* near) const {
-        for (std::size_t q = 0; q < 8; ++q) prefetch(&movers.place[near[q].other]);
+    void prefetch_positions(const NearEntry* near) const {
+        for (std::size_t q = 0; q < 8; ++q) prefetch(&movers.sphere_row[near[q].other]);
     }
-    void call_for(const TileTarget& to, const Row* rows) const {
+    void prefetch_rows(const TileTarget& to, const Row* rows) const {
         std::array<std::size_t, lane_count> own, other;
         for (std::size_t q = 0; q < lane_count; ++q) {
             own[q] = to.near[rows[q]].owner;
             other[q] = to.near[rows[q]].other;
         }
-        movers.call_for(own);
-        movers.call_for(other);
-        to.call_for(rows);
+        movers.prefetch_rows(own);
+        movers.prefetch_rows(other);
+        to.prefetch_rows(rows);
     }
 
     template <class Law>
@@ -46,15 +47,15 @@ struct SphereGeometry {
             return load_rows(
                 [&](int q) { return &(table[bodies[static_cast<std::size_t>(q)]].*member); });
         };
-        const auto a = transpose(rows_of(movers.place, own_sphere, &PlaceRow::x));
-        const auto b = transpose(rows_of(movers.place, other_sphere, &PlaceRow::x));
+        const auto a = transpose(rows_of(movers.sphere_row, own_sphere, &SphereRow::x));
+        const auto b = transpose(rows_of(movers.sphere_row, other_sphere, &SphereRow::x));
         const auto va = rows_of(movers.motion, own, &MotionRow::vx);
         const auto vb = rows_of(movers.motion, other, &MotionRow::vx);
         const Lane sign = in_each_row(Quad{-1, -1, -1, 1});
         auto u = transpose({va[0] + sign * vb[0], va[1] + sign * vb[1], va[2] + sign * vb[2],
                             va[3] + sign * vb[3]});
-        const auto wa = transpose(rows_of(movers.motion, own, &MotionRow::spin_x));
-        const auto wb = transpose(rows_of(movers.motion, other, &MotionRow::spin_x));
+        const auto wa = transpose(rows_of(movers.motion, own, &MotionRow::omega_x));
+        const auto wb = transpose(rows_of(movers.motion, other, &MotionRow::omega_x));
         FourLanes xa = a, xb = b; // centres of the bodies
         if (movers.centre != nullptr) {
             // from velocities of the bodies to those of the spheres' centres
@@ -83,8 +84,8 @@ struct SphereGeometry {
             const auto ka = rows_of(movers.kick, own, &KickRow::vx),
                        kb = rows_of(movers.kick, other, &KickRow::vx);
             const auto k = transpose({ka[0] - kb[0], ka[1] - kb[1], ka[2] - kb[2], ka[3] - kb[3]});
-            const auto ta = transpose(rows_of(movers.kick, own, &KickRow::spin_x)),
-                       tb = transpose(rows_of(movers.kick, other, &KickRow::spin_x));
+            const auto ta = transpose(rows_of(movers.kick, own, &KickRow::omega_x)),
+                       tb = transpose(rows_of(movers.kick, other, &KickRow::omega_x));
             const Lane ax = px - xa[0], ay = py - xa[1], az = pz - xa[2];
             const Lane bx = px - xb[0], by = py - xb[1], bz = pz - xb[2];
             const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1],

@@ -20,7 +20,7 @@ struct Nearest {
 inline Nearest nothing_near() { return {Feature::none, Vec3::Zero(), Vec3::Zero(), 0}; }
 
 /// The point of a convex facet nearest to a sphere's centre.
-inline Nearest nearest_on_mesh_facet(const FacetPlaceRow& facet, const Vec3& centre) {
+inline Nearest nearest_on_mesh_facet(const FacetRow& facet, const Vec3& centre) {
     const double height = (centre - facet.corners[0]).dot(facet.normal);
     const Vec3 foot = centre - height * facet.normal;
     bool inside = true;

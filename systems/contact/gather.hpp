@@ -37,14 +37,14 @@ struct Records {
     const WorkRow* work;
 };
 /// Where the work that pairs take is booked.
-struct WorkAccounts {
+struct WorkSums {
     double *friction, *viscous, *rolling;
 };
 
 /// Couples and work of a body's records, which few laws have.
 template <class Pairs>
 void gather_more(Row b, Vec3& torque, const Records& records, const NearIndex<Pairs>& index,
-                 const WorkAccounts& accounts) {
+                 const WorkSums& work_sums) {
     Vec3 couple = Vec3::Zero();
     WorkRow work{};
     index.for_contacts_of(b, [&](Row k, bool as_partner) {
@@ -59,16 +59,15 @@ void gather_more(Row b, Vec3& torque, const Records& records, const NearIndex<Pa
     });
     if (records.torque != nullptr) torque += couple;
     if (records.work == nullptr) return;
-    accounts.friction[b] += work.friction;
-    accounts.viscous[b] += work.viscous;
-    accounts.rolling[b] += work.rolling;
+    work_sums.friction[b] += work.friction;
+    work_sums.viscous[b] += work.viscous;
+    work_sums.rolling[b] += work.rolling;
 }
 
 /// Sums the records of each body; where there is a ledger, the work of the pairs that it owns too.
 template <class Pairs>
 void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torque,
-                 const Records& records, const NearIndex<Pairs>& index,
-                 const WorkAccounts& accounts) {
+                 const Records& records, const NearIndex<Pairs>& index, const WorkSums& work_sums) {
     const Row *contact = index.contact.data(), *owned = index.owned_first.data(),
               *incident = index.incident_first.data(), *end = index.contact_end.data();
     const bool more = records.torque != nullptr || records.work != nullptr;
@@ -90,17 +89,17 @@ void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torqu
         add_to(force[b], sum.force);
         add_to(torque[b],
                __builtin_shufflevector(sum.turned_torque, sum.turned_torque, 1, 2, 0, 3));
-        if (more) gather_more(b, torque[b], records, index, accounts);
+        if (more) gather_more(b, torque[b], records, index, work_sums);
     }
 }
 
 template <class Pairs, class BodyRows, class NearRows>
 void gather_all(const BodyRows& bodies, const NearRows& near, const NearIndex<Pairs>& index,
-                const TorqueRow* couple, const WorkRow* work, const WorkAccounts& accounts) {
+                const TorqueRow* couple, const WorkRow* work, const WorkSums& work_sums) {
     if (index.size() == 0) return;
     gather_rows(RowRange{bodies.first(), bodies.last()}, bodies.template column<Position>(),
                 bodies.template column<Force>(), bodies.template column<Torque>(),
-                {near.template column<PairForce>(), couple, work}, index, accounts);
+                {near.template column<PairForce>(), couple, work}, index, work_sums);
 }
 
 } // namespace detail
@@ -119,7 +118,7 @@ void gather(Rows<Bodies, const Position, Force, Torque> bodies,
 
 /// The same, and adds the work that the pairs took in this step to their owners.
 template <class Pairs, class... More>
-void gather_and_book(
+void gather_and_accumulate_work(
     Rows<Bodies, const Position, Force, Torque, FrictionWork, ViscousWork, RollingWork> bodies,
     Rows<typename Pairs::Near, const PairForce, const PairWork, const More...> near,
     const NearIndex<Pairs>& index) {

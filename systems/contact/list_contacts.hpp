@@ -52,9 +52,10 @@ void list_contacts(Rows<typename Pairs::Near, const NearPair> near,
                    });
     } else {
         for (std::size_t g = 0; g < groups; ++g)
-            for (unsigned rest = index.touching[g] ^ index.listed[g]; rest != 0; rest &= rest - 1) {
+            for (unsigned remaining = index.touching[g] ^ index.listed[g]; remaining != 0;
+                 remaining &= remaining - 1) {
                 const NearEntry& e =
-                    entry[g * index.group + static_cast<unsigned>(__builtin_ctz(rest))];
+                    entry[g * index.group + static_cast<unsigned>(__builtin_ctz(remaining))];
                 detail::list_contacts_of(listed.template column<ListedBody>()[e.owner], index);
                 detail::list_contacts_of(pairs.template column<PairRows>()[e.pair].partner_body,
                                          index);

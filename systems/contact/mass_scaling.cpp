@@ -29,7 +29,7 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     const auto inertial_inertia = bodies.column<InertialInertia>();
     const auto velocity = bodies.column<Velocity>();
     const auto momentum = bodies.column<AngularMomentum>();
-    const auto spin = bodies.column<Spin>();
+    const auto angular_velocity = bodies.column<AngularVelocity>();
     const auto work =
         bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
     auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the rows
@@ -66,7 +66,7 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
         const double turning = i * inertia[b].x() / inertial_inertia[b].x();
         if (!work.empty())
             work[b] += 0.5 * (m - inertial[b]) * velocity[b].squaredNorm() +
-                       0.5 * (turning - 1) * momentum[b].dot(spin[b]);
+                       0.5 * (turning - 1) * momentum[b].dot(angular_velocity[b]);
         momentum[b] *= turning;
         inertial[b] = m;
         inertial_inertia[b] = i * inertia[b];

@@ -18,18 +18,18 @@ public:
     void add(Row near_row, const Vec3& normal, double distance, const Vec3& velocity,
              const Vec3& turning) {
         const Row slot = to_.near[near_row].owner;
-        const PlaceRow& p = movers_.place[slot];
+        const SphereRow& p = movers_.sphere_row[slot];
         const std::size_t owner = movers_.body_of(slot);
         const MotionRow& body = movers_.motion[owner];
         const auto k = static_cast<std::size_t>(count_++);
         const double overlap = p.radius - distance, arm = p.radius - 0.5 * overlap;
-        const Vec3 centre(p.x, p.y, p.z), spin(body.spin_x, body.spin_y, body.spin_z),
+        const Vec3 centre(p.x, p.y, p.z), omega(body.omega_x, body.omega_y, body.omega_z),
             point = centre - arm * normal;
         Vec3 u = Vec3(body.vx, body.vy, body.vz) - velocity, middle = centre; // of the body
         if (movers_.centre != nullptr) {
             const CentreRow& x = movers_.centre[owner];
             middle = Vec3(x.x, x.y, x.z);
-            u += spin.cross(centre - middle);
+            u += omega.cross(centre - middle);
         }
         rows_[k] = near_row;
         put(k, normal_at, normal);
@@ -39,16 +39,16 @@ public:
         values_[radius_at][k] = p.radius;
         values_[closing_at][k] = -u.dot(normal);
         if constexpr (Law::has_history) {
-            u -= arm * spin.cross(normal);
-            values_[twist_at][k] = 0.5 * (spin + turning).dot(normal);
+            u -= arm * omega.cross(normal);
+            values_[twist_at][k] = 0.5 * (omega + turning).dot(normal);
             put(k, sliding_at, u);
         }
         if constexpr (Law::has_dashpots) {
             const KickRow& kick = movers_.kick[owner];
-            const Vec3 more(kick.spin_x, kick.spin_y, kick.spin_z);
+            const Vec3 more(kick.omega_x, kick.omega_y, kick.omega_z);
             put(k, velocity_at, u + Vec3(kick.vx, kick.vy, kick.vz) + more.cross(point - middle));
         }
-        if constexpr (Law::has_rolling) put(k, spin_at, spin - turning);
+        if constexpr (Law::has_rolling) put(k, omega_at, omega - turning);
         if (count_ == lane_count) flush();
     }
 
@@ -77,9 +77,9 @@ public:
             c.vz = lane(velocity_at + 2);
         }
         if constexpr (Law::has_rolling) {
-            c.wx = lane(spin_at);
-            c.wy = lane(spin_at + 1);
-            c.wz = lane(spin_at + 2);
+            c.wx = lane(omega_at);
+            c.wy = lane(omega_at + 1);
+            c.wz = lane(omega_at + 2);
         }
         apply_law<Law>(to_, rows_.data(), count_, c, lane(point_at), lane(point_at + 1),
                        lane(point_at + 2));
@@ -93,7 +93,7 @@ private:
         point_at = 3,
         sliding_at = 6,
         velocity_at = 9,
-        spin_at = 12,
+        omega_at = 12,
         overlap_at = 15,
         inverse_mass_at,
         radius_at,
@@ -114,7 +114,8 @@ private:
 
 /// Books which rows of a chunk touch now; forgets those that have come apart.
 template <class Pairs>
-void book(const TileTarget& to, NearIndex<Pairs>& index, std::size_t group, unsigned now) {
+void write_touching(const TileTarget& to, NearIndex<Pairs>& index, std::size_t group,
+                    unsigned now) {
     std::uint8_t& flags = index.touching[group / 8];
     forget(to, static_cast<Row>(group), flags & ~now);
     flags = static_cast<std::uint8_t>(now);

@@ -33,14 +33,14 @@ void for_owners(const NearIndex<Pairs>& index, ShareRows&& share_rows) {
 } // namespace
 
 void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near,
-                          Rows<Listed, const Place, const ListedBody> listed,
+                          Rows<Listed, const ListedPosition, const ListedBody> listed,
                           const NearIndex<SpherePairs>& index) {
     const NearEntry* entry = near.column<NearPair>();
-    const PlaceRow* place = listed.column<Place>();
+    const SphereRow* sphere_row = listed.column<ListedPosition>();
     const Row* body = listed.column<ListedBody>();
     double* share = near.column<PatchShare>();
     const auto overlap = [&](Row k) {
-        const PlaceRow &a = place[entry[k].owner], &b = place[entry[k].other];
+        const SphereRow &a = sphere_row[entry[k].owner], &b = sphere_row[entry[k].other];
         const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
         return std::max(0.0, a.radius + b.radius - std::sqrt(dx * dx + dy * dy + dz * dz));
     };
@@ -54,18 +54,18 @@ void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near,
 }
 
 void share_plane_patches(Rows<NearPlanes, const NearPair, PatchShare> near,
-                         Rows<Listed, const Place, const ListedBody> listed,
-                         Rows<Planes, const PlanePlace> planes,
+                         Rows<Listed, const ListedPosition, const ListedBody> listed,
+                         Rows<Planes, const PlanePosition> planes,
                          const NearIndex<PlanePairs>& index) {
     const NearEntry* entry = near.column<NearPair>();
-    const PlaceRow* place = listed.column<Place>();
-    const PlanePlaceRow* plane = planes.column<PlanePlace>();
+    const SphereRow* sphere_row = listed.column<ListedPosition>();
+    const PlaneRow* plane = planes.column<PlanePosition>();
     double* share = near.column<PatchShare>();
     const auto count = static_cast<Row>(planes.size());
     for_owners(index, [&](Row first, Row last) {
         for (Row k = first; k < last; ++k) {
-            const PlaceRow& a = place[entry[k].owner];
-            const PlanePlaceRow& p = plane[entry[k].other];
+            const SphereRow& a = sphere_row[entry[k].owner];
+            const PlaneRow& p = plane[entry[k].other];
             share[k] = std::max(0.0, a.radius - (Vec3(a.x, a.y, a.z) - p.point).dot(p.normal));
         }
         if (first == last) return;

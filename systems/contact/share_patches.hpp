@@ -13,12 +13,13 @@ namespace bris {
 /// have 1/n each. Such a force has no exact potential; what that costs is seen in the energy
 /// ledger.
 void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near,
-                          Rows<Listed, const Place, const ListedBody> listed,
+                          Rows<Listed, const ListedPosition, const ListedBody> listed,
                           const NearIndex<SpherePairs>& index);
 
 /// The same for the spheres of one clump and one plane.
 void share_plane_patches(Rows<NearPlanes, const NearPair, PatchShare> near,
-                         Rows<Listed, const Place, const ListedBody> listed,
-                         Rows<Planes, const PlanePlace> planes, const NearIndex<PlanePairs>& index);
+                         Rows<Listed, const ListedPosition, const ListedBody> listed,
+                         Rows<Planes, const PlanePosition> planes,
+                         const NearIndex<PlanePairs>& index);
 
 } // namespace bris

@@ -57,8 +57,8 @@ void visit_touches(const World& world, Visit&& visit) {
     const auto position = world.column<Bodies, Position>();
     const auto mass = world.column<Bodies, InertialMass>();
     const auto motion = world.column<Bodies, MotionOf>();
-    const auto place =
-        world.column<Listed, Place>(); // a step on: a difference of one step's motion
+    const auto sphere_row =
+        world.column<Listed, ListedPosition>(); // a step on: a difference of one step's motion
     const auto body = world.column<Listed, ListedBody>();
     const LawName law = world.resource<ContactLaw>().law;
     const auto& materials = world.resource<Materials>();
@@ -68,11 +68,11 @@ void visit_touches(const World& world, Visit&& visit) {
     const auto inverse_mass = [&](Row b) { return motion[b] == free_motion ? 1 / mass[b] : 0; };
     for (Row b = 0; b < position.size(); ++b)
         index.for_contacts_of(b, [&](Row k, bool) {
-            const PairPlaces& pair = rows[entry[k].pair];
-            const PlaceRow& p = place[entry[k].owner];
+            const PairRowNumbers& pair = rows[entry[k].pair];
+            const SphereRow& p = sphere_row[entry[k].owner];
             const Row owner = body[entry[k].owner];
             const Vec3 point(force[k].px, force[k].py, force[k].pz);
-            const double radius = effective_radius<Pairs>(entry[k], place);
+            const double radius = effective_radius<Pairs>(entry[k], sphere_row);
             const LawRow& row = materials.pairs(law)[pair.law];
             Elasticity e = elasticity(row, is_hertz(law), force[k].overlap, radius);
             if (share != nullptr)

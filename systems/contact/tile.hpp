@@ -29,7 +29,7 @@ struct TileTarget {
     LawStep step;
 
     /// What contacts of these near rows write.
-    void call_for(const Row* rows) const {
+    void prefetch_rows(const Row* rows) const {
         for (int q = 0; q < lane_count; ++q) prefetch<true>(&force[rows[q]]);
         if (spring != nullptr)
             for (int q = 0; q < lane_count; ++q) prefetch<true>(&spring[near[rows[q]].pair]);
@@ -66,7 +66,7 @@ TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const Materi
             {materials.policy, clock.dt, work != nullptr}};
 }
 
-using ListedSpheres = Rows<Listed, const Place, const ListedBody>;
+using ListedSpheres = Rows<Listed, const ListedPosition, const ListedBody>;
 template <class Law>
 using MovingBodies = std::conditional_t<Law::has_dashpots,
                                         Rows<Bodies, const RigidMotion, const CentreOf, const Kick>,
@@ -74,21 +74,21 @@ using MovingBodies = std::conditional_t<Law::has_dashpots,
 
 /// What contacts read of spheres, by slot, and of their bodies.
 struct Movers {
-    const PlaceRow* place;
+    const SphereRow* sphere_row;
     const Row* body;         ///< null if every sphere is a body: slots are rows of bodies then
     const MotionRow* motion; ///< by body, as the centre
     const CentreRow* centre; ///< null if every sphere stands in the centre of its body
     const KickRow* kick;     ///< null if the law has no dashpots
     template <class MovingRows, class Pairs>
     Movers(const ListedSpheres& listed, const MovingRows& bodies, const NearIndex<Pairs>& index)
-        : place(listed.column<Place>()),
+        : sphere_row(listed.column<ListedPosition>()),
           body(index.centred ? nullptr : listed.column<ListedBody>()),
           motion(bodies.template column<RigidMotion>()),
           centre(index.centred ? nullptr : bodies.template column<CentreOf>()),
           kick(kick_of(bodies)) {}
     std::size_t body_of(std::size_t slot) const { return body == nullptr ? slot : body[slot]; }
     /// What contacts read of these spheres beside their places.
-    void call_for(const std::array<std::size_t, lane_count>& slots) const {
+    void prefetch_rows(const std::array<std::size_t, lane_count>& slots) const {
         std::array<std::size_t, lane_count> bodies;
         for (std::size_t q = 0; q < lane_count; ++q) bodies[q] = body_of(slots[q]);
         for (const std::size_t b : bodies) prefetch(&motion[b]);
@@ -117,9 +117,9 @@ inline CoefficientLanes coefficients(const TileTarget& to, const Row* rows) {
     }
     const auto first =
         transpose(load_rows([&](int q) { return &to.laws[to.near[rows[q]].law].kn; }));
-    const auto rest =
+    const auto remaining =
         transpose(load_rows([&](int q) { return &to.laws[to.near[rows[q]].law].shear_rate; }));
-    return {first[0], first[1], first[2], first[3], rest[0], rest[1], rest[2]};
+    return {first[0], first[1], first[2], first[3], remaining[0], remaining[1], remaining[2]};
 }
 
 /// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid
@@ -184,8 +184,9 @@ public:
     unsigned asked(std::size_t group, unsigned touching) {
         if (look_ == nullptr) return touching;
         touching &= look_[group / 8];
-        for (unsigned rest = touching & ~unsigned{awake_[group / 8]}; rest != 0; rest &= rest - 1)
-            keep(to_.near[group + static_cast<std::size_t>(__builtin_ctz(rest))].pair);
+        for (unsigned remaining = touching & ~unsigned{awake_[group / 8]}; remaining != 0;
+             remaining &= remaining - 1)
+            keep(to_.near[group + static_cast<std::size_t>(__builtin_ctz(remaining))].pair);
         return touching;
     }
     void put_springs_back() {

@@ -30,7 +30,7 @@ public:
         near_ = world.column<typename Pairs::Near, NearPair>();
         force_ = world.column<typename Pairs::Near, PairForce>();
         rows_ = world.column<Pairs, PairRows>();
-        place_ = world.column<Listed, Place>();
+        sphere_row_ = world.column<Listed, ListedPosition>();
         body_ = world.column<Listed, ListedBody>();
     }
     /// In the order of the force sums: whatever the rows, the same.
@@ -39,7 +39,7 @@ public:
         if (index_ == nullptr) return;
         index_->for_contacts_of(body, [&](Row k, bool as_partner) {
             const ForceRow& f = force_[k];
-            const PlaceRow& sphere = place_[near_[k].owner];
+            const SphereRow& sphere = sphere_row_[near_[k].owner];
             const LawRow& law = laws_[near_[k].law];
             Contact c{as_partner ? body_[near_[k].owner] : rows_[near_[k].pair].partner_body,
                       Vec3(f.px, f.py, f.pz), Vec3::Zero(), law.kn, law.ks};
@@ -55,8 +55,8 @@ private:
     const NearIndex<Pairs>* index_ = nullptr;
     std::span<const NearEntry> near_;
     std::span<const ForceRow> force_;
-    std::span<const PairPlaces> rows_;
-    std::span<const PlaceRow> place_;
+    std::span<const PairRowNumbers> rows_;
+    std::span<const SphereRow> sphere_row_;
     std::span<const Row> body_;
 };
 

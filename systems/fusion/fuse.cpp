@@ -22,13 +22,13 @@ double now_of(const Fusion& fusion, const Clock& clock) {
     return fusion.by_strain ? fusion.strain : end_of_step(clock);
 }
 // times are sums of steps: a sample within a millionth of a step of its end has come
-bool has_come(double time, const Fusion& fusion, const Clock& clock) {
+bool has_arrived(double time, const Fusion& fusion, const Clock& clock) {
     return fusion.by_strain ? time <= fusion.strain * (1 + 1e-9)
                             : time <= end_of_step(clock) + 1e-6 * clock.dt;
 }
 bool note_is_due(const Fusion& fusion, const Clock& clock) {
     return fusion.note_every > 0 &&
-           has_come(static_cast<double>(fusion.notes) * fusion.note_every, fusion, clock);
+           has_arrived(static_cast<double>(fusion.notes) * fusion.note_every, fusion, clock);
 }
 /// Of a time before this step, or passed by another analysis.
 bool is_late(const TimedMeasurement& m, const SensorFilter& filter, const Fusion& fusion,
@@ -37,9 +37,11 @@ bool is_late(const TimedMeasurement& m, const SensorFilter& filter, const Fusion
     return filter.has_passed(m.time) || (m.arrives > m.time && m.time < since);
 }
 
-Vec3 momentum_of(double inertia, const Vec3& spin) { return inertia * spin; }
-Vec3 momentum_of(const Vec3& inertia, const Quat& q, const Vec3& spin) {
-    return q * Vec3(inertia.cwiseProduct(q.conjugate() * spin));
+Vec3 momentum_of(double inertia, const Vec3& angular_velocity) {
+    return inertia * angular_velocity;
+}
+Vec3 momentum_of(const Vec3& inertia, const Quat& q, const Vec3& angular_velocity) {
+    return q * Vec3(inertia.cwiseProduct(q.conjugate() * angular_velocity));
 }
 
 template <class BodyRows>
@@ -52,7 +54,7 @@ Analysis sum_of(const Analysis& a, const Analysis& b) { // turns: small ones
     return {a.shift + b.shift,
             a.velocity + b.velocity,
             a.turn + b.turn,
-            a.spin + b.spin,
+            a.angular_velocity + b.angular_velocity,
             a.accepted + b.accepted,
             a.refused + b.refused,
             std::max(a.largest_distance, b.largest_distance)};
@@ -62,16 +64,16 @@ Analysis scaled(double share, const Analysis& a) {
     return {.shift = share * a.shift,
             .velocity = share * a.velocity,
             .turn = share * a.turn,
-            .spin = share * a.spin};
+            .angular_velocity = share * a.angular_velocity};
 }
 
 /// Where a body is to be pulled. In a test by stages it rests there.
-PullTarget target_of(const RigidState& now, const Analysis& wanted, const Fusion& fusion) {
-    PullTarget t{now.position + wanted.shift, Vec3::Zero(),
-                 exponential_map(wanted.turn) * now.orientation, Vec3::Zero()};
+NudgingTarget target_of(const RigidState& now, const Analysis& wanted, const Fusion& fusion) {
+    NudgingTarget t{now.position + wanted.shift, Vec3::Zero(),
+                    exponential_map(wanted.turn) * now.orientation, Vec3::Zero()};
     if (fusion.by_strain) return t;
     t.velocity = now.velocity + wanted.velocity;
-    t.spin = now.spin + wanted.spin;
+    t.angular_velocity = now.angular_velocity + wanted.angular_velocity;
     return t;
 }
 
@@ -79,16 +81,16 @@ PullTarget target_of(const RigidState& now, const Analysis& wanted, const Fusion
 RigidState state_at(double earlier, const RigidState& now, const Analysis& to_come) {
     RigidState s = now;
     s.velocity += to_come.velocity;
-    s.spin += to_come.spin;
+    s.angular_velocity += to_come.angular_velocity;
     s.position += to_come.shift - earlier * s.velocity;
-    s.orientation = exponential_map(to_come.turn - earlier * s.spin) * now.orientation;
+    s.orientation = exponential_map(to_come.turn - earlier * s.angular_velocity) * now.orientation;
     return s;
 }
 
 bool is_same(const auto& a, const auto& b) { return a == b || (!a.allFinite() && !b.allFinite()); }
 bool is_same(const Measured& a, const Measured& b) {
     return is_same(a.position, b.position) && is_same(a.velocity, b.velocity) &&
-           is_same(a.spin, b.spin) && is_same(a.up, b.up) &&
+           is_same(a.angular_velocity, b.angular_velocity) && is_same(a.up, b.up) &&
            is_same(a.attitude.coeffs(), b.attitude.coeffs());
 }
 
@@ -105,22 +107,22 @@ void mark_repeated(std::vector<TimedMeasurement>& samples) {
 
 /// What a sensor tells of its body. At the end of a stage all is at rest: so says the test, and
 /// only beside a sensor that is let in.
-template <class Analyse>
-Measured told_by_sensor(const Measured& what, const Fusion& fusion, Analyse&& analyse) {
+template <class Update>
+Measured observation_of(const Measured& what, const Fusion& fusion, Update&& update) {
     if (!fusion.by_strain) return what;
     Measured own = what;
-    own.velocity = own.spin = Measured().velocity;
-    const Analysis heard = analyse(own);
-    return own.is_empty() || (heard.accepted == 0 && heard.refused > 0) ? own : what;
+    own.velocity = own.angular_velocity = Measured().velocity;
+    const Analysis assimilated = update(own);
+    return own.is_empty() || (assimilated.accepted == 0 && assimilated.refused > 0) ? own : what;
 }
 
 /// Takes the samples of a sensor that have come: adds what they say to the correction to come.
 /// False: there were none, or they came too late.
-bool take_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& samples,
-                  std::uint64_t& next, std::uint64_t& too_late, const RigidState& now,
-                  Analysis& to_come, const Fusion& fusion, const Clock& clock) {
+bool assimilate_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& samples,
+                        std::uint64_t& next, std::uint64_t& too_late, const RigidState& now,
+                        Analysis& to_come, const Fusion& fusion, const Clock& clock) {
     bool taken = false;
-    for (; next < samples.size() && has_come(samples[next].arrives, fusion, clock); ++next) {
+    for (; next < samples.size() && has_arrived(samples[next].arrives, fusion, clock); ++next) {
         const TimedMeasurement& m = samples[next];
         if (m.again) {
             ++to_come.refused;
@@ -129,18 +131,18 @@ bool take_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& sam
         if (!is_late(m, filter, fusion, clock)) {
             const double earlier = fusion.by_strain ? 0 : end_of_step(clock) - m.time;
             const BodyForecast forecast{m.time, state_at(earlier, now, to_come)};
-            const Measured what = told_by_sensor(m.what, fusion, [&](const Measured& own) {
-                return SensorFilter(filter).analyse(forecast, own);
+            const Measured what = observation_of(m.what, fusion, [&](const Measured& own) {
+                return SensorFilter(filter).update(forecast, own);
             });
-            to_come = sum_of(to_come, filter.analyse(forecast, what));
+            to_come = sum_of(to_come, filter.update(forecast, what));
             taken = true;
             continue;
         }
         filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
-        const Measured what = told_by_sensor(m.what, fusion, [&](const Measured& own) {
-            return SensorFilter(filter).analyse_late(m.time, own).value_or(Analysis{});
+        const Measured what = observation_of(m.what, fusion, [&](const Measured& own) {
+            return SensorFilter(filter).update_late(m.time, own).value_or(Analysis{});
         });
-        const auto late = filter.analyse_late(m.time, what);
+        const auto late = filter.update_late(m.time, what);
         if (late)
             to_come = sum_of(to_come, *late);
         else
@@ -151,29 +153,29 @@ bool take_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& sam
 }
 
 RigidState state_of(const Vec3& position, const Vec3& velocity, const Vec3& acceleration,
-                    const Quat& orientation, const Vec3& spin, const Clock& clock) {
-    return {position, velocity + 0.5 * clock.dt * acceleration, orientation, spin};
+                    const Quat& orientation, const Vec3& angular_velocity, const Clock& clock) {
+    return {position, velocity + 0.5 * clock.dt * acceleration, orientation, angular_velocity};
 }
-Analysis under_way_of(const CorrectionRow& c) {
+Analysis pending_of(const CorrectionRow& c) {
     return {.shift = c.steps * c.shift, .turn = c.steps * c.turn};
 }
 
 /// Whether a sample that has come is let in, by what its body does now.
-bool is_heard(const World& world, Row s) {
+bool is_assimilated(const World& world, Row s) {
     const Fusion& fusion = world.resource<Fusion>();
     const Clock& clock = world.resource<Clock>();
     const Table& bodies = world.table<Bodies>();
     const Row b = rows_by_id(bodies.column<BodyId>())[world.column<Sensors, SensorHost>()[s]];
     Quat orientation = Quat::Identity();
     if (bodies.has<Orientation>()) orientation = bodies.column<Orientation>()[b];
-    const RigidState now =
-        state_of(bodies.column<Position>()[b], bodies.column<Velocity>()[b],
-                 bodies.column<Acceleration>()[b], orientation, bodies.column<Spin>()[b], clock);
-    Analysis to_come = under_way_of(bodies.column<Correction>()[b]);
+    const RigidState now = state_of(bodies.column<Position>()[b], bodies.column<Velocity>()[b],
+                                    bodies.column<Acceleration>()[b], orientation,
+                                    bodies.column<AngularVelocity>()[b], clock);
+    Analysis to_come = pending_of(bodies.column<Correction>()[b]);
     SensorFilter filter = fusion.filters[s];
     std::uint64_t next = world.column<Sensors, NextSample>()[s], too_late = 0;
-    (void)take_samples(filter, world.resource<Replay>().samples[s], next, too_late, now, to_come,
-                       fusion, clock);
+    (void)assimilate_samples(filter, world.resource<Replay>().samples[s], next, too_late, now,
+                             to_come, fusion, clock);
     return to_come.accepted > 0;
 }
 
@@ -181,50 +183,50 @@ bool is_heard(const World& world, Row s) {
 double share_in_step(const Analysis& wanted, double radius, const Fusion& fusion,
                      const Clock& clock) {
     // no point of the body goes farther in a step, and so changes no overlap by more
-    const double way =
+    const double distance =
         (wanted.shift.norm() + radius * wanted.turn.norm()) / fusion.injection_steps +
-        clock.dt * (wanted.velocity.norm() + radius * wanted.spin.norm());
-    if (fusion.largest_shift <= 0 || way <= fusion.largest_shift) return 1;
-    const double share = fusion.largest_shift / way;
+        clock.dt * (wanted.velocity.norm() + radius * wanted.angular_velocity.norm());
+    if (fusion.largest_shift <= 0 || distance <= fusion.largest_shift) return 1;
+    const double share = fusion.largest_shift / distance;
     return share < least_share ? 0 : share;
 }
 
 AnalysisRecord record_of(const SensorFilter& filter, double time, Row sensor, double share,
-                         double work, const WorkAccount& account) {
-    const Weighed &place = filter.place(), &attitude = filter.attitude();
+                         double work, const WorkBudget& budget) {
+    const AnalysisStatistics &position = filter.position(), &attitude = filter.attitude();
     const double axis = 1 / std::sqrt(3.0);
     return {.time = time,
             .sensor = static_cast<double>(sensor),
-            .shift_off = place.innovation.norm(),
-            .turn_off = attitude.innovation.norm(),
-            .shift_distance = place.squared_distance,
-            .turn_distance = attitude.squared_distance,
-            .shift_gain = place.gain.mean(),
-            .turn_gain = attitude.gain.mean(),
-            .shift_deviation = axis * place.deviation.norm(),
-            .turn_deviation = axis * attitude.deviation.norm(),
+            .position_innovation = position.innovation.norm(),
+            .attitude_innovation = attitude.innovation.norm(),
+            .position_normalised_innovation_squared = position.normalised_innovation_squared,
+            .attitude_normalised_innovation_squared = attitude.normalised_innovation_squared,
+            .position_gain = position.gain.mean(),
+            .attitude_gain = attitude.gain.mean(),
+            .position_deviation = axis * position.deviation.norm(),
+            .attitude_deviation = axis * attitude.deviation.norm(),
             .share = share,
             .work = work,
-            .work_allowed = account.allowed,
-            .work_expected = account.expected};
+            .work_allowed = budget.allowed,
+            .work_expected = budget.expected};
 }
 
 /// Gives a body the velocity and spin of a correction at once, and books what that does.
 template <class BodyRows>
 void change_motion(const BodyRows& bodies, Row b, const RigidState& now, const Analysis& given,
                    const Vec3& dL, double dt) {
-    const Vec3 &dv = given.velocity, &dw = given.spin;
-    const PullRow& pull = bodies.template column<Pull>()[b];
+    const Vec3 &dv = given.velocity, &dw = given.angular_velocity;
+    const NudgingRow& nudging = bodies.template column<Nudging>()[b];
     double& work = bodies.template column<FusionWork>()[b];
     work += bodies.template column<InertialMass>()[b] * dv.dot(now.velocity + 0.5 * dv) +
-            dL.dot(now.spin + 0.5 * dw);
+            dL.dot(now.angular_velocity + 0.5 * dw);
     work -= 0.5 * dt *
-            (pull.force.dot(dv) +
-             pull.torque.dot(
+            (nudging.force.dot(dv) +
+             nudging.torque.dot(
                  dw)); // of the step that is over, to be booked with the velocity that it had
     bodies.template column<Velocity>()[b] += dv;
-    bodies.template column<Spin>()[b] += dw;
-    bodies.template column<StepSpin>()[b] += dw;
+    bodies.template column<AngularVelocity>()[b] += dw;
+    bodies.template column<StepAngularVelocity>()[b] += dw;
     bodies.template column<AngularMomentum>()[b] += dL;
 }
 
@@ -236,68 +238,68 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
     for (Row s = sensors.first(); s < sensors.last(); ++s) {
         std::uint64_t& next = sensors.column<NextSample>()[s];
         const auto& samples = replay.samples[s];
-        if (!notes && (next >= samples.size() || !has_come(samples[next].arrives, fusion, clock)))
+        if (!notes &&
+            (next >= samples.size() || !has_arrived(samples[next].arrives, fusion, clock)))
             continue;
         const Row b = row_of(bodies, sensors.column<SensorHost>()[s]);
         const Vec3 &velocity = bodies.template column<Velocity>()[b],
-                   &spin = bodies.template column<Spin>()[b];
+                   &angular_velocity = bodies.template column<AngularVelocity>()[b];
         CorrectionRow& correction = bodies.template column<Correction>()[b];
-        const RigidState now =
-            state_of(bodies.template column<Position>()[b], velocity,
-                     bodies.template column<Acceleration>()[b], orientation_of(b), spin, clock);
-        const Analysis under_way = under_way_of(correction);
-        Analysis to_come = under_way;
+        const RigidState now = state_of(bodies.template column<Position>()[b], velocity,
+                                        bodies.template column<Acceleration>()[b],
+                                        orientation_of(b), angular_velocity, clock);
+        const Analysis pending = pending_of(correction);
+        Analysis to_come = pending;
         SensorFilter& filter = fusion.filters[s];
-        const bool taken = take_samples(filter, samples, next, sensors.column<TooLate>()[s], now,
-                                        to_come, fusion, clock),
-                   heard = to_come.accepted > 0;
+        const bool taken = assimilate_samples(filter, samples, next, sensors.column<TooLate>()[s],
+                                              now, to_come, fusion, clock),
+                   assimilated = to_come.accepted > 0;
         sensors.column<Accepted>()[s] += to_come.accepted;
         sensors.column<Refused>()[s] += to_come.refused;
         double& largest = sensors.column<LargestInnovation>()[s];
         largest = std::max(largest, to_come.largest_distance);
         if (taken &&
-            !heard) { // what is refused moves nothing, nor does it stretch what is under way
-            if (filter.remembers()) filter.leave(sum_of(to_come, scaled(-1, under_way)));
-            to_come = under_way;
+            !assimilated) { // what is refused moves nothing, nor does it stretch what is under way
+            if (filter.remembers()) filter.withhold(sum_of(to_come, scaled(-1, pending)));
+            to_come = pending;
             fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0,
                                                bodies.template column<FusionWork>()[b],
-                                               fusion.account));
+                                               fusion.budget));
         }
         if (notes) filter.note({now_of(fusion, clock), state_at(0, now, to_come)});
-        if (!heard) continue;
-        const bool pulls = fusion.pull.stiffness > 0;
+        if (!assimilated) continue;
+        const bool nudged = fusion.nudging.stiffness > 0;
         const double share =
-            pulls ? fusion.account.gain
-                  : share_in_step(to_come, bodies.template column<BoundingRadius>()[b], fusion,
-                                  clock);
+            nudged ? fusion.budget.gain
+                   : share_in_step(to_come, bodies.template column<BoundingRadius>()[b], fusion,
+                                   clock);
         fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, share,
-                                           bodies.template column<FusionWork>()[b],
-                                           fusion.account));
-        if (pulls && share < 1) ++(share > 0 ? fusion.account.reduced : fusion.account.withheld);
-        if (!pulls && share < 1)
+                                           bodies.template column<FusionWork>()[b], fusion.budget));
+        if (nudged && share < 1) ++(share > 0 ? fusion.budget.reduced : fusion.budget.withheld);
+        if (!nudged && share < 1)
             ++(share > 0 ? sensors.column<Reduced>() : sensors.column<Withheld>())[s];
         if (share == 0) { // nothing is given, and the filter knows it
-            filter.leave(sum_of(to_come, scaled(-1, under_way)));
-            if (pulls) release_pull(bodies.template column<Pull>()[b]);
+            filter.withhold(sum_of(to_come, scaled(-1, pending)));
+            if (nudged) release_nudging(bodies.template column<Nudging>()[b]);
             continue;
         }
-        if (!pulls && share < 1) {
+        if (!nudged && share < 1) {
             const Analysis given = scaled(share, to_come);
-            filter.leave(sum_of(to_come, scaled(-1, given)));
+            filter.withhold(sum_of(to_come, scaled(-1, given)));
             to_come = given;
         }
-        change_motion(bodies, b, now, to_come, momentum(b, to_come.spin), clock.dt);
-        lists.unseen = true; // what contacts read of this body was placed before
+        change_motion(bodies, b, now, to_come, momentum(b, to_come.angular_velocity), clock.dt);
+        lists.velocities_changed = true; // what contacts read of this body was placed before
         std::uint32_t& guided = bodies.template column<Guided>()[b];
-        if (pulls) {
+        if (nudged) {
             // the body may follow or not: what it does is seen as the simulation's motion
-            if (filter.remembers()) filter.leave({.shift = to_come.shift, .turn = to_come.turn});
-            PullTarget target = target_of(now, to_come, fusion);
+            if (filter.remembers()) filter.withhold({.shift = to_come.shift, .turn = to_come.turn});
+            NudgingTarget target = target_of(now, to_come, fusion);
             count_last_turn(b, target);
-            give_pull(bodies.template column<Pull>()[b], guided, target, fusion.pull, share);
+            set_nudging(bodies.template column<Nudging>()[b], guided, target, fusion.nudging,
+                        share);
         } else {
-            give_correction(correction, guided, to_come.shift, to_come.turn,
-                            fusion.injection_steps);
+            set_correction(correction, guided, to_come.shift, to_come.turn, fusion.injection_steps);
         }
     }
     if (notes)
@@ -309,7 +311,7 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
 
 void Fusion::save(Archive& archive) const {
     put_fields(archive, "fusion/strain", std::tie(strain, notes));
-    account.save(archive, "fusion/account");
+    budget.save(archive, "fusion/budget");
     save_records(archive, "fusion/records", records);
     for (std::size_t k = 0; k < filters.size(); ++k)
         filters[k].save(archive, fmt::format("fusion/{}", k));
@@ -317,7 +319,7 @@ void Fusion::save(Archive& archive) const {
 
 void Fusion::load(const Archive& archive) {
     get_fields(archive, "fusion/strain", std::tie(strain, notes));
-    account.load(archive, "fusion/account");
+    budget.load(archive, "fusion/budget");
     records = load_records(archive, "fusion/records");
     for (std::size_t k = 0; k < filters.size(); ++k)
         filters[k].load(archive, fmt::format("fusion/{}", k));
@@ -355,7 +357,7 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts,
     }
     world.table<Bodies>().add<Guided>();
     world.table<Bodies>().add<Correction>();
-    world.table<Bodies>().add<Pull>();
+    world.table<Bodies>().add<Nudging>();
     world.table<Bodies>().add<FusionWork>();
     world.add_resource(Replay{std::move(samples)});
     auto& fusion = world.add_resource<Fusion>();
@@ -369,14 +371,14 @@ bool fusion_is_due(const World& world) {
     const Clock& clock = world.resource<Clock>();
     const auto next = world.column<Sensors, NextSample>();
     for (std::size_t s = 0; s < samples.size(); ++s)
-        if (next[s] < samples[s].size() && has_come(samples[s][next[s]].arrives, fusion, clock))
+        if (next[s] < samples[s].size() && has_arrived(samples[s][next[s]].arrives, fusion, clock))
             return true;
     return note_is_due(fusion, clock);
 }
 
 bool dismiss_samples(World& world) {
     for (Row s = 0; s < world.table<Sensors>().size(); ++s)
-        if (is_heard(world, s)) return false;
+        if (is_assimilated(world, s)) return false;
     const System fuse = world.table<Bodies>().has<Orientation>()
                             ? system("fuse_clumps", fuse_clumps)
                             : system("fuse_spheres", fuse_spheres);
@@ -389,11 +391,13 @@ void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies,
     const double* inertia = bodies.column<SphereInertia>();
     fuse(
         sensors, bodies, fusion, lists, replay, clock, [](Row) { return Quat::Identity(); },
-        [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], spin); },
-        [&](Row b, PullTarget& target) {
-            const Vec3& spin = bodies.column<StepSpin>()[b];
-            target.attitude = exponential_map(-clock.dt * target.spin) * target.attitude *
-                              exponential_map(clock.dt * spin);
+        [&](Row b, const Vec3& angular_velocity) {
+            return momentum_of(inertia[b], angular_velocity);
+        },
+        [&](Row b, NudgingTarget& target) {
+            const Vec3& angular_velocity = bodies.column<StepAngularVelocity>()[b];
+            target.attitude = exponential_map(-clock.dt * target.angular_velocity) *
+                              target.attitude * exponential_map(clock.dt * angular_velocity);
         });
 }
 
@@ -403,8 +407,10 @@ void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const Iner
     const Vec3* inertia = bodies.column<InertialInertia>();
     fuse(
         sensors, bodies, fusion, lists, replay, clock, [&](Row b) { return orientation[b]; },
-        [&](Row b, const Vec3& spin) { return momentum_of(inertia[b], orientation[b], spin); },
-        [](Row, PullTarget&) {});
+        [&](Row b, const Vec3& angular_velocity) {
+            return momentum_of(inertia[b], orientation[b], angular_velocity);
+        },
+        [](Row, NudgingTarget&) {});
 }
 
 double fusion_work(const World& world) {

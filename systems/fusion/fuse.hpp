@@ -7,9 +7,9 @@
 #include "engine/clock.hpp"
 #include "engine/rows.hpp"
 #include "systems/fusion/analysis_record.hpp"
-#include "systems/fusion/pull.hpp"
+#include "systems/fusion/nudging.hpp"
 #include "systems/fusion/sensor_filter.hpp"
-#include "systems/fusion/work_account.hpp"
+#include "systems/fusion/work_budget.hpp"
 
 namespace bris {
 
@@ -34,8 +34,8 @@ struct Fusion {
     static constexpr bool is_state = true;
     std::vector<SensorFilter> filters;
     unsigned injection_steps =
-        1; ///< in which a correction of position enters; 1: it jumps (give_correction)
-    PullSettings pull;
+        1; ///< in which a correction of position enters; 1: it jumps (set_correction)
+    NudgingSettings nudging;
     /// m: a correction may change no overlap of its body by more in a step (twice that between two
     /// such bodies). What is over it is corrected by less; by a hundred times, not at all. 0: any
     /// is given whole. Pulls have their own limit.
@@ -47,7 +47,7 @@ struct Fusion {
                              ///< strain, and all rests then
     double strain = 0;       ///< to which they have been
     std::uint64_t notes = 0; ///< intervals of note_every that have been begun
-    WorkAccount account;     ///< what corrections may cost, in a test by stages
+    WorkBudget budget;       ///< what corrections may cost, in a test by stages
     std::vector<AnalysisRecord> records; ///< of all analyses
 
     void save(Archive& archive) const;
@@ -64,9 +64,10 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts,
 using FusedSensors = Rows<Sensors, const SensorHost, NextSample, Accepted, Refused, TooLate,
                           Reduced, Withheld, LargestInnovation>;
 template <class... Shape>
-using FusedBodies = Rows<Bodies, const BodyId, const Position, const BoundingRadius,
-                         const Acceleration, const InertialMass, Velocity, Spin, StepSpin,
-                         AngularMomentum, Guided, Correction, Pull, FusionWork, Shape...>;
+using FusedBodies =
+    Rows<Bodies, const BodyId, const Position, const BoundingRadius, const Acceleration,
+         const InertialMass, Velocity, AngularVelocity, StepAngularVelocity, AngularMomentum,
+         Guided, Correction, Nudging, FusionWork, Shape...>;
 
 /// Whether a sample has come by the end of this step, or the motion is to be noted.
 bool fusion_is_due(const World& world);

@@ -10,31 +10,32 @@ namespace {
 constexpr double same_time = 1e-9; // times and strains are sums of steps
 
 RigidState between(const RigidState& a, const RigidState& b, double share) {
-    return {.position = a.position + share * (b.position - a.position),
-            .velocity = a.velocity + share * (b.velocity - a.velocity),
-            .orientation = (exponential_map(share * attitude_error(b.orientation, a.orientation)) *
-                            a.orientation)
-                               .normalized(),
-            .spin = a.spin + share * (b.spin - a.spin)};
+    return {
+        .position = a.position + share * (b.position - a.position),
+        .velocity = a.velocity + share * (b.velocity - a.velocity),
+        .orientation =
+            (exponential_map(share * attitude_error(b.orientation, a.orientation)) * a.orientation)
+                .normalized(),
+        .angular_velocity = a.angular_velocity + share * (b.angular_velocity - a.angular_velocity)};
 }
 
 /// Calls visit(number) for all numbers of a part of a snapshot, to read or to write.
 void visit_numbers(auto& s, auto&& visit) requires requires {
-    s.spin;
+    s.angular_velocity;
     s.orientation;
 }
 {
-    for (auto* v : {&s.position, &s.velocity, &s.spin})
+    for (auto* v : {&s.position, &s.velocity, &s.angular_velocity})
         for (int k = 0; k < 3; ++k) visit((*v)[k]);
     for (int k = 0; k < 4; ++k) visit(s.orientation.coeffs()[k]);
 }
 void visit_numbers(auto& m, auto&& visit) requires requires { m.up; }
 {
-    for (auto* v : {&m.position, &m.velocity, &m.spin, &m.up})
+    for (auto* v : {&m.position, &m.velocity, &m.angular_velocity, &m.up})
         for (int k = 0; k < 3; ++k) visit((*v)[k]);
     for (int k = 0; k < 4; ++k) visit(m.attitude.coeffs()[k]);
-    for (auto* d :
-         {&m.position_deviation, &m.velocity_deviation, &m.spin_deviation, &m.attitude_deviation})
+    for (auto* d : {&m.position_deviation, &m.velocity_deviation, &m.angular_velocity_deviation,
+                    &m.attitude_deviation})
         visit(*d);
 }
 void visit_numbers(auto& snapshot, auto&& visit) requires requires { snapshot.given; }
@@ -49,7 +50,8 @@ void visit_numbers(auto& snapshot, auto&& visit) requires requires { snapshot.gi
 
 bool is_same(const RigidState& a, const RigidState& b) {
     return a.position == b.position && a.velocity == b.velocity &&
-           a.orientation.coeffs() == b.orientation.coeffs() && a.spin == b.spin;
+           a.orientation.coeffs() == b.orientation.coeffs() &&
+           a.angular_velocity == b.angular_velocity;
 }
 
 } // namespace
@@ -59,7 +61,8 @@ bool is_same(const RigidState& a, const RigidState& b) {
 RigidState SensorFilter::carried(const RigidState& estimate, const RigidState& given,
                                  const RigidState& later, double dt) {
     if (is_same(estimate, given)) return later;
-    const Vec3 dv = estimate.velocity - given.velocity, dw = estimate.spin - given.spin;
+    const Vec3 dv = estimate.velocity - given.velocity,
+               dw = estimate.angular_velocity - given.angular_velocity;
     RigidState s = later;
     s.position += estimate.position - given.position + dt * dv;
     s.velocity += dv;
@@ -67,7 +70,7 @@ RigidState SensorFilter::carried(const RigidState& estimate, const RigidState& g
         (exponential_map(attitude_error(later.orientation, given.orientation) + dt * dw) *
          estimate.orientation)
             .normalized();
-    s.spin += dw;
+    s.angular_velocity += dw;
     return s;
 }
 
@@ -78,7 +81,7 @@ void SensorFilter::remember(const Snapshot& snapshot) {
 
 void SensorFilter::note(const BodyForecast& now) {
     if (!remembers() || (begun_ && now.time <= last_time_ + same_time * std::abs(now.time))) return;
-    (void)analyse(now, {});
+    (void)update(now, {});
     window_.back().given = now.state; // nobody corrects it
 }
 
@@ -89,7 +92,7 @@ void SensorFilter::go_back_to(const Snapshot& snapshot) {
     filter_.state = snapshot.estimate;
 }
 
-Analysis SensorFilter::analyse_again(std::size_t k) {
+Analysis SensorFilter::update_again(std::size_t k) {
     const Snapshot& before = window_[k - 1];
     Snapshot& s = window_[k];
     const double dt = s.forecast.time - before.forecast.time;
@@ -101,7 +104,7 @@ Analysis SensorFilter::analyse_again(std::size_t k) {
     return a;
 }
 
-std::optional<Analysis> SensorFilter::analyse_late(double time, const Measured& measured) {
+std::optional<Analysis> SensorFilter::update_late(double time, const Measured& measured) {
     const double same = same_time * std::abs(time);
     const auto after =
         std::upper_bound(window_.begin(), window_.end(), time + same,
@@ -127,11 +130,11 @@ std::optional<Analysis> SensorFilter::analyse_late(double time, const Measured& 
         }
         late.given = late.forecast.state;
         window_.insert(after, late);
-        a = analyse_again(k++);
+        a = update_again(k++);
     }
-    const Weighed place = place_, attitude = attitude_; // of the late one
-    for (; k < window_.size(); ++k) (void)analyse_again(k);
-    place_ = place;
+    const AnalysisStatistics position = position_, attitude = attitude_; // of the late one
+    for (; k < window_.size(); ++k) (void)update_again(k);
+    position_ = position;
     attitude_ = attitude;
     Snapshot& now = window_.back();
     Analysis correction = difference(now.estimate, now.given);
@@ -144,11 +147,12 @@ std::optional<Analysis> SensorFilter::analyse_late(double time, const Measured& 
 }
 
 // Transition and noise that move_on() has put into the covariance.
-Transition SensorFilter::transition(double dt, const Vec3& spin) const {
+Transition SensorFilter::transition(double dt, const Vec3& angular_velocity) const {
     Transition t{Matrix::Identity(12, 12), Matrix::Zero(12, 12)};
     if (dt > 0) {
-        const Transition free = InertialFilter::free_motion(
-            dt, spin, settings_.acceleration_density, settings_.angular_acceleration_density);
+        const Transition free =
+            InertialFilter::free_motion(dt, angular_velocity, settings_.acceleration_density,
+                                        settings_.angular_acceleration_density);
         t = {free.F.topLeftCorner<12, 12>(), free.Q.topLeftCorner<12, 12>()};
     }
     t.Q.diagonal().head<3>().array() += settings_.drift * dt;
@@ -168,13 +172,13 @@ std::vector<SmoothedPose> SensorFilter::smoothed() const {
             const Snapshot& before = window_[k - 1];
             const double dt = s.forecast.time - before.forecast.time;
             forecasts.back() = carried(before.estimate, before.given, s.forecast.state, dt);
-            step.transition = transition(dt, before.estimate.spin);
+            step.transition = transition(dt, before.estimate.angular_velocity);
             step.predicted = predict(steps.back().corrected, step.transition);
             step.predicted.mean.setZero();
         }
         const Analysis known = difference(s.estimate, forecasts.back());
         step.corrected = Gaussian(12);
-        step.corrected.mean << known.shift, known.velocity, known.turn, known.spin;
+        step.corrected.mean << known.shift, known.velocity, known.turn, known.angular_velocity;
         step.corrected.root =
             s.root.topLeftCorner<12, 12>(); // of a lower triangle: that of the first twelve
         steps.push_back(std::move(step));

@@ -19,30 +19,31 @@ bool is_unit(const auto& v) { return std::abs(v.norm() - 1) < 1e-3; }
 } // namespace
 
 Measured::Measured()
-    : position(Vec3::Constant(unknown)), velocity(position), spin(position), up(position),
-      attitude(unknown, unknown, unknown, unknown) {}
+    : position(Vec3::Constant(unknown)), velocity(position), angular_velocity(position),
+      up(position), attitude(unknown, unknown, unknown, unknown) {}
 
-Weighed::Weighed()
+AnalysisStatistics::AnalysisStatistics()
     : innovation(Vec3::Constant(unknown)), gain(innovation), deviation(innovation),
-      squared_distance(unknown) {}
+      normalised_innovation_squared(unknown) {}
 
 bool Measured::is_empty() const {
-    return !position.allFinite() && !velocity.allFinite() && !spin.allFinite() && !up.allFinite() &&
-           !attitude.coeffs().allFinite();
+    return !position.allFinite() && !velocity.allFinite() && !angular_velocity.allFinite() &&
+           !up.allFinite() && !attitude.coeffs().allFinite();
 }
 
 SensorFilter::SensorFilter(const FilterSettings& settings) : settings_(settings) {
     if (settings.kind == FilterKind::printed) settings_.lag = 0; // it knows of no time but now
-    filter_.begin(settings.position, settings.velocity, settings.attitude, settings.spin, 0, 0);
+    filter_.begin(settings.position, settings.velocity, settings.attitude,
+                  settings.angular_velocity, 0, 0);
     filter_.gate = settings.gate < 1 ? chi_squared_quantile(settings.gate, 3) : 0;
 }
 
-Analysis SensorFilter::analyse(const BodyForecast& forecast, const Measured& measured) {
+Analysis SensorFilter::update(const BodyForecast& forecast, const Measured& measured) {
     const double dt = begun_ ? forecast.time - last_time_
                              : 0; // deviations at the start are those at the first sample
     begun_ = true;
     last_time_ = forecast.time;
-    if (settings_.kind == FilterKind::printed) return analyse_as_printed(forecast, measured, dt);
+    if (settings_.kind == FilterKind::printed) return update_as_printed(forecast, measured, dt);
     move_on(dt, window_.empty()
                     ? forecast.state
                     : carried(window_.back().estimate, window_.back().given, forecast.state, dt));
@@ -60,7 +61,7 @@ Analysis SensorFilter::difference(const RigidState& a, const RigidState& b) {
     return {.shift = a.position - b.position,
             .velocity = a.velocity - b.velocity,
             .turn = attitude_error(a.orientation, b.orientation),
-            .spin = a.spin - b.spin};
+            .angular_velocity = a.angular_velocity - b.angular_velocity};
 }
 
 // The simulation has moved the body on; what it may have missed meanwhile adds to what was not
@@ -80,11 +81,12 @@ Mat3 SensorFilter::covariance_of(InertialFilter::Part part) const {
 }
 
 // `before`: covariance of what was observed. One that was refused weighs nothing.
-Weighed SensorFilter::weighed(const Verdict& verdict, InertialFilter::Part part, const Mat3& before,
-                              double noise) const {
-    Weighed w;
+AnalysisStatistics SensorFilter::analysis_statistics(const Verdict& verdict,
+                                                     InertialFilter::Part part, const Mat3& before,
+                                                     double noise) const {
+    AnalysisStatistics w;
     w.innovation = verdict.innovation;
-    w.squared_distance = verdict.squared_distance;
+    w.normalised_innovation_squared = verdict.squared_distance;
     w.gain = verdict.accepted ? Vec3((before * (before + square(noise)).inverse()).diagonal())
                               : Vec3(Vec3::Zero());
     w.deviation = covariance_of(part).diagonal().cwiseSqrt();
@@ -94,7 +96,7 @@ Weighed SensorFilter::weighed(const Verdict& verdict, InertialFilter::Part part,
 // Only counts.
 Analysis SensorFilter::observe(const Measured& measured) {
     Analysis a;
-    place_ = attitude_ = {};
+    position_ = attitude_ = {};
     const auto take = [&](const Verdict& v) {
         ++(v.accepted ? a.accepted : a.refused);
         a.largest_distance = std::max(a.largest_distance, v.squared_distance);
@@ -104,7 +106,8 @@ Analysis SensorFilter::observe(const Measured& measured) {
         const Verdict v =
             filter_.observe_position(measured.position, square(measured.position_deviation));
         take(v);
-        place_ = weighed(v, InertialFilter::position, before, measured.position_deviation);
+        position_ =
+            analysis_statistics(v, InertialFilter::position, before, measured.position_deviation);
     }
     if (measured.velocity.allFinite())
         take(filter_.observe_velocity(measured.velocity, square(measured.velocity_deviation)));
@@ -113,7 +116,8 @@ Analysis SensorFilter::observe(const Measured& measured) {
         const Mat3 before = covariance_of(InertialFilter::rotation);
         const Verdict v = filter_.observe_attitude(q, square(measured.attitude_deviation));
         take(v);
-        attitude_ = weighed(v, InertialFilter::rotation, before, measured.attitude_deviation);
+        attitude_ =
+            analysis_statistics(v, InertialFilter::rotation, before, measured.attitude_deviation);
     };
     if (measured.attitude.coeffs().allFinite())
         take_attitude(measured.attitude, is_unit(measured.attitude));
@@ -122,22 +126,23 @@ Analysis SensorFilter::observe(const Measured& measured) {
         take_attitude(Quat::FromTwoVectors(now * measured.up, Vec3::UnitZ()) * now,
                       is_unit(measured.up));
     }
-    if (measured.spin.allFinite())
-        take(filter_.observe_spin(measured.spin, square(measured.spin_deviation)));
+    if (measured.angular_velocity.allFinite())
+        take(filter_.observe_angular_velocity(measured.angular_velocity,
+                                              square(measured.angular_velocity_deviation)));
     return a;
 }
 
-void SensorFilter::leave(const Analysis& part) {
+void SensorFilter::withhold(const Analysis& part) {
     if (settings_.kind == FilterKind::printed) return;
     RigidState& stays = remembers() ? window_.back().given : filter_.state;
     stays.position -= part.shift;
     stays.velocity -= part.velocity;
     stays.orientation = (exponential_map(-part.turn) * stays.orientation).normalized();
-    stays.spin -= part.spin;
+    stays.angular_velocity -= part.angular_velocity;
     if (remembers()) return;
     Gaussian error = filter_.error();
     Vector left = Vector::Zero(InertialFilter::size);
-    left.head<12>() << part.shift, part.velocity, part.turn, part.spin;
+    left.head<12>() << part.shift, part.velocity, part.turn, part.angular_velocity;
     Matrix roots(left.size(), left.size() + 1);
     roots << error.root, left;
     error.root = triangle_of<double>(roots);
@@ -145,10 +150,10 @@ void SensorFilter::leave(const Analysis& part) {
 }
 
 // Steps 3 to 6 of the report. It needs all six numbers at once, and knows no gate.
-Analysis SensorFilter::analyse_as_printed(const BodyForecast& forecast, const Measured& measured,
-                                          double dt) {
+Analysis SensorFilter::update_as_printed(const BodyForecast& forecast, const Measured& measured,
+                                         double dt) {
     Analysis a;
-    place_ = attitude_ = {};
+    position_ = attitude_ = {};
     if (!measured.position.allFinite() || !measured.velocity.allFinite()) return a;
     const Transition t = white_acceleration(3, dt, settings_.acceleration_density);
     printed_.A = t.F;
@@ -164,15 +169,18 @@ Analysis SensorFilter::analyse_as_printed(const BodyForecast& forecast, const Me
     a.shift = fused.head<3>() - forecast.state.position;
     a.velocity = fused.tail<3>() - forecast.state.velocity;
     a.accepted = 2;
-    place_.innovation = measured.position - forecast.state.position;
-    place_.gain = printed_.gain.diagonal().head<3>();
-    if (!measured.spin.allFinite()) return a;
+    position_.innovation = measured.position - forecast.state.position;
+    position_.gain = printed_.gain.diagonal().head<3>();
+    if (!measured.angular_velocity.allFinite()) return a;
     printed_.q = settings_.angular_acceleration_density * dt * Matrix::Identity(3, 3);
-    printed_.r = measured.spin_deviation * measured.spin_deviation * Matrix::Identity(3, 3);
-    a.spin = printed_.fuse_spin(forecast.state.spin, measured.spin) - Vector(forecast.state.spin);
+    printed_.r = measured.angular_velocity_deviation * measured.angular_velocity_deviation *
+                 Matrix::Identity(3, 3);
+    a.angular_velocity =
+        printed_.fuse_angular_velocity(forecast.state.angular_velocity, measured.angular_velocity) -
+        Vector(forecast.state.angular_velocity);
     ++a.accepted;
-    attitude_.gain =
-        printed_.spin_gain.diagonal(); // it corrects spin, by which attitude is to follow
+    attitude_.gain = printed_.angular_velocity_gain
+                         .diagonal(); // it corrects spin, by which attitude is to follow
     return a;
 }
 
@@ -184,8 +192,11 @@ void SensorFilter::save(Archive& archive, const std::string& path) const {
     put("/root", filter_.error().root);
     put("/COV", printed_.COV);
     put("/cov", printed_.cov);
-    const Vec3& spin = filter_.state.spin; // by which the next forecast is turned
-    put_fields(archive, path + "/time", std::tie(last_time_, begun_, spin.x(), spin.y(), spin.z()));
+    const Vec3& angular_velocity =
+        filter_.state.angular_velocity; // by which the next forecast is turned
+    put_fields(archive, path + "/time",
+               std::tie(last_time_, begun_, angular_velocity.x(), angular_velocity.y(),
+                        angular_velocity.z()));
     if (settings_.lag > 0) save_window(archive, path + "/window");
 }
 
@@ -199,8 +210,10 @@ void SensorFilter::load(const Archive& archive, const std::string& path) {
     filter_.restore(error);
     get("/COV", printed_.COV);
     get("/cov", printed_.cov);
-    Vec3& spin = filter_.state.spin;
-    get_fields(archive, path + "/time", std::tie(last_time_, begun_, spin.x(), spin.y(), spin.z()));
+    Vec3& angular_velocity = filter_.state.angular_velocity;
+    get_fields(archive, path + "/time",
+               std::tie(last_time_, begun_, angular_velocity.x(), angular_velocity.y(),
+                        angular_velocity.z()));
     if (settings_.lag > 0) load_window(archive, path + "/window");
 }
 

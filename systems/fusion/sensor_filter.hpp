@@ -21,8 +21,8 @@ inline const std::vector<std::string> filter_names{"printed", "corrected"};
 struct FilterSettings {
     FilterKind kind = FilterKind::corrected;
     // deviations at the first sample: of placement, of levelling, and of what came since
-    double position = 3e-3, velocity = 1e-3; ///< m, m/s
-    double attitude = 0.03, spin = 1e-2;     ///< rad, rad/s
+    double position = 3e-3, velocity = 1e-3;         ///< m, m/s
+    double attitude = 0.03, angular_velocity = 1e-2; ///< rad, rad/s
     // what the model may miss: white noise of acceleration, where inertia matters; random walks,
     // where it does not
     double acceleration_density = 1e-4;         ///< (m/s2)2/Hz
@@ -43,10 +43,10 @@ struct BodyForecast {
 
 /// What was measured of it. NaN: not measured. Deviations hold for each axis.
 struct Measured {
-    Vec3 position, velocity, spin;
+    Vec3 position, velocity, angular_velocity;
     Vec3 up; ///< unit vector upwards, in the body's axes: tilt without yaw
     Quat attitude;
-    double position_deviation = 1e-4, velocity_deviation = 1e-3, spin_deviation = 1e-2,
+    double position_deviation = 1e-4, velocity_deviation = 1e-3, angular_velocity_deviation = 1e-2,
            attitude_deviation = 0.01;
     Measured();
     bool is_empty() const; ///< nothing was
@@ -55,16 +55,16 @@ struct Measured {
 /// What a body's motion is to be corrected by.
 struct Analysis {
     Vec3 shift = Vec3::Zero(), velocity = Vec3::Zero(), turn = Vec3::Zero(),
-         spin = Vec3::Zero();           ///< m, m/s, rad, rad/s
-    unsigned accepted = 0, refused = 0; ///< vectors measured
-    double largest_distance = 0;        ///< squared, of an innovation: chi square of three degrees
+         angular_velocity = Vec3::Zero(); ///< m, m/s, rad, rad/s
+    unsigned accepted = 0, refused = 0;   ///< vectors measured
+    double largest_distance = 0; ///< squared, of an innovation: chi square of three degrees
 };
 
 /// What an analysis made of a vector measured, axis by axis. NaN: not measured.
-struct Weighed {
-    Vec3 innovation, gain, deviation; ///< m or rad; 1; m or rad, after it
-    double squared_distance;          ///< of the innovation: chi square of three degrees
-    Weighed();
+struct AnalysisStatistics {
+    Vec3 innovation, gain, deviation;     ///< m or rad; 1; m or rad, after it
+    double normalised_innovation_squared; ///< of the innovation: chi square of three degrees
+    AnalysisStatistics();
 };
 
 /// Where a body was, by all that was measured of it before and since.
@@ -83,11 +83,11 @@ public:
     SensorFilter() = default;
     explicit SensorFilter(const FilterSettings& settings);
 
-    Analysis analyse(const BodyForecast& forecast, const Measured& measured);
+    Analysis update(const BodyForecast& forecast, const Measured& measured);
     /// Part of the last correction that the body is not given. A filter that remembers goes on from
     /// its own estimate; any other takes the body's motion for its estimate, and knows so much less
     /// of it. `printed` knows of nothing.
-    void leave(const Analysis& part);
+    void withhold(const Analysis& part);
     bool remembers() const { return settings_.lag > 0; }
 
     /// Remembers the simulated motion, without a measurement: late ones of about this time will ask
@@ -99,13 +99,13 @@ public:
     /// over what has been simulated and measured since. The correction is that of the newest
     /// analysis (note() where the body is now). Between two analyses the body is taken to have
     /// moved straight. Nothing: it is later than the filter looks back.
-    std::optional<Analysis> analyse_late(double time, const Measured& measured);
+    std::optional<Analysis> update_late(double time, const Measured& measured);
     /// The poses at the analyses that it remembers, by what came after them too (fixed-lag
     /// smoothing).
     std::vector<SmoothedPose> smoothed() const;
     /// What the last analysis made of place and attitude.
-    const Weighed& place() const { return place_; }
-    const Weighed& attitude() const { return attitude_; }
+    const AnalysisStatistics& position() const { return position_; }
+    const AnalysisStatistics& attitude() const { return attitude_; }
     /// Of the error of position, velocity, rotation and spin (12 x 12), after the last analysis.
     Matrix covariance() const { return filter_.covariance().topLeftCorner<12, 12>(); }
 
@@ -122,26 +122,26 @@ private:
         Matrix root;         // of the error's covariance
     };
 
-    Analysis analyse_as_printed(const BodyForecast& forecast, const Measured& measured, double dt);
+    Analysis update_as_printed(const BodyForecast& forecast, const Measured& measured, double dt);
     void move_on(double dt, const RigidState& forecast);
     Analysis observe(const Measured& measured);
     Mat3 covariance_of(InertialFilter::Part part) const;
-    Weighed weighed(const Verdict& verdict, InertialFilter::Part part, const Mat3& before,
-                    double noise) const;
+    AnalysisStatistics analysis_statistics(const Verdict& verdict, InertialFilter::Part part,
+                                           const Mat3& before, double noise) const;
     static Analysis difference(const RigidState& a, const RigidState& b);
     static RigidState carried(const RigidState& estimate, const RigidState& given,
                               const RigidState& later, double dt);
-    Transition transition(double dt, const Vec3& spin) const;
+    Transition transition(double dt, const Vec3& angular_velocity) const;
     void remember(const Snapshot& snapshot);
     void go_back_to(const Snapshot& snapshot);
-    Analysis analyse_again(std::size_t k);
+    Analysis update_again(std::size_t k);
     void save_window(Archive& archive, const std::string& path) const;
     void load_window(const Archive& archive, const std::string& path);
 
     FilterSettings settings_;
     InertialFilter filter_; // `corrected` uses its first four parts only
     PrintedFilter printed_;
-    Weighed place_, attitude_;
+    AnalysisStatistics position_, attitude_;
     double last_time_ = 0;
     bool begun_ = false;
     std::vector<Snapshot> window_; // in order of time: one more than `lag`

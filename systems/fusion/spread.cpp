@@ -63,8 +63,8 @@ double spread_corrections(World& world, const SpreadSettings& settings) {
     }
     const auto u = motion_of_least_energy(network, settings.tolerance);
     for (std::size_t i = 0; i < bodies.size(); ++i)
-        give_correction(correction[bodies[i]], guided[bodies[i]], u[i].head<3>(), u[i].tail<3>(),
-                        static_cast<unsigned>(steps));
+        set_correction(correction[bodies[i]], guided[bodies[i]], u[i].head<3>(), u[i].tail<3>(),
+                       static_cast<unsigned>(steps));
     return energy_of_joints(network, u);
 }
 

@@ -48,14 +48,14 @@ Motions forces_of_joints(const SpringNetwork& network, const Motions& motion) {
 // v -= m x and v -= m^T x, column by column: as Eigen's products, which are not vectorised here,
 // they take twice as long
 void subtract_product(Vector6& v, const Mat6& m, const Vector6& x) {
-    Vector6 rest = v;
-    for (Eigen::Index k = 0; k < 6; ++k) rest -= m.col(k) * x[k];
-    v = rest;
+    Vector6 remainder = v;
+    for (Eigen::Index k = 0; k < 6; ++k) remainder -= m.col(k) * x[k];
+    v = remainder;
 }
 void subtract_transposed_product(Vector6& v, const Mat6& m, const Vector6& x) {
-    Vector6 rest = v;
-    for (Eigen::Index k = 0; k < 6; ++k) rest -= m.row(k).transpose() * x[k];
-    v = rest;
+    Vector6 remainder = v;
+    for (Eigen::Index k = 0; k < 6; ++k) remainder -= m.row(k).transpose() * x[k];
+    v = remainder;
 }
 
 double dot(const Motions& a, const Motions& b) {

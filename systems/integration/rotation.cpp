@@ -24,15 +24,16 @@ Vec3Lanes advance(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia,
 
 /// Rotation vector, in the body's axes, of the free motion over dt.
 Vec3Lanes rotation_of_step(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia, double dt) {
-    const Vec3Lanes spin = scaled(momentum, inverse_inertia);
+    const Vec3Lanes omega = scaled(momentum, inverse_inertia);
     const Vec3Lanes midpoint =
         dt * scaled(momentum + 0.5 * dt * rate(momentum, inverse_inertia), inverse_inertia);
-    const LaneMask large = dot(spin, spin) * (dt * dt) >= 1e-8;
+    const LaneMask large = dot(omega, omega) * (dt * dt) >= 1e-8;
     if (bits(large) == 0) return midpoint;
     const Vec3Lanes half = advance(momentum, inverse_inertia, 0.5 * dt),
                     full = advance(half, inverse_inertia, 0.5 * dt);
     const Vec3Lanes middle = scaled(half, inverse_inertia), last = scaled(full, inverse_inertia);
-    const Vec3Lanes magnus = dt / 6 * (spin + 4 * middle + last) + dt * dt / 12 * cross(spin, last);
+    const Vec3Lanes magnus =
+        dt / 6 * (omega + 4 * middle + last) + dt * dt / 12 * cross(omega, last);
     return select(large, magnus, midpoint);
 }
 
@@ -44,38 +45,38 @@ QuatLanes renormalised(const QuatLanes& q) {
 
 } // namespace
 
-void turn_spheres(
-    Rows<Bodies, const MotionOf, const Torque, const SphereInertia, AngularMomentum, Spin, StepSpin>
-        bodies,
-    const Clock& clock) {
+void rotate_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInertia, AngularMomentum,
+                         AngularVelocity, StepAngularVelocity>
+                        bodies,
+                    const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* torque = bodies.column<Torque>();
     const double* inertia = bodies.column<SphereInertia>();
     Vec3* momentum = bodies.column<AngularMomentum>();
-    Vec3* spin = bodies.column<Spin>();
-    Vec3* step_spin = bodies.column<StepSpin>();
+    Vec3* omega = bodies.column<AngularVelocity>();
+    Vec3* step_omega = bodies.column<StepAngularVelocity>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const LaneMask free = equal(motion, rows, free_motion);
         const Lane inverse_inertia = 1.0 / load(inertia, rows);
         const Vec3Lanes before = load(momentum, rows), t = load(torque, rows),
                         after = before + clock.dt * t;
         store(momentum, rows, select(free, after, before));
-        store(spin, rows,
-              select(free, inverse_inertia * (after + 0.5 * clock.dt * t), load(spin, rows)));
-        store(step_spin, rows, select(free, inverse_inertia * after, load(step_spin, rows)));
+        store(omega, rows,
+              select(free, inverse_inertia * (after + 0.5 * clock.dt * t), load(omega, rows)));
+        store(step_omega, rows, select(free, inverse_inertia * after, load(step_omega, rows)));
     });
 }
 
-void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, AngularMomentum, Spin,
-               StepSpin, Orientation>
-              bodies,
-          const Clock& clock) {
+void rotate_clumps(Rows<Bodies, const MotionOf, const Torque, const InertialInertia,
+                        AngularMomentum, AngularVelocity, StepAngularVelocity, Orientation>
+                       bodies,
+                   const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* torque = bodies.column<Torque>();
     const Vec3* inertia = bodies.column<InertialInertia>();
     Vec3* momentum = bodies.column<AngularMomentum>();
-    Vec3* spin = bodies.column<Spin>();
-    Vec3* step_spin = bodies.column<StepSpin>();
+    Vec3* omega = bodies.column<AngularVelocity>();
+    Vec3* step_omega = bodies.column<StepAngularVelocity>();
     Quat* orientation = bodies.column<Orientation>();
     const double dt = clock.dt, per_second = 1 / dt;
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
@@ -93,9 +94,9 @@ void turn(Rows<Bodies, const MotionOf, const Torque, const InertialInertia, Angu
         const Vec3Lanes now = scaled(to_body(turned, after + 0.5 * dt * t), inverse_inertia);
         store(momentum, rows, select(free, after, before));
         // a rotation's axis is the same in both frames
-        store(step_spin, rows,
-              select(free, to_world(axes, per_second * rotation), load(step_spin, rows)));
-        store(spin, rows, select(free, to_world(turned, now), load(spin, rows)));
+        store(step_omega, rows,
+              select(free, to_world(axes, per_second * rotation), load(step_omega, rows)));
+        store(omega, rows, select(free, to_world(turned, now), load(omega, rows)));
         store(orientation, rows, select(free, to, from));
     });
 }
@@ -104,24 +105,25 @@ namespace {
 
 /// The place of a body's sphere is centre + x along_x + y along_y + z along_z, with (x, y, z) its
 /// place in the body's axes, and its radius added.
-struct PlacedFrame {
+struct PositionedFrame {
     Quad centre, along_x, along_y, along_z;
 };
-using PlacedFrames = std::array<PlacedFrame, lane_count>;
+using PositionedFrames = std::array<PositionedFrame, lane_count>;
 
-void put(PlacedFrames& frames, Quad PlacedFrame::*row, const Vec3Lanes& v) {
+void put(PositionedFrames& frames, Quad PositionedFrame::*row, const Vec3Lanes& v) {
     store_rows(transpose({v.x, v.y, v.z, Lane{}}), lane_count, [&](int q) {
         return reinterpret_cast<double*>(&(frames[static_cast<std::size_t>(q)].*row));
     });
 }
 
-void place_balls(const PlacedFrame& frame, const Ball* ball, Row count, PlaceRow* place) {
+void update_balls(const PositionedFrame& frame, const Ball* ball, Row count,
+                  SphereRow* sphere_row) {
     constexpr Quad radius{0, 0, 0, 1};
     for (Row k = 0; k < count; ++k) {
         const Ball& o = ball[k];
         const Quad arm = o.centre.x() * frame.along_x + o.centre.y() * frame.along_y +
                          o.centre.z() * frame.along_z;
-        store(&place[k].x, frame.centre + (arm + o.radius * radius));
+        store(&sphere_row[k].x, frame.centre + (arm + o.radius * radius));
     }
 }
 
@@ -141,55 +143,55 @@ PoseLanes load(const Pose* column, LaneRows rows) {
 
 } // namespace
 
-void place(PlacedBodies bodies, PlacedBalls listed) {
+void update_clump_positions(PositionedBodies bodies, PositionedBalls listed) {
     const auto* run = bodies.column<SpheresOf>();
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
-    const Vec3* spin = bodies.column<StepSpin>();
+    const Vec3* omega = bodies.column<StepAngularVelocity>();
     const Quat* orientation = bodies.column<Orientation>();
     const double* mass = bodies.column<InertialMass>();
     const auto* motion = bodies.column<MotionOf>();
     MotionRow* row = bodies.column<RigidMotion>();
     CentreRow* centre = bodies.column<CentreOf>();
     const Ball* ball = listed.column<ListedBall>();
-    PlaceRow* place = listed.column<Place>();
+    SphereRow* sphere_row = listed.column<ListedPosition>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const LaneMask free = equal(motion, rows, free_motion);
         const Lane inverse_mass = free ? 1.0 / load(mass, rows) : Lane{};
-        const Vec3Lanes x = load(position, rows), w = load(spin, rows), v = load(velocity, rows);
+        const Vec3Lanes x = load(position, rows), w = load(omega, rows), v = load(velocity, rows);
         const ByRow at(rows);
         store_rows(transpose({x.x, x.y, x.z, Lane{}}), rows.count,
                    [&](int q) { return &centre[at(q)].x; });
         store_motion(row, rows, v, inverse_mass, w);
-        PlacedFrames frames;
+        PositionedFrames frames;
         const AxesLanes axes = axes_of(load(orientation, rows));
-        put(frames, &PlacedFrame::centre, x);
-        put(frames, &PlacedFrame::along_x, axes.x);
-        put(frames, &PlacedFrame::along_y, axes.y);
-        put(frames, &PlacedFrame::along_z, axes.z);
+        put(frames, &PositionedFrame::centre, x);
+        put(frames, &PositionedFrame::along_x, axes.x);
+        put(frames, &PositionedFrame::along_y, axes.y);
+        put(frames, &PositionedFrame::along_z, axes.z);
         for (std::size_t k = 0; k < static_cast<std::size_t>(rows.count); ++k) {
             const SphereRun& r = run[rows.first + k];
-            place_balls(frames[k], ball + r.first_listed, r.listed, place + r.first_listed);
+            update_balls(frames[k], ball + r.first_listed, r.listed, sphere_row + r.first_listed);
         }
     });
 }
 
-void measure_travel_and_turn(
-    Rows<Bodies, const Position, const Orientation, const PrunedAt, const BoundingRadius, Travel>
-        bodies) {
+void bound_displacement_and_rotation(Rows<Bodies, const Position, const Orientation, const PrunedAt,
+                                          const BoundingRadius, DisplacementBound>
+                                         bodies) {
     const Vec3* position = bodies.column<Position>();
     const Quat* orientation = bodies.column<Orientation>();
     const Pose* from = bodies.column<PrunedAt>();
     const double* radius = bodies.column<BoundingRadius>();
-    double* travel = bodies.column<Travel>();
+    double* displacement = bodies.column<DisplacementBound>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        // travel_bound of each body
+        // displacement_bound of each body
         const PoseLanes was = load(from, rows);
         const Vec3Lanes gone = load(position, rows) - was.position;
         const QuatLanes q = load(orientation, rows);
         const Lane turned =
             min(squared_norm(q - was.orientation), squared_norm(q + was.orientation));
-        store(travel, rows, sqrt(dot(gone, gone)) + 2.0 * load(radius, rows) * sqrt(turned));
+        store(displacement, rows, sqrt(dot(gone, gone)) + 2.0 * load(radius, rows) * sqrt(turned));
     });
 }
 

@@ -7,12 +7,12 @@ namespace bris {
 
 /// Writes the rows of motion of lane_count bodies: m/s, 1/kg (0 if driven), rad/s.
 inline void store_motion(MotionRow* motion, LaneRows rows, const Vec3Lanes& v,
-                         const Lane& inverse_mass, const Vec3Lanes& spin) {
+                         const Lane& inverse_mass, const Vec3Lanes& omega) {
     const ByRow at(rows);
     store_rows(transpose({v.x, v.y, v.z, inverse_mass}), rows.count,
                [&](int q) { return &motion[at(q)].vx; });
-    store_rows(transpose({spin.x, spin.y, spin.z, Lane{}}), rows.count,
-               [&](int q) { return &motion[at(q)].spin_x; });
+    store_rows(transpose({omega.x, omega.y, omega.z, Lane{}}), rows.count,
+               [&](int q) { return &motion[at(q)].omega_x; });
 }
 
 } // namespace bris

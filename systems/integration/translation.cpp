@@ -29,7 +29,7 @@ void clear_forces(Rows<Bodies, Force, Torque> bodies) {
     });
 }
 
-void weigh(Rows<Bodies, const Mass, Force> bodies, const Gravity& gravity) {
+void apply_gravity(Rows<Bodies, const Mass, Force> bodies, const Gravity& gravity) {
     const double* mass = bodies.column<Mass>();
     Vec3* force = bodies.column<Force>();
     const Vec3Lanes g{lanes(gravity.value.x()), lanes(gravity.value.y()), lanes(gravity.value.z())};
@@ -38,14 +38,14 @@ void weigh(Rows<Bodies, const Mass, Force> bodies, const Gravity& gravity) {
     });
 }
 
-void damp(
-    Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin, Force, Torque>
-        bodies,
-    const LocalDamping& damping, const Clock& clock) {
+void damp(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const AngularVelocity,
+               Force, Torque>
+              bodies,
+          const LocalDamping& damping, const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* acceleration = bodies.column<Acceleration>();
-    const Vec3* spin = bodies.column<Spin>();
+    const Vec3* omega = bodies.column<AngularVelocity>();
     Vec3* force = bodies.column<Force>();
     Vec3* torque = bodies.column<Torque>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
@@ -53,19 +53,20 @@ void damp(
         const Vec3Lanes now = load(velocity, rows) + (0.5 * clock.dt) * load(acceleration, rows);
         const Vec3Lanes f = load(force, rows), t = load(torque, rows);
         store(force, rows, select(free, damped(f, now, damping.fraction), f));
-        store(torque, rows, select(free, damped(t, load(spin, rows), damping.fraction), t));
+        store(torque, rows, select(free, damped(t, load(omega, rows), damping.fraction), t));
     });
 }
 
-void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const Spin,
-                        const AngularMomentum, const InertialMass, const InertialInertia,
-                        const Orientation, Force, Torque, DampingWork>
-                       bodies,
-                   const LocalDamping& damping, const Clock& clock) {
+void damp_and_accumulate_work(
+    Rows<Bodies, const MotionOf, const Velocity, const Acceleration, const AngularVelocity,
+         const AngularMomentum, const InertialMass, const InertialInertia, const Orientation, Force,
+         Torque, DampingWork>
+        bodies,
+    const LocalDamping& damping, const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* acceleration = bodies.column<Acceleration>();
-    const Vec3* spin = bodies.column<Spin>();
+    const Vec3* omega = bodies.column<AngularVelocity>();
     const double* mass = bodies.column<InertialMass>();
     Vec3* force = bodies.column<Force>();
     Vec3* torque = bodies.column<Torque>();
@@ -80,14 +81,15 @@ void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Accelerati
         const Vec3Lanes v = load(velocity, rows), now = v + half_step * load(acceleration, rows);
         const Vec3Lanes f_before = load(force, rows), t_before = load(torque, rows);
         const Vec3Lanes f = damped(f_before, now, damping.fraction);
-        const Vec3Lanes t = damped(t_before, load(spin, rows), damping.fraction);
+        const Vec3Lanes t = damped(t_before, load(omega, rows), damping.fraction);
         // means of before and after the kick: the work that the leapfrog itself does
         const Vec3Lanes mean_velocity = v + (half_step / load(mass, rows)) * f;
         const AxesLanes axes = axes_of(load(orientation, rows));
         const Vec3Lanes mean_momentum = to_body(axes, load(momentum, rows) + half_step * t);
-        const Vec3Lanes mean_spin =
+        const Vec3Lanes mean_angular_velocity =
             to_world(axes, scaled(mean_momentum, inverse(load(inertia, rows))));
-        const Lane taken = dt * (dot(f_before - f, mean_velocity) + dot(t_before - t, mean_spin));
+        const Lane taken =
+            dt * (dot(f_before - f, mean_velocity) + dot(t_before - t, mean_angular_velocity));
         const Lane before = load(work, rows);
         store(work, rows, free ? before + taken : before);
         store(force, rows, select(free, f, f_before));
@@ -95,21 +97,22 @@ void damp_and_book(Rows<Bodies, const MotionOf, const Velocity, const Accelerati
     });
 }
 
-void book_boundary_work(Rows<Bodies, const MotionOf, const Force, const Torque, const Velocity,
-                             const DriveVelocity, const Spin, BoundaryWork>
-                            bodies,
-                        const Clock& clock) {
+void accumulate_boundary_work(
+    Rows<Bodies, const MotionOf, const Force, const Torque, const Velocity, const DriveVelocity,
+         const AngularVelocity, BoundaryWork>
+        bodies,
+    const Clock& clock) {
     const auto* motion = bodies.column<MotionOf>();
     const Vec3* force = bodies.column<Force>();
     const Vec3* before = bodies.column<Velocity>();
     const Vec3* after = bodies.column<DriveVelocity>();
     const Vec3* torque = bodies.column<Torque>();
-    const Vec3* spin = bodies.column<Spin>();
+    const Vec3* omega = bodies.column<AngularVelocity>();
     double* work = bodies.column<BoundaryWork>();
     for (Row b = bodies.first(); b < bodies.last(); ++b)
         if (motion[b] != free_motion)
             work[b] -=
-                clock.dt * (0.5 * force[b].dot(before[b] + after[b]) + torque[b].dot(spin[b]));
+                clock.dt * (0.5 * force[b].dot(before[b] + after[b]) + torque[b].dot(omega[b]));
 }
 
 void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, const DriveVelocity,
@@ -137,86 +140,87 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
     });
 }
 
-void place_spheres(PlacedSpheres bodies, PlacedBalls listed) {
+void update_sphere_positions(PositionedSpheres bodies, PositionedBalls listed) {
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
-    const Vec3* spin = bodies.column<StepSpin>();
+    const Vec3* omega = bodies.column<StepAngularVelocity>();
     const double* mass = bodies.column<InertialMass>();
     const auto* motion = bodies.column<MotionOf>();
     MotionRow* row = bodies.column<RigidMotion>();
     const Ball* ball = listed.column<ListedBall>();
-    PlaceRow* place = listed.column<Place>();
+    SphereRow* target = listed.column<ListedPosition>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const LaneMask free = equal(motion, rows, free_motion);
         const Vec3Lanes x = load(position, rows);
         const ByRow at(rows);
         store_motion(row, rows, load(velocity, rows), free ? 1.0 / load(mass, rows) : Lane{},
-                     load(spin, rows));
+                     load(omega, rows));
         const Lane radius =
             transpose(load_rows([&](int q) { return ball[at.valid(q)].centre.data(); }))[3];
         store_rows(transpose({x.x, x.y, x.z, radius}), rows.count,
-                   [&](int q) { return &place[at(q)].x; });
+                   [&](int q) { return &target[at(q)].x; });
     });
 }
 
-void place_kicks(Rows<Bodies, const Acceleration, const Spin, const StepSpin, Kick> bodies,
-                 const Clock& clock) {
+void update_kicks(
+    Rows<Bodies, const Acceleration, const AngularVelocity, const StepAngularVelocity, Kick> bodies,
+    const Clock& clock) {
     const Vec3* acceleration = bodies.column<Acceleration>();
-    const Vec3* spin = bodies.column<Spin>();
-    const Vec3* step_spin = bodies.column<StepSpin>();
+    const Vec3* omega = bodies.column<AngularVelocity>();
+    const Vec3* step_omega = bodies.column<StepAngularVelocity>();
     KickRow* kick = bodies.column<Kick>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const Vec3Lanes v = (0.5 * clock.dt) * load(acceleration, rows),
-                        w = load(spin, rows) - load(step_spin, rows);
+                        w = load(omega, rows) - load(step_omega, rows);
         const ByRow at(rows);
         store_rows(transpose({v.x, v.y, v.z, Lane{}}), rows.count,
                    [&](int q) { return &kick[at(q)].vx; });
         store_rows(transpose({w.x, w.y, w.z, Lane{}}), rows.count,
-                   [&](int q) { return &kick[at(q)].spin_x; });
+                   [&](int q) { return &kick[at(q)].omega_x; });
     });
 }
 
-void measure_travel(
-    Rows<Bodies, const Position, const PrunedAt, const SphereInertia, Travel> bodies) {
+void bound_displacement(
+    Rows<Bodies, const Position, const PrunedAt, const SphereInertia, DisplacementBound> bodies) {
     const Vec3* position = bodies.column<Position>();
     const Pose* from = bodies.column<PrunedAt>();
-    double* travel = bodies.column<Travel>();
+    double* displacement = bodies.column<DisplacementBound>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const ByRow at(rows);
         const auto was =
             transpose(load_rows([&](int q) { return from[at.valid(q)].position.data(); }));
         const Vec3Lanes gone = load(position, rows) - Vec3Lanes{was[0], was[1], was[2]};
-        store(travel, rows, sqrt(dot(gone, gone)));
+        store(displacement, rows, sqrt(dot(gone, gone)));
     });
 }
 
-void place_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePlace> planes,
-                  Rows<Bodies, const Position, const Velocity, const Spin> bodies) {
+void update_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePosition> planes,
+                   Rows<Bodies, const Position, const Velocity, const AngularVelocity> bodies) {
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
-    const Vec3* spin = bodies.column<Spin>();
+    const Vec3* omega = bodies.column<AngularVelocity>();
     const PlaneShape* shape = planes.column<LocalPlane>();
     const Row* host = planes.column<HostRow>();
-    PlanePlaceRow* place = planes.column<PlanePlace>();
+    PlaneRow* target = planes.column<PlanePosition>();
     for (Row p = planes.first(); p < planes.last(); ++p)
-        place[p] = {position[host[p]] + shape[p].point,
-                    shape[p].normal,
-                    {velocity[host[p]], spin[host[p]], position[host[p]]}};
+        target[p] = {position[host[p]] + shape[p].point,
+                     shape[p].normal,
+                     {velocity[host[p]], omega[host[p]], position[host[p]]}};
 }
 
-void place_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPlace> facets,
-                  Rows<Bodies, const Position, const Velocity, const Spin> bodies) {
+void update_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPosition> facets,
+                   Rows<Bodies, const Position, const Velocity, const AngularVelocity> bodies) {
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
-    const Vec3* spin = bodies.column<Spin>();
+    const Vec3* omega = bodies.column<AngularVelocity>();
     const FacetShape* shape = facets.column<LocalFacet>();
     const Row* host = facets.column<HostRow>();
-    FacetPlaceRow* place = facets.column<FacetPlace>();
+    FacetRow* target = facets.column<FacetPosition>();
     for (Row f = facets.first(); f < facets.last(); ++f) {
         const auto& local = shape[f].corners;
-        for (std::size_t k = 0; k < 4; ++k) place[f].corners[k] = position[host[f]] + local[k];
-        place[f].normal = (local[1] - local[0]).cross(local[2] - local[0]).normalized();
-        place[f].motion = {velocity[host[f]], spin[host[f]], position[host[f]]};
+        for (std::size_t k = 0; k < 4; ++k) target[f].corners[k] = position[host[f]] + local[k];
+        target[f].normal = (local[1] - local[0]).cross(local[2] - local[0]).normalized();
+        target[f].motion = {velocity[host[f]], omega[host[f]], position[host[f]]};
     }
 }
 

@@ -36,7 +36,7 @@ void add_pairs(const World& world, std::vector<Sum>& sums, Balance& balance) {
 
 } // namespace
 
-Balance measure_balance(const World& world) {
+Balance compute_balance(const World& world) {
     Balance balance;
     std::vector<Sum> sums(world.table<Bodies>().size());
     for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, sums, balance); });

@@ -15,6 +15,6 @@ struct Balance {
 };
 
 /// Measures the balance; the same bits for any order of the rows.
-Balance measure_balance(const World& world);
+Balance compute_balance(const World& world);
 
 } // namespace bris

@@ -38,13 +38,14 @@ std::vector<TouchingPair> touching_pairs(const World& world) {
     const Table& near = world.table<typename Pairs::Near>();
     const double* share =
         near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
-    const auto place = world.column<Listed, Place>();
+    const auto sphere_row = world.column<Listed, ListedPosition>();
     for (Row k = 0; k < index.size(); ++k) {
         if (!index.touches(k)) continue;
         const Row p = entry[k].pair;
         list.push_back({names[p], force[k], spring != nullptr ? spring[p] : SpringRow{},
                         roll != nullptr ? roll[p] : RollRow{}, entry[k].law,
-                        effective_radius<Pairs>(entry[k], place), share != nullptr ? share[k] : 1});
+                        effective_radius<Pairs>(entry[k], sphere_row),
+                        share != nullptr ? share[k] : 1});
     }
     std::sort(list.begin(), list.end(),
               [](const TouchingPair& a, const TouchingPair& b) { return a.names < b.names; });

@@ -98,7 +98,7 @@ BodyFrame frame_of_bodies(const World& world) {
         frame.positions.push_back(bodies.column<Position>()[row]);
         frame.radii.push_back(static_cast<float>(bodies.column<BoundingRadius>()[row]));
         append(frame.velocities, velocity[row] + 0.5 * clock.dt * acceleration[row]);
-        append(frame.spins, bodies.column<Spin>()[row]);
+        append(frame.angular_velocities, bodies.column<AngularVelocity>()[row]);
         frame.coordination.push_back(coordination[id]);
         if (bodies.has<ShapeOf>()) frame.shapes.push_back(bodies.column<ShapeOf>()[row]);
         if (!bodies.has<Orientation>()) continue;
@@ -112,11 +112,11 @@ BodyFrame frame_of_bodies(const World& world) {
 }
 
 View view_of_bodies(const World& world, const BodyFrame& frame,
-                    const std::function<Colour(std::size_t place)>& colour) {
+                    const std::function<Colour(std::size_t index)>& colour) {
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     std::vector<std::optional<Colour>> colours(rows.size());
-    for (std::size_t place = 0; place < frame.ids.size(); ++place)
-        colours[static_cast<std::size_t>(frame.ids[place])] = colour(place);
+    for (std::size_t index = 0; index < frame.ids.size(); ++index)
+        colours[static_cast<std::size_t>(frame.ids[index])] = colour(index);
     const Table& bodies = world.table<Bodies>();
     const auto parent = world.column<Spheres, ParentId>();
     const auto ball = world.column<Spheres, LocalBall>();
@@ -150,7 +150,7 @@ void FrameWriter::add(const BodyFrame& frame) {
         quads_ = frame.quads();
     }
     std::vector<RunFile::Field> fields{{"velocity", 3, frame.velocities},
-                                       {"spin", 3, frame.spins},
+                                       {"angular_velocity", 3, frame.angular_velocities},
                                        {"coordination", 1, frame.coordination}};
     if (!frame.orientations.empty()) fields.push_back({"orientation", 4, frame.orientations});
     file_.add_frame({frame.time, frame.positions, frame.corners, fields});

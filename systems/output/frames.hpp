@@ -18,14 +18,14 @@ struct BodyFrame {
     double time = 0;               ///< s
     std::vector<std::int64_t> ids; ///< n
     std::vector<std::int64_t>
-        shapes;                      ///< n, number in the clump library; empty in scenes of spheres
-    std::vector<Vec3> positions;     ///< n, m
-    std::vector<float> radii;        ///< n, m, bounding radius
-    std::vector<float> velocities;   ///< n x 3, m/s, at the time of the positions
-    std::vector<float> spins;        ///< n x 3, rad/s
-    std::vector<float> orientations; ///< n x 4: w, x, y, z; empty in scenes of spheres
-    std::vector<float> coordination; ///< n, bodies that touch it (boundaries count)
-    std::vector<Vec3> corners;       ///< 4 per facet, m
+        shapes;                    ///< n, number in the clump library; empty in scenes of spheres
+    std::vector<Vec3> positions;   ///< n, m
+    std::vector<float> radii;      ///< n, m, bounding radius
+    std::vector<float> velocities; ///< n x 3, m/s, at the time of the positions
+    std::vector<float> angular_velocities; ///< n x 3, rad/s
+    std::vector<float> orientations;       ///< n x 4: w, x, y, z; empty in scenes of spheres
+    std::vector<float> coordination;       ///< n, bodies that touch it (boundaries count)
+    std::vector<Vec3> corners;             ///< 4 per facet, m
     std::size_t quads() const { return corners.size() / 4; }
 };
 
@@ -35,7 +35,7 @@ BodyFrame frame_of_bodies(const World& world);
 /// The bodies of a frame as a view to be drawn, sphere by sphere, as they stand in the world;
 /// `colour` takes the place of a body in the frame. Facets become outlines.
 View view_of_bodies(const World& world, const BodyFrame& frame,
-                    const std::function<Colour(std::size_t place)>& colour);
+                    const std::function<Colour(std::size_t index)>& colour);
 
 /// Writes frames of a world to NAME.vtkhdf: id, shape, radius, velocity, spin, orientation and
 /// coordination of every body, facets as quads. Throws OutputError.

@@ -14,20 +14,21 @@ class OuterForces {
 public:
     explicit OuterForces(const World& world)
         : mass_(world.column<Bodies, Mass>().data()),
-          pull_(world.table<Bodies>().has<Pull>() ? world.column<Bodies, Pull>().data() : nullptr),
+          nudging_(world.table<Bodies>().has<Nudging>() ? world.column<Bodies, Nudging>().data()
+                                                        : nullptr),
           gravity_(world.has_resource<Gravity>() ? world.resource<Gravity>().value
                                                  : Vec3(Vec3::Zero())),
-          any_(pull_ != nullptr || world.has_resource<Gravity>()) {}
+          any_(nudging_ != nullptr || world.has_resource<Gravity>()) {}
     bool any() const { return any_; }
     /// N, on the body of a row.
     Vec3 operator()(Row row) const {
         const Vec3 weight = mass_[row] * gravity_;
-        return pull_ != nullptr ? Vec3(weight + pull_[row].force) : weight;
+        return nudging_ != nullptr ? Vec3(weight + nudging_[row].force) : weight;
     }
 
 private:
     const double* mass_;
-    const PullRow* pull_;
+    const NudgingRow* nudging_;
     Vec3 gravity_;
     bool any_;
 };

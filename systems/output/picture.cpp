@@ -63,7 +63,7 @@ bool draw_picture(const std::filesystem::path& png, std::span<const View> views,
     return draw_with_gnuplot(png, whole.width, whole.height, commands, data);
 }
 
-Colour stone_colour(std::uint32_t id) {
+Colour rock_colour(std::uint32_t id) {
     Random random(0x57, id);
     const double light = random.uniform(150, 225), warm = random.uniform(-6, 26);
     return {level(light + 0.6 * warm), level(light), level(light - warm)};

@@ -60,7 +60,7 @@ bool draw_picture(const std::filesystem::path& png, std::span<const View> views,
                   const Camera& camera = {}, unsigned height = 1200);
 
 /// A stone's colour: greys and browns, another one for each id.
-Colour stone_colour(std::uint32_t id);
+Colour rock_colour(std::uint32_t id);
 
 /// Colour of a quantity between 0 (dark blue) and 1 (yellow); safe for colour-blind readers
 /// (cividis: Nunez, Anderton and Renslow 2018).

@@ -19,7 +19,7 @@ double kinetic_energy(const World& world, Row b) {
     const Table& bodies = world.table<Bodies>();
     const double dt = world.resource<Clock>().dt;
     const Vec3 v = bodies.column<Velocity>()[b] + 0.5 * dt * bodies.column<Acceleration>()[b];
-    const Vec3& w = bodies.column<Spin>()[b];
+    const Vec3& w = bodies.column<AngularVelocity>()[b];
     double turning = 0;
     if (bodies.has<SphereInertia>()) {
         turning = bodies.column<SphereInertia>()[b] * w.squaredNorm();
@@ -63,7 +63,7 @@ void add_contacts(const World& world, Quantities& q) {
 
 } // namespace
 
-Quantities measure(const World& world) {
+Quantities compute_quantities(const World& world) {
     Quantities q;
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     std::size_t free_bodies = 0;
@@ -88,7 +88,7 @@ Quantities measure(const World& world) {
     if (free_bodies > 0)
         q.coordination = static_cast<double>(q.body_contacts + between_grains) /
                          static_cast<double>(free_bodies);
-    q.unbalanced_ratio = measure_balance(world).unbalanced_ratio;
+    q.unbalanced_ratio = compute_balance(world).unbalanced_ratio;
     return q;
 }
 

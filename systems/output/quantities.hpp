@@ -25,7 +25,7 @@ struct Quantities {
 };
 
 /// Measures the world as the last step left it. Reads only.
-Quantities measure(const World& world);
+Quantities compute_quantities(const World& world);
 
 /// The usual keys of a mechanical scene: energies, contacts, coordination, overlaps, unbalanced
 /// ratio.

@@ -45,7 +45,7 @@ double Stresses::mismatch() const {
                                                          : std::numeric_limits<double>::infinity();
 }
 
-Stresses measure_stresses(const World& world) {
+Stresses compute_stresses(const World& world) {
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     Stresses s;
     for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, rows, s); });

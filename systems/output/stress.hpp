@@ -17,6 +17,6 @@ struct Stresses {
     /// The larger relative difference of the two parts; infinite where a boundary carries nothing.
     double mismatch() const;
 };
-Stresses measure_stresses(const World& world);
+Stresses compute_stresses(const World& world);
 
 } // namespace bris

@@ -34,7 +34,7 @@ double ring_area(const Membrane& membrane, const double* radius, std::size_t rin
     return area_at({membrane, radius}, static_cast<int>(ring), 0);
 }
 
-void measure_areas(const Membrane& membrane, const double* radius, double top, double* area) {
+void compute_areas(const Membrane& membrane, const double* radius, double top, double* area) {
     const MembraneSurface s(membrane, radius);
     std::fill_n(area, s.rings * s.sectors, 0.0);
     for (int ring = -1; ring < s.rings; ++ring) {
@@ -98,9 +98,9 @@ void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
     });
 }
 
-void book_membrane_work(Rows<Bodies, BoundaryWork> bodies,
-                        Rows<Elements, const ElementPush, const ElementSpeed> elements,
-                        const Membrane& membrane, const Clock& clock) {
+void accumulate_membrane_work(Rows<Bodies, BoundaryWork> bodies,
+                              Rows<Elements, const ElementPush, const ElementSpeed> elements,
+                              const Membrane& membrane, const Clock& clock) {
     const double* push = elements.column<ElementPush>();
     const double* speed = elements.column<ElementSpeed>();
     double power = 0;
@@ -108,17 +108,17 @@ void book_membrane_work(Rows<Bodies, BoundaryWork> bodies,
     bodies.column<BoundaryWork>()[membrane.body_row] += 0.5 * clock.dt * power;
 }
 
-void steer_membrane(
+void servo_membrane(
     Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold>
         elements,
-    Rows<Planes, const PlanePlace> planes, Membrane& membrane, const Platen& platen,
+    Rows<Planes, const PlanePosition> planes, Membrane& membrane, const Platen& platen,
     const Clock& clock, Health& health) {
     double* radius = elements.column<ElementRadius>();
     double* speed = elements.column<ElementSpeed>();
     double* area = elements.column<ElementArea>();
     const double* push = elements.column<ElementPush>();
     const double* hold = elements.column<ElementHold>();
-    measure_areas(membrane, radius, planes.column<PlanePlace>()[platen.plane].point.z(), area);
+    compute_areas(membrane, radius, planes.column<PlanePosition>()[platen.plane].point.z(), area);
     const double aim = membrane.aim.next(membrane.target_pressure);
     const std::size_t group = membrane.per_element ? 1 : membrane.sectors;
     for (std::size_t g = 0; g < elements.size() / group; ++g) {

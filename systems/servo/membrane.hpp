@@ -22,19 +22,19 @@ void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
 
 /// Books half a step's work of the elements on the grains: once at the speed of the last step, once
 /// at that of the next (trapezoidal rule).
-void book_membrane_work(Rows<Bodies, BoundaryWork> bodies,
-                        Rows<Elements, const ElementPush, const ElementSpeed> elements,
-                        const Membrane& membrane, const Clock& clock);
+void accumulate_membrane_work(Rows<Bodies, BoundaryWork> bodies,
+                              Rows<Elements, const ElementPush, const ElementSpeed> elements,
+                              const Membrane& membrane, const Clock& clock);
 
 /// Moves the groups of a membrane (rings or elements) by their balance of forces (ServoMotion): the
 /// grains' push against the target pressure (PressureAim) on the area dV/dr of the current surface
 /// below the platen (inventory E3). A group that the platen has passed follows the ring below it.
 /// An element that its neighbours hide has no area to press on, and one that reaches the axis has
 /// found no grains: that is noted in Health and stops the run.
-void steer_membrane(
+void servo_membrane(
     Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold>
         elements,
-    Rows<Planes, const PlanePlace> planes, Membrane& membrane, const Platen& platen,
+    Rows<Planes, const PlanePosition> planes, Membrane& membrane, const Platen& platen,
     const Clock& clock, Health& health);
 
 /// How a boundary answers a force: as a body with local damping that is as heavy as the step needs
@@ -50,7 +50,7 @@ struct ServoMotion {
 
 /// Area (m2) on which each element presses below the height `top`: the derivative of the volume
 /// with respect to its radius. Both by element.
-void measure_areas(const Membrane& membrane, const double* radius, double top, double* area);
+void compute_areas(const Membrane& membrane, const double* radius, double top, double* area);
 
 /// Volume (m3) inside a membrane between z = 0 and `top`.
 double membrane_volume(const Membrane& membrane, const double* radius, double top);

@@ -6,11 +6,11 @@
 
 namespace bris {
 
-void steer_platen(Rows<Planes, const HostRow> planes,
-                  Rows<Bodies, const Force, const PrunedAt, Position, Velocity, Travel> bodies,
-                  Rows<Elements, const ElementRadius> elements, Platen& platen,
-                  const Membrane& membrane, const NearIndex<PlanePairs>& index, const Clock& clock,
-                  Health& health) {
+void servo_platen(
+    Rows<Planes, const HostRow> planes,
+    Rows<Bodies, const Force, const PrunedAt, Position, Velocity, DisplacementBound> bodies,
+    Rows<Elements, const ElementRadius> elements, Platen& platen, const Membrane& membrane,
+    const NearIndex<PlanePairs>& index, const Clock& clock, Health& health) {
     const Row host = planes.column<HostRow>()[platen.plane];
     double area = 0;
     for (std::size_t ring = 0; ring < membrane.rings; ++ring)
@@ -28,7 +28,8 @@ void steer_platen(Rows<Planes, const HostRow> planes,
     Vec3& position = bodies.column<Position>()[host];
     bodies.column<Velocity>()[host] = Vec3(0, 0, -platen.speed);
     position.z() -= platen.speed * clock.dt;
-    bodies.column<Travel>()[host] = (position - bodies.column<PrunedAt>()[host].position).norm();
+    bodies.column<DisplacementBound>()[host] =
+        (position - bodies.column<PrunedAt>()[host].position).norm();
     if (position.z() > 0 || health.bad) return; // nor where it is not a number
     health.bad = true;
     health.what =
@@ -36,9 +37,9 @@ void steer_platen(Rows<Planes, const HostRow> planes,
         std::to_string(platen.pressure) + " Pa";
 }
 
-void book_platen_work(Rows<Planes, const HostRow> planes,
-                      Rows<Bodies, const Force, const Velocity, BoundaryWork> bodies,
-                      const Platen& platen, const Clock& clock) {
+void accumulate_platen_work(Rows<Planes, const HostRow> planes,
+                            Rows<Bodies, const Force, const Velocity, BoundaryWork> bodies,
+                            const Platen& platen, const Clock& clock) {
     const Row host = planes.column<HostRow>()[platen.plane];
     bodies.column<BoundaryWork>()[host] -=
         0.5 * clock.dt * bodies.column<Force>()[host].dot(bodies.column<Velocity>()[host]);

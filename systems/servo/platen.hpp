@@ -17,16 +17,16 @@ namespace bris {
 /// area inside the membrane (ServoMotion). It moves by the forces of this very step: a speed that
 /// comes a step late would feed its oscillation. A platen that reaches the bottom, z = 0, has found
 /// no grains: that is noted in Health and stops the run.
-void steer_platen(Rows<Planes, const HostRow> planes,
-                  Rows<Bodies, const Force, const PrunedAt, Position, Velocity, Travel> bodies,
-                  Rows<Elements, const ElementRadius> elements, Platen& platen,
-                  const Membrane& membrane, const NearIndex<PlanePairs>& index, const Clock& clock,
-                  Health& health);
+void servo_platen(
+    Rows<Planes, const HostRow> planes,
+    Rows<Bodies, const Force, const PrunedAt, Position, Velocity, DisplacementBound> bodies,
+    Rows<Elements, const ElementRadius> elements, Platen& platen, const Membrane& membrane,
+    const NearIndex<PlanePairs>& index, const Clock& clock, Health& health);
 
-/// Books the half of the platen's work that belongs to its new speed; book_boundary_work books the
-/// other at the speed of the last step.
-void book_platen_work(Rows<Planes, const HostRow> planes,
-                      Rows<Bodies, const Force, const Velocity, BoundaryWork> bodies,
-                      const Platen& platen, const Clock& clock);
+/// Books the half of the platen's work that belongs to its new speed; accumulate_boundary_work
+/// books the other at the speed of the last step.
+void accumulate_platen_work(Rows<Planes, const HostRow> planes,
+                            Rows<Bodies, const Force, const Velocity, BoundaryWork> bodies,
+                            const Platen& platen, const Clock& clock);
 
 } // namespace bris

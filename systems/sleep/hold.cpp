@@ -4,14 +4,15 @@ namespace bris {
 
 namespace {
 
-template <class BodyRows, class Keep, class PutBack>
-void hold(const BodyRows& bodies, const Sleep& sleep, Keep&& keep, PutBack&& put_back) {
+template <class BodyRows, class Keep, class RestorePose>
+void hold(const BodyRows& bodies, const Sleep& sleep, Keep&& keep, RestorePose&& restore_pose) {
     const auto* motion = bodies.template column<MotionOf>();
     const double *mass = bodies.template column<Mass>(),
                  *radius = bodies.template column<BoundingRadius>();
     const Vec3 *force = bodies.template column<Force>(), *torque = bodies.template column<Torque>();
-    Vec3 *velocity = bodies.template column<Velocity>(), *spin = bodies.template column<Spin>(),
-         *step_spin = bodies.template column<StepSpin>();
+    Vec3 *velocity = bodies.template column<Velocity>(),
+         *omega = bodies.template column<AngularVelocity>(),
+         *step_omega = bodies.template column<StepAngularVelocity>();
     std::uint32_t* resting = bodies.template column<Resting>();
     HeldRow* held = bodies.template column<HeldPose>();
     Vec3* position = bodies.template column<Position>();
@@ -23,7 +24,7 @@ void hold(const BodyRows& bodies, const Sleep& sleep, Keep&& keep, PutBack&& put
                               torque[b].squaredNorm() <= limit * limit * radius[b] * radius[b];
         if (!slept) {
             const double slow = sleep.speed * sleep.speed,
-                         turning = radius[b] * radius[b] * step_spin[b].squaredNorm();
+                         turning = radius[b] * radius[b] * step_omega[b].squaredNorm();
             const bool rests = balanced && velocity[b].squaredNorm() <= slow && turning <= slow;
             resting[b] = rests ? resting[b] + 1 : 0;
             if (resting[b] < sleep.steps) continue;
@@ -36,8 +37,8 @@ void hold(const BodyRows& bodies, const Sleep& sleep, Keep&& keep, PutBack&& put
             continue;
         }
         position[b] = held[b].position;
-        put_back(held[b], b);
-        velocity[b] = spin[b] = step_spin[b] = Vec3::Zero();
+        restore_pose(held[b], b);
+        velocity[b] = omega[b] = step_omega[b] = Vec3::Zero();
         bodies.template column<Acceleration>()[b] = bodies.template column<AngularMomentum>()[b] =
             Vec3::Zero();
     }

@@ -53,7 +53,7 @@ public:
 
 private:
     std::span<const NearEntry> entry_;
-    std::span<const PairPlaces> rows_;
+    std::span<const PairRowNumbers> rows_;
     std::span<const Row> body_;
 };
 
@@ -87,8 +87,8 @@ void mark_busy(const World& world, std::vector<std::uint8_t>& busy) {
     const PartnersOf<Pairs> partners(world);
     const auto& look = index.look.empty() ? index.awake : index.look;
     for (std::size_t g = 0; g < look.size(); ++g)
-        for (unsigned rest = look[g]; rest != 0; rest &= rest - 1) {
-            const std::size_t k = 8 * g + static_cast<std::size_t>(__builtin_ctz(rest));
+        for (unsigned remaining = look[g]; remaining != 0; remaining &= remaining - 1) {
+            const std::size_t k = 8 * g + static_cast<std::size_t>(__builtin_ctz(remaining));
             if (k >= index.size()) break; // past the last pair of its group
             const auto [owner, partner] = partners(k);
             busy[owner] = busy[partner] = 1;
@@ -126,13 +126,14 @@ void add_sleep(World& world, const Sleep& settings) {
     require(!world.has<Sensors>(),
             "sleep: expected no sensors: their corrections would be lost on sleepers");
     Table& bodies = world.table<Bodies>();
-    const auto velocity = bodies.column<Velocity>(), spin = bodies.column<Spin>();
+    const auto velocity = bodies.column<Velocity>(),
+               angular_velocity = bodies.column<AngularVelocity>();
     for (Row b = 0; b < motion.size(); ++b)
         require(motion[b] == static_cast<std::uint32_t>(Motion::free) ||
-                    (velocity[b] == Vec3::Zero() && spin[b] == Vec3::Zero()),
+                    (velocity[b] == Vec3::Zero() && angular_velocity[b] == Vec3::Zero()),
                 "sleep: expected fixed bodies without motion, found one with");
     require(!bodies.has<FrictionWork>() && !bodies.has<BoundaryWork>(),
-            "sleep: expected no energy ledger: it would miss what sleepers had");
+            "sleep: expected no energy budget: it would miss what sleepers had");
     bodies.add<Resting>();
     bodies.add<HeldPose>();
     world.add_resource<Sleep>(settings);

@@ -28,8 +28,8 @@ void review_sleep(World& world, Sleep& sleep);
 
 template <class... Shape>
 using RestingBodies = Rows<Bodies, const MotionOf, const Mass, const BoundingRadius, const Force,
-                           const Torque, Resting, HeldPose, Position, Velocity, Acceleration, Spin,
-                           StepSpin, AngularMomentum, Shape...>;
+                           const Torque, Resting, HeldPose, Position, Velocity, Acceleration,
+                           AngularVelocity, StepAngularVelocity, AngularMomentum, Shape...>;
 
 /// After the motion of a step: counts who was at rest, holds who sleeps, lets go who is pushed.
 void hold_spheres(RestingBodies<const SphereInertia> bodies, const Sleep& sleep);

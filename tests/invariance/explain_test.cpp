@@ -31,19 +31,20 @@ TEST_SUITE("invariance/explain") {
         const auto [runs, left_out] = parts(sim.schedule().explain());
         CAPTURE(runs);
         CAPTURE(left_out);
-        for (const char* name : {"collide_spheres", "gather_spheres", "integrate", "place_spheres",
-                                 "guard_motion", "refresh_pairs"}) {
+        for (const char* name : {"collide_spheres", "gather_spheres", "integrate",
+                                 "update_sphere_positions", "guard_motion", "rebuild_pairs"}) {
             CAPTURE(name);
             CHECK(has(runs, std::string("\n  ") + name));
         }
         for (const char* what :
-             {"spring", "facet", "plane", "membrane", "platen", "gravity", "turn."}) {
+             {"spring", "facet", "plane", "membrane", "platen", "gravity", "rotate_clumps."}) {
             CAPTURE(what);
             CHECK_FALSE(has(runs, what));
         }
-        for (const char* name : {"collide_facets", "collide_planes", "gather_facets",
-                                 "gather_planes", "steer_membrane", "steer_platen", "weigh", "damp",
-                                 "place_facets", "place_planes", "guard_facets", "turn"}) {
+        for (const char* name :
+             {"collide_facets", "collide_planes", "gather_facets", "gather_planes",
+              "servo_membrane", "servo_platen", "apply_gravity", "damp", "update_facets",
+              "update_planes", "guard_facets", "rotate_clumps"}) {
             CAPTURE(name);
             CHECK(has(left_out, std::string("\n  ") + name + ": absent"));
         }
@@ -55,11 +56,11 @@ TEST_SUITE("invariance/explain") {
         const auto [runs, left_out] = parts(sim.schedule().explain());
         CHECK(has(runs, "sphere_pairs.spring"));
         CHECK(has(runs, "collide_facets"));
-        CHECK(has(runs, "weigh"));
-        CHECK(has(left_out, "turn_spheres: absent"));
-        CHECK(has(
-            sim.schedule().explain(),
-            "clear_forces + weigh + gather_spheres + gather_facets + integrate + turn + place"));
+        CHECK(has(runs, "apply_gravity"));
+        CHECK(has(left_out, "rotate_spheres: absent"));
+        CHECK(has(sim.schedule().explain(),
+                  "clear_forces + apply_gravity + gather_spheres + gather_facets + integrate + "
+                  "rotate_clumps + update_clump_positions"));
     }
 
     TEST_CASE("contacts of every kind run beside each other") {

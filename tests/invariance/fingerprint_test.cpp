@@ -191,7 +191,7 @@ TEST_SUITE("invariance") {
                 sim.advance(2400);
                 CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() >
                       2 * near_rows_per_chunk);
-                CHECK(measure(sim.world()).contacts > 100);
+                CHECK(compute_quantities(sim.world()).contacts > 100);
                 return sim.snapshot();
             };
             const Archive reference = run(1);
@@ -211,7 +211,7 @@ TEST_SUITE("invariance") {
             Simulation sim = start(scene.make(), settings);
             for (unsigned done = 0; done < scene.steps; done += 40) {
                 sim.advance(40);
-                CHECK(std::isfinite(measure(sim.world()).kinetic_energy));
+                CHECK(std::isfinite(compute_quantities(sim.world()).kinetic_energy));
                 CHECK(solid_volume(sim.world(), {0.03, 0, 0.05}, 20) >= 0);
                 CHECK(fingerprint(sim.snapshot()) != 0);
             }

@@ -11,7 +11,7 @@
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/specimens/sphere_bed.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/contact/ledger.hpp"
+#include "systems/contact/energy_budget.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/output/frames.hpp"
 #include "systems/output/porosity.hpp"
@@ -43,7 +43,17 @@ struct Bench {
     }
 };
 
-enum class Also { nothing, ledger, damping, facets, sensors, frames, porosity, membrane, servo };
+enum class Also {
+    nothing,
+    energy_budget,
+    damping,
+    facets,
+    sensors,
+    frames,
+    porosity,
+    membrane,
+    servo
+};
 
 struct Variant {
     const char* name;
@@ -59,7 +69,7 @@ constexpr Variant variants[] = {
     {"rolling and twisting resistance", "dashpots", LawName::linear_rolling},
     {"Hertz and Mindlin", "dashpots", LawName::hertz_mindlin_viscous},
     {"local damping", "dashpots", LawName::linear_viscous, Also::damping},
-    {"energy ledger", "dashpots", LawName::linear_viscous, Also::ledger},
+    {"energy budget", "dashpots", LawName::linear_viscous, Also::energy_budget},
     {"floor of 64 facets", "dashpots", LawName::linear_viscous, Also::facets},
     {"ten sensors, a record each 20 steps", "dashpots", LawName::linear_viscous, Also::sensors},
     {"a frame written every 100 steps", "dashpots", LawName::linear_viscous, Also::frames},
@@ -100,15 +110,15 @@ World bed_under(const Bench& s, LawName law) {
 
 /// The spheres of that bed that stand in a tube, with a membrane around them and a platen on top in
 /// the place of the box.
-World bed_in_membrane(const Variant& v, double radius, const std::vector<Vec3>& places) {
+World bed_in_membrane(const Variant& v, double radius, const std::vector<Vec3>& positions) {
     const SphereBed bed;
     World world = make_world(Grains::spheres);
     const auto grain = world.resource<Materials>().add(grain_of(v.law));
     double top = 0;
-    for (const Vec3& place : places) {
-        if (place.head<2>().norm() > radius - bed.radius) continue;
-        add_sphere(world, place, bed.radius, grain);
-        top = std::max(top, place.z() + bed.radius);
+    for (const Vec3& position : positions) {
+        if (position.head<2>().norm() > radius - bed.radius) continue;
+        add_sphere(world, position, bed.radius, grain);
+        top = std::max(top, position.z() + bed.radius);
     }
     constexpr double pressure = 5e3; // about that of the bed's own weight
     Membrane membrane;
@@ -175,20 +185,22 @@ void add_ten_sensors(World& world, const Bench& s) {
     add_sensors(world, hosts, std::move(samples), {});
 }
 
-Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& places) {
+Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& positions) {
     World world = bed_under(s, v.law);
     const double half = world.resource<Limits>().high.x();
-    for (std::size_t k = 0; k < places.size(); ++k) world.column<Bodies, Position>()[k] = places[k];
+    for (std::size_t k = 0; k < positions.size(); ++k)
+        world.column<Bodies, Position>()[k] = positions[k];
     const bool in_membrane = v.also == Also::membrane || v.also == Also::servo;
-    if (in_membrane) world = bed_in_membrane(v, half, places);
+    if (in_membrane) world = bed_in_membrane(v, half, positions);
     if (v.also == Also::facets) testing::add_facet_floor(world, -half, half, 8, 0);
     if (v.also == Also::damping) world.add_resource(LocalDamping{0.1});
     add_lists(world, v.law);
-    if (v.also == Also::ledger) add_ledger(world);
+    if (v.also == Also::energy_budget) add_energy_budget(world);
     if (v.also == Also::sensors) add_ten_sensors(world, s);
     const auto spheres = static_cast<double>(world.table<Spheres>().size());
     Case c{v,
-           std::make_unique<Simulation>(std::move(world), steps(v.law, v.also == Also::ledger), 1),
+           std::make_unique<Simulation>(std::move(world),
+                                        steps(v.law, v.also == Also::energy_budget), 1),
            nullptr, spheres};
     c.simulation->advance(
         std::max<std::uint64_t>(s.steps, 12000)); // to rest, with warm caches and lists
@@ -242,7 +254,7 @@ void report(const Bench& s, std::vector<Case>& cases) {
         const double now = median(c), cost = base == cases.end() ? 0 : now - median(*base);
         const double least = *std::min_element(c.wall.begin(), c.wall.end()) /
                              (static_cast<double>(s.steps) * c.spheres) * 1e9;
-        const Quantities q = measure(c.simulation->world());
+        const Quantities q = compute_quantities(c.simulation->world());
         const std::size_t count = systems_of(c);
         fmt::print("{:38} {:8} {:10.1f} {:10.1f} {:10.1f} {:8.3f} {:12.4f}\n", c.variant.name,
                    count, now, least, cost, q.coordination, q.boundary_force.z() / q.weight.z());
@@ -254,9 +266,9 @@ void report(const Bench& s, std::vector<Case>& cases) {
 }
 
 void run(const Bench& s) {
-    const std::vector<Vec3> places = settled(s);
+    const std::vector<Vec3> positions = settled(s);
     std::vector<Case> cases;
-    for (const Variant& v : variants) cases.push_back(make_case(s, v, places));
+    for (const Variant& v : variants) cases.push_back(make_case(s, v, positions));
     for (unsigned round = 0; round < s.rounds; ++round)
         for (Case& c : cases) run_block(s, c);
     report(s, cases);

@@ -31,11 +31,11 @@ const Floor triangles = [](World& w, std::uint32_t m) { add_triangle_floor(w, -0
 const Floor hundred = [](World& w, std::uint32_t m) { add_facet_floor(w, -0.1, 0.1, 10, m); };
 
 struct Track {
-    std::vector<Vec3> position, spin, force;
+    std::vector<Vec3> position, angular_velocity, force;
 };
 
-Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity, const Vec3& spin,
-                 double friction) {
+Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity,
+                 const Vec3& angular_velocity, double friction) {
     World world = make_world(Grains::spheres);
     Material m = linear_material(1e5, 5e4, friction);
     const auto material = add_material(world, m);
@@ -44,7 +44,7 @@ Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity, co
     const double overlap = value_of<Mass>(world, ball) * 9.81 / 1e5;
     value_of<Position>(world, ball) = begin + Vec3(0, 0, radius - 1.5 * overlap);
     value_of<Velocity>(world, ball) = velocity;
-    set_spin(world, ball, spin);
+    set_angular_velocity(world, ball, angular_velocity);
     world.add_resource<Gravity>();
     Simulation sim = start(std::move(world), {.dt = 2e-5});
     Track track;
@@ -55,7 +55,7 @@ Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity, co
             track.force.push_back(value_of<Force>(sim, ball));
         }
         track.position.push_back(value_of<Position>(sim, ball));
-        track.spin.push_back(value_of<Spin>(sim, ball));
+        track.angular_velocity.push_back(value_of<AngularVelocity>(sim, ball));
     }
     return track;
 }
@@ -70,10 +70,10 @@ void check_same(const Track& a, const Track& b) {
     // heights above a facet are computed by another corner: eps * 0.1 m of the overlap, over 4000
     // steps
     const double position = largest_difference(a.position, b.position),
-                 spin = largest_difference(a.spin, b.spin),
+                 angular_velocity = largest_difference(a.angular_velocity, b.angular_velocity),
                  force = largest_difference(a.force, b.force);
     CHECK(position < 1e-12);
-    CHECK(spin * radius < 1e-10);
+    CHECK(angular_velocity * radius < 1e-10);
     CHECK(force < 1e-6 * 0.1); // 1e-6 of the weight, accuracy.md 4.8
 }
 
@@ -189,7 +189,7 @@ TEST_SUITE("physics/facets") {
         // along a row, obliquely over nodes, and along a seam; slipping all the way, and sticking
         const Vec3 rolling(0, 1 / radius, 0);
         struct Case {
-            Vec3 begin, velocity, spin;
+            Vec3 begin, velocity, angular_velocity;
             double friction;
         };
         for (const Case& c : {Case{Vec3(-0.05, 0.003, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3},
@@ -199,14 +199,16 @@ TEST_SUITE("physics/facets") {
                               Case{Vec3(-0.05, 0.003, 0), Vec3(0.9, 0.1, 0), rolling, 5}}) {
             CAPTURE(c.begin.transpose());
             CAPTURE(c.friction);
-            const Track reference = slide_over(plane, c.begin, c.velocity, c.spin, c.friction);
+            const Track reference =
+                slide_over(plane, c.begin, c.velocity, c.angular_velocity, c.friction);
             REQUIRE(reference.position.back().x() > c.begin.x() + 0.02); // over at least one seam
             SUBCASE("two triangles") {
-                check_same(reference,
-                           slide_over(triangles, c.begin, c.velocity, c.spin, c.friction));
+                check_same(reference, slide_over(triangles, c.begin, c.velocity, c.angular_velocity,
+                                                 c.friction));
             }
             SUBCASE("a hundred squares") {
-                check_same(reference, slide_over(hundred, c.begin, c.velocity, c.spin, c.friction));
+                check_same(reference, slide_over(hundred, c.begin, c.velocity, c.angular_velocity,
+                                                 c.friction));
             }
         }
     }

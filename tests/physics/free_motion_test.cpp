@@ -89,7 +89,7 @@ TEST_SUITE("physics/free_motion") {
             }
             CAPTURE(friction);
             const double speed = value_of<Velocity>(sim, ball).x(),
-                         rim = radius * value_of<Spin>(sim, ball).y();
+                         rim = radius * value_of<AngularVelocity>(sim, ball).y();
             MESSAGE("mu ", friction, ": slip time off by ", stopped / slip_time - 1, ", speed by ",
                     speed / v0 * 7 / 5 - 1);
             // accuracy.md: t to 5e-3 (a step is 1e-3 to 5e-3 of it), v to 2e-4 (the arm is R -
@@ -109,15 +109,15 @@ TEST_SUITE("physics/free_motion") {
             Random random(17, 1);
             const Clump rock = scaled(small_rock(), 0.018);
             for (int k = 0; k < 64; ++k) {
-                const Vec3 place = 0.024 * Vec3(k % 4, k / 4 % 4, k / 16);
+                const Vec3 position = 0.024 * Vec3(k % 4, k / 4 % 4, k / 16);
                 const EntityId id =
                     grains == Grains::spheres
-                        ? add_sphere(world, place, 0.01, material)
-                        : add_clump(world, rock, 0, place, random.rotation(), material);
+                        ? add_sphere(world, position, 0.01, material)
+                        : add_clump(world, rock, 0, position, random.rotation(), material);
                 // all fly towards the middle
                 value_of<Velocity>(world, id) =
-                    -40 * (place - Vec3::Constant(0.036)) + 0.3 * random.direction();
-                set_spin(world, id, 50 * random.direction());
+                    -40 * (position - Vec3::Constant(0.036)) + 0.3 * random.direction();
+                set_angular_velocity(world, id, 50 * random.direction());
             }
             Simulation sim = start(std::move(world), {.dt = 5e-6, .law = LawName::linear_viscous});
             const auto totals = [&] {
@@ -172,6 +172,6 @@ TEST_SUITE("physics/free_motion") {
         CHECK(std::abs(value_of<Velocity>(sim, body).z() - 1) < 2 * pi * pi / (8 * 200 * 200));
         // the principal frame of make_clump is known to its quadrature; what is left is rounding of
         // the two arms against each other
-        CHECK(value_of<Spin>(sim, body).norm() * 0.01 < 1e-9);
+        CHECK(value_of<AngularVelocity>(sim, body).norm() * 0.01 < 1e-9);
     }
 }

@@ -245,7 +245,7 @@ TEST_SUITE("physics/membrane") {
         for (const double top : {0.1, 0.25, 0.29, 0.304, 0.35}) {
             const Uneven uneven(4, 0.01, false, 3);
             std::vector<double> area(48);
-            measure_areas(uneven.membrane, uneven.radius.data(), top, area.data());
+            compute_areas(uneven.membrane, uneven.radius.data(), top, area.data());
             double worst = 0;
             for (std::size_t e = 0; e < 48; ++e) {
                 auto more = uneven.radius, less = uneven.radius;
@@ -291,12 +291,12 @@ TEST_SUITE("physics/membrane") {
             world.resource<Membrane>().active = false;
             const EntityId ball = add_sphere(world, Vec3(0, 0, 0.04), 0.0085, material);
             value_of<Velocity>(world, ball) = Vec3(0.5, 0.1, 0.03);
-            Simulation sim = stress::begin(
-                std::move(world),
-                {.dt = fine == 1 ? 5e-6 : 1e-5, .law = LawName::linear_viscous, .ledger = true});
-            const double before = measure(sim.world()).kinetic_energy;
+            Simulation sim = stress::begin(std::move(world), {.dt = fine == 1 ? 5e-6 : 1e-5,
+                                                              .law = LawName::linear_viscous,
+                                                              .energy_budget = true});
+            const double before = compute_quantities(sim.world()).kinetic_energy;
             sim.advance(fine == 1 ? 60000 : 30000);
-            const Quantities q = measure(sim.world());
+            const Quantities q = compute_quantities(sim.world());
             taken = value_of<ViscousWork>(sim, ball);
             open[fine] = std::abs(q.kinetic_energy + q.elastic_energy + taken - before);
             CHECK(taken > 0.1 * before);
@@ -318,9 +318,9 @@ TEST_SUITE("physics/membrane") {
             world.resource<Membrane>().active = false;
             Random random(9, 0);
             for (int k = 0; k < 60; ++k) {
-                const Vec3 place(0.018 * (k % 3 - 1), 0.018 * (k / 3 % 3 - 1),
-                                 0.01 + 0.018 * (k / 9));
-                value_of<Velocity>(world, add_sphere(world, place, 0.0085, material)) =
+                const Vec3 position(0.018 * (k % 3 - 1), 0.018 * (k / 3 % 3 - 1),
+                                    0.01 + 0.018 * (k / 9));
+                value_of<Velocity>(world, add_sphere(world, position, 0.0085, material)) =
                     0.3 * random.direction();
             }
             world.table<Bodies>().add<BoundaryWork>();
@@ -329,7 +329,7 @@ TEST_SUITE("physics/membrane") {
             const unsigned each = fine == 1 ? 40 : 20;
             sim.advance(each);
             const auto energy = [&] {
-                const Quantities q = measure(sim.world());
+                const Quantities q = compute_quantities(sim.world());
                 double done = 0;
                 for (const double w : sim.world().column<Bodies, BoundaryWork>()) done += w;
                 work = done;
@@ -344,7 +344,7 @@ TEST_SUITE("physics/membrane") {
                 sim.advance(each);
             }
             error[fine] = std::abs(energy() - first);
-            CHECK(measure(sim.world()).kinetic_energy > 1e-4); // they were stirred
+            CHECK(compute_quantities(sim.world()).kinetic_energy > 1e-4); // they were stirred
         }
         MESSAGE("energy off by ", error[0], " J, at half the step ", error[1], " J, of work ", work,
                 " J");

@@ -202,11 +202,11 @@ TEST_SUITE("physics/tangential") {
         add_floor(world, material);
         const EntityId ball = add_sphere(world, Vec3(0, 0, 0.0101), 0.01, material);
         value_of<Velocity>(world, ball) = Vec3(1, 0, -1);
-        set_spin(world, ball, Vec3(1, 2, 3));
+        set_angular_velocity(world, ball, Vec3(1, 2, 3));
         Simulation sim = start(std::move(world), {.dt = 1e-5});
         sim.advance(2000);
         CHECK(value_of<Velocity>(sim, ball).z() > 0.9);
         CHECK(value_of<Velocity>(sim, ball).x() == 1);
-        CHECK((value_of<Spin>(sim, ball) - Vec3(1, 2, 3)).norm() < 1e-15);
+        CHECK((value_of<AngularVelocity>(sim, ball) - Vec3(1, 2, 3)).norm() < 1e-15);
     }
 }

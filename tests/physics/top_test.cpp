@@ -11,7 +11,7 @@ namespace {
 // attitude by an integration to 2e-13 (reference/data/torque_free_top_exact.csv)
 struct Exact {
     int time;
-    Vec3 spin;
+    Vec3 angular_velocity;
     Quat attitude;
 };
 const Exact one{1,
@@ -32,7 +32,7 @@ struct Top {
     EntityId body;
 };
 
-Top make_top(const Vec3& inertia, const Vec3& spin, double dt) {
+Top make_top(const Vec3& inertia, const Vec3& angular_velocity, double dt) {
     World world = make_world(Grains::clumps);
     const auto material = add_material(world, {"top", 1, 1, 1, 0});
     Clump shape;
@@ -42,22 +42,22 @@ Top make_top(const Vec3& inertia, const Vec3& spin, double dt) {
     shape.bounding_radius = 1;
     const EntityId body =
         add_clump(world, shape, 0, Vec3::Zero(), Quat(Quat::Identity()), material);
-    set_spin(world, body, spin);
+    set_angular_velocity(world, body, angular_velocity);
     return {start(std::move(world), {.dt = dt}), body};
 }
 
 double angle_between(const Quat& a, const Quat& b) { return 2 * (a.conjugate() * b).vec().norm(); }
 
 struct Errors {
-    double attitude, spin;
+    double attitude, angular_velocity;
 };
 
 Errors error_at(const Exact& exact, int steps_per_unit) {
     Top top = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 1.0 / steps_per_unit);
     top.sim.advance(static_cast<std::uint64_t>(exact.time * steps_per_unit));
     const Quat& q = value_of<Orientation>(top.sim, top.body);
-    const Vec3 local = q.conjugate() * value_of<Spin>(top.sim, top.body);
-    return {angle_between(q, exact.attitude), (local - exact.spin).norm()};
+    const Vec3 local = q.conjugate() * value_of<AngularVelocity>(top.sim, top.body);
+    return {angle_between(q, exact.attitude), (local - exact.angular_velocity).norm()};
 }
 
 } // namespace
@@ -67,9 +67,10 @@ TEST_SUITE("physics/top") {
         // |w| = sqrt 2: 28 steps a unit of time are 0.05 rad a step
         for (const Exact& exact : {one, five, ten}) {
             const Errors e = error_at(exact, 28);
-            MESSAGE("t = ", exact.time, ": attitude off by ", e.attitude, " rad, spin by ", e.spin);
+            MESSAGE("t = ", exact.time, ": attitude off by ", e.attitude, " rad, spin by ",
+                    e.angular_velocity);
             CHECK(e.attitude < 1e-3); // accuracy.md, short list 7
-            CHECK(e.spin < 1e-3);
+            CHECK(e.angular_velocity < 1e-3);
         }
         const double coarse = error_at(ten, 14).attitude, fine = error_at(ten, 28).attitude;
         MESSAGE("order of the attitude ", order_of(coarse, fine));
@@ -86,7 +87,7 @@ TEST_SUITE("physics/top") {
         for (int k = 0; k < 2000; ++k) {
             top.sim.advance(50);
             const Quat& q = value_of<Orientation>(top.sim, top.body);
-            const Vec3 local = q.conjugate() * value_of<Spin>(top.sim, top.body);
+            const Vec3 local = q.conjugate() * value_of<AngularVelocity>(top.sim, top.body);
             worst_energy =
                 std::max(worst_energy, std::abs(local.cwiseAbs2().dot(inertia) / 4 - 1)); // 2 E = 4
             worst_norm = std::max(worst_norm, std::abs(q.norm() - 1));
@@ -106,10 +107,11 @@ TEST_SUITE("physics/top") {
             quick = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 1.0 / 1000);
         slow.sim.advance(20'000);
         quick.sim.advance(1000);
-        const double off = angle_between(value_of<Orientation>(slow.sim, slow.body), one.attitude);
-        MESSAGE("midpoint rule at 7e-5 rad a step, t = 1: off by ", off, " rad");
+        const double error =
+            angle_between(value_of<Orientation>(slow.sim, slow.body), one.attitude);
+        MESSAGE("midpoint rule at 7e-5 rad a step, t = 1: off by ", error, " rad");
         // turn() promises a difference below 1e-12 rad a step of 1e-4 rad, falling with its cube
-        CHECK(off < 20'000 * 1e-12);
+        CHECK(error < 20'000 * 1e-12);
         CHECK(angle_between(value_of<Orientation>(quick.sim, quick.body), one.attitude) < 1e-11);
     }
 

@@ -1,6 +1,6 @@
 #include "engine/errors.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/contact/ledger.hpp"
+#include "systems/contact/energy_budget.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/sleep/sleep.hpp"
 #include "tests/about.hpp"
@@ -75,7 +75,8 @@ TEST_SUITE("sleep") {
             const auto awake = sim.world().resource<NearIndex<SpherePairs>>().awake;
             CHECK(std::ranges::all_of(awake, [](std::uint8_t bits) { return bits == 0; }));
             waking.advance(blocks * 250);
-            const Quantities asleep = measure(sim.world()), full = measure(waking.world());
+            const Quantities asleep = compute_quantities(sim.world()),
+                             full = compute_quantities(waking.world());
             CHECK(asleep.kinetic_energy == 0);
             CHECK(std::abs(asleep.boundary_force.z() / asleep.weight.z() - 1) < 0.01);
             CHECK(asleep.contacts == full.contacts);
@@ -91,7 +92,7 @@ TEST_SUITE("sleep") {
             const auto before = fingerprint(sim.snapshot(), "bodies/position");
             sim.advance(500);
             CHECK(fingerprint(sim.snapshot(), "bodies/position") == before);
-            CHECK(measure(sim.world()).elastic_energy == asleep.elastic_energy);
+            CHECK(compute_quantities(sim.world()).elastic_energy == asleep.elastic_energy);
         }
     }
 
@@ -108,7 +109,7 @@ TEST_SUITE("sleep") {
         CHECK(least < count - 2);
         CHECK(sleepers(sim.world()) == count);
         CHECK(value_of<Position>(sim, lifted).z() > 0.005);
-        const Quantities q = measure(sim.world());
+        const Quantities q = compute_quantities(sim.world());
         CHECK(std::abs(q.boundary_force.z() / q.weight.z() - 1) < 0.01);
         CHECK(q.largest_overlap < 0.01);
         // told that something has changed, all look again
@@ -159,7 +160,7 @@ TEST_SUITE("sleep") {
         CHECK(height() - value_of<Position>(sim, gone).z() / count < before);
         for (unsigned k = 0; k < 1000 && !idle(sim.world()); ++k) sim.advance(100);
         CHECK(sleepers(sim.world()) == count);
-        const Quantities q = measure(sim.world());
+        const Quantities q = compute_quantities(sim.world());
         CHECK(std::abs(q.boundary_force.z() / q.weight.z() - 1) < 0.01);
     }
 
@@ -241,11 +242,11 @@ TEST_SUITE("sleep") {
                   (void)add_boundary(w, Vec3::Zero(), 0, Motion::prescribed);
               }).find("sleep: expected boundaries that stand still") == 0);
         CHECK(refusal([](World& w, Sleep&) {
-                  value_of<Spin>(w, add_boundary(w, Vec3::Zero(), 0, Motion::fixed)) =
+                  value_of<AngularVelocity>(w, add_boundary(w, Vec3::Zero(), 0, Motion::fixed)) =
                       Vec3(0, 0, 1);
               }).find("sleep: expected fixed bodies without motion") == 0);
         CHECK(refusal([](World& w, Sleep&) {
                   w.table<Bodies>().add<BoundaryWork>();
-              }).find("sleep: expected no energy ledger") == 0);
+              }).find("sleep: expected no energy budget") == 0);
     }
 }

@@ -58,7 +58,7 @@ private:
             const Lane vn = c.vx * c.nx + c.vy * c.ny + c.vz * c.nz;
             const Lane dashpot = share * dashpots.normal,
                        force = max(elastic - dashpot * vn, lanes(step.least_force));
-            if (step.book) {
+            if (step.accumulate_work) {
                 // the mean velocity of the step is not the predicted one: the force changes
                 // meanwhile, or sets in
                 const Lane later = 0.5 * step.dt * c.inverse_mass;
@@ -88,15 +88,15 @@ struct Columns {};
 /// Calls make.template operator()<Law, columns of near rows, columns of pairs>() with the law of
 /// that name and the columns that it writes besides the record of force.
 template <class... Share, class Make>
-auto with_law_and_share(LawName law, bool ledger, Make&& make) {
+auto with_law_and_share(LawName law, bool energy_budget, Make&& make) {
     using Springs = Columns<Spring>;
     using Rolls = Columns<Spring, Roll>;
     const auto sliding = [&]<class L>() {
-        return ledger ? make.template operator()<L, Columns<PairWork, Share...>, Springs>()
-                      : make.template operator()<L, Columns<Share...>, Springs>();
+        return energy_budget ? make.template operator()<L, Columns<PairWork, Share...>, Springs>()
+                             : make.template operator()<L, Columns<Share...>, Springs>();
     };
     const auto rolling = [&]<class L>() {
-        return ledger
+        return energy_budget
                    ? make.template operator()<L, Columns<PairTorque, PairWork, Share...>, Rolls>()
                    : make.template operator()<L, Columns<PairTorque, Share...>, Rolls>();
     };
@@ -123,8 +123,8 @@ auto with_law_and_share(LawName law, bool ledger, Make&& make) {
 template <class Make>
 auto with_law(LawName law, const StepChoices& choices, Make&& make) {
     return choices.patch == PatchStiffness::shared
-               ? with_law_and_share<const PatchShare>(law, choices.ledger, make)
-               : with_law_and_share<>(law, choices.ledger, make);
+               ? with_law_and_share<const PatchShare>(law, choices.energy_budget, make)
+               : with_law_and_share<>(law, choices.energy_budget, make);
 }
 
 } // namespace bris

@@ -8,10 +8,10 @@ namespace {
 constexpr double infinity = std::numeric_limits<double>::infinity();
 }
 
-LawStep::LawStep(const ContactPolicy& policy, double step, bool ledger)
+LawStep::LawStep(const ContactPolicy& policy, double step, bool energy_budget)
     : dt(step), least_force(policy.tension == Tension::allowed ? -infinity : 0),
       least_ratio(policy.shear_history == ShearHistory::total ? 1 : 0),
       largest_ratio(policy.shear_history == ShearHistory::incremental ? infinity : 1),
-      shared(policy.patch == PatchStiffness::shared), book(ledger) {}
+      shared(policy.patch == PatchStiffness::shared), accumulate_work(energy_budget) {}
 
 } // namespace bris

@@ -50,11 +50,11 @@ struct LawStep {
     double dt;          ///< s
     double least_force; ///< N, of the normal force: 0 where tension is cut
     double least_ratio,
-        largest_ratio; ///< of spring stretch kept when the stiffness changes (ShearHistory)
-    bool shared;       ///< patches share one stiffness: that of a contact changes
-    bool book;         ///< an energy ledger wants the work
+        largest_ratio;    ///< of spring stretch kept when the stiffness changes (ShearHistory)
+    bool shared;          ///< patches share one stiffness: that of a contact changes
+    bool accumulate_work; ///< an energy ledger wants the work
 
-    LawStep(const ContactPolicy& policy, double step, bool ledger);
+    LawStep(const ContactPolicy& policy, double step, bool energy_budget);
 };
 
 /// Elastic normal force and the tangent stiffnesses, N and N/m.

@@ -14,9 +14,9 @@ struct PartialStep {
     LaneMask begins; ///< closed by more than its overlap in the last step
     LaneMask ends;   ///< opens by more than its overlap in the next
 
-    PartialStep(const ContactLanes& c, double dt) : way_(c.closing * dt) {
-        begins = way_ > c.overlap;
-        ends = -way_ > c.overlap;
+    PartialStep(const ContactLanes& c, double dt) : step_displacement_(c.closing * dt) {
+        begins = step_displacement_ > c.overlap;
+        ends = -step_displacement_ > c.overlap;
     }
     bool any() const { return bits(begins | ends) != 0; }
 
@@ -25,8 +25,8 @@ struct PartialStep {
     template <class Normal>
     Lane elastic(const ContactLanes& c, const CoefficientLanes& k, Lane whole) const {
         ContactLanes deeper = c, touch = c; // half a step on
-        deeper.overlap = c.overlap + 0.5 * way();
-        touch.overlap = 0.5 * way();
+        deeper.overlap = c.overlap + 0.5 * step_displacement();
+        touch.overlap = 0.5 * step_displacement();
         const Lane sum = Normal::stiffness(deeper, k).force * (part(c) + 0.5) -
                          Normal::stiffness(touch, k).force * 0.5;
         return (begins | ends) ? c.share * sum * (1 / (Normal::exponent + 1)) : whole;
@@ -38,13 +38,13 @@ struct PartialStep {
     }
 
 private:
-    Lane way() const {
-        return begins ? way_ : (ends ? -way_ : lanes(1));
+    Lane step_displacement() const {
+        return begins ? step_displacement_ : (ends ? -step_displacement_ : lanes(1));
     } // m, that the surfaces go in a step
     Lane part(const ContactLanes& c) const {
-        return c.overlap / way();
+        return c.overlap / step_displacement();
     } // of a step, from meeting to now or from now to parting
-    Lane way_;
+    Lane step_displacement_;
 };
 
 } // namespace bris

@@ -55,7 +55,7 @@ struct RollingSprings {
         f.torque_x = radius * (c.ny * fz - c.nz * fy + ft * c.nx);
         f.torque_y = radius * (c.nz * fx - c.nx * fz + ft * c.ny);
         f.torque_z = radius * (c.nx * fy - c.ny * fx + ft * c.nz);
-        if (step.book) {
+        if (step.accumulate_work) {
             f.work.rolling = taken(ks, kept, old, trial, now, k.rolling_friction) +
                              taken(ks, kept, old_twist, trial_twist, twist, k.twisting_friction) +
                              step.dt * (rolling_dashpot * (vx * vx + vy * vy + vz * vz) +

@@ -106,7 +106,7 @@ struct CoulombSpring {
             gz -= dashpot * tz;
             viscous = step.dt * dashpot * speed2;
         }
-        if (step.book) {
+        if (step.accumulate_work) {
             f.work.friction = sliding_work(stiffness.shear, kept, old, trial, spring);
             // a pair that parts in the next step gives up its stretch
             const LaneMask parts = -c.closing * step.dt > c.overlap;

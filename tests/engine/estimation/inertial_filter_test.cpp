@@ -29,7 +29,7 @@ void disturb(InertialFilter& f, Random& random) {
     f.state.position -= e.segment<3>(0);
     f.state.velocity -= e.segment<3>(3);
     f.state.orientation = exponential_map(-e.segment<3>(6)) * f.state.orientation;
-    f.state.spin -= e.segment<3>(9);
+    f.state.angular_velocity -= e.segment<3>(9);
     f.bias_of_force -= e.segment<3>(12);
     f.bias_of_rate -= e.segment<3>(15);
 }
@@ -42,7 +42,7 @@ double error_of_tumbling(double noise_factor, std::uint64_t run) {
     const auto noise3 = [&](double s) {
         return Vec3(s * random.normal(), s * random.normal(), s * random.normal());
     };
-    RigidState truth{.orientation = random.rotation(), .spin = Vec3(0.5, -0.3, 0.8)};
+    RigidState truth{.orientation = random.rotation(), .angular_velocity = Vec3(0.5, -0.3, 0.8)};
     InertialFilter f;
     f.gravity = earth;
     f.begin(0.01, 0.02, 0.03, 0.02, 0.05, 0.01);
@@ -57,23 +57,27 @@ double error_of_tumbling(double noise_factor, std::uint64_t run) {
         truth.position += dt * truth.velocity + 0.5 * dt * dt * push;
         truth.velocity += dt * push;
         truth.orientation =
-            exponential_map(dt * (truth.spin + 0.5 * dt * twist)) * truth.orientation;
-        truth.spin += dt * twist;
+            exponential_map(dt * (truth.angular_velocity + 0.5 * dt * twist)) * truth.orientation;
+        truth.angular_velocity += dt * twist;
         f.advance(dt, noise_factor * density, noise_factor * density);
         const Quat to_body = truth.orientation.conjugate();
         const Vec3 r = truth.orientation * arm,
-                   force =
-                       to_body * Vec3(truth.spin.cross(truth.spin.cross(r)) - earth) + force_bias;
+                   force = to_body *
+                               Vec3(truth.angular_velocity.cross(truth.angular_velocity.cross(r)) -
+                                    earth) +
+                           force_bias;
         if (k % 4 == 0) (void)f.observe_position(truth.position + noise3(1e-3), 1e-6 * one);
         if (k % 4 == 1) (void)f.observe_force(force + noise3(1e-2), Vec3::Zero(), arm, 1e-4 * one);
         if (k % 4 == 2)
-            (void)f.observe_rate(to_body * truth.spin + rate_bias + noise3(1e-3), 1e-6 * one);
+            (void)f.observe_rate(to_body * truth.angular_velocity + rate_bias + noise3(1e-3),
+                                 1e-6 * one);
         if (k % 4 == 3) (void)f.observe_vector(to_body * north + noise3(1e-2), north, 1e-4 * one);
     }
     Vector e(InertialFilter::size);
     e << truth.position - f.state.position, truth.velocity - f.state.velocity,
-        attitude_error(truth.orientation, f.state.orientation), truth.spin - f.state.spin,
-        force_bias - f.bias_of_force, rate_bias - f.bias_of_rate;
+        attitude_error(truth.orientation, f.state.orientation),
+        truth.angular_velocity - f.state.angular_velocity, force_bias - f.bias_of_force,
+        rate_bias - f.bias_of_rate;
     return squared_distance(f.error(), e);
 }
 
@@ -105,7 +109,7 @@ TEST_SUITE("engine/signal/inertial_filter") {
         const Quat exact(-0.9982371903219421, 0.028883890394124045, -0.019255926929416033,
                          0.04813981732354008);
         CHECK(attitude_error(exact, f.state.orientation).norm() < 1e-11);
-        CHECK((f.state.spin - f.state.orientation * rate).norm() < 1e-12);
+        CHECK((f.state.angular_velocity - f.state.orientation * rate).norm() < 1e-12);
     }
 
     TEST_CASE("coning at 5 Hz drifts as it should, which a sum of rotation vectors misses") {
@@ -212,7 +216,7 @@ TEST_SUITE("engine/signal/inertial_filter") {
         for (int k = 0; k < 400; ++k) {
             f.advance(5e-3, {Vec3(force_bias - earth), rate_bias}, noise);
             (void)f.observe_velocity(Vec3::Zero(), 1e-8 * one);
-            (void)f.observe_spin(Vec3::Zero(), 1e-10 * one);
+            (void)f.observe_angular_velocity(Vec3::Zero(), 1e-10 * one);
         }
         CHECK((f.bias_of_force - force_bias).norm() < 1e-3);
         CHECK((f.bias_of_rate - rate_bias).norm() < 1e-4);

@@ -43,7 +43,7 @@ SteadyState run_until_steady(const Transition& t) {
     for (int k = 0; k < 2000; ++k) {
         x = predict(x, t);
         s.predicted_variance = x.covariance()(0, 0);
-        const auto c = measure<double>(x, Vector::Zero(1), sees_first(2), scalar(1));
+        const auto c = update<double>(x, Vector::Zero(1), sees_first(2), scalar(1));
         s.position_gain = c.gain(0, 0);
         s.velocity_gain = c.gain(1, 0);
         x = c.estimate;
@@ -78,8 +78,8 @@ struct Walk {
         const Transition assumed{t.F, noise_factor * t.Q};
         for (const double measured : y) {
             FilterStep step{assumed, predict(x, assumed), {}};
-            const auto c = measure<double>(step.predicted, numbers({measured}), sees_first(2),
-                                           scalar(variance));
+            const auto c = update<double>(step.predicted, numbers({measured}), sees_first(2),
+                                          scalar(variance));
             x = step.corrected = c.estimate;
             f.log_likelihood += c.log_likelihood;
             f.distances.push_back(c.squared_distance);
@@ -165,7 +165,7 @@ TEST_SUITE("engine/signal/kalman") {
             Gaussian x(Vector::Zero(1), scalar(50)), predicted;
             for (int k = 0; k < 500; ++k) {
                 predicted = predict(x, walk);
-                x = measure<double>(predicted, Vector::Zero(1), scalar(1), scalar(r)).estimate;
+                x = update<double>(predicted, Vector::Zero(1), scalar(1), scalar(r)).estimate;
             }
             const double before = 0.5 * (q + std::sqrt(q * q + 4 * q * r));
             CAPTURE(q);
@@ -186,7 +186,7 @@ TEST_SUITE("engine/signal/kalman") {
         const Matrix P = before.covariance(), one = Matrix::Identity(4, 4);
         const Vector y = numbers({0.3, -2});
         for (const double factor : {1.0, 0.0}) {
-            const auto c = measure<double>(before, y, H, factor * R);
+            const auto c = update<double>(before, y, H, factor * R);
             const Eigen::Matrix2d S = H * P * H.transpose() + factor * R, inverse = S.inverse();
             const Matrix K = P * H.transpose() * inverse;
             const Vector innovation = y - H * before.mean;
@@ -230,8 +230,8 @@ TEST_SUITE("engine/signal/kalman") {
             H(k, 2 * k) = 1;
             y[k] = walk.y[static_cast<std::size_t>(k)];
         }
-        const auto batch = measure<double>(Gaussian(Vector::Zero(n), P), y, H,
-                                           walk.variance * Matrix::Identity(steps, steps));
+        const auto batch = update<double>(Gaussian(Vector::Zero(n), P), y, H,
+                                          walk.variance * Matrix::Identity(steps, steps));
         const Matrix covariance = batch.estimate.covariance();
         double worst_mean = 0, worst_covariance = 0;
         for (Eigen::Index k = 0; k < steps; ++k) {
@@ -293,7 +293,7 @@ TEST_SUITE("engine/signal/kalman") {
             GaussianOf<float> x(VectorOf<float>::Zero(2), MatrixOf<float>::Identity(2, 2));
             const TransitionOf<float> grow{MatrixOf<float>::Identity(2, 2), c.growth()};
             for (int k = 0; k < 250000; ++k)
-                x = measure<float>(predict(x, grow), VectorOf<float>::Zero(2), c.seen(k), c.noise())
+                x = update<float>(predict(x, grow), VectorOf<float>::Zero(2), c.seen(k), c.noise())
                         .estimate;
             CHECK(x.root.allFinite()); // and so root root^T is symmetric and positive
             CHECK((x.root.row(0) + x.root.row(1)).squaredNorm() <
@@ -305,8 +305,8 @@ TEST_SUITE("engine/signal/kalman") {
         // H = [1 1; 1 1 + sqrt(eps)], P = 1, R = eps: values by exact fractions
         Matrix H(2, 2);
         H << 1, 1, 1, 1.000001;
-        const auto c = measure<double>(Gaussian(Vector::Zero(2), Matrix::Identity(2, 2)),
-                                       Vector::Zero(2), H, 1e-12 * Matrix::Identity(2, 2));
+        const auto c = update<double>(Gaussian(Vector::Zero(2), Matrix::Identity(2, 2)),
+                                      Vector::Zero(2), H, 1e-12 * Matrix::Identity(2, 2));
         CHECK(c.estimate.covariance()(0, 0) == about(0.400000240000144).epsilon(1e-3));
         CHECK(c.estimate.covariance()(0, 1) == about(-0.400000039999824).epsilon(1e-3));
     }
@@ -326,15 +326,15 @@ TEST_SUITE("engine/signal/kalman") {
         const Transition t = white_acceleration(3, 0.5, 1);
         const Matrix one = Matrix::Identity(3, 3);
         PrintedFilter filter{.A = t.F, .Q = t.Q, .R = Matrix::Identity(6, 6), .q = one, .r = one};
-        Vector simulated = Vector::Zero(6), spin = Vector::Zero(3);
+        Vector simulated = Vector::Zero(6), angular_velocity = Vector::Zero(3);
         double asymmetry = 0;
         for (int k = 0; k < 800; ++k) {
             simulated = filter.fuse(simulated, Vector::Ones(6));
-            spin = filter.fuse_spin(spin, numbers({1, 2, 3}));
+            angular_velocity = filter.fuse_angular_velocity(angular_velocity, numbers({1, 2, 3}));
             asymmetry = std::max(asymmetry, (filter.COV - filter.COV.transpose()).norm());
         }
-        CHECK(spin.norm() == 0);
-        CHECK(filter.spin_gain.norm() == 0);
+        CHECK(angular_velocity.norm() == 0);
+        CHECK(filter.angular_velocity_gain.norm() == 0);
         CHECK(filter.gain.norm() > 0); // translation is fused
         CHECK(asymmetry > 0.01);
     }

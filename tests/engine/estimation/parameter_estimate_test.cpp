@@ -17,8 +17,8 @@ namespace {
 /// and chaos that lasts.
 struct Game {
     std::uint64_t seed = 1;
-    Eigen::Index worlds = 10;
-    double chaos = 0.1, lasting = 0, curvature = 0, noise = 0.01;
+    Eigen::Index members = 10;
+    double divergence = 0.1, lasting = 0, curvature = 0, noise = 0.01;
     int times = 8;
 
     Gaussian prior() const {
@@ -43,19 +43,19 @@ struct Game {
             return x;
         };
         const Vector truth = draw();
-        Matrix designs(worlds, 2);
-        for (Eigen::Index j = 0; j < worlds; ++j) designs.row(j) = draw().transpose();
+        Matrix designs(members, 2);
+        for (Eigen::Index j = 0; j < members; ++j) designs.row(j) = draw().transpose();
         ParameterEstimate estimate(before, designs, 1);
-        Vector state(worlds + 1); // chaos of each world, and of the real one
-        for (double& s : state) s = chaos * random.normal();
+        Vector state(members + 1); // chaos of each world, and of the real one
+        for (double& s : state) s = divergence * random.normal();
         for (int t = 0; t < times; ++t) {
-            Vector foretold(worlds);
-            for (Eigen::Index j = 0; j < worlds; ++j)
-                foretold[j] = law(t, designs.row(j)) + state[j];
-            estimate.see(0, foretold,
-                         {law(t, truth) + state[worlds] + noise * random.normal(), noise});
+            Vector forecast(members);
+            for (Eigen::Index j = 0; j < members; ++j)
+                forecast[j] = law(t, designs.row(j)) + state[j];
+            estimate.observe(0, forecast,
+                             {law(t, truth) + state[members] + noise * random.normal(), noise});
             for (double& s : state)
-                s = lasting * s + chaos * std::sqrt(1 - lasting * lasting) * random.normal();
+                s = lasting * s + divergence * std::sqrt(1 - lasting * lasting) * random.normal();
         }
         if (learned) *learned = estimate.parameters();
         return squared_distance(estimate.parameters(), truth);
@@ -70,18 +70,18 @@ struct Game {
     }
 };
 
-Matrix random_worlds(Eigen::Index count) {
+Matrix random_members(Eigen::Index count) {
     Random random(1, 1);
-    Matrix worlds(count, 2);
-    for (double& x : worlds.reshaped()) x = random.normal();
-    return worlds;
+    Matrix members(count, 2);
+    for (double& x : members.reshaped()) x = random.normal();
+    return members;
 }
 
 } // namespace
 
 TEST_SUITE("fusion/parameter_estimate") {
     TEST_CASE("without much chaos and noise the parameters are found from three measurements") {
-        Game game{.chaos = 1e-3, .noise = 1e-4, .times = 3};
+        Game game{.divergence = 1e-3, .noise = 1e-4, .times = 3};
         Gaussian learned;
         (void)game.play(&learned);
         CHECK(std::sqrt(learned.covariance().diagonal().maxCoeff()) < 0.02);
@@ -100,8 +100,8 @@ TEST_SUITE("fusion/parameter_estimate") {
     }
 
     TEST_CASE("a curved law needs twelve worlds, and then does no harm") {
-        Game line{.worlds = 10, .chaos = 0.02, .curvature = 0.7}, curve = line;
-        curve.worlds = 14;
+        Game line{.members = 10, .divergence = 0.02, .curvature = 0.7}, curve = line;
+        curve.members = 14;
         const double by_line = line.mean_distance(60), by_curve = curve.mean_distance(60);
         CHECK(by_curve < 3);
         CHECK(by_curve < 0.5 * by_line);
@@ -110,14 +110,15 @@ TEST_SUITE("fusion/parameter_estimate") {
     TEST_CASE("where worlds hold no chaos, what is learned is what Kalman's update says") {
         Gaussian exact = Game{}.prior();
         exact.root(1, 0) = 0.1;
-        const Matrix worlds = random_worlds(11);
-        ParameterEstimate estimate(exact, worlds, 2);
+        const Matrix members = random_members(11);
+        ParameterEstimate estimate(exact, members, 2);
         for (const auto& [channel, y] : {std::pair{0, -0.1}, {1, -0.3}}) {
             Matrix slope(1, 2);
             slope << 0.8, channel ? 0.5 : 1.0;
-            estimate.see(static_cast<std::size_t>(channel), worlds * slope.transpose(), {y, 0.03});
-            exact = measure<double>(exact, Vector::Constant(1, y), slope,
-                                    Matrix::Constant(1, 1, 0.03 * 0.03))
+            estimate.observe(static_cast<std::size_t>(channel), members * slope.transpose(),
+                             {y, 0.03});
+            exact = update<double>(exact, Vector::Constant(1, y), slope,
+                                   Matrix::Constant(1, 1, 0.03 * 0.03))
                         .estimate;
         }
         const Gaussian& found = estimate.parameters();
@@ -132,21 +133,21 @@ TEST_SUITE("fusion/parameter_estimate") {
     TEST_CASE("a specimen that differs by a process of its own is weighed as generalised least "
               "squares weigh it") {
         const Gaussian before = Game{}.prior();
-        const Matrix worlds = random_worlds(9);
-        const std::array<double, 3> places{0, 0.7, 3};
-        ParameterEstimate estimate(before, worlds, 1, 1, 0, {.memory = 2});
+        const Matrix members = random_members(9);
+        const std::array<double, 3> stages{0, 0.7, 3};
+        ParameterEstimate estimate(before, members, 1, 1, 0, {.memory = 2});
         Matrix slopes(3, 2), process(3, 3);
         slopes << 0.8, 1, 0.8, 0.6, 0.8, 0.1;
         Vector measured(3);
         measured << 0.1, 0.3, -0.4;
         for (Eigen::Index k = 0; k < 3; ++k) {
-            const double place = places[static_cast<std::size_t>(k)];
-            estimate.see(0, worlds * slopes.row(k).transpose(), {measured[k], 0, 0.2, place});
+            const double stage = stages[static_cast<std::size_t>(k)];
+            estimate.observe(0, members * slopes.row(k).transpose(), {measured[k], 0, 0.2, stage});
             for (Eigen::Index l = 0; l < 3; ++l)
                 process(k, l) =
-                    0.04 * std::exp(-std::abs(place - places[static_cast<std::size_t>(l)]) / 2);
+                    0.04 * std::exp(-std::abs(stage - stages[static_cast<std::size_t>(l)]) / 2);
         }
-        const Gaussian exact = measure<double>(before, measured, slopes, process).estimate,
+        const Gaussian exact = update<double>(before, measured, slopes, process).estimate,
                        &found = estimate.parameters();
         CHECK((found.mean - exact.mean).norm() < 1e-3);
         CHECK((found.covariance() - exact.covariance()).norm() <
@@ -155,40 +156,41 @@ TEST_SUITE("fusion/parameter_estimate") {
 
     TEST_CASE("what two channels share of a specimen's difference counts once") {
         const Gaussian before = Game{}.prior();
-        const Matrix worlds = random_worlds(9);
+        const Matrix members = random_members(9);
         Matrix slopes(4, 2), process(4, 4);
         slopes << 0.8, 0.5, 0.7, 0.2, 1.1, 0, 1, 0.1;
-        const std::array<double, 4> place{0, 1, 0, 1}, scatter{0.2, 0.2, 0.3, 0.4};
+        const std::array<double, 4> stage{0, 1, 0, 1}, scatter{0.2, 0.2, 0.3, 0.4};
         const std::array<std::size_t, 4> channel{0, 0, 1, 1};
         Vector measured(4);
         measured << 0.1, 0.2, 0.4, 0.3;
-        const auto learned = [&](double likeness) {
-            ParameterEstimate estimate(before, worlds, 2, 1, 0,
-                                       {.memory = 3, .channels = likeness});
+        const auto learned = [&](double specimen_correlation) {
+            ParameterEstimate estimate(before, members, 2, 1, 0,
+                                       {.memory = 3, .channels = specimen_correlation});
             for (const Eigen::Index k : {0, 2, 1, 3}) { // in the order of time
                 const auto at = static_cast<std::size_t>(k);
-                estimate.see(channel[at], worlds * slopes.row(k).transpose(),
-                             {measured[k], 0, scatter[at], place[at]});
+                estimate.observe(channel[at], members * slopes.row(k).transpose(),
+                                 {measured[k], 0, scatter[at], stage[at]});
                 for (std::size_t l = 0; l < 4; ++l)
                     process(k, static_cast<Eigen::Index>(l)) =
-                        scatter[at] * scatter[l] * (channel[at] == channel[l] ? 1 : likeness) *
-                        std::exp(-std::abs(place[at] - place[l]) / 3);
+                        scatter[at] * scatter[l] *
+                        (channel[at] == channel[l] ? 1 : specimen_correlation) *
+                        std::exp(-std::abs(stage[at] - stage[l]) / 3);
             }
             return estimate.parameters();
         };
         const Gaussian found = learned(0.6),
-                       exact = measure<double>(before, measured, slopes, process).estimate;
+                       exact = update<double>(before, measured, slopes, process).estimate;
         CHECK((found.mean - exact.mean).norm() < 1e-3);
         CHECK((found.covariance() - exact.covariance()).norm() < 0.04 * exact.covariance().norm());
         CHECK(learned(0).covariance()(0, 0) < 0.95 * found.covariance()(0, 0));
     }
 
     TEST_CASE("a narrow ridge is found wherever it runs, from a start many deviations off") {
-        Matrix worlds(8, 2);
-        worlds << -0.4, 0, -1, 0.4, -0.7, 0.6, -0.5, -0.3, -0.9, 0.1, -0.7, -0.2, -0.2, 0.5, -1.1,
+        Matrix members(8, 2);
+        members << -0.4, 0, -1, 0.4, -0.7, 0.6, -0.5, -0.3, -0.9, 0.1, -0.7, -0.2, -0.2, 0.5, -1.1,
             0.2;
-        ParameterEstimate estimate(Game{}.prior(), worlds, 1);
-        estimate.see(0, worlds.col(0) + worlds.col(1), {3, 1e-3}); // 7 of its deviations
+        ParameterEstimate estimate(Game{}.prior(), members, 1);
+        estimate.observe(0, members.col(0) + members.col(1), {3, 1e-3}); // 7 of its deviations
         const Gaussian& found = estimate.parameters();
         CHECK(found.mean.sum() == about(3).epsilon(2e-3));
         CHECK((found.root.transpose() * Vector::Ones(2)).norm() < 5e-3);
@@ -197,17 +199,17 @@ TEST_SUITE("fusion/parameter_estimate") {
 
     TEST_CASE("a real specimen that may be stronger for other reasons teaches less") {
         const Gaussian prior = Game{}.prior();
-        Matrix worlds(6, 2);
-        worlds << -0.4, 0, -1, 0.4, -0.7, 0.6, -0.5, -0.3, -0.9, 0.1, -0.7, -0.2;
+        Matrix members(6, 2);
+        members << -0.4, 0, -1, 0.4, -0.7, 0.6, -0.5, -0.3, -0.9, 0.1, -0.7, -0.2;
         const auto deviation_with = [&](double scatter) {
-            ParameterEstimate estimate(prior, worlds, 1);
-            Vector foretold(6);
+            ParameterEstimate estimate(prior, members, 1);
+            Vector forecast(6);
             for (Eigen::Index j = 0; j < 6; ++j)
-                foretold[j] = Game{}.law(0, worlds.row(j)) + 1e-3 * (j % 2 ? 1 : -1);
-            estimate.see(0, foretold, {1.5, 0.01, scatter});
-            const Vector seen =
+                forecast[j] = Game{}.law(0, members.row(j)) + 1e-3 * (j % 2 ? 1 : -1);
+            estimate.observe(0, forecast, {1.5, 0.01, scatter});
+            const Vector observations =
                 Vector::Map(std::array{0.8, 1.0}.data(), 2); // the sum that was measured
-            return std::sqrt(seen.dot(estimate.parameters().covariance() * seen));
+            return std::sqrt(observations.dot(estimate.parameters().covariance() * observations));
         };
         CHECK(deviation_with(0) < 0.1);
         CHECK(deviation_with(0.3) ==
@@ -215,15 +217,15 @@ TEST_SUITE("fusion/parameter_estimate") {
     }
 
     TEST_CASE("weights of worlds sum to one and give back a line exactly") {
-        Matrix worlds(5, 2);
-        worlds << 0, 0, 1, 0.5, -1, 0.2, 0.3, -1, 0.7, 0.7;
+        Matrix members(5, 2);
+        members << 0, 0, 1, 0.5, -1, 0.2, 0.3, -1, 0.7, 0.7;
         Vector at(2), line(5);
         at << 0.4, -0.3;
-        for (Eigen::Index j = 0; j < 5; ++j) line[j] = 3 - 2 * worlds(j, 0) + 5 * worlds(j, 1);
-        const Vector weights = WorldRegression(worlds).weights_at(at);
+        for (Eigen::Index j = 0; j < 5; ++j) line[j] = 3 - 2 * members(j, 0) + 5 * members(j, 1);
+        const Vector weights = EnsembleRegression(members).weights_at(at);
         CHECK(weights.sum() == about(1).epsilon(1e-12));
         CHECK(weights.dot(line) == about(3 - 0.8 - 1.5).epsilon(1e-12));
-        CHECK((WorldRegression(worlds).leaves() * line).norm() < 1e-12);
+        CHECK((EnsembleRegression(members).residual_projection() * line).norm() < 1e-12);
     }
 
     TEST_CASE("too few worlds, and worlds that are all alike, are refused") {

@@ -44,8 +44,8 @@ TEST_SUITE("engine/signal/imu") {
         model.arm = Vec3(0.02, 0, 0);
         model.mounting = exponential_map(Vec3(0, 0, pi / 2)); // its x along the body's y
         Imu imu(model, Vec3::Zero(), 1, 1);
-        const ImuSample s =
-            imu.sample(0, {.spin = Vec3(0, 0, 10), .angular_acceleration = Vec3(0, 0, 50)});
+        const ImuSample s = imu.sample(
+            0, {.angular_velocity = Vec3(0, 0, 10), .angular_acceleration = Vec3(0, 0, 50)});
         // the body reads -w2 r along x and alpha r along y
         CHECK((s.force - Vec3(50 * 0.02, 100 * 0.02, 0)).norm() < 1e-13);
         CHECK((s.rate - Vec3(0, 0, 10)).norm() < 1e-13);
@@ -90,8 +90,8 @@ TEST_SUITE("engine/signal/imu") {
         model.rate_range = 8;
         model.bits = 8;
         Imu imu(model, Vec3::Zero(), 1, 1);
-        const ImuSample s =
-            imu.sample(0, {.acceleration = Vec3(0.3, 20, -3), .spin = Vec3(0.05, 0, 0)});
+        const ImuSample s = imu.sample(
+            0, {.acceleration = Vec3(0.3, 20, -3), .angular_velocity = Vec3(0.05, 0, 0)});
         CHECK(s.force.x() == 0.25); // steps of 16/128
         CHECK(s.force.y() == 16);
         CHECK(s.saturated);

@@ -26,17 +26,17 @@ Bed read_bed(const std::filesystem::path& path) {
         ++number;
         std::istringstream words(line);
         Ball ball{};
-        std::size_t stone = 0;
+        std::size_t rock = 0;
         require(words >> ball.centre.x() >> ball.centre.y() >> ball.centre.z() >> ball.radius &&
                     ball.radius > 0,
                 fmt::format("{}:{}: expected x y z radius (m), found '{}'", path.string(), number,
                             line));
         bed.balls.push_back(ball);
-        if (words >> stone) bed.stones.push_back(stone);
+        if (words >> rock) bed.rocks.push_back(rock);
     }
-    require(bed.balls.size() == count && (bed.stones.empty() || bed.stones.size() == count),
+    require(bed.balls.size() == count && (bed.rocks.empty() || bed.rocks.size() == count),
             fmt::format("{}: expected {} spheres, found {}, {} of them in stones", path.string(),
-                        count, bed.balls.size(), bed.stones.size()));
+                        count, bed.balls.size(), bed.rocks.size()));
     return bed;
 }
 
@@ -49,7 +49,7 @@ void write_bed(const std::filesystem::path& path, const Bed& bed) {
         const Ball& b = bed.balls[k];
         out << fmt::format("{:.17g} {:.17g} {:.17g} {:.17g}", b.centre.x(), b.centre.y(),
                            b.centre.z(), b.radius);
-        if (!bed.stones.empty()) out << ' ' << bed.stones[k];
+        if (!bed.rocks.empty()) out << ' ' << bed.rocks[k];
         out << '\n';
     }
     out.flush();

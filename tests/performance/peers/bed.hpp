@@ -15,7 +15,7 @@ namespace bris::peers {
 struct Bed {
     Vec3 box = Vec3::Zero(); ///< m
     std::vector<Ball> balls;
-    std::vector<std::size_t> stones; ///< of each ball; empty: each ball is a body of its own
+    std::vector<std::size_t> rocks; ///< of each ball; empty: each ball is a body of its own
 };
 
 /// Throws InputError with file and line, what was expected and what was found.

@@ -30,7 +30,7 @@ using namespace bris;
 
 struct Bench {
     std::string scene = "settle", law = "linear";
-    std::filesystem::path bed, places;
+    std::filesystem::path bed, positions;
     bool make = false, profile = false, sleep = false, one_pass = true, huge_pages = true;
     double skin = 0, outer = 3, widest_ratio = ListSettings{}.widest_ratio;
     unsigned sort_every = ListSettings{}.sort_every;
@@ -50,7 +50,7 @@ struct Bench {
                within(0, 0.1));
         option("law", law, "", "of contact", {"linear", "hertz"});
         option("bed", bed, "", "file of the bed");
-        option("places", places, "", "file for the spheres after check_steps");
+        option("positions", positions, "", "file for the spheres after check_steps");
         option("make", make, "", "make the bed instead of a run");
         option("spheres", spheres, "", "of the bed to be made (settle, quiet)", within(1, 50e6));
         option("sleep", sleep, "", "let bodies sleep that have come to rest");
@@ -60,7 +60,7 @@ struct Bench {
                "skin of the outer lists, of that; 1: there are none but the inner ones",
                at_least(1));
         option("sort_every", sort_every, "",
-               "refreshes of the lists between re-orderings of rows; 0: never");
+               "rebuilds of the lists between re-orderings of rows; 0: never");
         option("widest_ratio", widest_ratio, "", "of radii in a grid of the search for pairs",
                above(1));
         option("one_pass", one_pass, "",
@@ -120,7 +120,7 @@ struct Outcome {
     double energy = 0, stable_step = 0, coordination = 0,
            peak_memory = 0; ///< J, s, spheres touching a sphere, MB
     Quantities quantities;
-    std::uint64_t fingerprint = 0, refreshes = 0, prunes = 0;
+    std::uint64_t fingerprint = 0, rebuilds = 0, prunes = 0;
     std::size_t sleepers = 0;
     std::map<std::string, double> seconds; ///< of each system in the timed steps
 };
@@ -142,11 +142,11 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     else
         simulation.advance(s.check_steps);
     o.check_wall = seconds_since(start);
-    if (!s.places.empty())
-        peers::write_bed(s.places, {bed.box, peers::balls_now(world), bed.stones});
+    if (!s.positions.empty())
+        peers::write_bed(s.positions, {bed.box, peers::balls_now(world), bed.rocks});
     o.energy = translational_energy(world);
     simulation.advance(1); // contacts and forces are those at its beginning
-    o.quantities = measure(world);
+    o.quantities = compute_quantities(world);
     o.stable_step = stable_step(world);
     o.coordination = 2 * static_cast<double>(touching_pairs<SpherePairs>(world).size()) /
                      static_cast<double>(bed.balls.size());
@@ -158,7 +158,7 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     o.wall = seconds_since(began);
 
     o.peak_memory = peak_memory();
-    o.refreshes = world.resource<ListState>().refreshes - before.refreshes;
+    o.rebuilds = world.resource<ListState>().rebuilds - before.rebuilds;
     o.prunes = world.resource<ListState>().prunes - before.prunes;
     o.fingerprint = fingerprint(simulation.snapshot());
     o.sleepers = sleepers(world);
@@ -180,8 +180,8 @@ void report(const Bench& s, const peers::Bed& bed, const Outcome& o) {
                o.energy, o.coordination, q.boundary_force.z() / q.weight.z());
     fmt::print("fingerprint={} peak_memory_MB={:.1f} mean_overlap_m={:.6g} ",
                hexadecimal(o.fingerprint), o.peak_memory, q.mean_overlap);
-    fmt::print("sleepers={} stable_step_s={:.4g} contacts={} refreshes={} prunes={}\n", o.sleepers,
-               o.stable_step, q.contacts, o.refreshes, o.prunes);
+    fmt::print("sleepers={} stable_step_s={:.4g} contacts={} rebuilds={} prunes={}\n", o.sleepers,
+               o.stable_step, q.contacts, o.rebuilds, o.prunes);
     if (!s.profile) return;
     for (const auto& [name, seconds] : o.seconds) fmt::print("  {:10.6f} s  {}\n", seconds, name);
 }

@@ -21,15 +21,15 @@ PACKAGES = {'lmp': 'lammps', 'liggghts': 'liggghts', 'yade': 'yade', 'mpirun': '
 
 # as scene.cpp has them; skin: m, of the pair lists of the peers (BRIS finds its own); every: steps between new lists, 0: when due
 SCENES = {
-    'settle': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
-    'fall': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
-    'quiet': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
-    'shear': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, stones=0),
-    'poly': dict(dt=2e-6, skin=6e-4, kn=1e5, gn=20600, gz=1000, every=20, stones=0),
-    'clumps': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, stones=1),
-    'drop': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, stones=1),
-    'triaxial': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=0, every=0, stones=1),
-    'triaxial_spheres': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=0, every=0, stones=0),
+    'settle': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, rocks=0),
+    'fall': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, rocks=0),
+    'quiet': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, rocks=0),
+    'shear': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, rocks=0),
+    'poly': dict(dt=2e-6, skin=6e-4, kn=1e5, gn=20600, gz=1000, every=20, rocks=0),
+    'clumps': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, rocks=1),
+    'drop': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=9.81, every=0, rocks=1),
+    'triaxial': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=0, every=0, rocks=1),
+    'triaxial_spheres': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=0, every=0, rocks=0),
 }
 PRESSED = ['triaxial', 'triaxial_spheres']  # beds in a box of which three planes move
 STRAIN = 0.005  # that those are brought to
@@ -128,7 +128,7 @@ def command(code, case, threads, steps, bed, data, step=None, places='none'):
     s.update(low=low, high=high, speed=SHEAR_SPEED if scene == 'shear' else 0, strain=STRAIN if scene in PRESSED else 0)
     if code == 'bris':
         return [BENCH, '--scene', scene, '--law', law, '--bed', bed, '--threads', threads, '--check-steps', check, '--steps', steps,
-                '--step', s['dt'], '--low', low, '--high', high, '--speed', s['speed'], '--strain', s['strain'], *(['--places', places] if places != 'none' else [])]
+                '--step', s['dt'], '--low', low, '--high', high, '--speed', s['speed'], '--strain', s['strain'], *(['--positions', places] if places != 'none' else [])]
     values = dict(s, kt=s['kn'] * 2 / 7, gt=s['gn'] / 2, check=check, timed=steps, places=places, keep=int(places != 'none'))
     if code == 'yade':
         return ['yade', '-n', '-x', f'-j{threads}', HERE / 'yade.py', bed, f'law={law}'] + [f'{k}={v}' for k, v in values.items()]

@@ -54,13 +54,13 @@ Bed loose_mixture() {
              large});
     const auto side = static_cast<unsigned>(bed.box.x() / narrow);
     for (unsigned n = 0; bed.balls.size() < larges + smalls; ++n) {
-        const Vec3 place =
+        const Vec3 position =
             narrow * Vec3(n % side + 0.5, n / side % side + 0.5, n / (side * side) + 0.5);
         const auto clear = [&](const Ball& b) {
-            return (b.centre - place).norm() > large + 1.02 * small;
+            return (b.centre - position).norm() > large + 1.02 * small;
         };
         if (std::all_of(bed.balls.begin(), bed.balls.begin() + larges, clear))
-            bed.balls.push_back({place, small});
+            bed.balls.push_back({position, small});
     }
     for (const Ball& b : bed.balls) bed.box.z() = std::max(bed.box.z(), b.centre.z() + b.radius);
     return bed;
@@ -68,25 +68,25 @@ Bed loose_mixture() {
 
 /// One stone of 30 spheres of 8 to 10 mm, about 50 x 42 x 34 mm: spheres on a spiral over an
 /// ellipsoid.
-std::vector<Ball> stone() {
+std::vector<Ball> rock() {
     const unsigned balls = 30;
     const double golden = pi * (3 - std::sqrt(5.0));
     Random random(seed, 0);
-    std::vector<Ball> stone;
+    std::vector<Ball> rock;
     for (unsigned k = 0; k < balls; ++k) {
         const double z = 1 - 2 * (k + 0.5) / balls, s = std::sqrt(1 - z * z),
                      stretch = random.uniform(0.8, 1.15);
         const Vec3 direction(s * std::cos(golden * k), s * std::sin(golden * k), z);
-        stone.push_back({stretch * direction.cwiseProduct(Vec3(0.016, 0.012, 0.008)),
-                         random.uniform(0.008, 0.010)});
+        rock.push_back({stretch * direction.cwiseProduct(Vec3(0.016, 0.012, 0.008)),
+                        random.uniform(0.008, 0.010)});
     }
-    return stone;
+    return rock;
 }
 
 /// 396 copies of it, turned at random.
-Bed loose_stones() {
+Bed loose_rocks() {
     const std::array<unsigned, 3> sides{6, 6, 11};
-    const std::vector<Ball> one = stone();
+    const std::vector<Ball> one = rock();
     double reach = 0;
     for (const Ball& b : one) reach = std::max(reach, b.centre.norm() + b.radius);
     const double pitch = 2.02 * reach;
@@ -94,11 +94,11 @@ Bed loose_stones() {
     Random random(seed, 1);
     for (unsigned n = 0; n < sides[0] * sides[1] * sides[2]; ++n) {
         const Quat turn = random.rotation();
-        const Vec3 place = pitch * Vec3(n % sides[0] + 0.5, n / sides[0] % sides[1] + 0.5,
-                                        n / (sides[0] * sides[1]) + 0.5);
+        const Vec3 position = pitch * Vec3(n % sides[0] + 0.5, n / sides[0] % sides[1] + 0.5,
+                                           n / (sides[0] * sides[1]) + 0.5);
         for (const Ball& b : one) {
-            bed.balls.push_back({place + turn * b.centre, b.radius});
-            bed.stones.push_back(n + 1);
+            bed.balls.push_back({position + turn * b.centre, b.radius});
+            bed.rocks.push_back(n + 1);
         }
     }
     return bed;
@@ -148,7 +148,7 @@ void press(Bed& bed, const Scene& scene, double rough, unsigned threads) {
     for (int k = 0; k < longest; ++k) {
         lacking = Vec3::Ones() - pressure_on(simulation.world()) / pressure;
         if (k > 0 && lacking.cwiseAbs().maxCoeff() < 1e-3 &&
-            measure(simulation.world()).unbalanced_ratio < 1e-3)
+            compute_quantities(simulation.world()).unbalanced_ratio < 1e-3)
             break;
         move_walls(simulation, -rate * bed.box.cwiseProduct(lacking.cwiseMax(-1)));
         simulation.advance(block);
@@ -179,7 +179,7 @@ Bed pressed_bed(const Scene& scene, unsigned spheres, unsigned threads) {
 Bed make_bed(const Scene& scene, unsigned spheres, unsigned threads) {
     if (scene.pressed) return pressed_bed(scene, spheres, threads);
     Bed bed = scene.name == "poly"     ? loose_mixture()
-              : scene.name == "clumps" ? loose_stones()
+              : scene.name == "clumps" ? loose_rocks()
                                        : loose_spheres(spheres);
     // poly is heavy already
     const double more = scene.name == "poly" ? 1 : 10,
@@ -189,7 +189,7 @@ Bed make_bed(const Scene& scene, unsigned spheres, unsigned threads) {
     // without history a bed has to find its rest anew, each time nearer by
     const int rests = scene.name == "quiet" ? 4 : 1;
     for (int k = 0; k < rests; ++k) settle(bed, scene, {1, friction, 0.5, 0.3, 0}, threads);
-    if (bed.stones.empty()) shuffle(bed.balls);
+    if (bed.rocks.empty()) shuffle(bed.balls);
     return bed;
 }
 

@@ -16,7 +16,7 @@ namespace bris::peers {
 
 namespace {
 
-void add_stone(World& world, std::span<const Ball> balls, std::uint32_t material) {
+void add_rock(World& world, std::span<const Ball> balls, std::uint32_t material) {
     const auto volume_of = [](const Ball& b) {
         return 4.0 / 3 * pi * b.radius * b.radius * b.radius;
     };
@@ -79,7 +79,7 @@ LawName law_named(const std::string& name) {
 }
 
 World make_scene(const Bed& bed, const Scene& scene, LawName law) {
-    World world = make_world(bed.stones.empty() ? Grains::spheres : Grains::clumps);
+    World world = make_world(bed.rocks.empty() ? Grains::spheres : Grains::clumps);
     // two partners act in series: each has twice the stiffness of their contact
     Material grain{.name = "grain",
                    .density = density,
@@ -101,11 +101,11 @@ World make_scene(const Bed& bed, const Scene& scene, LawName law) {
     const std::span<const Ball> balls(bed.balls);
     for (std::size_t first = 0, next = 0; first < balls.size(); first = next) {
         ++next;
-        if (bed.stones.empty()) {
+        if (bed.rocks.empty()) {
             add_single(world, balls[first], scene, material);
         } else {
-            while (next < balls.size() && bed.stones[next] == bed.stones[first]) ++next;
-            add_stone(world, balls.subspan(first, next - first), material);
+            while (next < balls.size() && bed.rocks[next] == bed.rocks[first]) ++next;
+            add_rock(world, balls.subspan(first, next - first), material);
         }
     }
     if (scene.falls)

@@ -81,7 +81,7 @@ Outcome run(const Settings& settings, std::uint64_t seed) {
     impact.phase = golden - std::floor(golden);
     ImpactResult r;
     Outcome outcome;
-    outcome.wall_time = median_time(51, 0.2, [&] { r = measure(impact); });
+    outcome.wall_time = median_time(51, 0.2, [&] { r = run_experiment(impact); });
     const double e = settings.number("restitution"), b = damping_ratio(e, Tension::allowed);
     const NormalContact contact = normal_contact(impact);
     const Exact exact = contact.hertz ? hertz_impact(contact, b) : linear_impact(contact, b);

@@ -106,7 +106,7 @@ Outcome run(const Settings& settings, std::uint64_t seed) {
     const auto block =
         static_cast<std::uint64_t>(std::max(1.0, std::round(20 * contact_time / dt)));
     const auto at_rest = [&] {
-        const Balance balance = measure_balance(world);
+        const Balance balance = compute_balance(world);
         return balance.contacts >= balance.free_bodies &&
                balance.unbalanced_ratio <= settings.number("rest");
     };
@@ -115,7 +115,7 @@ Outcome run(const Settings& settings, std::uint64_t seed) {
         do sim.advance(block);
         while (!at_rest() && world.resource<Clock>().time() < longest);
     });
-    const Quantities q = measure(world);
+    const Quantities q = compute_quantities(world);
     outcome.steps = world.resource<Clock>().step;
     outcome.contacts = static_cast<double>(q.contacts);
     outcome.measured = {{solid_fraction(world, world.resource<Limits>().high.x() -

@@ -22,7 +22,7 @@ Top top_of(std::uint64_t seed) {
     const double middle =
         random.uniform(1.3, 2.2); // the largest must be below the sum of the others
     top.inertia = Vec3(1, middle, random.uniform(middle + 0.1, middle + 0.8));
-    top.spin = random.direction() * std::sqrt(2.0);
+    top.angular_velocity = random.direction() * std::sqrt(2.0);
     return top;
 }
 
@@ -32,7 +32,7 @@ Outcome run_top(const Settings& settings, std::uint64_t seed) {
     top.angle_per_step = settings.number("step");
     TopResult r;
     Outcome outcome;
-    outcome.wall_time = median_time(9, 0.3, [&] { r = measure(top); });
+    outcome.wall_time = median_time(9, 0.3, [&] { r = run_experiment(top); });
     outcome.steps = r.steps;
     outcome.measured = {{r.attitude_error, 0}, {r.momentum_drift, 0}, {r.energy_drift, 0}};
     outcome.fingerprint = fingerprint_of(outcome.measured);
@@ -50,7 +50,7 @@ Outcome run_gas(const Settings& settings, std::uint64_t seed) {
     gas.seed = seed;
     GasResult r;
     Outcome outcome;
-    outcome.wall_time = median_time(1, 0, [&] { r = measure(gas); });
+    outcome.wall_time = median_time(1, 0, [&] { r = run_experiment(gas); });
     outcome.steps = r.steps;
     outcome.contacts = r.contacts;
     outcome.measured = {{r.largest_change, 0}, {r.largest_gain, 0}};

@@ -15,7 +15,7 @@
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "scenarios/triaxial/true_masses.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/contact/ledger.hpp"
+#include "systems/contact/energy_budget.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/steps.hpp"
@@ -118,7 +118,7 @@ Simulation Bench::begin(const Settings& settings, std::uint64_t seed) const {
             .outer_skin = 3 * skin, .inner_skin = skin, .largest_skin = 3 * skin, .tune = false};
     }
     add_lists(world, LawName::linear, lists);
-    add_ledger(world);
+    add_energy_budget(world);
     world.add_resource<TriaxialState>();
     Simulation simulation(std::move(world), steps(LawName::linear, true, patch));
     simulation.on_restore(forget_lists);
@@ -211,13 +211,13 @@ Outcome Bench::run(const Settings& settings, std::uint64_t seed) {
     const auto& points = test.state().points;
     const TriaxialProperties p = properties_of(points, pressure);
     outcome.steps = world.resource<Clock>().step - first;
-    outcome.contacts = static_cast<double>(measure(world).contacts);
+    outcome.contacts = static_cast<double>(compute_quantities(world).contacts);
     outcome.measured = {{around(points, 0.01, &TriaxialPoint::deviatoric_stress)},
                         {around(points, 0.02, &TriaxialPoint::deviatoric_stress)},
                         {p.initial_modulus},
                         {p.secant_modulus},
                         {around(points, 0.02, &TriaxialPoint::volumetric_strain)},
-                        {p.energy_mismatch, 0}};
+                        {p.relative_energy_error, 0}};
     outcome.fingerprint = hexadecimal(fingerprint(simulation.snapshot()));
     outcome.note =
         fmt::format("core porosity {:.4f}, inertial number {:.1e}, stress mismatch {:.1e}",

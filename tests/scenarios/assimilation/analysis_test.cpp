@@ -21,12 +21,12 @@ ModelRun random_run(std::uint64_t seed, double quietness = 1) {
     ModelRun run;
     run.sensors = sensors;
     for (std::size_t k = 0; k < rocks; ++k) {
-        const std::size_t place =
+        const std::size_t rank =
             k < sensors ? 27 * k + 13 : 0; // sensors first: change places with those on the grid
         run.rocks.push_back(static_cast<EntityId>(k));
-        run.start.push_back({0.03 * Vec3(static_cast<double>((k + place) % 6),
-                                         static_cast<double>((k + place) / 6 % 6),
-                                         static_cast<double>((k + place) % 216 / 36)),
+        run.start.push_back({0.03 * Vec3(static_cast<double>((k + rank) % 6),
+                                         static_cast<double>((k + rank) / 6 % 6),
+                                         static_cast<double>((k + rank) % 216 / 36)),
                              Quat::Identity()});
     }
     for (std::size_t k = 0; k < sensors; ++k)
@@ -71,9 +71,9 @@ struct ForecastOfField {
     RockScatter scatter;
     ModelRun forecast = random_run(1);
     ForecastOfField() {
-        Worlds worlds{beliefs_of_worlds(prior_of({}, {}), 10), {}};
-        for (std::uint64_t j = 0; j < 10; ++j) worlds.runs.push_back(random_run(j + 1));
-        scatter = scatter_of(worlds);
+        Ensemble members{draw_members(prior_of({}, {}), 10), {}};
+        for (std::uint64_t j = 0; j < 10; ++j) members.runs.push_back(random_run(j + 1));
+        scatter = scatter_of(members);
         for (auto* stages : {&forecast.displacement, &forecast.rotation})
             for (auto& stage : *stages) std::ranges::fill(stage, Vec3::Zero());
     }
@@ -84,68 +84,72 @@ struct ForecastOfField {
 TEST_SUITE("procedure/analysis") {
     TEST_CASE(
         "sensors tell of their neighbours as far as the worlds say that neighbours are alike") {
-        Worlds worlds{beliefs_of_worlds(prior_of({}, {}), 10), {}};
-        for (std::uint64_t j = 0; j < 10; ++j) worlds.runs.push_back(random_run(j + 1));
+        Ensemble members{draw_members(prior_of({}, {}), 10), {}};
+        for (std::uint64_t j = 0; j < 10; ++j) members.runs.push_back(random_run(j + 1));
         ModelRun forecast = random_run(1);
         for (auto& stage : forecast.displacement)
             std::ranges::fill(stage, Vec3::Zero()); // the mean of the field
         for (auto& stage : forecast.rotation) std::ranges::fill(stage, Vec3::Zero());
         const ModelRun truth = random_run(99);
-        std::vector<SensorWay> ways(sensors);
+        std::vector<SensorTrajectory> trajectories(sensors);
         for (std::size_t s = 0; s < sensors; ++s)
             for (std::size_t k = 1; k <= 10; ++k) {
-                ways[s].strain.push_back(truth.points[k].axial_strain);
-                ways[s].displacement.push_back(truth.displacement[k][s]);
-                ways[s].rotation.push_back(Vec3::Constant(std::nan("")));
+                trajectories[s].strain.push_back(truth.points[k].axial_strain);
+                trajectories[s].displacement.push_back(truth.displacement[k][s]);
+                trajectories[s].rotation.push_back(Vec3::Constant(std::nan("")));
             }
-        const RockScatter scatter = scatter_of(worlds);
+        const RockScatter scatter = scatter_of(members);
         const std::vector<std::size_t> hosts = sensor_rocks(truth);
-        const ModelRun analysis = analyse(forecast, scatter, {hosts, ways, 1e-6, 1e-6});
-        CHECK(scatter.displacement.likeness.length == about(length).epsilon(0.35));
-        CHECK(scatter.displacement.likeness.near == about(0.95).epsilon(0.2));
+        const ModelRun analysis =
+            compute_analysis(forecast, scatter, {hosts, trajectories, 1e-6, 1e-6});
+        CHECK(scatter.displacement.correlation.length == about(length).epsilon(0.35));
+        CHECK(scatter.displacement.correlation.near == about(0.95).epsilon(0.2));
         CHECK(error(analysis, truth, 0, sensors) < 0.02 * error(forecast, truth, 0, sensors));
         CHECK(error(analysis, truth, sensors, rocks) <
               0.95 * error(forecast, truth, sensors, rocks));
         CHECK(analysis.rotation.back() == forecast.rotation.back()); // not measured
         CHECK(analysis.points.back().axial_strain == forecast.points.back().axial_strain);
         // sensors that know nothing change nothing
-        const ModelRun vague = analyse(forecast, scatter, {hosts, ways, 1e3, 1e3});
+        const ModelRun vague = compute_analysis(forecast, scatter, {hosts, trajectories, 1e3, 1e3});
         CHECK(error(vague, forecast, 0, rocks) < 1e-9);
         // a gross error is refused: the sample before it holds
-        std::vector<SensorWay> wrong = ways;
+        std::vector<SensorTrajectory> wrong = trajectories;
         wrong[2].displacement[9] += Vec3(1, 0, 0);
-        const ModelRun refused = analyse(forecast, scatter, {hosts, wrong, 1e-6, 1e-6});
+        const ModelRun refused = compute_analysis(forecast, scatter, {hosts, wrong, 1e-6, 1e-6});
         CHECK(refused.displacement[9] == analysis.displacement[9]);
         CHECK((refused.displacement[10][2] - analysis.displacement[10][2]).norm() <
               0.2 * analysis.displacement[10][2].norm());
         // what comes two stages late corrects by what was off then
-        const ModelRun late = analyse(forecast, scatter, {hosts, ways, 1e-6, 1e-6, 2e-3});
+        const ModelRun late =
+            compute_analysis(forecast, scatter, {hosts, trajectories, 1e-6, 1e-6, 2e-3});
         CHECK(late.displacement[2] == forecast.displacement[2]);
         CHECK((late.displacement[10][0] - analysis.displacement[8][0]).norm() <
               1e-3 * analysis.displacement[8][0].norm());
         // and a sample is not used before its strain
-        for (SensorWay& way : ways)
-            way.strain.assign(1, 1e-2), way.displacement.resize(1), way.rotation.resize(1);
-        CHECK(analyse(forecast, scatter, {hosts, ways, 1e-6, 1e-6}).displacement[9] ==
-              forecast.displacement[9]);
+        for (SensorTrajectory& trajectory : trajectories)
+            trajectory.strain.assign(1, 1e-2), trajectory.displacement.resize(1),
+                trajectory.rotation.resize(1);
+        CHECK(compute_analysis(forecast, scatter, {hosts, trajectories, 1e-6, 1e-6})
+                  .displacement[9] == forecast.displacement[9]);
     }
 
     TEST_CASE("sensors that know tilt alone correct turns about level axes, and leave yaw as it "
               "was foretold") {
         const ModelRun truth = random_run(99);
         const ForecastOfField field;
-        std::vector<SensorWay> ways(sensors);
+        std::vector<SensorTrajectory> trajectories(sensors);
         for (std::size_t s = 0; s < sensors; ++s)
             for (std::size_t k = 1; k <= 10; ++k) {
                 const Quat now = exponential_map(truth.rotation[k][s]) * truth.start[s].orientation;
-                ways[s].strain.push_back(truth.points[k].axial_strain);
-                ways[s].displacement.push_back(Vec3::Constant(std::nan("")));
-                ways[s].rotation.push_back(Vec3::Constant(std::nan("")));
-                ways[s].tilt.push_back(truth.start[s].orientation.conjugate() * Vec3::UnitZ() -
-                                       now.conjugate() * Vec3::UnitZ());
+                trajectories[s].strain.push_back(truth.points[k].axial_strain);
+                trajectories[s].displacement.push_back(Vec3::Constant(std::nan("")));
+                trajectories[s].rotation.push_back(Vec3::Constant(std::nan("")));
+                trajectories[s].tilt.push_back(truth.start[s].orientation.conjugate() *
+                                                   Vec3::UnitZ() -
+                                               now.conjugate() * Vec3::UnitZ());
             }
-        const ModelRun analysis =
-            analyse(field.forecast, field.scatter, {sensor_rocks(truth), ways, 1e-4, 1e-6});
+        const ModelRun analysis = compute_analysis(field.forecast, field.scatter,
+                                                   {sensor_rocks(truth), trajectories, 1e-4, 1e-6});
         for (std::size_t s = 0; s < sensors; ++s) {
             const Vec3 turn = truth.rotation[1][s],
                        found =
@@ -160,31 +164,33 @@ TEST_SUITE("procedure/analysis") {
     TEST_CASE("sensors of a specimen that goes other ways are noticed and left out, and none of "
               "forty right ones") {
         const ForecastOfField field;
-        unsigned strange = 0;
+        unsigned inconsistent = 0;
         double distance = 0;
         constexpr unsigned specimens = 40;
         for (std::uint64_t seed = 100; seed < 100 + specimens; ++seed) {
             const ModelRun truth = random_run(seed);
-            const auto ways = recorded_ways(truth, sensor_rocks(truth), 1e-3, 1e-6, 1e-5, seed);
-            const ModelRun analysis =
-                analyse(field.forecast, field.scatter, {sensor_rocks(truth), ways, 1e-6, 1e-5});
-            strange += analysis.strange_from > 0 ? 1 : 0;
+            const auto trajectories =
+                recorded_trajectories(truth, sensor_rocks(truth), 1e-3, 1e-6, 1e-5, seed);
+            const ModelRun analysis = compute_analysis(
+                field.forecast, field.scatter, {sensor_rocks(truth), trajectories, 1e-6, 1e-5});
+            inconsistent += analysis.inconsistent_from > 0 ? 1 : 0;
             for (const AnalysisRecord& r : analysis.analyses)
-                distance +=
-                    r.shift_distance / static_cast<double>(specimens * analysis.analyses.size());
+                distance += r.position_normalised_innovation_squared /
+                            static_cast<double>(specimens * analysis.analyses.size());
             CHECK(analysis.accepted + analysis.refused == 2 * sensors * 10);
         }
-        CHECK(strange == 0);
+        CHECK(inconsistent == 0);
         CHECK(distance > 2.5); // 3 expected, and up to a tenth more of deviations by ten worlds
         CHECK(distance < 4);
         ModelRun other = random_run(
             77); // whose rocks go four times as far from what worlds foretell as theirs do
         for (auto& stage : other.displacement)
             for (Vec3& u : stage) u *= 4;
-        const auto ways = recorded_ways(other, sensor_rocks(other), 1e-3, 1e-6, 1e-5, 77);
-        const ModelRun analysis =
-            analyse(field.forecast, field.scatter, {sensor_rocks(other), ways, 1e-6, 1e-5});
-        CHECK(analysis.strange_from == about(3e-3));
+        const auto trajectories =
+            recorded_trajectories(other, sensor_rocks(other), 1e-3, 1e-6, 1e-5, 77);
+        const ModelRun analysis = compute_analysis(field.forecast, field.scatter,
+                                                   {sensor_rocks(other), trajectories, 1e-6, 1e-5});
+        CHECK(analysis.inconsistent_from == about(3e-3));
         CHECK(analysis.displacement[2] !=
               field.forecast.displacement[2]); // two samples are no proof
         CHECK(analysis.displacement[3] == field.forecast.displacement[3]);
@@ -192,24 +198,26 @@ TEST_SUITE("procedure/analysis") {
         CHECK(analysis.analyses.size() == 3 * sensors);
         const std::vector<std::size_t> hosts{0, 1,
                                              2}; // may have been chosen for going their own way
-        const std::vector<SensorWay> of_three(ways.begin(), ways.begin() + 3);
-        CHECK(analyse(field.forecast, field.scatter, {hosts, of_three, 1e-6, 1e-5}).strange_from ==
-              0);
+        const std::vector<SensorTrajectory> of_three(trajectories.begin(),
+                                                     trajectories.begin() + 3);
+        CHECK(compute_analysis(field.forecast, field.scatter, {hosts, of_three, 1e-6, 1e-5})
+                  .inconsistent_from == 0);
     }
 
     TEST_CASE("a sensor that knows less than the worlds do of its rock does not make it worse") {
         constexpr double quietness =
             0.1; // of the sensor rocks: 0.1 mm at the end, where all others scatter by 1 mm
-        Worlds worlds{beliefs_of_worlds(prior_of({}, {}), 10), {}};
-        for (std::uint64_t j = 0; j < 10; ++j) worlds.runs.push_back(random_run(j + 1, quietness));
+        Ensemble members{draw_members(prior_of({}, {}), 10), {}};
+        for (std::uint64_t j = 0; j < 10; ++j) members.runs.push_back(random_run(j + 1, quietness));
         ModelRun forecast = random_run(1);
         for (auto& stage : forecast.displacement) std::ranges::fill(stage, Vec3::Zero());
         const ModelRun truth = random_run(99, quietness);
         const std::vector<std::size_t> hosts = sensor_rocks(truth);
         const auto left_with = [&](double noise) {
-            const auto ways = recorded_ways(truth, hosts, 1e-3, noise, 1e-3, 7);
-            return error(analyse(forecast, scatter_of(worlds), {hosts, ways, noise, 1e-3}), truth,
-                         0, sensors) /
+            const auto trajectories = recorded_trajectories(truth, hosts, 1e-3, noise, 1e-3, 7);
+            return error(compute_analysis(forecast, scatter_of(members),
+                                          {hosts, trajectories, noise, 1e-3}),
+                         truth, 0, sensors) /
                    error(forecast, truth, 0, sensors);
         };
         CHECK(left_with(5e-4) <

@@ -45,8 +45,8 @@ struct Line {
 
 TEST_SUITE("procedure/layouts") {
     TEST_CASE("the most telling rock of a line is its middle, and the next ones stand apart") {
-        const auto chosen = most_telling_rocks(rocks_on_a_line(21),
-                                               {{0.9, 0.1}, {std::vector<double>(21, 1)}}, 0.1, 3);
+        const auto chosen = most_informative_rocks(
+            rocks_on_a_line(21), {{0.9, 0.1}, {std::vector<double>(21, 1)}}, 0.1, 3);
         REQUIRE(chosen.size() == 3);
         CHECK(chosen[0] == 10);
         CHECK(std::abs(static_cast<int>(chosen[1]) - 10) > 4);
@@ -67,10 +67,10 @@ TEST_SUITE("procedure/layouts") {
         CHECK(results[0].sensors == 2);
         const auto& informed_1 = results[1];
         const auto& informed_10 = results[3];
-        CHECK(informed_1.others_left < 0.3);
-        CHECK(informed_10.others_left < informed_1.others_left);
-        CHECK(informed_10.hosts_left < 0.05);
+        CHECK(informed_1.others_error_ratio < 0.3);
+        CHECK(informed_10.others_error_ratio < informed_1.others_error_ratio);
+        CHECK(informed_10.hosts_error_ratio < 0.05);
         for (std::size_t k = 5; k < 10; ++k)
-            CHECK(results[k].others_left == about(1)); // no sample in this test
+            CHECK(results[k].others_error_ratio == about(1)); // no sample in this test
     }
 }

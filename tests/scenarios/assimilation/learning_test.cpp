@@ -16,7 +16,7 @@ using namespace bris;
 namespace {
 
 /// A model of one line: q and a displacement by friction and stiffness, with chaos that grows.
-ModelRun simple_run(const RockBelief& rocks, double strain, std::uint64_t seed) {
+ModelRun simple_run(const RockParameters& rocks, double strain, std::uint64_t seed) {
     ModelRun run;
     Random random(seed, 11);
     const double push = 0.05 * random.normal();
@@ -32,7 +32,7 @@ ModelRun simple_run(const RockBelief& rocks, double strain, std::uint64_t seed) 
 }
 
 /// The same, that dilates with its friction.
-ModelRun dilating_run(const RockBelief& rocks, std::uint64_t seed) {
+ModelRun dilating_run(const RockParameters& rocks, std::uint64_t seed) {
     ModelRun run = simple_run(rocks, 0.01, seed);
     for (TriaxialPoint& p : run.points)
         p.volumetric_strain = -1.5 * rocks.friction * p.axial_strain;
@@ -40,7 +40,7 @@ ModelRun dilating_run(const RockBelief& rocks, std::uint64_t seed) {
 }
 
 /// One with a sensor rock that friction drives outwards.
-ModelRun widening_run(const RockBelief& rocks, std::uint64_t seed) {
+ModelRun widening_run(const RockParameters& rocks, std::uint64_t seed) {
     ModelRun run = simple_run(rocks, 0.01, seed);
     run.sensors = 1;
     for (std::size_t k = 0; k < run.points.size(); ++k)
@@ -54,84 +54,85 @@ ModelRun widening_run(const RockBelief& rocks, std::uint64_t seed) {
 TEST_SUITE("procedure/learning") {
     TEST_CASE("friction and stiffness of a test are learned from its axial force, and what is "
               "foretold is then right") {
-        const RockBelief truth{0.7, 1}, wrong{0.5, 1.3};
+        const RockParameters truth{0.7, 1}, wrong{0.5, 1.3};
         Learning learning;
         const ModelRun real = simple_run(truth, 0.02, 77);
         const Gaussian prior = prior_of(wrong, learning);
         unsigned runs = 0, longest = 0;
         const Learned learned = learn_in_two_generations(
             prior, measured_test(real.points), learning, 0.02,
-            [&](const std::vector<ModelArm>& arms, double strain) {
+            [&](const std::vector<ModelVariant>& variants, double strain) {
                 std::vector<ModelRun> all;
-                for (const ModelArm& arm : arms)
-                    all.push_back(simple_run(arm.rocks, strain, 100 + runs++));
+                for (const ModelVariant& variant : variants)
+                    all.push_back(simple_run(variant.rocks, strain, 100 + runs++));
                 longest = std::max(longest, static_cast<unsigned>(all.front().points.size()));
                 return all;
             });
         CHECK(runs == 16);
         CHECK(longest == 201);
-        const Gaussian& known = learned.known.back().belief;
-        CHECK(learned.known.back().strain == about(learning.final_strain));
-        CHECK(std::abs(mean_of(known).friction - 0.7) < 0.05);
-        CHECK(squared_distance(known, logarithms_of(truth)) < 9.2);
-        CHECK(known.covariance()(0, 0) < 0.1 * prior.covariance()(0, 0));
-        CHECK(known.covariance()(1, 1) < 0.25 * prior.covariance()(1, 1));
-        for (std::size_t k = 1; k < learned.known.size(); ++k)
-            CHECK(learned.known[k].strain > learned.known[k - 1].strain);
-        const ModelRun together = foretold_by(learned, prior), without = simple_run(wrong, 0.02, 5);
-        const auto off = [&](const ModelRun& run) {
+        const Gaussian& estimates = learned.estimates.back().estimate;
+        CHECK(learned.estimates.back().strain == about(learning.final_strain));
+        CHECK(std::abs(mean_of(estimates).friction - 0.7) < 0.05);
+        CHECK(squared_distance(estimates, logarithms_of(truth)) < 9.2);
+        CHECK(estimates.covariance()(0, 0) < 0.1 * prior.covariance()(0, 0));
+        CHECK(estimates.covariance()(1, 1) < 0.25 * prior.covariance()(1, 1));
+        for (std::size_t k = 1; k < learned.estimates.size(); ++k)
+            CHECK(learned.estimates[k].strain > learned.estimates[k - 1].strain);
+        const ModelRun together = ensemble_forecast(learned, prior),
+                       without = simple_run(wrong, 0.02, 5);
+        const auto error = [&](const ModelRun& run) {
             return std::abs(
                 run.points.back().deviatoric_stress / real.points.back().deviatoric_stress - 1);
         };
-        CHECK(off(together) < 0.5 * off(without));
+        CHECK(error(together) < 0.5 * error(without));
         CHECK(together.displacement.back()[0].z() == about(-0.02 * 1.7).epsilon(0.03));
     }
 
     TEST_CASE("nothing is learned from a measurement before its time") {
         Learning learning;
-        const RockBelief middle{0.5, 1};
+        const RockParameters middle{0.5, 1};
         const Gaussian prior = prior_of(middle, learning);
-        Worlds worlds{beliefs_of_worlds(prior, 8), {}};
-        for (const RockBelief& b : worlds.beliefs)
-            worlds.runs.push_back(simple_run(b, 0.01, worlds.runs.size()));
+        Ensemble members{draw_members(prior, 8), {}};
+        for (const RockParameters& b : members.parameters)
+            members.runs.push_back(simple_run(b, 0.01, members.runs.size()));
         MeasuredTest one = measured_test(simple_run({0.6, 1}, 0.01, 50).points), other = one;
         for (std::size_t k = 0; k < other.q.size(); ++k)
             if (other.strain[k] > 5e-3) other.q[k] *= 2;
-        const auto a = learn(prior, worlds, one, learning, 0.01),
-                   b = learn(prior, worlds, other, learning, 0.01);
+        const auto a = learn(prior, members, one, learning, 0.01),
+                   b = learn(prior, members, other, learning, 0.01);
         REQUIRE(a.size() == b.size());
         for (std::size_t k = 0; k < a.size(); ++k)
-            CHECK((a[k].belief.mean == b[k].belief.mean) == (a[k].strain <= 5e-3));
+            CHECK((a[k].estimate.mean == b[k].estimate.mean) == (a[k].strain <= 5e-3));
     }
 
     TEST_CASE("a q that no world comes near is left out and counted, and the rest teaches what it "
               "would alone") {
         const Learning learning{.specimen_scatter = 0.35};
         const Gaussian prior = prior_of({0.5, 1}, learning);
-        Worlds worlds{beliefs_of_worlds(prior, 8), {}};
-        for (const RockBelief& b : worlds.beliefs)
-            worlds.runs.push_back(simple_run(b, 0.01, worlds.runs.size()));
+        Ensemble members{draw_members(prior, 8), {}};
+        for (const RockParameters& b : members.parameters)
+            members.runs.push_back(simple_run(b, 0.01, members.runs.size()));
         const MeasuredTest good = measured_test(simple_run({0.7, 0.6}, 0.01, 50).points);
         const auto learned = [&](auto&& change) {
             MeasuredTest measured = good;
             for (std::size_t k = 0; k < measured.q.size(); ++k)
                 measured.q[k] = change(measured.q[k], k);
-            return learn(prior, worlds, measured, learning, 0.01);
+            return learn(prior, members, measured, learning, 0.01);
         };
-        for (const KnownAt& k : learned([](double q, std::size_t) { return q; }))
-            CHECK(k.left_out == 0); // far from the prior, but not that far
-        for (const KnownAt& k :
+        for (const EstimateAt& k : learned([](double q, std::size_t) { return q; }))
+            CHECK(k.rejected == 0); // far from the prior, but not that far
+        for (const EstimateAt& k :
              learned([](double q, std::size_t k) { return k > 40 ? 0.3 * q : q; }))
-            CHECK(k.left_out == 0); // a slip
+            CHECK(k.rejected == 0); // a slip
         const auto wild = learned([](double q, std::size_t k) { return k == 15 ? 1e12 : q; }),
                    without =
                        learned([](double q, std::size_t k) { return k == 15 ? std::nan("") : q; });
         REQUIRE(wild.size() == without.size());
         unsigned left_out = 0;
         for (std::size_t k = 0; k < wild.size(); ++k) {
-            CHECK(wild[k].belief.mean == without[k].belief.mean);
-            left_out += wild[k].left_out;
-            CHECK((wild[k].left_out == 1) == (wild[k].strain > 1.5e-3 - 1e-9 &&
+            CHECK(wild[k].estimate.mean == without[k].estimate.mean);
+            left_out += wild[k].rejected;
+            CHECK((wild[k].rejected == 1) == (wild[k].strain > 1.5e-3 - 1e-9 &&
                                               (k == 0 || wild[k - 1].strain < 1.5e-3 - 1e-9)));
         }
         CHECK(left_out == 1);
@@ -140,11 +141,11 @@ TEST_SUITE("procedure/learning") {
                    none = learned([](double, std::size_t) { return std::nan(""); });
         CHECK(none.empty());
         REQUIRE(gain.size() == window_ends(learning, 0.01).size());
-        CHECK(gain.back().belief.mean == prior.mean);
+        CHECK(gain.back().estimate.mean == prior.mean);
         left_out = 0;
-        for (const KnownAt& k : gain) {
-            CHECK(k.squared_distance == -1);
-            left_out += k.left_out;
+        for (const EstimateAt& k : gain) {
+            CHECK(k.normalised_innovation_squared == -1);
+            left_out += k.rejected;
         }
         CHECK(left_out == 100);
     }
@@ -155,49 +156,51 @@ TEST_SUITE("procedure/learning") {
         MeasuredTest measured = measured_test(dilating_run({0.7, 1}, 50).points);
         for (double& q : measured.q) q = std::nan("");
         unsigned runs = 0;
-        const auto run = [&](const std::vector<ModelArm>& arms, double) {
+        const auto run = [&](const std::vector<ModelVariant>& variants, double) {
             std::vector<ModelRun> all;
-            for (const ModelArm& arm : arms) all.push_back(dilating_run(arm.rocks, 100 + runs++));
+            for (const ModelVariant& variant : variants)
+                all.push_back(dilating_run(variant.rocks, 100 + runs++));
             return all;
         };
         const Learned learned = learn_in_two_generations(prior, measured, learning, 0.01, run);
-        REQUIRE_FALSE(learned.known.empty());
-        const Gaussian& known = learned.known.back().belief;
-        CHECK(known.mean[0] > prior.mean[0]);
-        CHECK(known.root.row(0).norm() < prior.root.row(0).norm());
-        CHECK(known.root.row(1).norm() ==
+        REQUIRE_FALSE(learned.estimates.empty());
+        const Gaussian& estimates = learned.estimates.back().estimate;
+        CHECK(estimates.mean[0] > prior.mean[0]);
+        CHECK(estimates.root.row(0).norm() < prior.root.row(0).norm());
+        CHECK(estimates.root.row(1).norm() ==
               about(prior.root.row(1).norm()).epsilon(0.05)); // stiffness is not seen
         for (double& v : measured.volumetric_strain) v = std::nan("");
         const Learned nothing = learn_in_two_generations(prior, measured, learning, 0.01, run);
-        CHECK(nothing.known.empty());
-        for (const TriaxialPoint& p : foretold_by(nothing, prior).points)
+        CHECK(nothing.estimates.empty());
+        for (const TriaxialPoint& p : ensemble_forecast(nothing, prior).points)
             CHECK(std::isfinite(p.deviatoric_stress));
     }
 
     TEST_CASE("a world that a guard stops is left out, unless too few are left") {
         const Learning learning;
         const Gaussian prior = prior_of({0.5, 1}, learning);
-        const auto worlds_without = [&](std::size_t stopped) {
-            return run_worlds(prior, learning.worlds, "first", 2e-3,
-                              [&](const std::vector<ModelArm>& arms, double strain) {
-                                  std::vector<ModelRun> runs;
-                                  for (const ModelArm& arm : arms)
-                                      runs.push_back(simple_run(arm.rocks, strain, runs.size()));
-                                  for (std::size_t k = 0; k < stopped; ++k)
-                                      runs[2 * k + 1].stopped = "overlap";
-                                  return runs;
-                              });
+        const auto ensemble_without = [&](std::size_t stopped) {
+            return run_members(prior, learning.members, "first", 2e-3,
+                               [&](const std::vector<ModelVariant>& variants, double strain) {
+                                   std::vector<ModelRun> runs;
+                                   for (const ModelVariant& variant : variants)
+                                       runs.push_back(
+                                           simple_run(variant.rocks, strain, runs.size()));
+                                   for (std::size_t k = 0; k < stopped; ++k)
+                                       runs[2 * k + 1].stopped = "overlap";
+                                   return runs;
+                               });
         };
-        const Worlds all = worlds_without(0), some = worlds_without(2);
+        const Ensemble all = ensemble_without(0), some = ensemble_without(2);
         REQUIRE(some.runs.size() == 6);
-        REQUIRE(some.beliefs.size() == 6);
+        REQUIRE(some.parameters.size() == 6);
         const std::array<std::size_t, 6> left{0, 2, 4, 5, 6, 7};
         for (std::size_t k = 0; k < 6; ++k) {
-            CHECK(some.beliefs[k].friction == all.beliefs[left[k]].friction);
+            CHECK(some.parameters[k].friction == all.parameters[left[k]].friction);
             CHECK(some.runs[k].points.back().deviatoric_stress ==
                   all.runs[left[k]].points.back().deviatoric_stress);
         }
-        CHECK_THROWS_AS(worlds_without(3), SimulationError);
+        CHECK_THROWS_AS(ensemble_without(3), SimulationError);
     }
 
     TEST_CASE("tests of a specimen that may be stronger by itself teach less of friction, and no "
@@ -209,17 +212,17 @@ TEST_SUITE("procedure/learning") {
             const Learning learning{.specimen_scatter = 0.2};
             Random random(static_cast<std::uint64_t>(k), 5);
             const Gaussian prior = prior_of({0.6, 1}, learning);
-            Worlds worlds{beliefs_of_worlds(prior, 10), {}};
-            for (const RockBelief& b : worlds.beliefs)
-                worlds.runs.push_back(simple_run(b, 0.01, 20 + worlds.runs.size()));
-            const RockBelief truth = mean_of(
+            Ensemble members{draw_members(prior, 10), {}};
+            for (const RockParameters& b : members.parameters)
+                members.runs.push_back(simple_run(b, 0.01, 20 + members.runs.size()));
+            const RockParameters truth = mean_of(
                 {prior.mean + prior.root * Vector::NullaryExpr(2, [&] { return random.normal(); }),
                  prior.covariance()});
             MeasuredTest measured =
                 measured_test(simple_run(truth, 0.01, 50 + static_cast<std::uint64_t>(k)).points);
             const double stronger = std::exp(0.2 * random.normal());
             for (double& q : measured.q) q *= stronger;
-            const Gaussian after = learn(prior, worlds, measured, learning, 0.01).back().belief;
+            const Gaussian after = learn(prior, members, measured, learning, 0.01).back().estimate;
             outside += squared_distance(after, logarithms_of(truth)) / specimens;
             deviation += after.root.row(0).norm() / specimens;
         }
@@ -237,10 +240,10 @@ TEST_SUITE("procedure/learning") {
                 .specimen_scatter = 0.3, .by_sensors = false, .by_volume = true};
             Random random(static_cast<std::uint64_t>(k), 6);
             const Gaussian prior = prior_of({0.6, 1}, learning);
-            Worlds worlds{beliefs_of_worlds(prior, 8), {}};
-            for (const RockBelief& b : worlds.beliefs)
-                worlds.runs.push_back(dilating_run(b, 20 + worlds.runs.size()));
-            const RockBelief truth = mean_of(
+            Ensemble members{draw_members(prior, 8), {}};
+            for (const RockParameters& b : members.parameters)
+                members.runs.push_back(dilating_run(b, 20 + members.runs.size()));
+            const RockParameters truth = mean_of(
                 {prior.mean + prior.root * Vector::NullaryExpr(2, [&] { return random.normal(); }),
                  prior.covariance()});
             MeasuredTest measured =
@@ -251,7 +254,7 @@ TEST_SUITE("procedure/learning") {
             for (double& q : measured.q) q *= std::exp(0.3 * strength);
             for (double& v : measured.volumetric_strain) v *= 1 + 0.3 * dilation;
             outside +=
-                squared_distance(learn(prior, worlds, measured, learning, 0.01).back().belief,
+                squared_distance(learn(prior, members, measured, learning, 0.01).back().estimate,
                                  logarithms_of(truth)) /
                 specimens;
         }
@@ -262,12 +265,12 @@ TEST_SUITE("procedure/learning") {
     TEST_CASE("volumetric strain tells of friction where it is asked for and measured") {
         Learning learning{.specimen_scatter = 0.25, .by_sensors = false};
         const Gaussian prior = prior_of({0.5, 1}, learning);
-        Worlds worlds{beliefs_of_worlds(prior, 8), {}};
-        for (const RockBelief& b : worlds.beliefs)
-            worlds.runs.push_back(dilating_run(b, worlds.runs.size()));
+        Ensemble members{draw_members(prior, 8), {}};
+        for (const RockParameters& b : members.parameters)
+            members.runs.push_back(dilating_run(b, members.runs.size()));
         MeasuredTest measured = measured_test(dilating_run({0.7, 1}, 50).points);
         const auto learned = [&] {
-            return learn(prior, worlds, measured, learning, 0.01).back().belief;
+            return learn(prior, members, measured, learning, 0.01).back().estimate;
         };
         const Gaussian by_q = learned();
         learning.by_volume = true;
@@ -296,40 +299,41 @@ TEST_SUITE("procedure/learning") {
               "teaches nothing") {
         Learning learning;
         const Gaussian prior = prior_of({0.5, 1}, learning);
-        Worlds worlds{beliefs_of_worlds(prior, 8), {}};
-        for (const RockBelief& b : worlds.beliefs)
-            worlds.runs.push_back(widening_run(b, worlds.runs.size()));
+        Ensemble members{draw_members(prior, 8), {}};
+        for (const RockParameters& b : members.parameters)
+            members.runs.push_back(widening_run(b, members.runs.size()));
         const ModelRun truth = widening_run({0.7, 1}, 50);
         MeasuredTest measured = measured_test(truth.points);
-        measured.ways = recorded_ways(truth, sensor_rocks(truth), 1e-3, 1e-6, 1e-3, 1);
+        measured.trajectories =
+            recorded_trajectories(truth, sensor_rocks(truth), 1e-3, 1e-6, 1e-3, 1);
         measured.displacement_noise = 1e-6;
-        const auto learned = [&] { return learn(prior, worlds, measured, learning, 0.01); };
+        const auto learned = [&] { return learn(prior, members, measured, learning, 0.01); };
         const auto by_both = learned();
-        CHECK(gross_displacements(worlds, measured) == 0);
+        CHECK(outlying_displacements(members, measured) == 0);
         learning.by_force = false;
         const auto by_sensors = learned();
-        CHECK(by_sensors.back().squared_distance == -1);
-        CHECK(std::abs(mean_of(by_sensors.back().belief).friction - 0.7) < 0.03);
-        CHECK(by_sensors.back().belief.root.row(0).norm() < 0.1 * prior.root.row(0).norm());
-        CHECK(by_sensors.back().belief.root.row(1).norm() ==
+        CHECK(by_sensors.back().normalised_innovation_squared == -1);
+        CHECK(std::abs(mean_of(by_sensors.back().estimate).friction - 0.7) < 0.03);
+        CHECK(by_sensors.back().estimate.root.row(0).norm() < 0.1 * prior.root.row(0).norm());
+        CHECK(by_sensors.back().estimate.root.row(1).norm() ==
               about(prior.root.row(1).norm()).epsilon(0.15)); // stiffness does not widen
         learning.by_sensors = false;
         CHECK(learned().empty());
         learning.by_force = true;
         const auto by_force = learned();
-        CHECK(by_force.back().belief.root.row(0).norm() >
-              1.5 * by_both.back().belief.root.row(0).norm());
+        CHECK(by_force.back().estimate.root.row(0).norm() >
+              1.5 * by_both.back().estimate.root.row(0).norm());
         // what nobody measured is not believed of worlds either
         learning.by_sensors = true;
-        SensorWay& way = measured.ways.front();
-        way.displacement.back() += Vec3(0.1, 0, 0);
-        CHECK(gross_displacements(worlds, measured) == 1);
-        std::ranges::fill(way.displacement, Vec3::Constant(std::nan("")));
+        SensorTrajectory& trajectory = measured.trajectories.front();
+        trajectory.displacement.back() += Vec3(0.1, 0, 0);
+        CHECK(outlying_displacements(members, measured) == 1);
+        std::ranges::fill(trajectory.displacement, Vec3::Constant(std::nan("")));
         const auto by_tilt = learned();
         REQUIRE(by_tilt.size() == by_force.size());
         for (std::size_t k = 0; k < by_tilt.size(); ++k)
-            CHECK(by_tilt[k].belief.mean == by_force[k].belief.mean);
-        CHECK(gross_displacements(worlds, measured) == 0);
+            CHECK(by_tilt[k].estimate.mean == by_force[k].estimate.mean);
+        CHECK(outlying_displacements(members, measured) == 0);
     }
 
     TEST_CASE("whoever learns from other measurements goes on from the same first generation") {
@@ -337,47 +341,47 @@ TEST_SUITE("procedure/learning") {
         const Gaussian prior = prior_of({0.5, 1}, learning);
         const MeasuredTest measured = measured_test(simple_run({0.7, 1}, 0.02, 77).points);
         unsigned runs = 0;
-        const RunModels run = [&](const std::vector<ModelArm>& arms, double strain) {
+        const RunModels run = [&](const std::vector<ModelVariant>& variants, double strain) {
             std::vector<ModelRun> all;
-            for (const ModelArm& arm : arms)
-                all.push_back(simple_run(arm.rocks, strain, 100 + runs++));
+            for (const ModelVariant& variant : variants)
+                all.push_back(simple_run(variant.rocks, strain, 100 + runs++));
             return all;
         };
         const Learned whole = learn_in_two_generations(prior, measured, learning, 0.02, run);
-        runs = learning.worlds;
-        const Learned gone_on = learn_on(prior, whole.first, measured, learning, 0.02, run);
-        CHECK(runs == 2 * learning.worlds);
-        REQUIRE(gone_on.known.size() == whole.known.size());
-        for (std::size_t k = 0; k < whole.known.size(); ++k)
-            CHECK(gone_on.known[k].belief.mean == whole.known[k].belief.mean);
+        runs = learning.members;
+        const Learned continued = learn_on(prior, whole.first, measured, learning, 0.02, run);
+        CHECK(runs == 2 * learning.members);
+        REQUIRE(continued.estimates.size() == whole.estimates.size());
+        for (std::size_t k = 0; k < whole.estimates.size(); ++k)
+            CHECK(continued.estimates[k].estimate.mean == whole.estimates[k].estimate.mean);
     }
 
     TEST_CASE("beliefs of worlds are spread as what is known is") {
         Gaussian g(2);
         g.mean << -0.5, 0.1;
         g.root << 0.3, 0, 0.1, 0.2;
-        const auto worlds = beliefs_of_worlds(g, 400);
+        const auto members = draw_members(g, 400);
         Vector mean = Vector::Zero(2);
         Matrix covariance = Matrix::Zero(2, 2);
-        for (const RockBelief& b : worlds) mean += logarithms_of(b) / 400;
-        for (const RockBelief& b : worlds)
+        for (const RockParameters& b : members) mean += logarithms_of(b) / 400;
+        for (const RockParameters& b : members)
             covariance += (logarithms_of(b) - mean) * (logarithms_of(b) - mean).transpose() / 400;
         CHECK((mean - g.mean).norm() < 0.01);
         CHECK((covariance - g.covariance()).norm() < 0.01);
     }
 
     TEST_CASE("a model is told of changes that matter only") {
-        const auto known = [](double strain, double friction, double deviation) {
+        const auto estimates = [](double strain, double friction, double deviation) {
             Gaussian g(2);
             g.mean = logarithms_of({friction, 1});
             g.root.diagonal() << deviation, 0.1;
-            return KnownAt{strain, g, 0};
+            return EstimateAt{strain, g, 0};
         };
-        const auto told = schedule_of({known(1e-3, 0.51, 0.01), known(2e-3, 0.6, 0.01),
-                                       known(3e-3, 0.61, 0.01), known(4e-3, 0.7, 0.3)},
-                                      {0.5, 1}, 0.03);
-        REQUIRE(told.size() == 1);
-        CHECK(told[0].strain == 2e-3);
-        CHECK(told[0].rocks.friction == about(0.6));
+        const auto schedule = schedule_of({estimates(1e-3, 0.51, 0.01), estimates(2e-3, 0.6, 0.01),
+                                           estimates(3e-3, 0.61, 0.01), estimates(4e-3, 0.7, 0.3)},
+                                          {0.5, 1}, 0.03);
+        REQUIRE(schedule.size() == 1);
+        CHECK(schedule[0].strain == 2e-3);
+        CHECK(schedule[0].rocks.friction == about(0.6));
     }
 }

@@ -15,18 +15,18 @@ namespace {
 
 /// A model of a few lines: q, and ways of a sensor rock and its neighbour by friction and
 /// stiffness; each world goes astray in its own way, and neighbours together.
-ModelRun simple_run(const RockBelief& rocks, double strain, std::uint64_t seed) {
+ModelRun simple_run(const RockParameters& rocks, double strain, std::uint64_t seed) {
     ModelRun run;
     Random random(seed, 11);
     const double push = 0.03 * random.normal();
-    const Vec3 astray = 2e-4 * random.direction();
+    const Vec3 scatter = 2e-4 * random.direction();
     for (int k = 0; k <= std::lround(strain / 1e-4); ++k) {
         run.points.push_back(testing::simple_point(rocks, k * 1e-4, push));
         const TriaxialPoint& p = run.points.back();
-        const double way = p.axial_strain / 0.02;
-        run.displacement.push_back({way * (Vec3(1e-3 * rocks.friction, 0, 0) + astray),
-                                    way * (Vec3(1e-3 * rocks.friction, 0, 0) + 0.9 * astray),
-                                    way * Vec3(0, 0, 1e-3)});
+        const double progress = p.axial_strain / 0.02;
+        run.displacement.push_back({progress * (Vec3(1e-3 * rocks.friction, 0, 0) + scatter),
+                                    progress * (Vec3(1e-3 * rocks.friction, 0, 0) + 0.9 * scatter),
+                                    progress * Vec3(0, 0, 1e-3)});
         run.rotation.emplace_back(3, Vec3::Zero());
     }
     run.rocks = {0, 1, 2};
@@ -42,15 +42,15 @@ ModelRun simple_run(const RockBelief& rocks, double strain, std::uint64_t seed) 
 RecordedTest recorded(const ModelRun& run, double strain) {
     RecordedTest test;
     test.recordings.emplace_back().info.displacement_noise = 1e-6;
-    test.ways.emplace_back();
+    test.trajectories.emplace_back();
     for (std::size_t k = 0; k < run.points.size() && run.points[k].axial_strain <= strain + 1e-9;
          ++k) {
         test.measured.push_back(run.points[k]);
         if (k == 0 || k % 10 != 0) continue;
-        test.ways[0].strain.push_back(run.points[k].axial_strain);
-        test.ways[0].displacement.push_back(run.displacement[k][0]);
-        test.ways[0].rotation.push_back(Vec3::Constant(std::nan("")));
-        test.ways[0].tilt.push_back(Vec3::Constant(std::nan("")));
+        test.trajectories[0].strain.push_back(run.points[k].axial_strain);
+        test.trajectories[0].displacement.push_back(run.displacement[k][0]);
+        test.trajectories[0].rotation.push_back(Vec3::Constant(std::nan("")));
+        test.trajectories[0].tilt.push_back(Vec3::Constant(std::nan("")));
     }
     return test;
 }
@@ -58,7 +58,7 @@ RecordedTest recorded(const ModelRun& run, double strain) {
 /// Stages of a run, up to a number of points.
 void grow(ModelRun& run, const ModelRun& whole, std::size_t points) {
     const std::size_t had = run.points.size();
-    if (had == 0) run = begun_like(whole);
+    if (had == 0) run = empty_run_like(whole);
     for (std::size_t k = had; k < points; ++k) {
         run.points.push_back(whole.points.at(k)); // throws where the test does not go
         run.displacement.push_back(whole.displacement[k]);
@@ -67,9 +67,9 @@ void grow(ModelRun& run, const ModelRun& whole, std::size_t points) {
 }
 
 struct Case {
-    static constexpr RockBelief rocks{0.7, 1}, believed{0.5, 1.3};
+    static constexpr RockParameters rocks{0.7, 1}, assumed{0.5, 1.3};
     ModelRun truth = simple_run(rocks, 0.02, 77);
-    unsigned runs = 0, kept = 0;
+    unsigned runs = 0, checkpoint = 0;
     unsigned stopping = 0;                     // worlds of the second generation that a guard stops
     std::size_t stops_at = 50;                 // points of theirs
     std::size_t longest = 0, longest_step = 0; // points asked for, and points more than before
@@ -77,13 +77,13 @@ struct Case {
 
     LiveModel model(double final_strain = 0.02, unsigned catch_up = 4) {
         return LiveModel(
-            {believed, learning, 1e-4, final_strain, catch_up},
-            [this, final_strain](const std::vector<ModelArm>& arms) {
+            {assumed, learning, 1e-4, final_strain, catch_up},
+            [this, final_strain](const std::vector<ModelVariant>& variants) {
                 std::vector<ModelRun> whole;
                 const bool second = runs > 0;
-                for (const ModelArm& arm : arms)
-                    whole.push_back(simple_run(arm.rocks, final_strain, 100 + runs++));
-                return RunsAtWork{
+                for (const ModelVariant& variant : variants)
+                    whole.push_back(simple_run(variant.rocks, final_strain, 100 + runs++));
+                return ConcurrentRuns{
                     [this, second, whole](std::vector<ModelRun>& all, std::size_t points) mutable {
                         all.resize(whole.size());
                         longest = std::max(longest, points);
@@ -95,12 +95,12 @@ struct Case {
                             whole.erase(whole.begin() + stopping);
                         }
                     },
-                    [this] { ++kept; }};
+                    [this] { ++checkpoint; }};
             });
     }
 };
 
-double off(const ModelRun& run, const ModelRun& truth, std::size_t rock) {
+double error(const ModelRun& run, const ModelRun& truth, std::size_t rock) {
     return (run.displacement.back()[rock] - truth.displacement[run.points.size() - 1][rock]).norm();
 }
 
@@ -117,12 +117,12 @@ TEST_SUITE("procedure/live_model") {
         CHECK(c.runs == 16);
         CHECK(model.state().points.size() == 201);
         CHECK(model.strain() == about(0.02));
-        CHECK(std::abs(mean_of(model.belief()).friction - 0.7) < 0.05);
-        CHECK(squared_distance(model.belief(), logarithms_of({0.7, 1})) < 9.2);
-        for (std::size_t k = 1; k < model.known().size(); ++k)
-            CHECK(model.known()[k].strain > model.known()[k - 1].strain);
-        CHECK(off(model.state(), c.truth, 0) < 0.05 * off(model.forecast(), c.truth, 0));
-        CHECK(off(model.state(), c.truth, 1) < 0.5 * off(model.forecast(), c.truth, 1));
+        CHECK(std::abs(mean_of(model.estimate()).friction - 0.7) < 0.05);
+        CHECK(squared_distance(model.estimate(), logarithms_of({0.7, 1})) < 9.2);
+        for (std::size_t k = 1; k < model.estimates().size(); ++k)
+            CHECK(model.estimates()[k].strain > model.estimates()[k - 1].strain);
+        CHECK(error(model.state(), c.truth, 0) < 0.05 * error(model.forecast(), c.truth, 0));
+        CHECK(error(model.state(), c.truth, 1) < 0.5 * error(model.forecast(), c.truth, 1));
         CHECK(std::abs(model.state().points.back().deviatoric_stress /
                            c.truth.points.back().deviatoric_stress -
                        1) < 0.1);
@@ -150,7 +150,7 @@ TEST_SUITE("procedure/live_model") {
         while (!quiet.done())
             quiet.next_stage(recorded(silent.truth, std::min(0.005, quiet.next_strain())));
         CHECK(quiet.state().points.size() == 201);
-        CHECK(quiet.known().back().strain <= 0.01);
+        CHECK(quiet.estimates().back().strain <= 0.01);
         for (const Vec3& d : quiet.state().displacement.back()) CHECK(d.allFinite());
     }
 
@@ -163,7 +163,7 @@ TEST_SUITE("procedure/live_model") {
             while (!model.done()) {
                 model.next_stage(recorded(c.truth, model.next_strain()));
                 CHECK(c.longest == std::max<std::size_t>(21, model.state().points.size()));
-                model.go_on();
+                model.advance_members();
                 CHECK(c.longest ==
                       std::clamp<std::size_t>(model.state().points.size() + 1, 21, 201));
                 CHECK(c.longest_step <= catch_up);
@@ -171,9 +171,10 @@ TEST_SUITE("procedure/live_model") {
             // 20 stages, the start and one for each stage of the test meanwhile, so many at a time
             const double needed = std::ceil(21.0 / (catch_up - 1));
             CHECK(model.caught_up_at() == about((20 + needed) * 1e-4));
-            CHECK(c.kept == 1); // the first generation, when it had answered for the last time
-            model.keep();
-            CHECK(c.kept == 2);
+            CHECK(c.checkpoint ==
+                  1); // the first generation, when it had answered for the last time
+            model.save_checkpoint();
+            CHECK(c.checkpoint == 2);
         }
     }
 
@@ -183,12 +184,12 @@ TEST_SUITE("procedure/live_model") {
         LiveModel a = one.model(), b = other.model();
         while (!a.done()) {
             a.next_stage(recorded(one.truth, a.next_strain()));
-            for (int k = 0; k < 3; ++k) a.go_on();
+            for (int k = 0; k < 3; ++k) a.advance_members();
             b.next_stage(recorded(other.truth, b.next_strain()));
             CHECK(a.state().points.back().deviatoric_stress ==
                   b.state().points.back().deviatoric_stress);
             CHECK(a.state().displacement.back() == b.state().displacement.back());
-            CHECK(a.belief().mean == b.belief().mean);
+            CHECK(a.estimate().mean == b.estimate().mean);
         }
         CHECK(a.caught_up_at() == b.caught_up_at());
     }
@@ -199,7 +200,7 @@ TEST_SUITE("procedure/live_model") {
         LiveModel model = c.model();
         while (!model.done()) model.next_stage(recorded(c.truth, model.next_strain()));
         CHECK(c.stopping == 0);
-        CHECK(squared_distance(model.belief(), logarithms_of({0.7, 1})) < 9.2);
+        CHECK(squared_distance(model.estimate(), logarithms_of({0.7, 1})) < 9.2);
         for (const Vec3& d : model.state().displacement.back()) CHECK(d.allFinite());
         Case lost;
         lost.stopping = 3;
@@ -219,10 +220,10 @@ TEST_SUITE("procedure/live_model") {
         LiveModel model = lost.model(), other = early.model();
         while (!model.done()) {
             model.next_stage(recorded(lost.truth, model.next_strain()));
-            for (int k = 0; k < 3; ++k) other.go_on(); // before the records come
+            for (int k = 0; k < 3; ++k) other.advance_members(); // before the records come
             other.next_stage(recorded(early.truth, other.next_strain()));
             CHECK(model.state().displacement.back() == other.state().displacement.back());
-            CHECK(model.belief().mean == other.belief().mean);
+            CHECK(model.estimate().mean == other.estimate().mean);
         }
         CHECK(lost.runs == 16); // no other generation begins
         CHECK(lost.stopping == 0);
@@ -231,10 +232,10 @@ TEST_SUITE("procedure/live_model") {
               about(23e-4)); // begun with stage 20, four stages for each one since
         CHECK(other.lost_second_at() == model.lost_second_at());
         CHECK(model.state().points.size() == 201);
-        CHECK(lost.kept ==
+        CHECK(lost.checkpoint ==
               1); // so that a run that goes on from there finds its worlds where it lost them
-        CHECK(squared_distance(model.belief(), logarithms_of({0.7, 1})) < 9.2);
-        CHECK(off(model.state(), lost.truth, 0) < 0.05 * off(model.forecast(), lost.truth, 0));
+        CHECK(squared_distance(model.estimate(), logarithms_of({0.7, 1})) < 9.2);
+        CHECK(error(model.state(), lost.truth, 0) < 0.05 * error(model.forecast(), lost.truth, 0));
     }
 
     TEST_CASE("a test shorter than the first generation needs no second one") {

@@ -46,7 +46,7 @@ const Recorded& recorded() {
 /// A file of lines, followed.
 struct Followed {
     TemporaryDirectory folder;
-    LiveSettings settings{.patience = 2};
+    LiveSettings settings{.timeout = 2};
 
     std::filesystem::path write(const std::vector<std::string>& lines,
                                 const char* name = "stream") const {
@@ -66,11 +66,11 @@ void check_same(const RecordedTest& a, const RecordedTest& b) {
         CHECK(a.measured[k].deviatoric_stress == b.measured[k].deviatoric_stress);
         CHECK(a.measured[k].ring_radius == b.measured[k].ring_radius);
     }
-    REQUIRE(a.ways.size() == b.ways.size());
-    for (std::size_t s = 0; s < a.ways.size(); ++s) {
-        CHECK(a.ways[s].strain == b.ways[s].strain);
-        CHECK(a.ways[s].displacement == b.ways[s].displacement);
-        CHECK(a.ways[s].rotation == b.ways[s].rotation);
+    REQUIRE(a.trajectories.size() == b.trajectories.size());
+    for (std::size_t s = 0; s < a.trajectories.size(); ++s) {
+        CHECK(a.trajectories[s].strain == b.trajectories[s].strain);
+        CHECK(a.trajectories[s].displacement == b.trajectories[s].displacement);
+        CHECK(a.trajectories[s].rotation == b.trajectories[s].rotation);
     }
 }
 
@@ -115,7 +115,7 @@ TEST_SUITE("procedure/live_test") {
         REQUIRE(test->follow_to(0.004));
         const RecordedTest before = test->so_far();
         CHECK(before.measured.back().axial_strain == about(0.004));
-        CHECK(before.ways[1].strain.back() == about(0.004));
+        CHECK(before.trajectories[1].strain.back() == about(0.004));
         CHECK(test->ages().size() == 3 * 5 + 3 * 4 + 41);
         CHECK(test->ages().empty());
         REQUIRE(test->follow_to(0.01));
@@ -140,7 +140,7 @@ TEST_SUITE("procedure/live_test") {
         const Followed f;
         const auto test = f.follow(lines);
         for (int k = 0; k <= 100; ++k) REQUIRE(test->follow_to(1e-4 * k));
-        CHECK(test->so_far().ways[1].strain.size() == 9); // the last one comes after all
+        CHECK(test->so_far().trajectories[1].strain.size() == 9); // the last one comes after all
         CHECK_FALSE(test->follow_to(0.02));
         check_same(test->so_far(), recorded().read());
         CHECK(test->report().find("sensor 2: 15 records, 10 late, 15 sent again") !=
@@ -155,12 +155,12 @@ TEST_SUITE("procedure/live_test") {
             REQUIRE(test->follow_to(0.004));
         }
         std::ofstream(f.folder / "log", std::ios::app)
-            << "{\"id\": 1, \"t\"";    // it was stopped while it wrote
-        std::vector<std::string> rest; // from a sender that knows what has come
+            << "{\"id\": 1, \"t\"";         // it was stopped while it wrote
+        std::vector<std::string> remaining; // from a sender that knows what has come
         for (std::size_t k = 0; k < recorded().lines.size(); ++k)
-            if (k >= 3 * 5 + 3 * 4 + 41) rest.push_back(recorded().lines[k]);
+            if (k >= 3 * 5 + 3 * 4 + 41) remaining.push_back(recorded().lines[k]);
         std::filesystem::copy_file(f.folder / "log", f.folder / "log2");
-        const auto going_on = f.follow(rest, "log2");
+        const auto going_on = f.follow(remaining, "log2");
         REQUIRE(going_on->follow_to(0.004));
         CHECK(going_on->so_far().measured.back().axial_strain == about(0.004));
         (void)going_on->follow_to(1);
@@ -186,11 +186,12 @@ TEST_SUITE("procedure/live_test") {
         const RecordedTest found = test->so_far(), expected = recorded().read();
         for (std::size_t s = 0; s < 3; ++s) {
             REQUIRE(
-                found.ways[s].strain.size() + 1 ==
-                expected.ways[s]
+                found.trajectories[s].strain.size() + 1 ==
+                expected.trajectories[s]
                     .strain.size()); // its clock is fast: the last one is after the machine's last
-            for (std::size_t k = 0; k < found.ways[s].strain.size(); ++k)
-                CHECK(found.ways[s].strain[k] == about(expected.ways[s].strain[k]).epsilon(1e-3));
+            for (std::size_t k = 0; k < found.trajectories[s].strain.size(); ++k)
+                CHECK(found.trajectories[s].strain[k] ==
+                      about(expected.trajectories[s].strain[k]).epsilon(1e-3));
         }
     }
 
@@ -206,7 +207,7 @@ TEST_SUITE("procedure/live_test") {
             for (int k = 0; k <= 80; k += 4) {
                 REQUIRE(test.follow_to(1e-3 * k));
                 const RecordedTest now = test.so_far();
-                INFO(k << "\n" << intake_report(now.findings, now.recordings));
+                INFO(k << "\n" << quality_control_report(now.findings, now.recordings));
                 CHECK(now.refused() == 0);
                 for (const Finding& finding : now.findings)
                     CHECK((finding.text.find("its clock gains") != std::string::npos ||
@@ -226,7 +227,7 @@ TEST_SUITE("procedure/live_test") {
             const auto test = f.follow(lines);
             REQUIRE(test->follow_to(0.01));
             CHECK(test->so_far().refused() == 1);
-            CHECK(test->so_far().ways[1].strain.empty());
+            CHECK(test->so_far().trajectories[1].strain.empty());
             CHECK(test->report().find(fmt::format("sensor 2: refused: clock: its t are {:.3g} s "
                                                   "ahead of the machine's when they come",
                                                   ahead + 1.2)) !=
@@ -234,11 +235,11 @@ TEST_SUITE("procedure/live_test") {
             // told beforehand, it is put right
             auto infos = recorded().infos;
             infos[1].clock_offset = ahead;
-            LiveTest told(f.write(lines, "again"), f.folder / "log2", infos, f.settings);
-            REQUIRE(told.follow_to(0.01));
-            CHECK(told.so_far().refused() == 0);
-            REQUIRE(told.so_far().ways[1].strain.size() == 9);
-            CHECK(told.so_far().ways[1].strain[4] == about(0.005).epsilon(1e-3));
+            LiveTest replayed(f.write(lines, "again"), f.folder / "log2", infos, f.settings);
+            REQUIRE(replayed.follow_to(0.01));
+            CHECK(replayed.so_far().refused() == 0);
+            REQUIRE(replayed.so_far().trajectories[1].strain.size() == 9);
+            CHECK(replayed.so_far().trajectories[1].strain[4] == about(0.005).epsilon(1e-3));
         }
     }
 
@@ -275,7 +276,7 @@ TEST_SUITE("procedure/live_test") {
         const auto test = f.follow(lines);
         REQUIRE(test->follow_to(0.01));
         CHECK(test->so_far().refused() == 0);
-        CHECK(test->so_far().ways[1].strain.size() == 10);
+        CHECK(test->so_far().trajectories[1].strain.size() == 10);
         CHECK(test->report().find(
                   "sensor 2: clock: its t are 100 s ahead of the machine's at the same strain") !=
               std::string::npos);
@@ -308,9 +309,9 @@ TEST_SUITE("procedure/live_test") {
         REQUIRE(test->follow_to(0.01));
         const RecordedTest found = test->so_far();
         CHECK(found.refused() == 2);
-        CHECK(found.ways[0].strain.empty());
-        CHECK(found.ways[2].strain.empty());
-        CHECK(found.ways[1].displacement == recorded().read().ways[1].displacement);
+        CHECK(found.trajectories[0].strain.empty());
+        CHECK(found.trajectories[2].strain.empty());
+        CHECK(found.trajectories[1].displacement == recorded().read().trajectories[1].displacement);
         const std::string report = test->report();
         for (const char* what :
              {"line 1: expected an object of JSON or names of columns, found \"garbage\"",
@@ -376,7 +377,7 @@ TEST_SUITE("procedure/live_test") {
             const RecordedTest found = test->so_far(), good = recorded().read();
             REQUIRE(found.measured.size() == good.measured.size());
             CHECK(found.refused() == 0);
-            CHECK(found.ways[1].displacement == good.ways[1].displacement);
+            CHECK(found.trajectories[1].displacement == good.trajectories[1].displacement);
             std::size_t left_out = 0;
             bool rest_is_same = true;
             const auto compare = [&](double a, double b) {
@@ -421,7 +422,7 @@ TEST_SUITE("procedure/live_test") {
     TEST_CASE("a stream that falls silent has ended; who goes on from its log listens again") {
         std::vector<std::string> half(recorded().lines.begin(), recorded().lines.begin() + 80);
         Followed f;
-        f.settings.patience = 0.1;
+        f.settings.timeout = 0.1;
         {
             const auto test = f.follow(half);
             CHECK_FALSE(test->follow_to(0.01));
@@ -430,7 +431,7 @@ TEST_SUITE("procedure/live_test") {
                 test->report().find("nothing of the test machine came for 0.1 s after 80 lines") !=
                 std::string::npos);
         }
-        f.settings.patience = 2;
+        f.settings.timeout = 2;
         LiveTest again(f.write(recorded().lines), f.folder / "log", recorded().infos, f.settings);
         REQUIRE(again.follow_to(0.01));
         check_same(again.so_far(), recorded().read());
@@ -457,8 +458,8 @@ TEST_SUITE("procedure/live_test") {
                 first.push_back(test->so_far());
             }
         }
-        CHECK(first[2].ways[1].strain.size() == 2);
-        CHECK(first[6].ways[1].strain.size() == 7);
+        CHECK(first[2].trajectories[1].strain.size() == 2);
+        CHECK(first[6].trajectories[1].strain.size() == 7);
         const auto again = f.follow(lines);
         for (int k = 1; k <= 7; ++k) {
             REQUIRE(again->follow_to(1e-3 * k));
@@ -516,7 +517,7 @@ TEST_SUITE("procedure/live_test") {
 
     TEST_CASE("a machine that falls silent ends the test, though sensors go on") {
         Followed f;
-        f.settings.patience = 0.3;
+        f.settings.timeout = 0.3;
         const auto path = f.write({R"({"axial_strain": 0, "deviatoric_stress_Pa": 0})"});
         std::atomic<bool> over = false;
         std::thread sensor([&] {
@@ -590,7 +591,7 @@ TEST_SUITE("procedure/live_test") {
         CHECK(report.find("sensor 2: field: it does not tell yaw: it stays the same") !=
               std::string::npos);
         CHECK(report.find("sensor 1: field") == std::string::npos);
-        CHECK(now.ways[0].displacement == recorded().read().ways[0].displacement);
+        CHECK(now.trajectories[0].displacement == recorded().read().trajectories[0].displacement);
     }
 
     TEST_CASE("numbers of a stream that are none are named with their line; without strain a "
@@ -612,6 +613,7 @@ TEST_SUITE("procedure/live_test") {
         CHECK(test->report().find(fmt::format(
                   "1 time: line {}: sensor 2: strain: expected a number, found nan", bad)) !=
               std::string::npos);
-        CHECK(test->so_far().ways[0].displacement == recorded().read().ways[0].displacement);
+        CHECK(test->so_far().trajectories[0].displacement ==
+              recorded().read().trajectories[0].displacement);
     }
 }

@@ -120,13 +120,14 @@ TEST_SUITE("procedure/model_specimen") {
                 fill_like(simulation, test, truth.specimen.scene, truth.specimen, mismatch, 1);
             CHECK(relaxed.done);
             CHECK(test.state().phase == TriaxialPhase::consolidate);
-            const double off = apart(simulation, before);
+            const double distance = apart(simulation, before);
             if (mismatch.any()) CHECK(relaxed.first_overlap > 0.02);
             if (mismatch.placement > 0) {
-                CHECK(off > 0.2 * mismatch.placement); // some fall back to where they came from
-                CHECK(off < 1.5 * mismatch.placement);
+                CHECK(distance >
+                      0.2 * mismatch.placement); // some fall back to where they came from
+                CHECK(distance < 1.5 * mismatch.placement);
             }
-            if (!mismatch.any()) CHECK(off < 1e-4);
+            if (!mismatch.any()) CHECK(distance < 1e-4);
             CHECK(platen_height(simulation.world()) == platen_height(before.world()));
             CHECK(membrane_radius(simulation.world()) == membrane_radius(before.world()));
             check_same_masses(simulation, before);
@@ -139,22 +140,23 @@ TEST_SUITE("procedure/model_specimen") {
     TEST_CASE("a model of another specimen comes to rest at the truth's pressure, about as dense, "
               "and sensors tell of their own starts") {
         const Truth& truth = the_truth();
-        const PreparedSpecimen off = truth.model({.placement = 2e-3}),
+        const PreparedSpecimen moved = truth.model({.placement = 2e-3}),
                                round = truth.model({.spheres = 8}),
                                other = truth.model({.packing = 7});
         Simulation true_one = restored(truth.specimen), rounder = restored(round);
         check_same_masses(rounder, true_one);
         CHECK(rounder.world().table<Spheres>().size() == 8 * truth.described.bodies);
         Progress progress(2, Progress::Style::quiet);
-        const std::vector<const PreparedSpecimen*> specimens{&truth.specimen, &off, &round, &other};
-        const std::vector<ModelArm> arms{{.name = "truth", .rocks = {}},
-                                         {.name = "off", .rocks = {}},
-                                         {.name = "round", .rocks = {}},
-                                         {.name = "other", .rocks = {}}};
+        const std::vector<const PreparedSpecimen*> specimens{&truth.specimen, &moved, &round,
+                                                             &other};
+        const std::vector<ModelVariant> variants{{.name = "truth", .rocks = {}},
+                                                 {.name = "off", .rocks = {}},
+                                                 {.name = "round", .rocks = {}},
+                                                 {.name = "other", .rocks = {}}};
         const auto runs =
-            run_models(specimens, truth.described.test, arms, 2e-4, truth.common, progress);
+            run_models(specimens, truth.described.test, variants, 2e-4, truth.common, progress);
         for (std::size_t k = 0; k < runs.size(); ++k) {
-            CAPTURE(arms[k].name);
+            CAPTURE(variants[k].name);
             const TriaxialPoint& start = runs[k].points.front();
             CHECK(start.worst_ring_error <= truth.described.test.pressure_tolerance);
             CHECK(start.radial_stress == about(truth.described.test.confining_pressure)
@@ -165,12 +167,12 @@ TEST_SUITE("procedure/model_specimen") {
             for (const Vec3& u : runs[k].displacement.front()) CHECK(u == Vec3::Zero());
             CHECK(runs[k].sensors == runs[0].sensors);
         }
-        CHECK(starts_apart(runs[0], runs[0]).distance == 0);
-        const StartsApart placed = starts_apart(runs[1], runs[0]),
-                          packed = starts_apart(runs[3], runs[0]);
-        CHECK(placed.distance > 0.4e-3);
-        CHECK(placed.distance < 4e-3);
-        CHECK(placed.angle > 0);
+        CHECK(start_difference(runs[0], runs[0]).distance == 0);
+        const StartDifference displaced = start_difference(runs[1], runs[0]),
+                              packed = start_difference(runs[3], runs[0]);
+        CHECK(displaced.distance > 0.4e-3);
+        CHECK(displaced.distance < 4e-3);
+        CHECK(displaced.angle > 0);
         CHECK(packed.distance >
               10 * packed.sensor_distance); // sensor rocks alone are where the truth has them
     }
@@ -178,11 +180,12 @@ TEST_SUITE("procedure/model_specimen") {
     TEST_CASE("a model's specimen is the same each time it is made, another by another seed, and "
               "is taken up where it was kept") {
         const Truth& truth = the_truth();
-        const ModelMismatch placed{.placement = 2e-3};
+        const ModelMismatch displaced{.placement = 2e-3};
         Common common = truth.common;
         const auto made = [&] {
             return fingerprint(make_model_specimen(truth.described, truth.described.test,
-                                                   truth.specimen, placed, common, nobody_watches)
+                                                   truth.specimen, displaced, common,
+                                                   nobody_watches)
                                    .state);
         };
         common.seed = 2;
@@ -195,7 +198,7 @@ TEST_SUITE("procedure/model_specimen") {
         common.resume = common.out;
         CHECK(made() == first);
         std::filesystem::copy_file(common.out / "specimen.ckpt.h5",
-                                   common.out / placed.name() / "specimen.ckpt.h5",
+                                   common.out / displaced.name() / "specimen.ckpt.h5",
                                    std::filesystem::copy_options::overwrite_existing);
         CHECK_THROWS_AS(made(), InputError);
         CHECK(ModelMismatch{.placement = 2e-3}.name() == "model_2_mm");

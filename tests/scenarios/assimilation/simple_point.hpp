@@ -9,7 +9,7 @@ namespace bris::testing {
 
 /// A stage of a model of one line: q by friction and stiffness, and by a push of its own that grows
 /// over 0.5 % of strain.
-inline TriaxialPoint simple_point(const RockBelief& rocks, double strain, double push) {
+inline TriaxialPoint simple_point(const RockParameters& rocks, double strain, double push) {
     TriaxialPoint p;
     p.axial_strain = strain;
     const double stiff = 1e8 * rocks.stiffness * strain,

@@ -41,9 +41,9 @@ TEST_SUITE("procedure/bench_hdf5") {
             CHECK(b.measured[k].ring_radius == truth.points[k].ring_radius);
         }
         CHECK(b.clock.by_time.size() == 101);
-        REQUIRE(a.ways[1].strain.size() == b.ways[1].strain.size());
-        for (std::size_t k = 0; k < a.ways[1].strain.size(); ++k)
-            CHECK((a.ways[1].displacement[k] - b.ways[1].displacement[k]).norm() <
+        REQUIRE(a.trajectories[1].strain.size() == b.trajectories[1].strain.size());
+        for (std::size_t k = 0; k < a.trajectories[1].strain.size(); ++k)
+            CHECK((a.trajectories[1].displacement[k] - b.trajectories[1].displacement[k]).norm() <
                   1e-8); // of seven digits
     }
 
@@ -69,7 +69,7 @@ TEST_SUITE("procedure/bench_hdf5") {
         CHECK(a.recordings[0].info.clock_offset == 7);
         CHECK(b.recordings[0].info.clock_offset == 0);
         CHECK(a.refused() == 1);
-        CHECK(intake_report(a).find(
+        CHECK(quality_control_report(a).find(
                   "sensor 3: refused: length: expected two samples or more, found 0") !=
               std::string::npos);
         CHECK(b.refused() == 0);
@@ -87,7 +87,7 @@ TEST_SUITE("procedure/bench_hdf5") {
         write_recorded_test_hdf5(folder.path(), 55e3, recordings, testing::scene_of(truth).specimen,
                                  testing::scene_of(truth).poses, truth.points, time);
         const auto infos = read_sensor_infos(folder.path());
-        const auto why = [&](const IntakeSettings& settings) {
+        const auto why = [&](const QualityControlSettings& settings) {
             return message_of<InputError>(
                 [&] { (void)read_recorded_test(folder.path(), 55e3, infos, settings); });
         };

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "engine/assets.hpp"
-#include "scenarios/recordings/intake.hpp"
+#include "scenarios/recordings/quality_control.hpp"
 
 #include <fmt/format.h>
 
@@ -30,16 +30,16 @@ inline std::vector<Recording> example_recordings(const std::string& pressure, do
     return all;
 }
 
-inline std::vector<Finding> look_at_test(const std::vector<Recording>& all) {
-    IntakeLimits limits;
+inline std::vector<Finding> check_test_records(const std::vector<Recording>& all) {
+    QualityControlLimits limits;
     limits.rest = 60;
-    return look_at(all, Vec3(0, 0, -9.81), limits);
+    return check_recordings(all, Vec3(0, 0, -9.81), limits);
 }
 
 /// What a sensor is refused for, a line each.
 inline std::string refusals(const std::vector<Recording>& all, unsigned sensor) {
     std::string text;
-    for (const Finding& f : look_at_test(all))
+    for (const Finding& f : check_test_records(all))
         if (f.sensor == sensor && f.kind == Finding::Kind::refusal)
             text += f.check + ": " + f.text + "\n";
     return text;

@@ -1,8 +1,8 @@
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
 #include "scenarios/recordings/heading.hpp"
-#include "scenarios/recordings/intake.hpp"
-#include "scenarios/recordings/sensor_way.hpp"
+#include "scenarios/recordings/quality_control.hpp"
+#include "scenarios/recordings/sensor_trajectory.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>
@@ -44,7 +44,7 @@ Recording turning(const Vec3& turn, std::uint64_t seed, double noise = 0.5e-6,
 
 std::string found(const Recording& r, const std::string& check) {
     std::string text;
-    for (const Finding& f : look_at({r}, Vec3(0, 0, -9.81)))
+    for (const Finding& f : check_recordings({r}, Vec3(0, 0, -9.81)))
         if (f.check == check) text += f.text + "\n";
     return text;
 }
@@ -56,7 +56,7 @@ TEST_SUITE("fusion/heading") {
               "vertical, whatever its tilt") {
         for (std::uint64_t seed = 1; seed <= 20; ++seed) {
             const Heading h = heading_of(turning(Vec3(0.15, -0.1, 0.3), seed, 1e-9));
-            REQUIRE(h.seen());
+            REQUIRE(h.observable());
             CHECK(std::abs(h.turn - 0.3) <
                   0.001); // of the force, 3e-5 times the dip's tangent, and of the field
             CHECK(h.dip == about(65.6 * degree).epsilon(1e-2));
@@ -70,11 +70,11 @@ TEST_SUITE("fusion/heading") {
             Random random(seed, 9);
             const Vec3 bias = 2e-6 * Vec3(random.normal(), random.normal(), random.normal());
             const Heading h = heading_of(turning(Vec3(0.05, 0.1, 0.5), seed, 0.5e-6, bias));
-            REQUIRE(h.seen());
-            const double off = std::abs(h.turn - 0.5) / h.deviation;
-            within_one += off < 1;
-            within_two += off < 2;
-            squares += off * off / 400;
+            REQUIRE(h.observable());
+            const double error = std::abs(h.turn - 0.5) / h.deviation;
+            within_one += error < 1;
+            within_two += error < 2;
+            squares += error * error / 400;
         }
         // wander counts as if it all were level: on the safe side, but no more than twice
         CHECK(within_one > 270);
@@ -84,7 +84,7 @@ TEST_SUITE("fusion/heading") {
     }
 
     TEST_CASE("a field that is disturbed, stuck, of other units or nearly vertical says nothing of "
-              "yaw, and the intake says why") {
+              "yaw, and quality control says why") {
         const Recording good = turning(Vec3(0, 0, 0.2), 3);
         INFO(found(good, "field"));
         CHECK(found(turning(Vec3(0, 0, 0.2), 3, 1e-9), "field")
@@ -116,7 +116,7 @@ TEST_SUITE("fusion/heading") {
         // samples without a field are let be and counted
         r = good;
         for (std::size_t k = 0; k < 100; k += 2) r.field[k] = Vec3::Constant(std::nan(""));
-        CHECK(heading_of(r).seen());
+        CHECK(heading_of(r).observable());
         CHECK(found(r, "numbers").find("50 of 100 samples are without") != std::string::npos);
     }
 
@@ -135,7 +135,9 @@ TEST_SUITE("fusion/heading") {
     TEST_CASE("yaw is observable by a magnetometer in a steady field, and by it alone not in a "
               "disturbed one") {
         Recording r = turning(Vec3(0, 0, 0.2), 3);
-        const auto yaw = [](const Recording& one) { return what_is_seen(one, 960, 1e-3, 0.1)[4]; };
+        const auto yaw = [](const Recording& one) {
+            return observability_of(one, 960, 1e-3, 0.1)[4];
+        };
         CHECK(yaw(r).source == "magnetometer (unused)");
         CHECK(yaw(r).observable());
         CHECK(yaw(r).deviation == heading_of(r).deviation);

@@ -109,16 +109,16 @@ TEST_SUITE("fusion/inspect_attitude") {
         auto all = example_recordings("55kPa");
         for (Recording& r : all)
             for (Vec3& w : r.rate) w *= 180 / pi;
-        const auto told = [&](const std::string& what) {
+        const auto reported = [&](const std::string& what) {
             return std::ranges::count_if(
                 all, [&](const Recording& r) { return has(refusals(all, r.info.id), what); });
         };
-        CHECK(told("rate: at rest expected 0.014 rad/s at most") == 10);
-        CHECK(told("times as far: they seem to be in deg/s") >= 7);
+        CHECK(reported("rate: at rest expected 0.014 rad/s at most") == 10);
+        CHECK(reported("times as far: they seem to be in deg/s") >= 7);
         for (Recording& r : all)
             for (Vec3& w : r.rate) w *= std::pow(pi / 180, 2);
-        CHECK(told("rate: at rest") == 0);
-        CHECK(told("times as far: they seem to be in rad/s, not in deg/s") >= 7);
+        CHECK(reported("rate: at rest") == 0);
+        CHECK(reported("times as far: they seem to be in rad/s, not in deg/s") >= 7);
     }
 
     TEST_CASE("rates that are single samples between which a rock slips are no reason to refuse") {

@@ -1,5 +1,5 @@
 #include "engine/random.hpp"
-#include "scenarios/recordings/intake.hpp"
+#include "scenarios/recordings/quality_control.hpp"
 
 #include <doctest/doctest.h>
 
@@ -28,10 +28,10 @@ Recording still() {
 
 /// What the intake says of one thing; nothing of these refuses a sensor.
 std::string found(const Recording& r, const std::string& check) {
-    IntakeLimits limits;
+    QualityControlLimits limits;
     limits.rest = 60;
     std::string text;
-    for (const Finding& f : look_at({r}, Vec3(0, 0, -9.80665), limits)) {
+    for (const Finding& f : check_recordings({r}, Vec3(0, 0, -9.80665), limits)) {
         CHECK(f.kind == Finding::Kind::note);
         if (f.check == check) text += f.text + "\n";
     }
@@ -117,14 +117,14 @@ TEST_SUITE("fusion/inspect_device") {
         Recording r = still();
         leave_out(r, 300, 305);
         for (std::size_t k = 0; k < r.size(); ++k) r.sequence[k] = k; // counts what was kept
-        IntakeLimits limits;
+        QualityControlLimits limits;
         limits.clock_drift = 0.05; // its slope is off by a hundredth
-        const auto findings = look_at({r}, Vec3(0, 0, -9.80665), limits);
+        const auto findings = check_recordings({r}, Vec3(0, 0, -9.80665), limits);
         CHECK(accepted(findings, 4));
-        CHECK(intake_report(findings, {r}).find("sensor 4: count: ") ==
+        CHECK(quality_control_report(findings, {r}).find("sensor 4: count: ") ==
               std::string::npos); // within that drift
-        CHECK_FALSE(accepted(look_at({r}, Vec3(0, 0, -9.80665)), 4));
-        CHECK(intake_report(look_at({r}, Vec3(0, 0, -9.80665)), {r})
+        CHECK_FALSE(accepted(check_recordings({r}, Vec3(0, 0, -9.80665)), 4));
+        CHECK(quality_control_report(check_recordings({r}, Vec3(0, 0, -9.80665)), {r})
                   .find("0 samples are missing by their count, in 0 gaps; by their times 5: clock, "
                         "count or sampling_rate is wrong\n") != std::string::npos);
     }

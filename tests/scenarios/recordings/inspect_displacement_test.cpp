@@ -14,10 +14,10 @@ TEST_SUITE("fusion/inspect_displacement") {
         for (const char* pressure : {"55kPa", "110kPa", "165kPa"})
             for (const double strain : {0.0, 0.001, 0.002, 0.003, 0.005, 0.01, 0.02, 0.04, 0.08}) {
                 const auto all = example_recordings(pressure, strain);
-                const auto findings = look_at_test(all);
+                const auto findings = check_test_records(all);
                 CAPTURE(pressure);
                 CAPTURE(strain);
-                INFO(intake_report(findings, all));
+                INFO(quality_control_report(findings, all));
                 CHECK(std::ranges::all_of(findings, [](const Finding& f) {
                     return f.kind == Finding::Kind::note &&
                            (f.check == "clock" || has(f.text, "too few samples at rest"));
@@ -49,7 +49,7 @@ TEST_SUITE("fusion/inspect_displacement") {
         for (Vec3& u : all[4].displacement)
             u += 6e-4 * Vec3(random.normal(), random.normal(), random.normal());
         CHECK(refusals(all, 5).empty());
-        const auto findings = look_at_test(all);
+        const auto findings = check_test_records(all);
         CHECK(std::ranges::any_of(findings, [](const Finding& f) {
             return f.sensor == 5 && f.check == "noise" &&
                    has(f.text, "displacement at rest: declared 0.1 mm");
@@ -80,10 +80,10 @@ TEST_SUITE("fusion/inspect_displacement") {
                 Vec3(2 * random.uniform() - 1, 2 * random.uniform() - 1, 2 * random.uniform() - 1);
         CHECK(has(refusals(all, 5), "noise: displacement at rest: declared 0.1 mm, found"));
         all = sparse(example_recordings("55kPa"));
-        const std::size_t astray =
+        const std::size_t first_outlier =
             all[4].size() - 20; // 7 of the 29 or so that have strain, of more than 80
-        for (std::size_t k = astray; k < all[4].size(); ++k)
-            all[4].displacement[k].x() += 0.02 * static_cast<double>(k - astray);
+        for (std::size_t k = first_outlier; k < all[4].size(); ++k)
+            all[4].displacement[k].x() += 0.02 * static_cast<double>(k - first_outlier);
         CHECK(has(refusals(all, 5), "longer than the test lets a rock go"));
     }
 
@@ -91,7 +91,7 @@ TEST_SUITE("fusion/inspect_displacement") {
         const double none = std::nan("");
         Recording r;
         r.strain = {0, none, 0, none, none, 3e-3, none, 5e-3, 6e-3, none};
-        const IntakeLimits limits;
+        const QualityControlLimits limits;
         std::vector<Finding> findings;
         CHECK(strain_step({r, limits, findings, 5, 5}) == about(1e-3));
         r.strain = {0, 0, 1e-3, 2e-3, 3e-3};

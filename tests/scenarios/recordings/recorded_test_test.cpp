@@ -38,10 +38,10 @@ TEST_SUITE("procedure/recorded_test") {
         const RecordedTest test = read_recorded_test(folder.path(), 110e3, infos, {});
         CHECK(test.refused() == 0);
         CHECK(test.measured.size() == 101);
-        REQUIRE(test.ways[2].strain.size() == 10);
-        CHECK((test.ways[2].displacement[9] - truth.displacement[100][2]).norm() <
+        REQUIRE(test.trajectories[2].strain.size() == 10);
+        CHECK((test.trajectories[2].displacement[9] - truth.displacement[100][2]).norm() <
               6e-4); // of 0.1 mm twice
-        CHECK((test.ways[2].rotation[9] - truth.rotation[100][2]).norm() < 0.02);
+        CHECK((test.trajectories[2].rotation[9] - truth.rotation[100][2]).norm() < 0.02);
         const Misfit none = misfit_of(truth, test);
         CHECK(none.q < 1);
         CHECK(none.volumetric_strain < 1e-8);
@@ -56,12 +56,12 @@ TEST_SUITE("procedure/recorded_test") {
         // by inertia alone: tilt and nothing else
         const RecordedTest inertial = read_recorded_test(
             folder.path(), 110e3, infos, {.displacement = false, .attitude = false});
-        const Vec3 tilt = inertial.ways[2].tilt[9];
+        const Vec3 tilt = inertial.trajectories[2].tilt[9];
         const Quat before = truth.start[2].orientation,
                    after = exponential_map(truth.rotation[100][2]) * before;
         CHECK((tilt - (before.conjugate() * Vec3::UnitZ() - after.conjugate() * Vec3::UnitZ()))
                   .norm() < 2e-3);
-        CHECK_FALSE(inertial.ways[2].displacement[9].allFinite());
+        CHECK_FALSE(inertial.trajectories[2].displacement[9].allFinite());
         CHECK(std::isnan(misfit_of(truth, inertial).sensor_displacement));
     }
 
@@ -74,8 +74,8 @@ TEST_SUITE("procedure/recorded_test") {
         const RecordedTest test =
             read_recorded_test(folder.path(), 55e3, read_sensor_infos(folder.path()), {});
         CHECK(test.refused() == 1);
-        CHECK(test.ways[1].strain.empty());
-        CHECK_FALSE(test.ways[0].strain.empty());
+        CHECK(test.trajectories[1].strain.empty());
+        CHECK_FALSE(test.trajectories[0].strain.empty());
     }
 
     TEST_CASE(
@@ -90,11 +90,11 @@ TEST_SUITE("procedure/recorded_test") {
             RecordedTest test =
                 read_recorded_test(folder.path(), 55e3, read_sensor_infos(folder.path()), {});
             CHECK(test.refused() == 0);
-            CHECK(test.ways[2].strain.size() == 10);
+            CHECK(test.trajectories[2].strain.size() == 10);
             return test;
         };
         const auto says = [](const RecordedTest& test, const std::string& text) {
-            return intake_report(test).find(text) != std::string::npos;
+            return quality_control_report(test).find(text) != std::string::npos;
         };
         const RecordedTest good = read([](TriaxialPoint&, std::size_t) {});
         CHECK(says(good, "test machine: 101 records, nothing found\nsensor 1: "));
@@ -154,7 +154,7 @@ TEST_SUITE("procedure/recorded_test") {
                     }
                     examine(test, {});
                     INFO(preset << ", seed " << seed << "\n"
-                                << intake_report(test.findings, test.recordings));
+                                << quality_control_report(test.findings, test.recordings));
                     CHECK(test.refused() == 0);
                     for (const Finding& f : test.findings)
                         CHECK((f.check == "clock" ||

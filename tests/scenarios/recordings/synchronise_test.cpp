@@ -35,7 +35,7 @@ struct Recorded {
         infos = read_sensor_infos(folder.path());
         by_strain = read({});
     }
-    RecordedTest read(const IntakeSettings& settings) const {
+    RecordedTest read(const QualityControlSettings& settings) const {
         return read_recorded_test(folder.path(), 55e3, infos, settings);
     }
 
@@ -67,19 +67,20 @@ struct Recorded {
 double phase_at(double strain) { return cycles_per_strain * strain; }
 double time_at(double strain) { return 60 + 1.2e4 * strain; }
 
-void check_ways(const RecordedTest& test, const RecordedTest& by_strain, double tolerance) {
+void check_trajectories(const RecordedTest& test, const RecordedTest& by_strain, double tolerance) {
     CHECK(test.refused() == 0);
     for (std::size_t s = 0; s < 3; ++s) {
-        REQUIRE(test.ways[s].strain.size() == by_strain.ways[s].strain.size());
-        for (std::size_t k = 0; k < test.ways[s].strain.size(); ++k)
-            CHECK(test.ways[s].strain[k] == about(by_strain.ways[s].strain[k]).epsilon(tolerance));
-        CHECK(test.ways[s].displacement == by_strain.ways[s].displacement);
+        REQUIRE(test.trajectories[s].strain.size() == by_strain.trajectories[s].strain.size());
+        for (std::size_t k = 0; k < test.trajectories[s].strain.size(); ++k)
+            CHECK(test.trajectories[s].strain[k] ==
+                  about(by_strain.trajectories[s].strain[k]).epsilon(tolerance));
+        CHECK(test.trajectories[s].displacement == by_strain.trajectories[s].displacement);
     }
 }
 
 bool says(const RecordedTest& test, const std::string& text) {
-    INFO(intake_report(test));
-    return intake_report(test).find(text) != std::string::npos;
+    INFO(quality_control_report(test));
+    return quality_control_report(test).find(text) != std::string::npos;
 }
 
 } // namespace
@@ -91,7 +92,7 @@ TEST_SUITE("procedure/synchronise") {
         r.change("recordings.csv", "strain", "phase", phase_at);
         const RecordedTest test =
             r.read({.interval = 0.99e-3}); // what is written with seven digits may fall short of it
-        check_ways(test, r.by_strain, 1e-5);
+        check_trajectories(test, r.by_strain, 1e-5);
         CHECK(says(test, "sensor 1: clock: strain by the machine's phase\n"));
     }
 
@@ -103,10 +104,10 @@ TEST_SUITE("procedure/synchronise") {
         RecordedTest test = r.read({.interval = 0.99e-3});
         CHECK(test.refused() == 0);
         CHECK(says(test, "sensor 1: clock: strain by the machine's t"));
-        REQUIRE(test.ways[0].strain.size() ==
+        REQUIRE(test.trajectories[0].strain.size() ==
                 9); // the last sample is, by a clock 20 ppm fast, after the machine's last
         CHECK(says(test, "1 of 15 samples are outside of it and left out"));
-        CHECK(test.ways[0].strain[8] == about(9e-3).epsilon(1e-3));
+        CHECK(test.trajectories[0].strain[8] == about(9e-3).epsilon(1e-3));
         auto infos = r.infos;
         infos[1].clock_offset = 1e6; // as if it counted from 1970
         test = read_recorded_test(r.folder.path(), 55e3, infos, {});
@@ -167,7 +168,7 @@ TEST_SUITE("procedure/synchronise") {
         const auto sampled = std::ranges::count_if(test.recordings[0].strain,
                                                    [](double e) { return std::isfinite(e); });
         CHECK(sampled < static_cast<std::ptrdiff_t>(test.recordings[0].size()));
-        CHECK(test.ways[0].strain.size() ==
+        CHECK(test.trajectories[0].strain.size() ==
               static_cast<std::size_t>(std::ranges::count_if(test.recordings[0].strain,
                                                              [](double e) { return e > 0; })));
         const Recorded late;
@@ -197,12 +198,12 @@ TEST_SUITE("procedure/synchronise") {
         }
         out.close();
         CHECK(records == 101);
-        LiveTest test(r.folder / "lines", r.folder / "log", r.infos, {.patience = 2});
+        LiveTest test(r.folder / "lines", r.folder / "log", r.infos, {.timeout = 2});
         (void)test.follow_to(1);
         INFO(test.report());
         CHECK(test.report().find("unreadable") == std::string::npos);
         CHECK(test.so_far().measured.size() == 101);
-        check_ways(test.so_far(), r.by_strain, 1e-9);
+        check_trajectories(test.so_far(), r.by_strain, 1e-9);
     }
 
     TEST_CASE("a stream of sensors that count cycles is the same test as one of sensors that tell "
@@ -217,7 +218,7 @@ TEST_SUITE("procedure/synchronise") {
             }
             out.close();
             LiveTest test(r.folder / name, r.folder / fmt::format("{}.log", name), r.infos,
-                          {.patience = 2, .intake = {.interval = 0.99e-3}});
+                          {.timeout = 2, .quality_control = {.interval = 0.99e-3}});
             (void)test.follow_to(1);
             return std::pair{test.so_far(), test.report()};
         };
@@ -237,7 +238,7 @@ TEST_SUITE("procedure/synchronise") {
             rename(line, "\"axial_strain\": ", phase_at);
         });
         INFO(report);
-        check_ways(by_phase, r.by_strain, 1e-5);
+        check_trajectories(by_phase, r.by_strain, 1e-5);
         const auto [wrapped, why] = follow("wrapped", [&](std::string& line) {
             rename(line, "\"strain\": ", [](double strain) {
                 return std::fmod(0.9 * phase_at(strain), 1.0);

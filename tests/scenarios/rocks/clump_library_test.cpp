@@ -29,7 +29,7 @@ TEST_SUITE("build/clump_library") {
         for (const Clump& clump : clumps) {
             CHECK(clump.balls.size() == 30);
             CHECK(clump.sieve == 1);
-            const double ratio = measure_dimensions(clump.balls).flat_elongated();
+            const double ratio = compute_dimensions(clump.balls).flat_elongated();
             CHECK(ratio >= 0.99);
             CHECK(ratio < 2.9);
             for (const Ball& ball : clump.balls) CHECK(ball.radius > 0.11);

@@ -21,10 +21,10 @@ TEST_SUITE("systems/build/nearest_point") {
         points.push_back(points.front()); // twice
         const NearestPoint nearest(points);
         for (int k = 0; k < 200; ++k) {
-            const Vec3 place = somewhere();
+            const Vec3 position = somewhere();
             double least = std::numeric_limits<double>::infinity();
-            for (const Vec3& p : points) least = std::min(least, (place - p).norm());
-            CHECK(nearest.distance(place) == about(least).epsilon(1e-14));
+            for (const Vec3& p : points) least = std::min(least, (position - p).norm());
+            CHECK(nearest.distance(position) == about(least).epsilon(1e-14));
         }
         CHECK(nearest.distance(points[7]) == 0);
         CHECK_THROWS_AS(NearestPoint({}), InputError);

@@ -54,7 +54,7 @@ TEST_SUITE("build/rock") {
         CHECK(mass.volume == about(8).epsilon(1e-14));
         CHECK(mass.centre.norm() < 1e-14);
         CHECK((mass.inertia - Mat3(Mat3::Identity() * (8 * 4 / 6.0))).norm() < 1e-13); // m a² / 6
-        const Dimensions dimensions = measure_dimensions(vertex_balls(cube));
+        const Dimensions dimensions = compute_dimensions(vertex_balls(cube));
         CHECK(dimensions.flat_elongated() == about(1).epsilon(1e-4));
         CHECK(sieve_size(vertex_balls(cube)) == about(2).epsilon(1e-12));
         CHECK(cube.faces == 6);
@@ -65,7 +65,7 @@ TEST_SUITE("build/rock") {
             const Polyhedron rock = make_rock({.flat_elongated = wanted, .faces = 14}, 5, 2);
             const std::vector<Ball> hull = vertex_balls(rock);
             // stretched to 1e-3, measured to 1e-4
-            CHECK(measure_dimensions(hull).flat_elongated() == about(wanted).epsilon(2e-3));
+            CHECK(compute_dimensions(hull).flat_elongated() == about(wanted).epsilon(2e-3));
             CHECK(sieve_size(hull) == about(1).epsilon(5e-4));
             CHECK(rock.vertices.size() + rock.triangles.size() ==
                   rock.triangles.size() * 3 / 2 + 2);
@@ -98,8 +98,8 @@ TEST_SUITE("build/rock") {
         for (std::uint64_t k = 0; k < 6; ++k) {
             const Polyhedron angular = make_rock({.faces = 9}, 2, k),
                              round = make_rock({.faces = 40}, 2, k);
-            few += angularity(angular, measure_dimensions(vertex_balls(angular)).axes);
-            many += angularity(round, measure_dimensions(vertex_balls(round)).axes);
+            few += angularity(angular, compute_dimensions(vertex_balls(angular)).axes);
+            many += angularity(round, compute_dimensions(vertex_balls(round)).axes);
         }
         CHECK(few > 1.3 * many);
     }

@@ -29,7 +29,7 @@ World bed_with_strays(unsigned strays) {
     return world;
 }
 
-std::vector<Vec3> places(const World& world) {
+std::vector<Vec3> positions(const World& world) {
     std::vector<Vec3> list;
     for (const Row b : rows_by_id(world.column<Bodies, BodyId>()))
         list.push_back(world.column<Bodies, Position>()[b]);
@@ -59,9 +59,9 @@ TEST_SUITE("build/retire") {
         CHECK(names[first_stray + 7] == first_stray);
         CHECK(retired.world().table<Bodies>().size() == before - 7);
         retired.advance(1500);
-        const auto all = places(kept.world()), rest = places(retired.world());
+        const auto all = positions(kept.world()), remainder = positions(retired.world());
         for (std::size_t id = 0; id < all.size(); ++id)
-            if (names[id] != nobody) CHECK(all[id] == rest[names[id]]);
+            if (names[id] != nobody) CHECK(all[id] == remainder[names[id]]);
     }
 
     TEST_CASE(

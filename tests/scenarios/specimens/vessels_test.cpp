@@ -56,12 +56,12 @@ struct Shots {
 };
 
 Shots shoot(const std::function<EntityId(World&, std::uint32_t)>& add_vessel,
-            const Eigen::AlignedBox3d& block, const Vec3& spin) {
+            const Eigen::AlignedBox3d& block, const Vec3& angular_velocity) {
     constexpr int shots = 2000, steps = 20000;
     constexpr double dt = 3e-6, speed = 5, pitch = 0.003;
     World world = make_world(Grains::spheres);
     const auto material = add_material(world, linear_material(2e4, 0, 0));
-    value_of<Spin>(world, add_vessel(world, material)) = spin;
+    value_of<AngularVelocity>(world, add_vessel(world, material)) = angular_velocity;
     const Eigen::Vector3i n = (block.sizes() / pitch).cast<int>();
     REQUIRE(n.prod() >= shots);
     for (int k = 0; k < shots; ++k) {
@@ -107,9 +107,9 @@ TEST_SUITE("build/vessels") {
         // perimeter of an area-equal polygon over that of the circle: sqrt(n tan(pi/n) / pi) = 1 +
         // (pi/n)^2/6 + O(n^-4)
         for (const unsigned n : {16u, 64u}) {
-            const double expected = 1 + std::pow(pi / n, 2) / 6, rest = std::pow(pi / n, 4);
+            const double expected = 1 + std::pow(pi / n, 2) / 6, remainder = std::pow(pi / n, 4);
             CHECK(std::abs(area(shell({0.1, 0, 0.1, 0.3}, n)) / (2 * pi * 0.1 * 0.3) - expected) <
-                  rest);
+                  remainder);
             // a flat ring and a disc are area-equal themselves
             CHECK(area(shell({0.03, 0, 0.1, 0}, n)) == about(pi * (0.01 - 0.0009)).epsilon(1e-13));
             CHECK(area(disc(0.1, 0, n)) == about(pi * 0.01).epsilon(1e-13));

@@ -14,54 +14,58 @@ using namespace bris;
 
 TEST_SUITE("verification/experiments") {
     TEST_CASE("what cannot be run is refused with a reason") {
-        CHECK_THROWS_AS(measure(Impact{}), InputError); // no density, no moduli
+        CHECK_THROWS_AS(run_experiment(Impact{}), InputError); // no density, no moduli
         Impact grazing;
         grazing.law = LawName::linear;
         grazing.material = grazing.partner_material = linear_material(1e5);
         grazing.angle = 2;
-        CHECK_THROWS_AS(measure(grazing), InputError);
+        CHECK_THROWS_AS(run_experiment(grazing), InputError);
         Top top;
         top.inertia = Vec3(3, 2, 1);
-        CHECK_THROWS_AS(measure(top), InputError);
+        CHECK_THROWS_AS(run_experiment(top), InputError);
         top.inertia = Vec3(2, 2, 2);
-        CHECK_THROWS_AS(measure(top), InputError);
+        CHECK_THROWS_AS(run_experiment(top), InputError);
         top = {};
-        top.spin = Vec3(0, 0, 1);
-        CHECK_THROWS_AS(measure(top), InputError);
+        top.angular_velocity = Vec3(0, 0, 1);
+        CHECK_THROWS_AS(run_experiment(top), InputError);
         Pendulum pendulum;
         pendulum.amplitude = 1.5;
-        CHECK_THROWS_AS(measure(pendulum), InputError);
+        CHECK_THROWS_AS(run_experiment(pendulum), InputError);
         ChainWave wave;
         wave.mode = 40;
-        CHECK_THROWS_AS(measure(wave), InputError);
+        CHECK_THROWS_AS(run_experiment(wave), InputError);
         Crystal crystal;
         crystal.material.young_modulus = 5e9;
         crystal.strain = 1;
-        CHECK_THROWS_AS(measure(crystal), InputError);
+        CHECK_THROWS_AS(run_experiment(crystal), InputError);
         CHECK_THROWS_AS(verify("no such group"), InputError);
     }
 
     TEST_CASE("Jacobi's solution keeps energy and momentum, and Euler's equations, on both sides "
               "of the separatrix") {
         const Vec3 inertia(1, 1.7, 2.4);
-        for (const Vec3& spin : {Vec3(0.2, 0.3, 1), Vec3(-0.4, 0.1, -0.9), Vec3(1, -0.2, 0.3),
-                                 Vec3(-1, 0.3, 0.2), Vec3(0.8, 0.4, -0.1)}) {
-            const FreeTop top(inertia, spin);
-            CHECK((top.spin(0) - spin).norm() < 1e-14);
-            CHECK((top.spin(top.period()) - spin).norm() < 1e-12);
+        for (const Vec3& angular_velocity :
+             {Vec3(0.2, 0.3, 1), Vec3(-0.4, 0.1, -0.9), Vec3(1, -0.2, 0.3), Vec3(-1, 0.3, 0.2),
+              Vec3(0.8, 0.4, -0.1)}) {
+            const FreeTop top(inertia, angular_velocity);
+            CHECK((top.angular_velocity(0) - angular_velocity).norm() < 1e-14);
+            CHECK((top.angular_velocity(top.period()) - angular_velocity).norm() < 1e-12);
             for (const double t : {0.3, 1.7, 12.0}) {
-                const Vec3 w = top.spin(t), momentum = w.cwiseProduct(inertia);
+                const Vec3 w = top.angular_velocity(t), momentum = w.cwiseProduct(inertia);
                 CHECK(w.dot(momentum) ==
-                      about(spin.dot(spin.cwiseProduct(inertia))).epsilon(1e-13));
-                CHECK(momentum.norm() == about(spin.cwiseProduct(inertia).norm()).epsilon(1e-13));
+                      about(angular_velocity.dot(angular_velocity.cwiseProduct(inertia)))
+                          .epsilon(1e-13));
+                CHECK(momentum.norm() ==
+                      about(angular_velocity.cwiseProduct(inertia).norm()).epsilon(1e-13));
                 // dL/dt = L x w; the central difference is off by h^2/6 of a third derivative, and
                 // by rounding / h
                 const double h = 1e-5;
-                const Vec3 rate = (top.spin(t + h) - top.spin(t - h)) / (2 * h);
+                const Vec3 rate =
+                    (top.angular_velocity(t + h) - top.angular_velocity(t - h)) / (2 * h);
                 CHECK((rate.cwiseProduct(inertia) - momentum.cross(w)).norm() < 1e-9);
                 // the attitude takes the momentum back to where it was
-                CHECK((top.attitude(t, 5000) * momentum - spin.cwiseProduct(inertia)).norm() <
-                      1e-11);
+                CHECK((top.attitude(t, 5000) * momentum - angular_velocity.cwiseProduct(inertia))
+                          .norm() < 1e-11);
             }
         }
     }

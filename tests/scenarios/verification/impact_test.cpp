@@ -29,19 +29,19 @@ TEST_SUITE("systems/experiments/impact") {
             CAPTURE(static_cast<int>(law));
             std::string what;
             try {
-                (void)measure(s);
+                (void)run_experiment(s);
             } catch (const InputError& error) {
                 what = error.what();
             }
             const auto named = what.find("not enough, ");
             REQUIRE(named != std::string::npos);
             s.steps_per_contact = std::stod(what.substr(named + 12));
-            const double e = measure(s).normal_restitution;
+            const double e = run_experiment(s).normal_restitution;
             CHECK(e >= 0);
             CHECK(e < 0.2);
             s.material.restitution = s.partner_material.restitution = 0.5;
             s.steps_per_contact = 20;
-            CHECK_NOTHROW((void)measure(s));
+            CHECK_NOTHROW((void)run_experiment(s));
         }
     }
 }

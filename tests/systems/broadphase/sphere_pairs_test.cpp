@@ -23,26 +23,27 @@ Partners touching_now(const World& world) {
 TEST_SUITE("broadphase/sphere_pairs") {
     TEST_CASE("of spheres of very different sizes all touching pairs are found, each once, "
               "whichever has the lower id") {
-        std::vector<Vec3> place;
+        std::vector<Vec3> position;
         std::vector<double> size;
         for (unsigned k = 0; k < 600; ++k) {
             Random random(11, k);
             // most are small; sizes from 1 to 50 mm fall into four grids
             size.push_back(0.001 * std::pow(50, std::pow(random.uniform(), 4)));
-            place.push_back(0.1 * Vec3(random.uniform(), random.uniform(), random.uniform()));
+            position.push_back(0.1 * Vec3(random.uniform(), random.uniform(), random.uniform()));
         }
         Partners expected;
-        for (EntityId a = 0; a < place.size(); ++a)
-            for (EntityId b = a + 1; b < place.size(); ++b)
-                if ((place[a] - place[b]).norm() < size[a] + size[b]) expected.push_back({a, b});
+        for (EntityId a = 0; a < position.size(); ++a)
+            for (EntityId b = a + 1; b < position.size(); ++b)
+                if ((position[a] - position[b]).norm() < size[a] + size[b])
+                    expected.push_back({a, b});
         REQUIRE(expected.size() > 1000);
         for (const double ratio : {3.0, 1e9}) { // of sizes in a grid: four grids, and one for all
             World world = make_world(Grains::spheres);
             const auto material =
                 add_material(world, linear_material(1, 0, 0)); // soft: they overlap as they like
             world.resource<Limits>().overlap = 1e9;
-            for (std::size_t k = 0; k < place.size(); ++k)
-                add_sphere(world, place[k], size[k], material);
+            for (std::size_t k = 0; k < position.size(); ++k)
+                add_sphere(world, position[k], size[k], material);
             Simulation sim = start(std::move(world), {.dt = 1e-9,
                                                       .law = LawName::linear_frictionless,
                                                       .lists = {.widest_ratio = ratio}});

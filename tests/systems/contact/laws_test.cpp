@@ -20,15 +20,15 @@ struct Contact {
     RollLanes roll{};
 
     ForceLanes step(double overlap, const Vec3& sliding, double closing = 0,
-                    const Vec3& spin = Vec3::Zero()) {
+                    const Vec3& angular_velocity = Vec3::Zero()) {
         ContactLanes c{lanes(0), lanes(0), lanes(1), lanes(overlap), lanes(10), lanes(0.005)};
         c.ux = c.vx = lanes(sliding.x());
         c.uy = c.vy = lanes(sliding.y());
         c.closing = lanes(closing);
         c.vz = lanes(-closing);
-        c.wx = lanes(spin.x());
-        c.wy = lanes(spin.y());
-        c.wz = lanes(spin.z());
+        c.wx = lanes(angular_velocity.x());
+        c.wy = lanes(angular_velocity.y());
+        c.wz = lanes(angular_velocity.z());
         return L::force(c, k, rolling, LawStep(policy, dt, true), spring, roll);
     }
 };

@@ -117,7 +117,7 @@ TEST_SUITE("contact/stable_step") {
             add_clump(world, block, 0, Vec3::Zero(), Quat(Quat::Identity()), material);
         const double mass = value_of<Mass>(world, body);
         value_of<Position>(world, body) = Vec3(0, 0, radius - mass * 1000 / (4 * kn));
-        set_spin(world, body, Vec3(1e-3, 1e-3, 0));
+        set_angular_velocity(world, body, Vec3(1e-3, 1e-3, 0));
         world.add_resource<Gravity>({Vec3(0, 0, -1000)});
         const Vec3 inertia = value_of<Inertia>(world, body);
         Simulation sim = start(std::move(world), {});

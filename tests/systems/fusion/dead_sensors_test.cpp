@@ -2,8 +2,8 @@
 // nobody had spoken.
 
 #include "engine/random.hpp"
+#include "scenarios/stability/observed.hpp"
 #include "scenarios/stability/scenes.hpp"
-#include "scenarios/stability/seen.hpp"
 #include "systems/fusion/fuse.hpp"
 
 #include <doctest/doctest.h>
@@ -43,8 +43,8 @@ Recorded record() {
     for (unsigned k = 1; k <= all_of_them; ++k) {
         truth.advance(steps_each);
         for (std::size_t s = 0; s < hosts.size(); ++s)
-            r.of_hosts[s].push_back({interval * k, stress::seen(truth, hosts[s], random)});
-        r.of_another.push_back({interval * k, stress::seen(truth, another, random)});
+            r.of_hosts[s].push_back({interval * k, stress::observed(truth, hosts[s], random)});
+        r.of_another.push_back({interval * k, stress::observed(truth, another, random)});
     }
     return r;
 }
@@ -57,7 +57,7 @@ Measured refused(unsigned kind, const Measured& good, const Measured& of_another
     case 0:
         break;
     case 1:
-        bad.position = bad.velocity = bad.spin = Vec3(infinite, 0, -infinite);
+        bad.position = bad.velocity = bad.angular_velocity = Vec3(infinite, 0, -infinite);
         break;
     case 2:
         bad.position = good.position + Vec3(1, 0, 0);
@@ -96,34 +96,34 @@ Samples up_to(const Recorded& recorded, unsigned k, bool goes_on) {
     return samples;
 }
 
-struct Way {
+struct Method {
     unsigned injection_steps = 40, lag = 0;
-    PullSettings pull = {};
+    NudgingSettings nudging = {};
     double largest_shift = 0;
 };
 
-Simulation with_sensors(Samples samples, const Way& way = {}) {
+Simulation with_sensors(Samples samples, const Method& method = {}) {
     World world = stress::tumbling(bed());
     add_sensors(world, {hosts.begin(), hosts.end()}, std::move(samples),
                 {.position = 1e-4,
                  .velocity = 0.1,
                  .attitude = 0.02,
-                 .spin = 1,
+                 .angular_velocity = 1,
                  .acceleration_density = 0.1,
                  .angular_acceleration_density = 1e3,
                  .gate = 0.999,
-                 .lag = way.lag},
-                way.injection_steps);
+                 .lag = method.lag},
+                method.injection_steps);
     auto& fusion = world.resource<Fusion>();
-    fusion.pull = way.pull;
-    fusion.largest_shift = way.largest_shift;
-    fusion.note_every = way.lag > 0 ? 0.7 * interval : 0;
+    fusion.nudging = method.nudging;
+    fusion.largest_shift = method.largest_shift;
+    fusion.note_every = method.lag > 0 ? 0.7 * interval : 0;
     return start(std::move(world));
 }
 
 /// All State but that of sensors and filters; `bare`: nor the columns that hosts have.
 std::uint64_t mechanics(const Simulation& sim, bool bare = false) {
-    constexpr std::array of_hosts{"bodies/guided", "bodies/correction", "bodies/pull",
+    constexpr std::array of_hosts{"bodies/guided", "bodies/correction", "bodies/nudging",
                                   "bodies/fusion_work"};
     const Archive all = sim.snapshot();
     Archive some;
@@ -151,17 +151,17 @@ TEST_SUITE("systems/fusion/dead_sensors") {
     TEST_CASE("clumps whose sensors say only what is refused from some time on move as if the "
               "recordings had ended there, to the last bit") {
         const Recorded recorded = record();
-        const std::array ways{Way{},
-                              Way{.injection_steps = 1},
-                              Way{.lag = 4},
-                              Way{.pull = {50, 0.02, 0.005}},
-                              Way{.lag = 4, .pull = {50, 0.02, 0.005}},
-                              Way{.largest_shift = 2e-7},
-                              Way{.lag = 4, .largest_shift = 2e-7}};
-        for (std::size_t k = 0; k < ways.size(); ++k) {
+        const std::array methods{Method{},
+                                 Method{.injection_steps = 1},
+                                 Method{.lag = 4},
+                                 Method{.nudging = {50, 0.02, 0.005}},
+                                 Method{.lag = 4, .nudging = {50, 0.02, 0.005}},
+                                 Method{.largest_shift = 2e-7},
+                                 Method{.lag = 4, .largest_shift = 2e-7}};
+        for (std::size_t k = 0; k < methods.size(); ++k) {
             CAPTURE(k);
-            Simulation ended = with_sensors(up_to(recorded, good_ones, false), ways[k]),
-                       goes_on = with_sensors(up_to(recorded, good_ones, true), ways[k]);
+            Simulation ended = with_sensors(up_to(recorded, good_ones, false), methods[k]),
+                       goes_on = with_sensors(up_to(recorded, good_ones, true), methods[k]);
             for (const unsigned steps :
                  {steps_each * good_ones + 30, all_steps - steps_each * good_ones - 30}) {
                 ended.advance(steps);
@@ -182,11 +182,12 @@ TEST_SUITE("systems/fusion/dead_sensors") {
         Simulation alone = start(stress::tumbling(bed())),
                    dead = with_sensors(up_to(recorded, 0, true)),
                    looking_back = with_sensors(up_to(recorded, 0, true), {.lag = 4}),
-                   heard = with_sensors(up_to(recorded, good_ones, false));
-        for (Simulation* sim : {&alone, &dead, &looking_back, &heard}) sim->advance(all_steps);
+                   assimilated = with_sensors(up_to(recorded, good_ones, false));
+        for (Simulation* sim : {&alone, &dead, &looking_back, &assimilated})
+            sim->advance(all_steps);
         CHECK(mechanics(dead, true) == mechanics(alone, true));
         CHECK(mechanics(looking_back, true) == mechanics(alone, true));
-        CHECK(mechanics(heard, true) != mechanics(alone, true));
+        CHECK(mechanics(assimilated, true) != mechanics(alone, true));
         CHECK(counted<Accepted>(dead) == 0);
         CHECK(counted<Refused>(dead) > 150);
         CHECK(fusion_work(dead.world()) == 0);

@@ -100,12 +100,12 @@ TEST_SUITE("systems/fusion/fuse") {
         for (const double offset : {0.0, 0.7}) {
             Collide c = game_with_error_left();
             c.offset = offset;
-            const CollideResult r = measure(c);
+            const CollideResult r = run_experiment(c);
             CAPTURE(offset);
             CHECK(r.fused_error < 0.5 * r.free_error);
             CHECK(std::abs(r.error_at_touch) > 1e-3);
             if (offset == 0) CHECK(r.carried_error == about(r.expected_error).epsilon(0.02));
-            CHECK(std::abs(r.energy_open) < 1e-3 * std::abs(r.fusion_work));
+            CHECK(std::abs(r.energy_error) < 1e-3 * std::abs(r.fusion_work));
         }
     }
 
@@ -115,7 +115,7 @@ TEST_SUITE("systems/fusion/fuse") {
             Collide c = game_with_error_left();
             c.offset = offset;
             c.material.young_modulus = young_modulus;
-            return measure(c);
+            return run_experiment(c);
         };
         for (const double offset : {0.7, 1.2}) {
             // the line of centres turns while they touch, a time that goes as the modulus to the
@@ -149,17 +149,17 @@ TEST_SUITE("systems/fusion/fuse") {
         c.filter.acceleration_density = 0;
         c.filter.gate = 1;
         c.steps_per_contact = 400;
-        const CollideResult r = measure(c);
+        const CollideResult r = run_experiment(c);
         const double share = r.error_at_touch / c.speed;
         CHECK(share == about(0.1 / 7).epsilon(1e-3)); // six samples
-        double off = 0, all = 0;
+        double squares = 0, all = 0;
         for (std::size_t k = 1; k < c.balls; ++k) {
             const Vec3 error = r.fused[k] - r.truth[k], expected = share * r.truth[k];
-            off += (error - expected).squaredNorm();
+            squares += (error - expected).squaredNorm();
             all += expected.squaredNorm();
         }
         CHECK(all > 0);
-        CHECK(std::sqrt(off / all) < 0.04);
+        CHECK(std::sqrt(squares / all) < 0.04);
         for (const std::size_t outer : {4u, 6u})
             CHECK((r.fused[outer] - (1 + share) * r.truth[outer]).norm() <
                   0.01 * share * r.truth[outer].norm());
@@ -171,7 +171,7 @@ TEST_SUITE("systems/fusion/fuse") {
             c.balls = balls;
             c.position_noise = 1e-6;
             c.velocity_noise = 1e-5;
-            const CollideResult r = measure(c);
+            const CollideResult r = run_experiment(c);
             CAPTURE(balls);
             CHECK(r.free_error > 0.01);
             CHECK(r.fused_error < 0.02 * r.free_error);
@@ -184,7 +184,7 @@ TEST_SUITE("systems/fusion/fuse") {
         Collide c = game();
         c.model_speed = 1;
         c.model_restitution = 0.5;
-        const CollideResult r = measure(c);
+        const CollideResult r = run_experiment(c);
         CHECK(r.fused_error == about(r.free_error).epsilon(0.05));
         CHECK(r.free_error == about(0.5 * (0.9 - 0.5)).epsilon(0.02));
     }
@@ -284,9 +284,9 @@ TEST_SUITE("systems/fusion/fuse") {
                        std::string::npos;
         };
         CHECK_FALSE(runs(sim, "fuse_spheres"));
-        CHECK_FALSE(runs(sim, "shift_corrections"));
+        CHECK_FALSE(runs(sim, "apply_correction_displacement"));
         CHECK(runs(fused, "fuse_spheres"));
-        CHECK(runs(fused, "shift_corrections"));
+        CHECK(runs(fused, "apply_correction_displacement"));
     }
 
     TEST_CASE("a sensor that says what cannot be is refused, counted, and moves nothing") {
@@ -319,15 +319,15 @@ TEST_SUITE("systems/fusion/fuse") {
         const double both = expected * expected + noise * noise, gain = expected * expected / both,
                      after = noise * std::sqrt(gain);
         CHECK(records[0].time == about(1e-4));
-        CHECK(records[0].shift_off == about(1e-3));
-        CHECK(records[0].shift_distance == about(1e-6 / both));
-        CHECK(records[0].shift_gain == about(gain));
-        CHECK(records[0].shift_deviation == about(after));
-        CHECK(std::isnan(records[0].turn_gain)); // not measured
+        CHECK(records[0].position_innovation == about(1e-3));
+        CHECK(records[0].position_normalised_innovation_squared == about(1e-6 / both));
+        CHECK(records[0].position_gain == about(gain));
+        CHECK(records[0].position_deviation == about(after));
+        CHECK(std::isnan(records[0].attitude_gain)); // not measured
         CHECK(records[0].share == 1);
-        CHECK(records[1].shift_off ==
+        CHECK(records[1].position_innovation ==
               about((1 - gain) * 1e-3).epsilon(1e-3)); // what the first has left
-        CHECK(records[1].shift_gain ==
+        CHECK(records[1].position_gain ==
               about(after * after / (after * after + noise * noise)).epsilon(1e-3));
         // one that is refused weighs nothing
         settings.gate = 0.99;
@@ -335,15 +335,16 @@ TEST_SUITE("systems/fusion/fuse") {
         Simulation refusing = pair(samples, 1, settings, 0.03);
         refusing.advance(40);
         REQUIRE(fusion_of(refusing).records.size() == 2);
-        CHECK(fusion_of(refusing).records[1].shift_gain == 0);
-        CHECK(fusion_of(refusing).records[1].shift_deviation == about(after).epsilon(1e-3));
+        CHECK(fusion_of(refusing).records[1].position_gain == 0);
+        CHECK(fusion_of(refusing).records[1].position_deviation == about(after).epsilon(1e-3));
         // and of the report's filter, to the letter, the gain of rotation is nothing for ever
         settings.kind = FilterKind::printed;
-        for (TimedMeasurement& m : samples) m.what.velocity = m.what.spin = Vec3::Zero();
+        for (TimedMeasurement& m : samples)
+            m.what.velocity = m.what.angular_velocity = Vec3::Zero();
         Simulation printed = pair(samples, 1, settings, 0.03);
         printed.advance(40);
         REQUIRE(fusion_of(printed).records.size() == 2);
-        for (const AnalysisRecord& r : fusion_of(printed).records) CHECK(r.turn_gain == 0);
+        for (const AnalysisRecord& r : fusion_of(printed).records) CHECK(r.attitude_gain == 0);
     }
 
     TEST_CASE("a correction over the limit of a step goes no farther than that, and the filter "
@@ -406,19 +407,19 @@ TEST_SUITE("systems/fusion/fuse") {
                        alone = pair(samples, 1, settings, 0.06);
             for (Simulation* s : {&sim, &alone}) {
                 value_of<Velocity>(*s, 0) = Vec3(0.1, 0, 0);
-                fusion_of(*s).pull = {1, 1, 0.01};
+                fusion_of(*s).nudging = {1, 1, 0.01};
                 s->advance(29);
-                fusion_of(*s).account.gain = 0;
+                fusion_of(*s).budget.gain = 0;
             }
             CAPTURE(before);
-            CHECK(value_of<Pull>(sim, 0).pulls() == before);
+            CHECK(value_of<Nudging>(sim, 0).is_active() == before);
             sim.advance(1);
             alone.advance(1);
             CHECK(value_of<Velocity>(sim, 0) == value_of<Velocity>(alone, 0));
             CHECK(fusion_work(sim.world()) == fusion_work(alone.world()));
-            CHECK_FALSE(value_of<Pull>(sim, 0).pulls());
+            CHECK_FALSE(value_of<Nudging>(sim, 0).is_active());
             CHECK(fusion_of(sim).records.back().share == 0);
-            CHECK(fusion_of(sim).account.withheld == 1);
+            CHECK(fusion_of(sim).budget.withheld == 1);
             if (!before) {
                 // it takes the motion as simulated for its own, and knows it as badly as what was
                 // left says
@@ -445,21 +446,24 @@ TEST_SUITE("systems/fusion/fuse") {
     }
 
     TEST_CASE("a spinning ball that is told its turn is pulled by that turn, which spins with it") {
-        const Vec3 turn(0.1, 0, 0), spin(0, 0, 200);
+        const Vec3 turn(0.1, 0, 0), angular_velocity(0, 0, 200);
         TimedMeasurement m{3e-4, {}};
         m.what.attitude = exponential_map(turn);
         m.what.attitude_deviation = 1e-9;
-        Simulation sim = pair(
-            {m}, 1,
-            {.attitude = 1, .spin = 1e-12, .angular_acceleration_density = 1e-20, .gate = 1}, 0.06);
-        set_spin(sim.world(), 0, spin);
-        fusion_of(sim).pull = {1e-12, 0, 0.01}; // of no force
+        Simulation sim = pair({m}, 1,
+                              {.attitude = 1,
+                               .angular_velocity = 1e-12,
+                               .angular_acceleration_density = 1e-20,
+                               .gate = 1},
+                              0.06);
+        set_angular_velocity(sim.world(), 0, angular_velocity);
+        fusion_of(sim).nudging = {1e-12, 0, 0.01}; // of no force
         sim.advance(30);
-        REQUIRE(value_of<Pull>(sim, 0).pulls());
+        REQUIRE(value_of<Nudging>(sim, 0).is_active());
         for (int n = 0; n < 1000; ++n) {
             sim.advance();
-            const Vec3 expected = exponential_map(n * 1e-5 * spin) * turn;
-            CHECK((rotation_vector(value_of<Pull>(sim, 0).attitude) - expected).norm() < 1e-9);
+            const Vec3 expected = exponential_map(n * 1e-5 * angular_velocity) * turn;
+            CHECK((rotation_vector(value_of<Nudging>(sim, 0).attitude) - expected).norm() < 1e-9);
         }
     }
 
@@ -479,9 +483,9 @@ TEST_SUITE("systems/fusion/fuse") {
               "a limit and not with one") {
         std::vector<TimedMeasurement> samples;
         for (const double time : {1e-4, 2e-4, 3e-4}) samples.push_back(at(time, Vec3(0.01, 0, 0)));
-        Simulation jumps = pair(samples, 1, certain_motion(), 0.02);
-        jumps.world().resource<Limits>().overlap = 0.25;
-        CHECK_THROWS_AS(jumps.advance(100), SimulationError);
+        Simulation inserted = pair(samples, 1, certain_motion(), 0.02);
+        inserted.world().resource<Limits>().overlap = 0.25;
+        CHECK_THROWS_AS(inserted.advance(100), SimulationError);
         Simulation limited = pair(samples, 1, certain_motion(), 0.02);
         limited.world().resource<Limits>().overlap = 0.25;
         fusion_of(limited).largest_shift = 2e-4;
@@ -550,7 +554,7 @@ TEST_SUITE("systems/fusion/fuse") {
         samples[0].what.velocity_deviation = 1e-6;
         Simulation sim =
             pair(samples, 1, {.position = 1, .velocity = 1, .gate = 1, .lag = 5}, 0.06);
-        fusion_of(sim).pull = {1, 0, 0.01}; // of no force
+        fusion_of(sim).nudging = {1, 0, 0.01}; // of no force
         sim.advance(60);
         CHECK(counted(sim, Accepted{}) == 4);
         CHECK((value_of<Velocity>(sim, 0) - Vec3(0.1, 0, 0)).norm() < 1e-4);

@@ -16,13 +16,13 @@ struct Model {
     RigidState state{.position = Vec3(0.1, 0, 0),
                      .velocity = Vec3(0.3, -0.1, 0.2),
                      .orientation = exponential_map(Vec3(0.3, 0.2, -0.5)),
-                     .spin = Vec3(0.5, -2, 1)};
+                     .angular_velocity = Vec3(0.5, -2, 1)};
     double time = 0;
 
     BodyForecast go_to(double t) {
         state.position += (t - time) * state.velocity;
         state.orientation =
-            (exponential_map((t - time) * state.spin) * state.orientation).normalized();
+            (exponential_map((t - time) * state.angular_velocity) * state.orientation).normalized();
         time = t;
         return {t, state};
     }
@@ -30,7 +30,7 @@ struct Model {
         state.position += a.shift;
         state.velocity += a.velocity;
         state.orientation = (exponential_map(a.turn) * state.orientation).normalized();
-        state.spin += a.spin;
+        state.angular_velocity += a.angular_velocity;
     }
 };
 
@@ -38,7 +38,7 @@ FilterSettings settings_with(unsigned lag) {
     return {.position = 0.02,
             .velocity = 0.1,
             .attitude = 0.1,
-            .spin = 0.3,
+            .angular_velocity = 0.3,
             .acceleration_density = 1e-2,
             .angular_acceleration_density = 0.1,
             .drift = 1e-5,
@@ -60,8 +60,8 @@ Measured measured_at(unsigned k) {
     m.attitude = exponential_map(noise(0.01)) * exponential_map(t * Vec3(0.4, -1.8, 1)) *
                  exponential_map(Vec3(0.3, 0.25, -0.5));
     m.attitude_deviation = 0.01;
-    if (k % 2 == 0) m.spin = Vec3(0.4, -1.8, 1) + noise(0.1);
-    m.spin_deviation = 0.1;
+    if (k % 2 == 0) m.angular_velocity = Vec3(0.4, -1.8, 1) + noise(0.1);
+    m.angular_velocity_deviation = 0.1;
     return m;
 }
 
@@ -82,13 +82,13 @@ End fused(const std::vector<unsigned>& late_ones, unsigned delay, unsigned lag, 
     for (unsigned k = 1; k <= last; ++k) {
         const BodyForecast now = model.go_to(0.05 * k);
         if (std::ranges::count(late_ones, k) == 0)
-            model.give(filter.analyse(now, measured_at(k)));
+            model.give(filter.update(now, measured_at(k)));
         else if (notes)
             filter.note(now);
         for (const unsigned late : late_ones) {
             if (late + delay != k) continue;
             filter.note(now);
-            const auto a = filter.analyse_late(0.05 * late, measured_at(late));
+            const auto a = filter.update_late(0.05 * late, measured_at(late));
             if (a)
                 model.give(*a);
             else
@@ -102,7 +102,8 @@ End fused(const std::vector<unsigned>& late_ones, unsigned delay, unsigned lag, 
 
 double difference(const End& a, const End& b) {
     return (a.state.position - b.state.position).norm() +
-           (a.state.velocity - b.state.velocity).norm() + (a.state.spin - b.state.spin).norm() +
+           (a.state.velocity - b.state.velocity).norm() +
+           (a.state.angular_velocity - b.state.angular_velocity).norm() +
            attitude_error(a.state.orientation, b.state.orientation).norm() +
            (a.covariance - b.covariance).norm();
 }
@@ -123,14 +124,14 @@ struct RandomWalk {
             seen.push_back(truth.back() + noise(deviation));
         }
     }
-    SensorFilter filtered(double believed_drift = drift) const {
+    SensorFilter filtered(double assumed_drift = drift) const {
         SensorFilter filter({.position = start,
                              .velocity = 0,
                              .attitude = 0,
-                             .spin = 0,
+                             .angular_velocity = 0,
                              .acceleration_density = 0,
                              .angular_acceleration_density = 0,
-                             .drift = believed_drift,
+                             .drift = assumed_drift,
                              .gate = 1,
                              .lag = steps});
         RigidState model;
@@ -138,7 +139,7 @@ struct RandomWalk {
             Measured m;
             m.position = seen[k];
             m.position_deviation = deviation;
-            model.position += filter.analyse({1.0 * k, model}, m).shift;
+            model.position += filter.update({1.0 * k, model}, m).shift;
         }
         return filter;
     }
@@ -176,8 +177,8 @@ TEST_SUITE("systems/fusion/late_measurements") {
         FilterSettings printed = settings_with(8);
         printed.kind = FilterKind::printed;
         SensorFilter filter(printed);
-        (void)filter.analyse({1, {}}, measured_at(1));
-        CHECK_FALSE(filter.analyse_late(0.5, measured_at(1)).has_value());
+        (void)filter.update({1, {}}, measured_at(1));
+        CHECK_FALSE(filter.update_late(0.5, measured_at(1)).has_value());
     }
 
     TEST_CASE(
@@ -191,17 +192,18 @@ TEST_SUITE("systems/fusion/late_measurements") {
             if (k == 3)
                 filter.note(now);
             else
-                model.give(filter.analyse(now, measured_at(k)));
+                model.give(filter.update(now, measured_at(k)));
         }
         const Matrix before = filter.covariance();
         Measured wrong;
         wrong.position = Vec3(1, 1, 1);
         wrong.position_deviation = 1e-3;
-        const auto a = filter.analyse_late(0.15, wrong);
+        const auto a = filter.update_late(0.15, wrong);
         REQUIRE(a.has_value());
         CHECK(a->refused == 1);
         CHECK(a->largest_distance > 1e3);
-        CHECK(a->shift.norm() + a->velocity.norm() + a->turn.norm() + a->spin.norm() < 1e-14);
+        CHECK(a->shift.norm() + a->velocity.norm() + a->turn.norm() + a->angular_velocity.norm() <
+              1e-14);
         CHECK((filter.covariance() - before).norm() < 1e-14);
     }
 
@@ -213,7 +215,7 @@ TEST_SUITE("systems/fusion/late_measurements") {
             if (k == 4)
                 filter.note(model.go_to(0.2));
             else
-                model.give(filter.analyse(model.go_to(0.05 * k), measured_at(k)));
+                model.give(filter.update(model.go_to(0.05 * k), measured_at(k)));
         }
         Archive archive;
         filter.save(archive, "filter");
@@ -221,16 +223,16 @@ TEST_SUITE("systems/fusion/late_measurements") {
         loaded.load(archive, "filter");
         const auto same = [](const Analysis& a, const Analysis& b) {
             return a.shift == b.shift && a.velocity == b.velocity && a.turn == b.turn &&
-                   a.spin == b.spin;
+                   a.angular_velocity == b.angular_velocity;
         };
-        const auto a = filter.analyse_late(0.2, measured_at(4)),
-                   b = loaded.analyse_late(0.2, measured_at(4));
+        const auto a = filter.update_late(0.2, measured_at(4)),
+                   b = loaded.update_late(0.2, measured_at(4));
         REQUIRE((a && b));
         CHECK(same(*a, *b));
         CHECK(a->shift.norm() > 1e-6);
         model.give(*a);
         const BodyForecast now = model.go_to(0.35);
-        CHECK(same(filter.analyse(now, measured_at(7)), loaded.analyse(now, measured_at(7))));
+        CHECK(same(filter.update(now, measured_at(7)), loaded.update(now, measured_at(7))));
         CHECK(filter.covariance() == loaded.covariance());
         CHECK(filter.smoothed().front().position == loaded.smoothed().front().position);
     }
@@ -240,20 +242,20 @@ TEST_SUITE("systems/fusion/late_measurements") {
         SensorFilter filter({.position = 1,
                              .velocity = 0,
                              .attitude = 0,
-                             .spin = 0,
+                             .angular_velocity = 0,
                              .acceleration_density = 0,
                              .angular_acceleration_density = 0,
                              .gate = 0.99});
         Measured m;
         m.position = Vec3(1e-2, 0, 0);
         m.position_deviation = 1e-5;
-        const Analysis a = filter.analyse({0, {}}, m);
+        const Analysis a = filter.update({0, {}}, m);
         const Vec3 left = 0.5 * a.shift;
         const double known = 1 / (1 + 1e10); // of 1 and 1e-10: their harmonic sum
-        filter.leave({.shift = left});
+        filter.withhold({.shift = left});
         CHECK(filter.covariance()(0, 0) == about(known + left.x() * left.x()).epsilon(1e-12));
         CHECK(filter.covariance()(1, 1) == about(known).epsilon(1e-9));
-        const Analysis next = filter.analyse({0, {.position = left}}, m);
+        const Analysis next = filter.update({0, {.position = left}}, m);
         CHECK(next.refused == 0);
         const double variance = known + left.x() * left.x();
         CHECK(next.shift.x() == about(left.x() * variance / (variance + 1e-10)).epsilon(1e-9));
@@ -264,11 +266,11 @@ TEST_SUITE("systems/fusion/late_measurements") {
         Model model;
         SensorFilter filter(settings_with(3)), followed(settings_with(3));
         Model other = model;
-        model.give(filter.analyse(model.go_to(0.05), measured_at(1)));
-        const Analysis a = followed.analyse(other.go_to(0.05), measured_at(1));
-        followed.leave(a); // nothing is given
-        const Analysis next = filter.analyse(model.go_to(0.1), measured_at(2)),
-                       all = followed.analyse(other.go_to(0.1), measured_at(2));
+        model.give(filter.update(model.go_to(0.05), measured_at(1)));
+        const Analysis a = followed.update(other.go_to(0.05), measured_at(1));
+        followed.withhold(a); // nothing is given
+        const Analysis next = filter.update(model.go_to(0.1), measured_at(2)),
+                       all = followed.update(other.go_to(0.1), measured_at(2));
         model.give(next);
         other.give(all);
         CHECK((a.shift.norm() > 1e-3 && all.shift.norm() > next.shift.norm()));
@@ -309,7 +311,7 @@ TEST_SUITE("systems/fusion/late_measurements") {
     TEST_CASE("smoothed poses are as far off as they say, nearer than without what came later, and "
               "not if the drift is taken for another") {
         constexpr unsigned runs = 150;
-        double honest = 0, light = 0, heavy = 0, off = 0, off_before = 0;
+        double honest = 0, light = 0, heavy = 0, error = 0, error_before = 0;
         for (unsigned run = 0; run < runs; ++run) {
             const RandomWalk walk(100 + run);
             const auto distance = [&](double drift) {
@@ -322,13 +324,13 @@ TEST_SUITE("systems/fusion/late_measurements") {
             honest += distance(RandomWalk::drift);
             light += distance(RandomWalk::drift / 20);
             heavy += distance(RandomWalk::drift * 20);
-            off += (walk.filtered().smoothed()[0].position - walk.truth[0]).squaredNorm();
-            off_before += (walk.seen[0] - walk.truth[0]).squaredNorm();
+            error += (walk.filtered().smoothed()[0].position - walk.truth[0]).squaredNorm();
+            error_before += (walk.seen[0] - walk.truth[0]).squaredNorm();
         }
         // a mean of 450 chi squares of one degree: 1 +- 0.13 in 95 %
         CHECK(std::abs(honest - 1) < 0.15);
         CHECK(light > 1.3);
         CHECK(heavy < 0.85);
-        CHECK(off < 0.6 * off_before);
+        CHECK(error < 0.6 * error_before);
     }
 }

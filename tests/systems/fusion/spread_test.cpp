@@ -29,8 +29,7 @@ struct Chain {
         correct(d);
     }
     void correct(const Vec3& d) {
-        give_correction(value_of<Correction>(sim, 0), value_of<Guided>(sim, 0), d, Vec3::Zero(),
-                        10);
+        set_correction(value_of<Correction>(sim, 0), value_of<Guided>(sim, 0), d, Vec3::Zero(), 10);
     }
     static Simulation make(unsigned count, double friction) {
         World world = make_world(Grains::spheres);
@@ -42,14 +41,14 @@ struct Chain {
         add_sensors(world, {0}, {{}}, {}, 10);
         return begin(std::move(world), LawName::linear, 1e-6);
     }
-    Vec3 way(EntityId ball) {
+    Vec3 displacement(EntityId ball) {
         const CorrectionRow& c = value_of<Correction>(sim, ball);
         return c.steps * c.shift;
     }
 };
 
 struct Grain {
-    Vec3 place;
+    Vec3 position;
     bool free;
 };
 
@@ -60,13 +59,13 @@ Simulation with_sensors(const std::vector<Grain>& balls, const std::vector<Entit
     const auto m = world.resource<Materials>().add(linear_material(kn, ks, 0.5));
     world.resource<Materials>().mix();
     for (const Grain& b : balls)
-        (void)add_sphere(world, b.place, radius, m, b.free ? Motion::free : Motion::fixed);
+        (void)add_sphere(world, b.position, radius, m, b.free ? Motion::free : Motion::fixed);
     add_sensors(world, sensors, std::vector<std::vector<TimedMeasurement>>(sensors.size()), {}, 10);
     return bris::testing::start(std::move(world), settings);
 }
 
 void correct(Simulation& sim, EntityId ball, const Vec3& shift, const Vec3& turn) {
-    give_correction(value_of<Correction>(sim, ball), value_of<Guided>(sim, ball), shift, turn, 10);
+    set_correction(value_of<Correction>(sim, ball), value_of<Guided>(sim, ball), shift, turn, 10);
 }
 
 Vector6 motion(Simulation& sim, EntityId ball) {
@@ -99,13 +98,13 @@ Eigen::VectorXd dense_solution(const std::vector<Grain>& balls,
     for (std::size_t i = 0; i < balls.size(); ++i)
         A.diagonal().segment<6>(static_cast<Eigen::Index>(6 * i)) =
             balls[i].free ? settings.float_free * unit : 1e20 * unit;
-    for (const auto& [ball, way] : wanted) {
+    for (const auto& [ball, displacement] : wanted) {
         A.diagonal().segment<6>(6 * ball) += settings.hold * unit;
-        b.segment<6>(6 * ball) = settings.hold * unit.cwiseProduct(way);
+        b.segment<6>(6 * ball) = settings.hold * unit.cwiseProduct(displacement);
     }
     for (std::size_t i = 0; i < balls.size(); ++i)
         for (std::size_t k = 0; k < i; ++k) {
-            const Vec3 between = balls[i].place - balls[k].place;
+            const Vec3 between = balls[i].position - balls[k].position;
             if (between.norm() >= 2 * radius) continue;
             const Vec3 normal = between.normalized(), across = normal.unitOrthogonal();
             for (const auto& [axis, stiffness] :
@@ -130,8 +129,8 @@ TEST_SUITE("systems/fusion/spread") {
         const double energy =
             spread_corrections(chain.sim.world(), {.hold = 1e9, .float_free = 1e-9});
         for (EntityId k = 0; k < 5; ++k)
-            CHECK(chain.way(k).x() == about(1e-6 * (5 - k) / 5).epsilon(1e-6));
-        CHECK(chain.way(5).norm() == 0);
+            CHECK(chain.displacement(k).x() == about(1e-6 * (5 - k) / 5).epsilon(1e-6));
+        CHECK(chain.displacement(5).norm() == 0);
         CHECK(energy == about(0.5 * kn / 5 * 1e-12).epsilon(1e-6));
     }
 
@@ -145,8 +144,8 @@ TEST_SUITE("systems/fusion/spread") {
                 1e-6 * settings.hold / (settings.hold + f + 1 - std::sinh((n - 1) * angle) / whole);
             (void)spread_corrections(chain.sim.world(), settings);
             for (EntityId k = 0; k < n; ++k)
-                CHECK(std::abs(chain.way(k).x() - first * std::sinh((n - k) * angle) / whole) <
-                      1e-10 * first);
+                CHECK(std::abs(chain.displacement(k).x() -
+                               first * std::sinh((n - k) * angle) / whole) < 1e-10 * first);
         }
     }
 
@@ -161,17 +160,19 @@ TEST_SUITE("systems/fusion/spread") {
         wanted[1].second << 0, 1e-6, 1e-6, 0, 0, 3e-4;
         SpreadSettings settings{.tolerance = 1e-13};
         const Eigen::VectorXd whole = dense_solution(balls, wanted, settings);
-        for (const double off : {1e-10, 1e-2}) { // as exact as can be asked for, and by default
+        for (const double tolerance :
+             {1e-10, 1e-2}) { // as exact as can be asked for, and by default
             Simulation sim = with_sensors(balls, {corner, centre});
             sim.advance();
-            for (const auto& [ball, way] : wanted) correct(sim, ball, way.head<3>(), way.tail<3>());
-            if (off > 1e-3) settings = {};
+            for (const auto& [ball, displacement] : wanted)
+                correct(sim, ball, displacement.head<3>(), displacement.tail<3>());
+            if (tolerance > 1e-3) settings = {};
             (void)spread_corrections(sim.world(), settings);
             for (EntityId b = 0; b < balls.size(); ++b) {
                 CAPTURE(b);
                 const Vector6 error = motion(sim, b) - whole.segment<6>(6 * b);
-                CHECK(error.head<3>().norm() < off * wanted[0].second.head<3>().norm());
-                CHECK(error.tail<3>().norm() < off * wanted[0].second.tail<3>().norm());
+                CHECK(error.head<3>().norm() < tolerance * wanted[0].second.head<3>().norm());
+                CHECK(error.tail<3>().norm() < tolerance * wanted[0].second.tail<3>().norm());
             }
             CHECK(motion(sim, beside).head<3>().norm() > 3e-7); // they do go along
         }
@@ -181,8 +182,8 @@ TEST_SUITE("systems/fusion/spread") {
         Chain chain(6, Vec3(1e-6, 0, 0));
         (void)spread_corrections(chain.sim.world(), {.hold = 1e9, .float_free = 1e-9});
         for (EntityId k = 1; k < 5; ++k) {
-            const double left = chain.way(k - 1).x() - chain.way(k).x(),
-                         right = chain.way(k).x() - chain.way(k + 1).x();
+            const double left = chain.displacement(k - 1).x() - chain.displacement(k).x(),
+                         right = chain.displacement(k).x() - chain.displacement(k + 1).x();
             CHECK(kn * (left - right) == doctest::Approx(0).scale(kn * 1e-6).epsilon(1e-6));
         }
     }
@@ -197,11 +198,11 @@ TEST_SUITE("systems/fusion/spread") {
             chain.sim.advance(10);
             chain.correct(Vec3(0, 1e-6, 0));
             (void)spread_corrections(chain.sim.world());
-            CHECK(chain.way(0).y() == about(1e-6).epsilon(2e-3));
+            CHECK(chain.displacement(0).y() == about(1e-6).epsilon(2e-3));
             const CorrectionRow& next = value_of<Correction>(chain.sim, 1);
             CHECK((next.steps * radius * next.turn.norm() > 1e-7) == sticks);
             if (!sticks)
-                for (EntityId k = 1; k < 5; ++k) CHECK(std::abs(chain.way(k).y()) < 1e-9);
+                for (EntityId k = 1; k < 5; ++k) CHECK(std::abs(chain.displacement(k).y()) < 1e-9);
         }
     }
 
@@ -217,7 +218,7 @@ TEST_SUITE("systems/fusion/spread") {
         const double energy =
             spread_corrections(sim.world(), {.hold = 1e3, .float_free = 1e-9, .tolerance = 1e-10});
         for (EntityId b = 0; b < 4; ++b) {
-            const Vec3 along = shift + turn.cross(balls[b].place - balls[0].place);
+            const Vec3 along = shift + turn.cross(balls[b].position - balls[0].position);
             CHECK((motion(sim, b).head<3>() - along).norm() < 1e-6 * shift.norm());
             CHECK((motion(sim, b).tail<3>() - turn).norm() < 1e-6 * turn.norm());
         }
@@ -242,7 +243,7 @@ TEST_SUITE("systems/fusion/spread") {
                     CHECK(motion(sim, b).norm() == 0);
                     CHECK(value_of<Guided>(sim, b) == 0);
                 }
-            CHECK(value_of<Position>(sim, lonely) == balls[lonely].place);
+            CHECK(value_of<Position>(sim, lonely) == balls[lonely].position);
         }
         Simulation sim = with_sensors(balls, {pair});
         sim.advance();
@@ -257,7 +258,7 @@ TEST_SUITE("systems/fusion/spread") {
         std::vector<Grain> balls = lattice(6);
         Random random(5, 1);
         for (Grain& b : balls)
-            b.place += 4e-6 * random.direction(); // some contacts slip, some are open
+            b.position += 4e-6 * random.direction(); // some contacts slip, some are open
         for (std::size_t k = balls.size() - 1; k > 0; --k)
             std::swap(balls[k],
                       balls[static_cast<std::size_t>(random.uniform(0, static_cast<double>(k)))]);
@@ -295,6 +296,6 @@ TEST_SUITE("systems/fusion/spread") {
         Chain chain(4, Vec3::Zero());
         value_of<Correction>(chain.sim, 0) = {};
         CHECK(spread_corrections(chain.sim.world()) == 0);
-        CHECK(chain.way(1).norm() == 0);
+        CHECK(chain.displacement(1).norm() == 0);
     }
 }

@@ -86,8 +86,8 @@ TEST_SUITE("systems/fusion/spring_network") {
         const auto energy = [&](const std::vector<Vector6>& motion) {
             double sum = energy_of_joints(network, motion);
             for (std::size_t i = 0; i < motion.size(); ++i) {
-                const Vector6 off = motion[i] - network.holds[i].wanted;
-                sum += 0.5 * off.dot(network.holds[i].stiffness.cwiseProduct(off));
+                const Vector6 error = motion[i] - network.holds[i].wanted;
+                sum += 0.5 * error.dot(network.holds[i].stiffness.cwiseProduct(error));
             }
             return sum;
         };

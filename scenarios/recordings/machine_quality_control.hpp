@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/recordings/intake.hpp"
+#include "scenarios/recordings/quality_control.hpp"
 #include "scenarios/recordings/triaxial_point.hpp"
 
 #include <limits>
@@ -36,7 +36,7 @@ struct MachineLimits {
 /// Left out (NaN) are samples that cannot be, that are far from both their neighbours (the last has
 /// only one, and may be a slip: it is believed more readily), and all but the first that are stuck;
 /// and a whole channel that is of another unit or sign. `pressure`: confining, Pa.
-std::vector<Finding> look_at_machine(std::vector<TriaxialPoint>& measured, double pressure,
-                                     const MachineLimits& limits = {});
+std::vector<Finding> check_machine(std::vector<TriaxialPoint>& measured, double pressure,
+                                   const MachineLimits& limits = {});
 
 } // namespace bris

@@ -1,4 +1,4 @@
-#include "scenarios/assimilation/kept_run.hpp"
+#include "scenarios/assimilation/checkpointed_run.hpp"
 
 #include "engine/io/checkpoint.hpp"
 
@@ -37,8 +37,8 @@ std::vector<std::vector<Vec3>> get_stages(const Archive& archive, const std::str
 }
 
 /// All numbers that a run depends on, but for the specimen's.
-void put_arm(Archive& archive, const TriaxialSettings& s, const ModelArm& arm) {
-    const Corrections& c = arm.corrections;
+void put_variant(Archive& archive, const TriaxialSettings& s, const ModelVariant& variant) {
+    const Corrections& c = variant.corrections;
     std::vector<double> numbers{s.confining_pressure,
                                 s.stage_strain,
                                 s.final_axial_strain,
@@ -51,24 +51,24 @@ void put_arm(Archive& archive, const TriaxialSettings& s, const ModelArm& arm) {
                                 s.safety,
                                 double(s.mass_scaling),
                                 double(s.gravity),
-                                arm.rocks.friction,
-                                arm.rocks.stiffness,
-                                double(arm.catch_up),
-                                arm.disturbance,
+                                variant.rocks.friction,
+                                variant.rocks.stiffness,
+                                double(variant.catch_up),
+                                variant.disturbance,
                                 double(static_cast<int>(c.filter.kind)),
                                 c.filter.position,
                                 c.filter.velocity,
                                 c.filter.attitude,
-                                c.filter.spin,
+                                c.filter.angular_velocity,
                                 c.filter.acceleration_density,
                                 c.filter.angular_acceleration_density,
                                 c.filter.drift,
                                 c.filter.turning,
                                 c.filter.gate,
                                 double(c.injection_steps),
-                                c.pull.stiffness,
-                                c.pull.largest_force,
-                                c.pull.arm,
+                                c.nudging.stiffness,
+                                c.nudging.largest_force,
+                                c.nudging.arm,
                                 double(c.spread),
                                 c.position_noise,
                                 c.attitude_noise,
@@ -77,19 +77,20 @@ void put_arm(Archive& archive, const TriaxialSettings& s, const ModelArm& arm) {
                                 c.lateness,
                                 c.note_every,
                                 double(c.filter.lag)};
-    for (const LearnedBelief& b : arm.learned)
+    for (const LearnedParameters& b : variant.learned)
         numbers.insert(numbers.end(), {b.strain, b.rocks.friction, b.rocks.stiffness});
-    put(archive, "arm", numbers);
-    for (const SensorWay& way : arm.ways) {
-        put(archive, "strain", way.strain);
-        put_stages(archive, "way", {way.displacement, way.rotation, way.tilt});
+    put(archive, "variant", numbers);
+    for (const SensorTrajectory& trajectory : variant.trajectories) {
+        put(archive, "strain", trajectory.strain);
+        put_stages(archive, "trajectory",
+                   {trajectory.displacement, trajectory.rotation, trajectory.tilt});
     }
 }
 
 auto numbers_of(auto& run) {
     return std::tie(run.sensors, run.fusion_work, run.boundary_work, run.accepted, run.refused,
-                    run.steps, run.wall_time, run.too_late, run.reduced, run.withheld, run.too_dear,
-                    run.much_too_dear, run.core_porosity);
+                    run.steps, run.wall_time, run.too_late, run.reduced, run.withheld,
+                    run.too_costly, run.much_too_costly, run.core_porosity);
 }
 
 void visit_numbers(SmoothedPose& p, auto&& visit) {
@@ -148,20 +149,20 @@ ModelRun load_run(const Archive& archive) {
     run.analyses = load_records(archive, "run/analyses");
     for (std::size_t s = 0; archive.find(fmt::format("run/smoothed/{}", s)) != nullptr; ++s) {
         const auto numbers = archive.get<double>(fmt::format("run/smoothed/{}", s));
-        auto& way = run.smoothed.emplace_back();
+        auto& trajectory = run.smoothed.emplace_back();
         for (auto next = numbers.begin(); next != numbers.end();)
-            visit_numbers(way.emplace_back(), [&](double& number) { number = *next++; });
+            visit_numbers(trajectory.emplace_back(), [&](double& number) { number = *next++; });
     }
     return run;
 }
 
-KeptRun::KeptRun(const Common& common, const TriaxialSettings& settings, const Archive& specimen,
-                 const ModelArm& arm)
-    : name_(arm.name) {
+CheckpointedRun::CheckpointedRun(const Common& common, const TriaxialSettings& settings,
+                                 const Archive& specimen, const ModelVariant& variant)
+    : name_(variant.name) {
     Archive all;
-    put_arm(all, settings, arm);
+    put_variant(all, settings, variant);
     all.put("name",
-            std::span<const char>(arm.name)); // equal arms of several names run side by side
+            std::span<const char>(variant.name)); // equal arms of several names run side by side
     const std::array parts{fingerprint(all), fingerprint(specimen), common.seed};
     Archive whole;
     whole.put("parts", std::span<const std::uint64_t>(parts));
@@ -170,17 +171,17 @@ KeptRun::KeptRun(const Common& common, const TriaxialSettings& settings, const A
     if (std::filesystem::is_directory(common.resume)) before_ = common.resume / folder / file;
 }
 
-std::optional<Archive> KeptRun::take_up() const {
+std::optional<Archive> CheckpointedRun::resume() const {
     if (before_.empty() || !std::filesystem::exists(before_)) return {};
     return read_checkpoint(before_).state;
 }
 
-void KeptRun::keep(const Archive& archive) {
+void CheckpointedRun::save(const Archive& archive) {
     if (file_.empty()) return;
     std::filesystem::create_directories(file_.parent_path());
     write_checkpoint(file_, {"model_run", 0, {{"name", name_}}, archive});
 }
 
-void forget_runs(const Common& common) { std::filesystem::remove_all(common.out / folder); }
+void remove_checkpoints(const Common& common) { std::filesystem::remove_all(common.out / folder); }
 
 } // namespace bris

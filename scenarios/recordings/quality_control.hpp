@@ -5,7 +5,7 @@
 namespace bris {
 
 /// What the intake of recordings looks for.
-struct IntakeLimits {
+struct QualityControlLimits {
     double rest = 1;       ///< s at the beginning, in which the rocks lie still
     double lost = 0.5;     ///< largest share of samples that may be missing
     double gravity = 0.03; ///< by which the specific force at rest may differ from g, of g
@@ -22,8 +22,8 @@ struct IntakeLimits {
     double norm = 1e-3; ///< by which a quaternion's may differ from 1
     double tilt = 5;    ///< degrees, by which the force, turned by the attitude, may leave where it
                         ///< pointed at rest, beyond three deviations of both
-    double astray = 0.1; ///< largest share of samples that may be farther off than that, or than a
-                         ///< rock can go; three may always be
+    double outlier_share = 0.1; ///< largest share of samples that may be farther off than that, or
+                                ///< than a rock can go; three may always be
     double height = 0.3; ///< m, of the specimen; where a rock stands above the middle of that,
                          ///< twice as high as the rock
     double turning = 10; ///< rad by which rocks may turn unsteadily in a unit of axial strain
@@ -55,14 +55,14 @@ struct Finding {
 /// only those are seen that leave what all others do, near the top after 0.5 to 1 % of axial
 /// strain, at the bottom, where rocks hardly move, never. An attitude is seen to be wrong by as
 /// much as the rock's own tilt shows; one that is wrong in yaw alone is not.
-std::vector<Finding> look_at(const std::vector<Recording>& recordings, const Vec3& gravity,
-                             const IntakeLimits& limits = {});
+std::vector<Finding> check_recordings(const std::vector<Recording>& recordings, const Vec3& gravity,
+                                      const QualityControlLimits& limits = {});
 
 /// Whether there is no refusal of that sensor.
 bool accepted(const std::vector<Finding>& findings, unsigned sensor);
 
 /// One line for each finding, and one for each sensor without any.
-std::string intake_report(const std::vector<Finding>& findings,
-                          const std::vector<Recording>& recordings);
+std::string quality_control_report(const std::vector<Finding>& findings,
+                                   const std::vector<Recording>& recordings);
 
 } // namespace bris

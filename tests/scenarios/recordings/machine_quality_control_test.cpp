@@ -1,6 +1,6 @@
 #include "engine/assets.hpp"
 #include "engine/random.hpp"
-#include "scenarios/recordings/machine_intake.hpp"
+#include "scenarios/recordings/machine_quality_control.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 
 #include <doctest/doctest.h>
@@ -32,11 +32,11 @@ const std::vector<TriaxialPoint>& example(double pressure) {
 constexpr double pressures[] = {55e3, 110e3, 165e3};
 
 /// What is found in the example at 55 kPa, its points changed, as far as it goes.
-struct Looked {
+struct CheckedTest {
     std::vector<TriaxialPoint> points = example(55e3);
     std::vector<Finding> findings = {};
 
-    void look() { findings = look_at_machine(points, 55e3); }
+    void check() { findings = check_machine(points, 55e3); }
     bool says(Finding::Kind kind, const std::string& check, const std::string& text) const {
         return std::ranges::any_of(findings, [&](const Finding& f) {
             return f.kind == kind && f.sensor == test_machine && f.check == check &&
@@ -55,11 +55,11 @@ struct Looked {
     }
 };
 
-Looked looked_at(auto&& change, std::size_t records = 801) {
-    Looked l;
+CheckedTest checked_test(auto&& change, std::size_t records = 801) {
+    CheckedTest l;
     l.points.resize(records);
     for (std::size_t k = 0; k < l.points.size(); ++k) change(l.points[k], k);
-    l.look();
+    l.check();
     return l;
 }
 
@@ -71,7 +71,7 @@ std::string text_of(const std::vector<Finding>& findings) {
 
 } // namespace
 
-TEST_SUITE("procedure/machine_intake") {
+TEST_SUITE("procedure/machine_quality_control") {
     TEST_CASE("nothing is found in the example and nothing changed, however far it has gone and "
               "however rarely it was read") {
         for (const double pressure : pressures)
@@ -84,7 +84,7 @@ TEST_SUITE("procedure/machine_intake") {
                 for (std::size_t records = 0; records <= all.size(); ++records) {
                     std::vector<TriaxialPoint> so_far(
                         all.begin(), all.begin() + static_cast<std::ptrdiff_t>(records));
-                    found += text_of(look_at_machine(so_far, pressure));
+                    found += text_of(check_machine(so_far, pressure));
                     for (std::size_t k = 0; k < records; ++k)
                         untouched = untouched &&
                                     so_far[k].deviatoric_stress == all[k].deviatoric_stress &&
@@ -101,7 +101,7 @@ TEST_SUITE("procedure/machine_intake") {
     TEST_CASE("one wild record of q is left out wherever it is, and the others stay") {
         for (const double wild : {1e12, -1e12, 1e300, infinity})
             for (const std::size_t at : {0u, 1u, 2u, 15u, 427u, 428u, 800u}) {
-                const Looked l = looked_at([&](TriaxialPoint& p, std::size_t k) {
+                const CheckedTest l = checked_test([&](TriaxialPoint& p, std::size_t k) {
                     if (k == at) p.deviatoric_stress = wild;
                 });
                 CAPTURE(wild);
@@ -116,7 +116,7 @@ TEST_SUITE("procedure/machine_intake") {
             }
         for (const double factor : {10.0, 0.1, -1.0})
             for (const std::size_t at : {3u, 15u, 30u, 300u, 750u}) {
-                const Looked l = looked_at([&](TriaxialPoint& p, std::size_t k) {
+                const CheckedTest l = checked_test([&](TriaxialPoint& p, std::size_t k) {
                     if (k == at) p.deviatoric_stress *= factor;
                 });
                 CAPTURE(factor);
@@ -127,7 +127,7 @@ TEST_SUITE("procedure/machine_intake") {
                 CHECK(std::isnan(l.points[at].deviatoric_stress));
             }
         // the last record, times ten, as a run that goes on sees it
-        CHECK(std::isnan(looked_at(
+        CHECK(std::isnan(checked_test(
                              [&](TriaxialPoint& p, std::size_t k) {
                                  if (k == 15) p.deviatoric_stress *= 10;
                              },
@@ -138,7 +138,7 @@ TEST_SUITE("procedure/machine_intake") {
 
     TEST_CASE("a slip of any size is believed at once, a leap once the next record confirms it") {
         for (const std::size_t records : {301u, 302u})
-            CHECK(looked_at(
+            CHECK(checked_test(
                       [](TriaxialPoint& p, std::size_t k) {
                           if (k >= 300) p.deviatoric_stress *= 0.05;
                       },
@@ -147,15 +147,15 @@ TEST_SUITE("procedure/machine_intake") {
         const auto leap = [](TriaxialPoint& p, std::size_t k) {
             if (k >= 300) p.deviatoric_stress *= 5;
         };
-        CHECK(std::isnan(looked_at(leap, 301).points[300].deviatoric_stress));
-        const Looked later = looked_at(leap, 302);
+        CHECK(std::isnan(checked_test(leap, 301).points[300].deviatoric_stress));
+        const CheckedTest later = checked_test(leap, 302);
         CHECK(later.findings.empty());
         CHECK(later.points[300].deviatoric_stress == 5 * example(55e3)[300].deviatoric_stress);
     }
 
     TEST_CASE("a burst of wild records is left out, a long one takes the channel with it") {
         const auto burst = [](std::size_t length) {
-            return looked_at([=](TriaxialPoint& p, std::size_t k) {
+            return checked_test([=](TriaxialPoint& p, std::size_t k) {
                 if (k >= 300 && k < 300 + length) p.deviatoric_stress = 1e12;
             });
         };
@@ -168,11 +168,11 @@ TEST_SUITE("procedure/machine_intake") {
     TEST_CASE("a q of another unit or sign is left out whole, and said why, at the first strain "
               "that tells") {
         const auto q_times = [](double factor, std::size_t records) {
-            return looked_at([&](TriaxialPoint& p, std::size_t) { p.deviatoric_stress *= factor; },
-                             records);
+            return checked_test(
+                [&](TriaxialPoint& p, std::size_t) { p.deviatoric_stress *= factor; }, records);
         };
         for (const std::size_t records : {801u, 23u}) {
-            const Looked kilo = q_times(1e-3, records);
+            const CheckedTest kilo = q_times(1e-3, records);
             CHECK(kilo.refuses("deviatoric_stress_Pa", "is it in kPa?"));
             CHECK(kilo.without(&TriaxialPoint::deviatoric_stress) == records);
             CHECK(kilo.without(&TriaxialPoint::volumetric_strain) == 0);
@@ -182,7 +182,7 @@ TEST_SUITE("procedure/machine_intake") {
                            "expected 1100 Pa and more beyond 0.2 % of axial strain")); // psi
         CHECK(q_times(0, 801).refuses("deviatoric_stress_Pa", "found 0"));
         for (const std::size_t records : {801u, 4u}) {
-            const Looked negated = q_times(-1, records);
+            const CheckedTest negated = q_times(-1, records);
             CHECK(negated.refuses("deviatoric_stress_Pa", "is its sign reversed?"));
             CHECK(negated.without(&TriaxialPoint::deviatoric_stress) == records);
         }
@@ -190,14 +190,14 @@ TEST_SUITE("procedure/machine_intake") {
             CHECK(q_times(gain, 801).refuses("deviatoric_stress_Pa",
                                              "cannot be: expected -5.5e+04 to 1.65e+06"));
         // of another unit from 0.1 % on
-        CHECK(looked_at([](TriaxialPoint& p, std::size_t k) {
+        CHECK(checked_test([](TriaxialPoint& p, std::size_t k) {
                   if (k > 10) p.deviatoric_stress *= 1e-3;
               }).refuses("deviatoric_stress_Pa", "is it in kPa?"));
     }
 
     TEST_CASE("a q that is stuck while strain goes on is left out from there, and comes back with "
               "a change") {
-        const Looked l = looked_at([](TriaxialPoint& p, std::size_t k) {
+        const CheckedTest l = checked_test([](TriaxialPoint& p, std::size_t k) {
             if (k >= 100 && k < 200) p.deviatoric_stress = 2e5;
         });
         CHECK(l.findings.size() == 1);
@@ -206,10 +206,10 @@ TEST_SUITE("procedure/machine_intake") {
         CHECK(l.points[100].deviatoric_stress == 2e5);
         CHECK(std::isnan(l.points[101].deviatoric_stress));
         CHECK(l.points[200].deviatoric_stress == example(55e3)[200].deviatoric_stress);
-        CHECK(looked_at([](TriaxialPoint& p, std::size_t k) {
+        CHECK(checked_test([](TriaxialPoint& p, std::size_t k) {
                   if (k >= 100 && k < 105) p.deviatoric_stress = 2e5;
               }).findings.empty());
-        CHECK(looked_at([](TriaxialPoint& p, std::size_t) {
+        CHECK(checked_test([](TriaxialPoint& p, std::size_t) {
                   p.deviatoric_stress = 2e5;
               }).refuses("deviatoric_stress_Pa", "expected a change"));
     }
@@ -217,7 +217,7 @@ TEST_SUITE("procedure/machine_intake") {
     TEST_CASE("one wild volume is left out, a slip's is not") {
         for (const double wild : {0.5, -3.0, 1e30, -infinity})
             for (const std::size_t at : {0u, 1u, 15u, 800u}) {
-                const Looked l = looked_at([&](TriaxialPoint& p, std::size_t k) {
+                const CheckedTest l = checked_test([&](TriaxialPoint& p, std::size_t k) {
                     if (k == at) p.volumetric_strain = wild;
                 });
                 CAPTURE(wild);
@@ -226,7 +226,7 @@ TEST_SUITE("procedure/machine_intake") {
                 CHECK(l.notes("volumetric_strain", "1 of 801 records left out"));
                 CHECK(l.without(&TriaxialPoint::volumetric_strain) == 1);
             }
-        const Looked flipped = looked_at([&](TriaxialPoint& p, std::size_t k) {
+        const CheckedTest flipped = checked_test([&](TriaxialPoint& p, std::size_t k) {
             if (k == 200) p.volumetric_strain *= -1;
         });
         CHECK(flipped.notes("volumetric_strain", "expected"));
@@ -236,7 +236,7 @@ TEST_SUITE("procedure/machine_intake") {
     TEST_CASE("a volume in per cent is left out whole from the third record on, one of the other "
               "sign as soon as rings or geometry tell") {
         const auto volume_times = [](double factor, std::size_t records, bool rings) {
-            return looked_at(
+            return checked_test(
                 [&](TriaxialPoint& p, std::size_t) {
                     p.volumetric_strain *= factor;
                     if (!rings) p.ring_radius.clear();
@@ -246,7 +246,7 @@ TEST_SUITE("procedure/machine_intake") {
         for (const double factor : {100.0, -100.0})
             for (const bool rings : {true, false})
                 for (const std::size_t records : {5u, 801u}) {
-                    const Looked l = volume_times(factor, records, rings);
+                    const CheckedTest l = volume_times(factor, records, rings);
                     CHECK(l.refuses("volumetric_strain", "is it in per cent?"));
                     CHECK(l.without(&TriaxialPoint::volumetric_strain) == records);
                     CHECK(l.without(&TriaxialPoint::deviatoric_stress) == 0);
@@ -259,44 +259,44 @@ TEST_SUITE("procedure/machine_intake") {
         CHECK(volume_times(-1, 60, false).findings.empty());
         CHECK(volume_times(-1, 100, false).refuses("volumetric_strain", "is its sign reversed?"));
         CHECK(volume_times(-1, 801, false).refuses("volumetric_strain", "is its sign reversed?"));
-        CHECK(looked_at([](TriaxialPoint& p, std::size_t) {
+        CHECK(checked_test([](TriaxialPoint& p, std::size_t) {
                   p.volumetric_strain = 0;
               }).refuses("volumetric_strain", "expected a change")); // not measured
         // nor is it a finding that none is measured
-        CHECK(looked_at([](TriaxialPoint& p, std::size_t) {
+        CHECK(checked_test([](TriaxialPoint& p, std::size_t) {
                   p.volumetric_strain = std::nan("");
               }).findings.empty());
     }
 
     TEST_CASE("radii of rings that cannot be are left out, of one ring alone") {
-        const Looked one = looked_at([](TriaxialPoint& p, std::size_t k) {
+        const CheckedTest one = checked_test([](TriaxialPoint& p, std::size_t k) {
             if (k == 800) p.ring_radius[2] = -0.08;
         });
         CHECK(one.notes("ring_3_radius_m", "found -0.08 at 8 % of axial strain"));
         CHECK(std::isnan(one.points[800].ring_radius[2]));
         CHECK(one.points[800].ring_radius[1] == example(55e3)[800].ring_radius[1]);
-        CHECK(looked_at([](TriaxialPoint& p, std::size_t k) {
+        CHECK(checked_test([](TriaxialPoint& p, std::size_t k) {
                   if (k == 300) p.ring_radius[0] *= 1.1;
               }).notes("ring_1_radius_m", "expected one near 0.07"));
-        CHECK(looked_at([](TriaxialPoint& p, std::size_t) {
+        CHECK(checked_test([](TriaxialPoint& p, std::size_t) {
                   p.ring_radius[7] *= 1e3;
               }).refuses("ring_8_radius_m", "expected a radius of less than 10 m"));
-        CHECK(looked_at([](TriaxialPoint& p, std::size_t) {
+        CHECK(checked_test([](TriaxialPoint& p, std::size_t) {
                   p.ring_radius[7] = 0;
               }).refuses("ring_8_radius_m", "found 0"));
-        CHECK(looked_at([](TriaxialPoint& p, std::size_t k) {
+        CHECK(checked_test([](TriaxialPoint& p, std::size_t k) {
                   if (k % 2 == 0) p.ring_radius[4] = infinity;
               }).refuses("ring_5_radius_m", "found inf"));
     }
 
     TEST_CASE("an axial strain that cannot be takes with it what was measured there") {
-        const Looked percent =
-            looked_at([](TriaxialPoint& p, std::size_t) { p.axial_strain *= 100; });
+        const CheckedTest percent =
+            checked_test([](TriaxialPoint& p, std::size_t) { p.axial_strain *= 100; });
         CHECK(percent.refuses("axial_strain",
                               "found 8 at 800 % of axial strain: is it in per cent?"));
         CHECK(percent.without(&TriaxialPoint::deviatoric_stress) == 801);
         CHECK(percent.without(&TriaxialPoint::volumetric_strain) == 801);
-        const Looked one = looked_at([](TriaxialPoint& p, std::size_t k) {
+        const CheckedTest one = checked_test([](TriaxialPoint& p, std::size_t k) {
             if (k == 800) p.axial_strain = 0.9;
         });
         CHECK(one.notes("axial_strain", "1 of 801 records left out"));
@@ -306,7 +306,7 @@ TEST_SUITE("procedure/machine_intake") {
     TEST_CASE("whatever numbers a machine sends, those that are left are of one test") {
         for (std::uint64_t seed = 1; seed <= 200; ++seed) {
             Random random(seed, 3);
-            const Looked l = looked_at(
+            const CheckedTest l = checked_test(
                 [&](TriaxialPoint& p, std::size_t) {
                     for (double* x :
                          {&p.deviatoric_stress, &p.volumetric_strain, &p.ring_radius[1]})

@@ -22,20 +22,20 @@ inline constexpr double least_share = 0.01;
 /// the square root of allowed over expected. What is pulled pulls until the next analysis, through
 /// what boundaries do: its basis is the gain times their work, and its gain such that it costs what
 /// is allowed; should it have cost that before, it is let go.
-struct WorkAccount {
+struct WorkBudget {
     static constexpr double none = std::numeric_limits<double>::quiet_NaN();
     double largest_share = 0; ///< of the boundaries' work; 0: no limit
     double allowed = none;    ///< J, from this analysis to the next
     double expected = none;   ///< J, of the corrections of this analysis if given whole
     double gain = 1;          ///< with which bodies are pulled, 0 to 1
     double boundaries = 0;    ///< J, done by them until this analysis
-    double income = 0;        ///< J, what it would be allowed if nothing were owed
-    double owed = 0;          ///< J, spent before over what was allowed
+    double allowance = 0;     ///< J, what it would be allowed if nothing were owed
+    double deficit = 0;       ///< J, spent before over what was allowed
     double basis = 0;         ///< J, of what was given
     double ratio = 1; ///< of cost to basis: of the last analysis that gave something, or half of
                       ///< what it was before, whichever is more
-    std::vector<double> booked; ///< J, by corrections until this analysis: sensor by sensor, and of
-                                ///< all others together
+    std::vector<double> work_done; ///< J, by corrections until this analysis: sensor by sensor, and
+                                   ///< of all others together
     std::uint64_t reduced = 0;  ///< corrections that were cut, of single sensors
     std::uint64_t withheld = 0; ///< that were not given at all
 
@@ -44,7 +44,7 @@ struct WorkAccount {
 };
 
 /// From now on corrections may do at most this share of the boundaries' work (0 to 1).
-void open_account(World& world, double largest_share);
+void set_work_budget(World& world, double largest_share);
 
 /// Before samples are taken: what the corrections before have cost, and what those to come may.
 void begin_analysis(World& world);
@@ -60,6 +60,6 @@ void limit_corrections(World& world, std::size_t first_record, double energy);
 
 /// Before platens move: what pulls stays as a force, for where bodies should be is known no more;
 /// or is let go where it has cost enough.
-void hold_pulls(World& world);
+void hold_nudging_forces(World& world);
 
 } // namespace bris

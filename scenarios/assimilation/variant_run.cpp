@@ -1,4 +1,4 @@
-#include "scenarios/assimilation/arm_run.hpp"
+#include "scenarios/assimilation/variant_run.hpp"
 
 #include "engine/signal/attitude.hpp"
 
@@ -16,8 +16,8 @@ void count_fusion(const World& world, ModelRun& run) {
     run.fusion_work += fusion_work(world);
     const Fusion& fusion = world.resource<Fusion>();
     run.analyses = fusion.records;
-    run.too_dear += fusion.account.reduced;
-    run.much_too_dear += fusion.account.withheld;
+    run.too_costly += fusion.budget.reduced;
+    run.much_too_costly += fusion.budget.withheld;
     for (std::size_t s = 0; s < world.table<Sensors>().size(); ++s) {
         run.accepted += world.column<Sensors, Accepted>()[s];
         run.refused += world.column<Sensors, Refused>()[s];
@@ -27,7 +27,7 @@ void count_fusion(const World& world, ModelRun& run) {
     }
 }
 
-void keep_stage(TriaxialModel& model, ModelRun& run) {
+void record_stage(TriaxialModel& model, ModelRun& run) {
     const auto now = model.poses();
     run.points.push_back(model.test().state().points.back());
     run.displacement.emplace_back();
@@ -40,76 +40,77 @@ void keep_stage(TriaxialModel& model, ModelRun& run) {
 }
 
 /// What the filters that look back now know of the ways so far, in place of what they knew before.
-void keep_smoothed(const World& world, ModelRun& run) {
+void record_smoothed(const World& world, ModelRun& run) {
     if (!world.has_resource<Fusion>()) return;
     const auto host = world.column<Sensors, SensorHost>();
     run.smoothed.resize(run.sensors);
     for (std::size_t s = 0; s < host.size(); ++s) {
         const auto rock =
             static_cast<std::size_t>(std::ranges::find(run.rocks, host[s]) - run.rocks.begin());
-        auto& way = run.smoothed[rock];
+        auto& trajectory = run.smoothed[rock];
         const auto window = world.resource<Fusion>().filters[s].smoothed();
         if (window.empty()) continue;
-        std::erase_if(way, [&](const SmoothedPose& p) { return p.time >= window.front().time; });
-        way.insert(way.end(), window.begin(), window.end());
+        std::erase_if(trajectory,
+                      [&](const SmoothedPose& p) { return p.time >= window.front().time; });
+        trajectory.insert(trajectory.end(), window.begin(), window.end());
     }
 }
 
 } // namespace
 
-ArmRun::ArmRun(const TriaxialScene& scene, const TriaxialSettings& settings,
-               const Archive& specimen, ModelArm arm, std::uint64_t seed, ModelWatch watch,
-               KeptRun* kept)
-    : scene_(scene), settings_(settings), specimen_(specimen), arm_(std::move(arm)), seed_(seed),
-      watch_(std::move(watch)), kept_(kept) {
-    if (!take_up())
-        model_ =
-            std::make_unique<TriaxialModel>(scene_, settings_, specimen_, arm_, arm_.rocks, seed_);
+VariantRun::VariantRun(const TriaxialScene& scene, const TriaxialSettings& settings,
+                       const Archive& specimen, ModelVariant variant, std::uint64_t seed,
+                       ModelWatch watch, CheckpointedRun* checkpoint)
+    : scene_(scene), settings_(settings), specimen_(specimen), variant_(std::move(variant)),
+      seed_(seed), watch_(std::move(watch)), checkpoint_(checkpoint) {
+    if (!resume())
+        model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, variant_,
+                                                 variant_.rocks, seed_);
 }
 
-void ArmRun::go_on_to(std::size_t points) {
+void VariantRun::advance_to(std::size_t points) {
     CheckpointTimer never;
     LoopSteps steps{.advance = [&] { return !done_ && run_.points.size() < points && advance(); },
                     .progress = [&] { return progress(); },
                     .resume_hint = "--resume and the folder of the results"};
-    if (kept_ != nullptr) steps.save = [&] { keep(); };
-    run_loop(steps, kept_ != nullptr ? kept_->timer() : never, watch_.progress);
+    if (checkpoint_ != nullptr) steps.save = [&] { save_checkpoint(); };
+    run_loop(steps, checkpoint_ != nullptr ? checkpoint_->timer() : never, watch_.progress);
 }
 
-PhaseProgress ArmRun::progress() const {
+PhaseProgress VariantRun::progress() const {
     PhaseProgress now = model_->test().progress();
     const bool catches_up = model_->stages() < run_.points.size();
-    now.phase = arm_.name + (catches_up ? " (catching up) " : " ") + now.phase;
+    now.phase = variant_.name + (catches_up ? " (catching up) " : " ") + now.phase;
     return now;
 }
 
-bool ArmRun::take_up() {
-    const auto before = kept_ != nullptr ? kept_->take_up() : std::nullopt;
+bool VariantRun::resume() {
+    const auto before = checkpoint_ != nullptr ? checkpoint_->resume() : std::nullopt;
     if (!before) return false;
     run_ = load_run(*before);
     wall_before_ = run_.wall_time;
-    get_fields(*before, "run/progress", std::tie(told_, done_));
+    get_fields(*before, "run/progress", std::tie(applied_, done_));
     if (done_) return true;
-    const RockBelief now = told_ > 0 ? arm_.learned[told_ - 1].rocks : arm_.rocks;
-    model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, arm_,
-                                             arm_.catch_up ? now : arm_.rocks, seed_);
-    model_->believe(scene_, now);
-    model_->load(arm_, *before);
+    const RockParameters now = applied_ > 0 ? variant_.learned[applied_ - 1].rocks : variant_.rocks;
+    model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, variant_,
+                                             variant_.catch_up ? now : variant_.rocks, seed_);
+    model_->set_parameters(scene_, now);
+    model_->load(variant_, *before);
     return true;
 }
 
-void ArmRun::keep() {
-    if (kept_ == nullptr) return;
+void VariantRun::save_checkpoint() {
+    if (checkpoint_ == nullptr) return;
     Archive archive = done_ ? Archive{} : model_->save();
     run_.wall_time = wall_before_ + seconds_since(began_);
     save_run(archive, run_);
-    put_fields(archive, "run/progress", std::tie(std::as_const(told_), std::as_const(done_)));
-    kept_->keep(archive);
+    put_fields(archive, "run/progress", std::tie(std::as_const(applied_), std::as_const(done_)));
+    checkpoint_->save(archive);
 }
 
 /// False: the run is over.
-bool ArmRun::advance() {
-    if (!model_->advance(arm_)) {
+bool VariantRun::advance() {
+    if (!model_->advance(variant_)) {
         end();
         return false;
     }
@@ -117,7 +118,7 @@ bool ArmRun::advance() {
     return true;
 }
 
-void ArmRun::stage() {
+void VariantRun::stage() {
     const World& world = model_->world();
     if (run_.points.empty()) {
         run_.rocks = model_->rocks();
@@ -126,30 +127,32 @@ void ArmRun::stage() {
         run_.shell = model_->shells();
         run_.core_porosity = model_->test().state().core_porosity;
     }
-    keep_stage(*model_, run_);
-    keep_smoothed(world, run_);
+    record_stage(*model_, run_);
+    record_smoothed(world, run_);
     watch_.stage(world, run_.points.back());
-    if (told_ == arm_.learned.size() ||
-        run_.points.back().axial_strain < arm_.learned[told_].strain - 0.5 * settings_.stage_strain)
+    if (applied_ == variant_.learned.size() ||
+        run_.points.back().axial_strain <
+            variant_.learned[applied_].strain - 0.5 * settings_.stage_strain)
         return;
-    const RockBelief belief = arm_.learned[told_++].rocks;
-    if (!arm_.catch_up) {
-        model_->believe(scene_, belief);
+    const RockParameters parameters = variant_.learned[applied_++].rocks;
+    if (!variant_.catch_up) {
+        model_->set_parameters(scene_, parameters);
         model_->rescale();
         return;
     }
     run_.steps += world.resource<Clock>().step;
-    model_ = std::make_unique<TriaxialModel>(scene_, settings_, specimen_, arm_, belief, seed_);
+    model_ =
+        std::make_unique<TriaxialModel>(scene_, settings_, specimen_, variant_, parameters, seed_);
 }
 
-void ArmRun::end() {
+void VariantRun::end() {
     const World& world = model_->world();
     run_.boundary_work = model_->boundary_work();
     run_.steps += world.resource<Clock>().step;
     if (world.has_resource<Fusion>()) count_fusion(world, run_);
     run_.wall_time = wall_before_ + seconds_since(began_);
     done_ = true;
-    keep();
+    save_checkpoint();
 }
 
 } // namespace bris

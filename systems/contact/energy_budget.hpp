@@ -5,6 +5,6 @@
 namespace bris {
 
 /// Adds the columns of the energy ledger to a scene that has its lists (add_lists).
-void add_ledger(World& world);
+void add_energy_budget(World& world);
 
 } // namespace bris

@@ -1,6 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/signal/imu.hpp"
-#include "scenarios/recordings/intake.hpp"
+#include "scenarios/recordings/quality_control.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -36,7 +36,7 @@ Recording recording(unsigned id, const ImuModel& model = imu_preset("smartrock-l
         const ImuSample s = imu.sample(
             t, {.orientation = q,
                 .acceleration = Vec3(0.5 * std::sin(w * t), 0, 0.2 * std::sin(1.7 * w * t)),
-                .spin = Vec3(0.1 * std::sin(w * t), 0, 0)});
+                .angular_velocity = Vec3(0.1 * std::sin(w * t), 0, 0)});
         if (s.lost) continue;
         r.time.push_back(s.time);
         r.sequence.push_back(s.sequence);
@@ -53,8 +53,8 @@ bool says(const std::vector<Finding>& findings, Finding::Kind kind, const std::s
     });
 }
 bool refuses(const Recording& r, const std::string& check, const std::string& text = "") {
-    const auto findings = look_at({r}, earth);
-    INFO(intake_report(findings, {r}));
+    const auto findings = check_recordings({r}, earth);
+    INFO(quality_control_report(findings, {r}));
     CHECK_FALSE(accepted(findings, r.info.id));
     return says(findings, Finding::Kind::refusal, check, text);
 }
@@ -68,16 +68,16 @@ fs::path written(const char* name, const std::string& text) {
 
 } // namespace
 
-TEST_SUITE("systems/fusion/intake") {
+TEST_SUITE("systems/fusion/quality_control") {
     TEST_CASE("recordings of sensors as declared are accepted, and their losses told") {
         const std::vector<Recording> all{recording(1), recording(2), recording(3)};
-        const auto findings = look_at(all, earth);
-        INFO(intake_report(findings, all));
+        const auto findings = check_recordings(all, earth);
+        INFO(quality_control_report(findings, all));
         for (const Recording& r : all) CHECK(accepted(findings, r.info.id));
         CHECK(says(findings, Finding::Kind::note, "gaps"));
         CHECK(says(findings, Finding::Kind::note, "clock", "2e-05"));
         const Recording ideal = recording(4, imu_preset("ideal"));
-        CHECK(intake_report(look_at({ideal}, earth), {ideal}) ==
+        CHECK(quality_control_report(check_recordings({ideal}, earth), {ideal}) ==
               "sensor 4: 2000 samples, nothing found\n");
     }
 
@@ -104,7 +104,7 @@ TEST_SUITE("systems/fusion/intake") {
         std::swap(a.rate, b.rate);
         std::swap(a.time, b.time);
         std::swap(a.sequence, b.sequence);
-        const auto findings = look_at({a, b}, earth);
+        const auto findings = check_recordings({a, b}, earth);
         CHECK_FALSE(accepted(findings, 1));
         CHECK_FALSE(accepted(findings, 2));
         CHECK(says(findings, Finding::Kind::refusal, "frame"));
@@ -114,7 +114,7 @@ TEST_SUITE("systems/fusion/intake") {
         const Recording a = recording(1);
         Recording b = a;
         b.info.id = 7;
-        const auto findings = look_at({a, b, recording(3)}, earth);
+        const auto findings = check_recordings({a, b, recording(3)}, earth);
         CHECK_FALSE(accepted(findings, 1));
         CHECK_FALSE(accepted(findings, 7));
         CHECK(accepted(findings, 3));
@@ -160,9 +160,9 @@ TEST_SUITE("systems/fusion/intake") {
         for (std::size_t k = 0; k < r.size(); ++k)
             r.displacement.push_back(1e-4 *
                                      Vec3(random.normal(), random.normal(), random.normal()));
-        CHECK(accepted(look_at({r}, earth), 1));
+        CHECK(accepted(check_recordings({r}, earth), 1));
         r.displacement[500].x() += 0.05;
-        CHECK(accepted(look_at({r}, earth), 1));
+        CHECK(accepted(check_recordings({r}, earth), 1));
         for (std::size_t k = 600; k < r.size(); ++k) r.displacement[k].y() += 0.02;
         CHECK(refuses(r, "jump", "jumps by"));
         for (std::size_t k = 500; k < 800; ++k) r.displacement[k] = Vec3::Zero();
@@ -176,7 +176,7 @@ TEST_SUITE("systems/fusion/intake") {
             r.sequence.resize(samples);
             r.force.resize(samples);
             r.rate.resize(samples);
-            CHECK_NOTHROW(look_at({r}, earth));
+            CHECK_NOTHROW(check_recordings({r}, earth));
         }
         r.sequence = {5, 4, 6};
         CHECK(refuses(r, "order"));
@@ -185,7 +185,7 @@ TEST_SUITE("systems/fusion/intake") {
     TEST_CASE("noise other than declared is told, not refused") {
         Recording r = recording(1);
         r.info.force_noise *= 10;
-        const auto findings = look_at({r}, earth);
+        const auto findings = check_recordings({r}, earth);
         CHECK(accepted(findings, 1));
         CHECK(says(findings, Finding::Kind::note, "noise", "declared"));
     }
@@ -239,7 +239,7 @@ TEST_SUITE("systems/fusion/intake") {
         const SensorInfo info{.id = 3};
         const auto found = [&](const std::string& text) {
             const auto all = read_recordings(written("bris_none.csv", text), {info});
-            return intake_report(look_at(all, earth), all);
+            return quality_control_report(check_recordings(all, earth), all);
         };
         const std::string force =
             found("t,id,ax,ay,az\n0,3,0,0,9.8\n0.005,3,inf,0,9.8\n0.010,3,nan,0,9.8\n");
@@ -247,15 +247,15 @@ TEST_SUITE("systems/fusion/intake") {
         CHECK(force.find("sensor 3: refused: numbers: expected finite numbers, found 2 that are "
                          "not, ax ay az: the first at ") == 0);
         CHECK(force.find("bris_none.csv:3\n") != std::string::npos);
-        const std::string rest =
+        const std::string report =
             found("t,id,strain,temp,ax,ay,az\n0,3,0,20,0,0,9.8\n0.005,3,nan,20,0,0,9.8\n0.010,3,0,"
                   "inf,0,0,9.8\n0.015,3,-inf,20,0,0,9.8\n");
-        INFO(rest);
-        CHECK(rest.find("refused") == std::string::npos);
-        CHECK(rest.find("sensor 3: numbers: 2 of 4 samples are without, strain: the first at ") !=
+        INFO(report);
+        CHECK(report.find("refused") == std::string::npos);
+        CHECK(report.find("sensor 3: numbers: 2 of 4 samples are without, strain: the first at ") !=
               std::string::npos);
-        CHECK(rest.find("bris_none.csv:3\n") != std::string::npos);
-        CHECK(rest.find("sensor 3: numbers: 1 of 4 samples are without, temp: the first at ") !=
+        CHECK(report.find("bris_none.csv:3\n") != std::string::npos);
+        CHECK(report.find("sensor 3: numbers: 1 of 4 samples are without, temp: the first at ") !=
               std::string::npos);
         CHECK(found("t,id,temp,ax,ay,az\n0,3,,0,0,9.8\n0.005,3,,0,0,9.8\n").find("temp") ==
               std::string::npos); // this sensor has none

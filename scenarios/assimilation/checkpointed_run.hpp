@@ -17,18 +17,20 @@ ModelRun load_run(const Archive& archive);
 /// Where the run of an arm is kept, while it goes on and when it is done: a stopped campaign of
 /// runs goes on where it was. Files are named by all that the run depends on, so another run is
 /// never taken for it.
-class KeptRun {
+class CheckpointedRun {
 public:
-    KeptRun() = default; ///< keeps nothing
+    CheckpointedRun() = default; ///< keeps nothing
     /// In the folder `runs` of the results; `--resume FOLDER` looks there too.
-    KeptRun(const Common& common, const TriaxialSettings& settings, const Archive& specimen,
-            const ModelArm& arm);
-    void keep_every(double interval) { timer_ = CheckpointTimer(interval); } ///< s, of wall time
+    CheckpointedRun(const Common& common, const TriaxialSettings& settings, const Archive& specimen,
+                    const ModelVariant& variant);
+    void checkpoint_every(double interval) {
+        timer_ = CheckpointTimer(interval);
+    } ///< s, of wall time
     CheckpointTimer& timer() { return timer_; }
 
     /// What was kept of it; nothing: nothing was, or this is no run that goes on.
-    std::optional<Archive> take_up() const;
-    void keep(const Archive& archive);
+    std::optional<Archive> resume() const;
+    void save(const Archive& archive);
 
 private:
     std::filesystem::path file_, before_;
@@ -37,6 +39,6 @@ private:
 };
 
 /// Runs that are kept are of no use when all is done.
-void forget_runs(const Common& common);
+void remove_checkpoints(const Common& common);
 
 } // namespace bris

@@ -73,7 +73,7 @@ private:
 };
 
 template <class Since>
-double travel_of_membrane(const World& world) {
+double displacement_of_membrane(const World& world) {
     if (!world.has<Elements>()) return 0;
     const auto radius = world.column<Elements, ElementRadius>();
     const auto since = world.column<Elements, Since>();
@@ -83,18 +83,18 @@ double travel_of_membrane(const World& world) {
     return largest;
 }
 
-double largest_travel(const World& world) {
+double largest_displacement(const World& world) {
     const Table& bodies = world.table<Bodies>();
-    const auto from = bodies.column<RefreshedAt>();
+    const auto from = bodies.column<RebuiltAt>();
     const auto radius = bodies.column<BoundingRadius>();
     const Poses poses(bodies);
     double largest = 0;
     for (Row b = 0; b < bodies.size(); ++b) {
         const Pose now = poses[b];
-        largest =
-            std::max(largest, travel_bound(now.position, now.orientation, from[b], radius[b]));
+        largest = std::max(largest,
+                           displacement_bound(now.position, now.orientation, from[b], radius[b]));
     }
-    return std::max(largest, travel_of_membrane<RefreshedRadius>(world));
+    return std::max(largest, displacement_of_membrane<RebuiltRadius>(world));
 }
 
 void choose_skins(World& world, ListSettings& settings) {
@@ -150,30 +150,30 @@ void tune_inner_skin(const World& world, ListSettings& settings, const ListState
 /// When the candidates have served.
 void tune_outer_skin(const World& world, ListSettings& settings, const ListState& state) {
     const auto near = world.resource<NearIndex<SpherePairs>>().size();
-    const auto prunes = static_cast<double>(state.prunes - state.prunes_at_refresh);
+    const auto prunes = static_cast<double>(state.prunes - state.prunes_at_rebuild);
     if (!settings.tune || near == 0 || prunes == 0) return;
     const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
-    const double refreshing = 60 * pairs, pruning = 8 * (pairs - static_cast<double>(near)) *
+    const double rebuilding = 60 * pairs, pruning = 8 * (pairs - static_cast<double>(near)) *
                                                     prunes; // in the life of the candidates
-    settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(refreshing, pruning),
+    settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(rebuilding, pruning),
                                      2 * settings.inner_skin, settings.largest_skin);
 }
 
-/// Brings SpherePlace up to date.
+/// Brings SpherePosition up to date.
 void locate_spheres(World& world) {
     const Table& bodies = world.table<Bodies>();
     Table& spheres = world.table<Spheres>();
     const auto run = bodies.column<SpheresOf>();
     const Poses poses(bodies);
     const auto ball = spheres.column<LocalBall>();
-    const auto place = spheres.column<SpherePlace>();
+    const auto sphere_row = spheres.column<SpherePosition>();
     for_chunks(bodies.size(), 256, [&](std::size_t, std::size_t begin, std::size_t end) {
         for (auto b = static_cast<Row>(begin); b < end; ++b) {
             const Pose pose = poses[b];
             const Mat3 axes = pose.orientation.toRotationMatrix();
             for (Row k = run[b].first; k < run[b].first + run[b].count; ++k) {
                 const Vec3 x = pose.position + axes * ball[k].centre;
-                place[k] = {x.x(), x.y(), x.z(), ball[k].radius};
+                sphere_row[k] = {x.x(), x.y(), x.z(), ball[k].radius};
             }
         }
     });
@@ -183,42 +183,42 @@ void locate_spheres(World& world) {
 
 bool lists_are_due(const World& world) {
     if (world.resource<ListState>().stale) return true;
-    const auto travel = world.column<Bodies, Travel>();
+    const auto displacement = world.column<Bodies, DisplacementBound>();
     Lane most{};
-    for_lane_rows(0, static_cast<Row>(travel.size()),
-                  [&](LaneRows rows) { most = max(load(travel.data(), rows), most); });
-    double largest = travel_of_membrane<PrunedRadius>(world);
+    for_lane_rows(0, static_cast<Row>(displacement.size()),
+                  [&](LaneRows rows) { most = max(load(displacement.data(), rows), most); });
+    double largest = displacement_of_membrane<PrunedRadius>(world);
     for (std::size_t k = 0; k < lane_count; ++k) largest = std::max(largest, most[k]);
     return !(2 * largest <= world.resource<ListSettings>().inner_skin);
 }
 
-bool places_are_due(const World& world) {
-    return world.resource<ListState>().unseen || lists_are_due(world);
+bool positions_are_due(const World& world) {
+    return world.resource<ListState>().velocities_changed || lists_are_due(world);
 }
-void note_places(ListState& state) { state.unseen = false; }
-void show_velocities(World& world) { world.resource<ListState>().unseen = true; }
+void note_positions(ListState& state) { state.velocities_changed = false; }
+void show_velocities(World& world) { world.resource<ListState>().velocities_changed = true; }
 
-void refresh_pairs(World& world) {
+void rebuild_pairs(World& world) {
     auto& state = world.resource<ListState>();
     auto& settings = world.resource<ListSettings>();
     if (!state.stale) {
         tune_inner_skin(world, settings, state);
-        const double gone = 2 * largest_travel(world);
+        const double gone = 2 * largest_displacement(world);
         if (gone + settings.inner_skin <= state.candidate_skin)
             return locate_spheres(world); // the candidates still serve
         tune_outer_skin(world, settings, state);
     }
     find_runs(world);
     choose_skins(world, settings);
-    if (settings.sort_every > 0 && state.refreshes % settings.sort_every == 0) {
+    if (settings.sort_every > 0 && state.rebuilds % settings.sort_every == 0) {
         sort_rows(world);
         find_runs(world);
         ++state.sorts;
     }
     Table& bodies = world.table<Bodies>();
-    const auto refreshed = bodies.column<RefreshedAt>();
+    const auto rebuilt = bodies.column<RebuiltAt>();
     const Poses poses(bodies);
-    for (Row b = 0; b < bodies.size(); ++b) refreshed[b] = poses[b];
+    for (Row b = 0; b < bodies.size(); ++b) rebuilt[b] = poses[b];
 
     locate_spheres(world);
     detail::find_sphere_pairs(world, settings.outer_skin);
@@ -227,13 +227,13 @@ void refresh_pairs(World& world) {
     if (world.has<MembranePairs>()) {
         detail::find_membrane_pairs(world, settings.outer_skin);
         std::ranges::copy(world.column<Elements, ElementRadius>(),
-                          world.column<Elements, RefreshedRadius>().begin());
+                          world.column<Elements, RebuiltRadius>().begin());
     }
     state.stale = false;
     state.candidate_skin = settings.outer_skin;
-    state.last_refresh = world.resource<Clock>().step;
-    state.prunes_at_refresh = state.prunes;
-    ++state.refreshes;
+    state.last_rebuild = world.resource<Clock>().step;
+    state.prunes_at_rebuild = state.prunes;
+    ++state.rebuilds;
 }
 
 void invalidate_lists(World& world) { world.resource<ListState>().stale = true; }
@@ -268,20 +268,20 @@ void add_pair_tables(World& world, LawName law) {
 void add_lists(World& world, LawName law, ListSettings settings) {
     Table& bodies = world.table<Bodies>();
     bodies.add<SpheresOf>();
-    bodies.add<Travel>();
+    bodies.add<DisplacementBound>();
     bodies.add<PrunedAt>();
-    bodies.add<RefreshedAt>();
+    bodies.add<RebuiltAt>();
     bodies.add<Force>();
     bodies.add<Torque>();
     bodies.add<RigidMotion>();
     bodies.add<CentreOf>();
     if (has_dashpots(law)) bodies.add<Kick>();
     world.table<Spheres>().add<ListedSlot>();
-    world.table<Spheres>().add<SpherePlace>();
+    world.table<Spheres>().add<SpherePosition>();
     Table& listed = world.table<Listed>();
     listed.add<ListedBall>();
     listed.add<ListedBody>();
-    listed.add<Place>();
+    listed.add<ListedPosition>();
     add_pair_tables<SpherePairs>(world, law);
     if (world.has<Planes>()) add_pair_tables<PlanePairs>(world, law);
     if (world.has<Facets>()) add_pair_tables<FacetPairs>(world, law);

@@ -1,4 +1,4 @@
-#include "scenarios/recordings/sensor_way.hpp"
+#include "scenarios/recordings/sensor_trajectory.hpp"
 
 #include "engine/errors.hpp"
 #include "engine/signal/attitude.hpp"
@@ -15,17 +15,17 @@ namespace {
 
 const Vec3 unknown = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
-Seen seen_by(std::string direction, std::string source, double deviation, double model) {
+Observability seen_by(std::string direction, std::string source, double deviation, double model) {
     const double p = model * model, r = deviation * deviation;
     return {std::move(direction), std::move(source), deviation, p > 0 ? p / (p + r) : 0};
 }
 
 } // namespace
 
-SensorWay way_of(const Recording& recording, double interval) {
+SensorTrajectory trajectory_of(const Recording& recording, double interval) {
     require(recording.strain.size() == recording.size(),
             fmt::format("sensor {}: expected a column strain, found none", recording.info.id));
-    SensorWay way;
+    SensorTrajectory trajectory;
     Quat first_attitude = recording.info.attitude();
     Vec3 first_up = unknown, first_displacement = Vec3::Zero();
     double last = 0;
@@ -47,19 +47,20 @@ SensorWay way_of(const Recording& recording, double interval) {
         }
         if (strain - last < 0.999 * interval) continue;
         last = strain;
-        way.strain.push_back(strain);
-        way.displacement.push_back(
+        trajectory.strain.push_back(strain);
+        trajectory.displacement.push_back(
             has_displacement ? Vec3(recording.displacement[k] - first_displacement) : unknown);
-        way.rotation.push_back(has_attitude ? attitude_error(recording.attitude[k], first_attitude)
-                                            : unknown);
+        trajectory.rotation.push_back(
+            has_attitude ? attitude_error(recording.attitude[k], first_attitude) : unknown);
         // biases of the accelerometers, the same at both times, cancel
-        way.tilt.push_back(has_force && first_up.allFinite() ? Vec3(first_up - up) : unknown);
+        trajectory.tilt.push_back(has_force && first_up.allFinite() ? Vec3(first_up - up)
+                                                                    : unknown);
     }
-    return way;
+    return trajectory;
 }
 
-std::vector<Seen> what_is_seen(const Recording& recording, double duration, double drift,
-                               double turn) {
+std::vector<Observability> observability_of(const Recording& recording, double duration,
+                                            double drift, double turn) {
     const SensorInfo& info = recording.info;
     const bool tracked = !recording.displacement.empty(), oriented = !recording.attitude.empty(),
                inertial = !recording.force.empty();
@@ -71,7 +72,7 @@ std::vector<Seen> what_is_seen(const Recording& recording, double duration, doub
         std::hypot(info.force_bias, info.force_noise * std::sqrt(info.sampling_rate)) /
         standard_gravity;
     constexpr double nothing = std::numeric_limits<double>::infinity();
-    std::vector<Seen> all;
+    std::vector<Observability> all;
     for (const char* axis : {"x", "y", "z"})
         all.push_back(tracked ? seen_by(axis, "displacement", info.displacement_noise, drift)
                               : seen_by(axis, inertial ? "twice integrated force" : "nothing",
@@ -80,11 +81,11 @@ std::vector<Seen> what_is_seen(const Recording& recording, double duration, doub
                            : seen_by("tilt", inertial ? "gravity" : "nothing",
                                      inertial ? tilt : nothing, turn));
     const Heading heading = recording.field.empty() || oriented
-                                ? Heading{.unseen_since = "not asked"}
+                                ? Heading{.unobservable_because = "not asked"}
                                 : heading_of(recording);
     if (oriented)
         all.push_back(seen_by("yaw", "attitude", info.attitude_noise, turn));
-    else if (heading.seen() && (recording.rate.empty() || heading.deviation < yaw))
+    else if (heading.observable() && (recording.rate.empty() || heading.deviation < yaw))
         all.push_back(seen_by("yaw", "magnetometer (unused)", heading.deviation, turn));
     else
         all.push_back(seen_by("yaw", recording.rate.empty() ? "nothing" : "integrated rate",
@@ -96,10 +97,10 @@ std::string observability(const std::vector<Recording>& recordings, double durat
                           double turn) {
     std::string text = "sensor  direction  by                      deviation   gain  verdict\n";
     for (const Recording& r : recordings)
-        for (const Seen& seen : what_is_seen(r, duration, drift, turn))
+        for (const Observability& entry : observability_of(r, duration, drift, turn))
             text += fmt::format("{:6}  {:<9}  {:<22}  {:9.2g}  {:5.2f}  {}\n", r.info.id,
-                                seen.direction, seen.source, seen.deviation, seen.gain,
-                                seen.observable() ? "observable" : "not observable");
+                                entry.direction, entry.source, entry.deviation, entry.gain,
+                                entry.observable() ? "observable" : "not observable");
     return text;
 }
 

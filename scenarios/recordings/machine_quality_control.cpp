@@ -1,4 +1,4 @@
-#include "scenarios/recordings/machine_intake.hpp"
+#include "scenarios/recordings/machine_quality_control.hpp"
 
 #include "engine/signal/median.hpp"
 
@@ -70,15 +70,15 @@ public:
                 range(k).lower, range(k).upper, values_[k], 100 * strain_[k], reason(k));
         };
         if (longest < long_run && (out.size() < fewest || 2 * out.size() <= all.size()))
-            return leave_out(out, all.size(), text(out.front()));
+            return reject(out, all.size(), text(out.front()));
         refuse(fmt::format("{} of {} records cannot be: {}", out.size(), all.size(),
                            text(out.back()))); // the last tells most
     }
 
-    void leave_out_wild(const Neighbourhood& near) {
+    void reject_outliers(const Neighbourhood& near) {
         const auto all = measured();
         std::vector<double> beside,
-            off(all.size(), 0); // the median of three, and how far from it if too far
+            deviation(all.size(), 0); // the median of three, and how far from it if too far
         for (std::size_t i = 0; i < all.size(); ++i) {
             const bool last = i + 1 == all.size();
             const double x = values_[all[i]], before = i == 0 ? near.start : values_[all[i - 1]],
@@ -86,27 +86,27 @@ public:
             beside.push_back(std::clamp(x, std::min(before, after), std::max(before, after)));
             const double limit = last ? near.at_end + near.share_at_end * std::abs(beside[i])
                                       : near.floor + near.share * std::abs(beside[i]);
-            if (std::abs(x - beside[i]) > limit) off[i] = std::abs(x - beside[i]);
+            if (std::abs(x - beside[i]) > limit) deviation[i] = std::abs(x - beside[i]);
         }
         std::vector<std::size_t> wild;
         std::optional<std::size_t> first;
         for (std::size_t i = 0; i < all.size(); ++i) {
-            if (off[i] == 0 || (i > 0 && off[i - 1] > off[i]) ||
-                (i + 1 < all.size() && off[i + 1] > off[i]))
+            if (deviation[i] == 0 || (i > 0 && deviation[i - 1] > deviation[i]) ||
+                (i + 1 < all.size() && deviation[i + 1] > deviation[i]))
                 continue; // it is the one beside it
             if (!first) first = i;
             wild.push_back(all[i]);
         }
         if (!first) return;
         const std::size_t k = wild.front();
-        leave_out(
+        reject(
             wild, all.size(),
             fmt::format(
                 "expected one near {:.4g} as beside it, found {:.4g} at {:.4g} % of axial strain",
                 beside[*first], values_[k], 100 * strain_[k]));
     }
 
-    void leave_out_stuck(std::size_t samples, double length) {
+    void reject_stuck(std::size_t samples, double length) {
         const auto all = measured();
         std::vector<std::size_t> stuck;
         std::string first;
@@ -122,11 +122,11 @@ public:
         }
         if (stuck.empty()) return;
         if (stuck.size() + 1 == all.size()) return refuse(first);
-        leave_out(stuck, all.size(), first);
+        reject(stuck, all.size(), first);
     }
 
 private:
-    void leave_out(const std::vector<std::size_t>& rows, std::size_t of, const std::string& first) {
+    void reject(const std::vector<std::size_t>& rows, std::size_t of, const std::string& first) {
         for (const std::size_t k : rows) values_[k] = std::nan("");
         findings_.push_back({Finding::Kind::note, test_machine, name_,
                              fmt::format("{} of {} records left out: {}", rows.size(), of, first)});
@@ -138,25 +138,25 @@ private:
     std::vector<Finding>& findings_;
 };
 
-class MachineIntake {
+class MachineQualityControl {
 public:
-    MachineIntake(std::vector<TriaxialPoint>& measured, double pressure,
-                  const MachineLimits& limits)
+    MachineQualityControl(std::vector<TriaxialPoint>& measured, double pressure,
+                          const MachineLimits& limits)
         : measured_(measured), pressure_(pressure), limits_(limits) {
         for (const TriaxialPoint& p : measured) strain_.push_back(p.axial_strain);
     }
 
-    std::vector<Finding> look() {
+    std::vector<Finding> run() {
         std::size_t rings = 0;
         for (const TriaxialPoint& p : measured_) rings = std::max(rings, p.ring_radius.size());
         note_missing("volumetric_strain",
                      [](const TriaxialPoint& p) { return p.volumetric_strain; });
         for (std::size_t r = 0; r < rings; ++r)
             note_missing(name_of_ring(r), [r](const TriaxialPoint& p) { return radius_of(p, r); });
-        look_at_strain();
-        look_at_q();
-        for (std::size_t r = 0; r < rings; ++r) look_at_ring(r);
-        look_at_volume(); // the rings say whether its sign is right
+        check_strain();
+        check_q();
+        for (std::size_t r = 0; r < rings; ++r) check_ring(r);
+        check_volume(); // the rings say whether its sign is right
         return std::move(findings_);
     }
 
@@ -185,7 +185,7 @@ private:
     }
 
     /// Nothing is of use that was measured who knows where.
-    void look_at_strain() {
+    void check_strain() {
         Channel strain =
             channel("axial_strain", [](const TriaxialPoint& p) { return p.axial_strain; });
         strain.keep_within(
@@ -203,25 +203,25 @@ private:
         }
     }
 
-    void look_at_q() {
+    void check_q() {
         Channel q = channel("deviatoric_stress_Pa",
                             [](const TriaxialPoint& p) { return p.deviatoric_stress; });
-        look_at_level(q);
+        check_level(q);
         q.keep_within(
             [&](std::size_t) {
                 return Range{-pressure_, limits_.largest_q * pressure_};
             },
             [](std::size_t) { return ""; }, limits_.long_run);
-        q.leave_out_wild({.start = 0,
-                          .floor = 0.1 * pressure_,
-                          .at_end = 5 * pressure_,
-                          .share = 0.5,
-                          .share_at_end = 0.85});
-        q.leave_out_stuck(limits_.same_samples, limits_.stuck_q);
+        q.reject_outliers({.start = 0,
+                           .floor = 0.1 * pressure_,
+                           .at_end = 5 * pressure_,
+                           .share = 0.5,
+                           .share_at_end = 0.85});
+        q.reject_stuck(limits_.same_samples, limits_.stuck_q);
         for (std::size_t k = 0; k < measured_.size(); ++k) measured_[k].deviatoric_stress = q[k];
     }
 
-    void look_at_level(Channel& q) const {
+    void check_level(Channel& q) const {
         const double small = limits_.smallest_q * pressure_;
         std::vector<double> sheared, later;
         for (const std::size_t k : q.measured()) {
@@ -239,7 +239,7 @@ private:
             100 * begun, median(later), 1e3 * median(later) > small ? ": is it in kPa?" : ""));
     }
 
-    void look_at_ring(std::size_t r) {
+    void check_ring(std::size_t r) {
         Channel ring =
             channel(name_of_ring(r), [&](const TriaxialPoint& p) { return radius_of(p, r); });
         std::vector<double> radii;
@@ -256,11 +256,11 @@ private:
                                  (1 + limits_.ring_strain) * middle};
                 },
                 [](std::size_t) { return ""; }, limits_.long_run);
-            ring.leave_out_wild({.start = middle,
-                                 .floor = 0.03 * middle,
-                                 .at_end = 0.3 * middle,
-                                 .share = 0,
-                                 .share_at_end = 0});
+            ring.reject_outliers({.start = middle,
+                                  .floor = 0.03 * middle,
+                                  .at_end = 0.3 * middle,
+                                  .share = 0,
+                                  .share_at_end = 0});
         }
         for (std::size_t k = 0; k < measured_.size(); ++k)
             if (r < measured_[k].ring_radius.size()) measured_[k].ring_radius[r] = ring[k];
@@ -272,10 +272,10 @@ private:
                 limits_.compaction * axial + limits_.first_volume};
     }
 
-    void look_at_volume() {
+    void check_volume() {
         Channel volume = channel("volumetric_strain",
                                  [](const TriaxialPoint& p) { return p.volumetric_strain; });
-        look_at_sign(volume);
+        check_sign(volume);
         volume.keep_within([&](std::size_t k) { return possible_volume(k); },
                            [&](std::size_t k) {
                                const auto fits = [&](double x) {
@@ -288,16 +288,16 @@ private:
                                           : "";
                            },
                            limits_.long_run);
-        volume.leave_out_wild(
+        volume.reject_outliers(
             {.start = 0, .floor = 2e-3, .at_end = 2e-2, .share = 0.5, .share_at_end = 0.85});
-        volume.leave_out_stuck(limits_.same_samples, limits_.stuck_volume);
+        volume.reject_stuck(limits_.same_samples, limits_.stuck_volume);
         for (std::size_t k = 0; k < measured_.size(); ++k)
             measured_[k].volumetric_strain = volume[k];
     }
 
     /// Dense rocks dilate early, and a reversed sign looks like loose ones; but the rings widen or
     /// do not.
-    void look_at_sign(Channel& volume) const {
+    void check_sign(Channel& volume) const {
         std::size_t compared = 0, reversed = 0, last = 0;
         for (const std::size_t k : volume.measured()) {
             const double of_rings = volume_of_rings(k);
@@ -334,9 +334,9 @@ private:
 
 } // namespace
 
-std::vector<Finding> look_at_machine(std::vector<TriaxialPoint>& measured, double pressure,
-                                     const MachineLimits& limits) {
-    return MachineIntake(measured, pressure, limits).look();
+std::vector<Finding> check_machine(std::vector<TriaxialPoint>& measured, double pressure,
+                                   const MachineLimits& limits) {
+    return MachineQualityControl(measured, pressure, limits).run();
 }
 
 } // namespace bris

@@ -2,7 +2,7 @@
 #include "scenarios/stability/scenes.hpp"
 #include "scenarios/verification/bench.hpp"
 #include "systems/fusion/fuse.hpp"
-#include "systems/fusion/pull.hpp"
+#include "systems/fusion/nudging.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/about.hpp"
 
@@ -20,14 +20,14 @@ constexpr double boundless = 1e9;
 
 /// A ball of 1 cm at the origin with a sensor that says nothing, and another far away or in touch,
 /// which is held.
-Simulation ball(double dt, double other = 1, bool ledger = false) {
+Simulation ball(double dt, double other = 1, bool energy_budget = false) {
     World world = make_world(Grains::spheres);
     const auto m = world.resource<Materials>().add(linear_material(1e5, 8e4, 0.5));
     world.resource<Materials>().mix();
     (void)add_sphere(world, Vec3::Zero(), 0.01, m);
     (void)add_sphere(world, Vec3(other, 0, 0), 0.01, m, Motion::fixed);
     add_sensors(world, {0}, {{}}, {});
-    return begin(std::move(world), LawName::linear, dt, ledger);
+    return begin(std::move(world), LawName::linear, dt, energy_budget);
 }
 
 Simulation rock(double dt) {
@@ -41,20 +41,22 @@ Simulation rock(double dt) {
 }
 
 double mass_of(Simulation& sim) { return value_of<InertialMass>(sim, 0); }
-PullRow& pull_of(Simulation& sim) { return value_of<Pull>(sim, 0); }
+NudgingRow& nudging_of(Simulation& sim) { return value_of<Nudging>(sim, 0); }
 
-void pull_to(Simulation& sim, const PullTarget& target, const PullSettings& settings) {
-    give_pull(pull_of(sim), value_of<Guided>(sim, 0), target, settings, 1);
+void nudge_to(Simulation& sim, const NudgingTarget& target, const NudgingSettings& settings) {
+    set_nudging(nudging_of(sim), value_of<Guided>(sim, 0), target, settings, 1);
 }
 
-/// To a place `way` off, from rest: the velocity is kept half a step back.
-void pull_from_rest(Simulation& sim, const Vec3& way, double largest_force) {
+/// To a place `displacement` off, from rest: the velocity is kept half a step back.
+void nudge_from_rest(Simulation& sim, const Vec3& displacement, double largest_force) {
     const double m = mass_of(sim), k = m * w * w;
-    pull_to(sim, {value_of<Position>(sim, 0) + way, Vec3::Zero(), Quat::Identity(), Vec3::Zero()},
-            {k, largest_force, 0.01});
-    const double force = std::min(k * way.norm(), largest_force);
+    nudge_to(
+        sim,
+        {value_of<Position>(sim, 0) + displacement, Vec3::Zero(), Quat::Identity(), Vec3::Zero()},
+        {k, largest_force, 0.01});
+    const double force = std::min(k * displacement.norm(), largest_force);
     value_of<Velocity>(sim, 0) =
-        -0.5 * sim.world().resource<Clock>().dt * force / m * way.normalized();
+        -0.5 * sim.world().resource<Clock>().dt * force / m * displacement.normalized();
 }
 
 double still_to_go(double t) { return (1 + w * t) * std::exp(-w * t); }
@@ -62,16 +64,16 @@ double still_to_go(double t) { return (1 + w * t) * std::exp(-w * t); }
 /// Largest error of the way that a ball makes to a place 1 mm off, of that way.
 double error_of_way(double dt) {
     Simulation sim = ball(dt);
-    const Vec3 way = 1e-3 * Vec3(0.6, 0, -0.8);
-    pull_from_rest(sim, way, boundless);
+    const Vec3 displacement = 1e-3 * Vec3(0.6, 0, -0.8);
+    nudge_from_rest(sim, displacement, boundless);
     double worst = 0, last = 0;
     for (int n = 1; n * dt < 0.015; ++n) {
         sim.advance();
         const Vec3 x = value_of<Position>(sim, 0);
-        const double made = x.dot(way) / way.squaredNorm();
+        const double made = x.dot(displacement) / displacement.squaredNorm();
         CHECK(made <= 1); // never beyond
         CHECK(made >= last);
-        CHECK((x - made * way).norm() < 1e-12);
+        CHECK((x - made * displacement).norm() < 1e-12);
         worst = std::max(worst, std::abs(1 - made - still_to_go(n * dt)));
         last = made;
     }
@@ -88,7 +90,7 @@ double error_of_turn(int axis, double dt) {
     const Quat start = value_of<Orientation>(sim, 0);
     const Vec3 about_axis = start * Vec3(Vec3::Unit(axis));
     const Quat goal = exponential_map(angle * about_axis) * start;
-    pull_to(sim, {Vec3::Zero(), Vec3::Zero(), goal, Vec3::Zero()}, {k, boundless, 1});
+    nudge_to(sim, {Vec3::Zero(), Vec3::Zero(), goal, Vec3::Zero()}, {k, boundless, 1});
     value_of<AngularMomentum>(sim, 0) = -0.5 * dt * k * angle * about_axis;
     double worst = 0;
     for (int n = 1; n * dt < 0.015; ++n) {
@@ -103,7 +105,7 @@ double error_of_turn(int axis, double dt) {
 
 } // namespace
 
-TEST_SUITE("systems/fusion/pull") {
+TEST_SUITE("systems/fusion/nudging") {
     TEST_CASE("a free ball that is pulled goes to its place as critical damping says, without "
               "overshoot, to the second order of the step") {
         const double coarse = error_of_way(1e-4), fine = error_of_way(5e-5),
@@ -127,13 +129,13 @@ TEST_SUITE("systems/fusion/pull") {
         Simulation sim = ball(dt);
         const double inertia = value_of<SphereInertia>(sim, 0), k = inertia * w * w;
         const Vec3 axis(0.6, 0, 0.8);
-        pull_to(sim, {Vec3::Zero(), Vec3::Zero(), exponential_map(angle * axis), Vec3::Zero()},
-                {k, boundless, 1});
+        nudge_to(sim, {Vec3::Zero(), Vec3::Zero(), exponential_map(angle * axis), Vec3::Zero()},
+                 {k, boundless, 1});
         value_of<AngularMomentum>(sim, 0) = -0.5 * dt * k * angle * axis;
         Vec3 turned = Vec3::Zero();
         for (int n = 1; n * dt < 0.015; ++n) {
             sim.advance();
-            turned += dt * value_of<StepSpin>(sim, 0);
+            turned += dt * value_of<StepAngularVelocity>(sim, 0);
             CHECK(std::abs(1 - turned.dot(axis) / angle - still_to_go(n * dt)) <
                   0.2 * std::pow(w * dt, 2));
         }
@@ -145,26 +147,28 @@ TEST_SUITE("systems/fusion/pull") {
         // where it should be is ahead by a turn about x and spins about z; the ball's own turns are
         // followed here
         const double dt = 1e-5;
-        const Vec3 spin(0, 0, 100);
+        const Vec3 angular_velocity(0, 0, 100);
         const Quat start = exponential_map(Vec3(0.3, 0, 0));
         Simulation sim = ball(dt);
         const double k = value_of<SphereInertia>(sim, 0) * w * w;
-        pull_to(sim, {Vec3::Zero(), Vec3::Zero(), exponential_map(-dt * spin) * start, spin},
-                {k, boundless, 1});
+        nudge_to(sim,
+                 {Vec3::Zero(), Vec3::Zero(), exponential_map(-dt * angular_velocity) * start,
+                  angular_velocity},
+                 {k, boundless, 1});
         Quat attitude = Quat::Identity();
-        const auto goal = [&](int n) { return exponential_map(n * dt * spin) * start; };
+        const auto goal = [&](int n) { return exponential_map(n * dt * angular_velocity) * start; };
         double worst = 0;
         for (int n = 1; n <= 2000; ++n) {
             sim.advance();
             // of the pull in this step, before it turned the ball
             worst = std::max(
-                worst,
-                attitude_error(goal(n - 1) * attitude.conjugate(), pull_of(sim).attitude).norm());
-            attitude = exponential_map(dt * value_of<StepSpin>(sim, 0)) * attitude;
+                worst, attitude_error(goal(n - 1) * attitude.conjugate(), nudging_of(sim).attitude)
+                           .norm());
+            attitude = exponential_map(dt * value_of<StepAngularVelocity>(sim, 0)) * attitude;
         }
         CHECK(worst < 1e-12);
         CHECK(attitude_error(goal(2000), attitude).norm() < 1e-6);
-        CHECK((value_of<StepSpin>(sim, 0) - spin).norm() < 1e-3);
+        CHECK((value_of<StepAngularVelocity>(sim, 0) - angular_velocity).norm() < 1e-3);
     }
 
     TEST_CASE("with scaled mass and inertia it is as critically damped, in the time that goes with "
@@ -173,8 +177,8 @@ TEST_SUITE("systems/fusion/pull") {
         Simulation light = ball(dt / 3), heavy = ball(dt);
         value_of<InertialMass>(heavy, 0) *= scale;
         for (Simulation* sim : {&light, &heavy})
-            pull_to(*sim, {Vec3(1e-3, 0, 0), Vec3::Zero(), Quat::Identity(), Vec3::Zero()},
-                    {mass_of(light) * w * w, boundless, 0.01});
+            nudge_to(*sim, {Vec3(1e-3, 0, 0), Vec3::Zero(), Quat::Identity(), Vec3::Zero()},
+                     {mass_of(light) * w * w, boundless, 0.01});
         for (int n = 0; n < 300; ++n) {
             light.advance();
             heavy.advance();
@@ -188,14 +192,14 @@ TEST_SUITE("systems/fusion/pull") {
               "overshoot at any stiffness") {
         for (const double stiffness : {1e2, 1e5, 1e9, 1e13}) {
             Simulation sim = ball(1e-4);
-            pull_to(
+            nudge_to(
                 sim,
                 {Vec3(1e-3, 0, 0), Vec3::Zero(), exponential_map(Vec3(0, 0, 0.1)), Vec3::Zero()},
                 {stiffness, boundless, 0.01});
             double turned = 0;
             for (int n = 0; n < 2000; ++n) {
                 sim.advance();
-                turned += 1e-4 * value_of<StepSpin>(sim, 0).z();
+                turned += 1e-4 * value_of<StepAngularVelocity>(sim, 0).z();
                 CHECK(value_of<Position>(sim, 0).x() <= 1e-3 * (1 + 1e-12));
                 CHECK(turned <= 0.1 * (1 + 1e-9));
             }
@@ -209,10 +213,10 @@ TEST_SUITE("systems/fusion/pull") {
         const double dt = 1e-5, largest = 0.02;
         Simulation sim = ball(dt);
         const double m = mass_of(sim), reach = largest / (m * w * w), speed = 0.5 * w * reach,
-                     way = 50 * reach;
-        pull_from_rest(sim, Vec3(way, 0, 0), largest);
+                     displacement = 50 * reach;
+        nudge_from_rest(sim, Vec3(displacement, 0, 0), largest);
         double time = 0;
-        for (int n = 0; value_of<Position>(sim, 0).x() < way - reach; ++n) {
+        for (int n = 0; value_of<Position>(sim, 0).x() < displacement - reach; ++n) {
             REQUIRE(n < 100000);
             sim.advance();
             time += dt;
@@ -221,30 +225,30 @@ TEST_SUITE("systems/fusion/pull") {
         }
         for (int n = 0; n < 3000; ++n) {
             sim.advance();
-            CHECK(value_of<Position>(sim, 0).x() <= way * (1 + 1e-12));
-            CHECK(pull_of(sim).force.norm() <= largest);
+            CHECK(value_of<Position>(sim, 0).x() <= displacement * (1 + 1e-12));
+            CHECK(nudging_of(sim).force.norm() <= largest);
         }
-        CHECK(value_of<Position>(sim, 0).x() == about(way).epsilon(1e-9));
+        CHECK(value_of<Position>(sim, 0).x() == about(displacement).epsilon(1e-9));
     }
 
     TEST_CASE("force and torque never exceed their limits, however fast a rock comes and wherever "
               "it should be") {
         Simulation sim = rock(2e-5);
         value_of<Velocity>(sim, 0) = Vec3(-30, 10, 5);
-        set_spin(sim.world(), 0, Vec3(300, -100, 200));
-        const PullSettings settings{1e4, 0.5, 0.004};
-        pull_to(sim,
-                {Vec3(0.05, 0.02, -0.01), Vec3(1, 0, 0), exponential_map(Vec3(0, 1.5, 0.5)),
-                 Vec3(0, 0, 20)},
-                settings);
+        set_angular_velocity(sim.world(), 0, Vec3(300, -100, 200));
+        const NudgingSettings settings{1e4, 0.5, 0.004};
+        nudge_to(sim,
+                 {Vec3(0.05, 0.02, -0.01), Vec3(1, 0, 0), exponential_map(Vec3(0, 1.5, 0.5)),
+                  Vec3(0, 0, 20)},
+                 settings);
         double largest_force = 0, largest_torque = 0;
         for (int n = 0; n < 5000; ++n) {
             const Vec3 before = value_of<Velocity>(sim, 0);
             sim.advance();
             CHECK((value_of<Velocity>(sim, 0) - before).norm() * mass_of(sim) / 2e-5 <
                   settings.largest_force * (1 + 1e-9)); // nothing else acts
-            largest_force = std::max(largest_force, pull_of(sim).force.norm());
-            largest_torque = std::max(largest_torque, pull_of(sim).torque.norm());
+            largest_force = std::max(largest_force, nudging_of(sim).force.norm());
+            largest_torque = std::max(largest_torque, nudging_of(sim).torque.norm());
         }
         CHECK(largest_force == about(settings.largest_force).epsilon(1e-12));
         CHECK(largest_torque == about(settings.largest_force * settings.arm).epsilon(1e-12));
@@ -252,11 +256,11 @@ TEST_SUITE("systems/fusion/pull") {
 
     TEST_CASE("a ball is pulled to where it should be while that moves on") {
         Simulation sim = ball(1e-5);
-        const Vec3 place(1e-4, 0, 0), velocity(0.05, 0.02, 0);
-        pull_to(sim, {place, velocity, Quat::Identity(), Vec3::Zero()},
-                {mass_of(sim) * w * w, boundless, 0.01});
+        const Vec3 goal_position(1e-4, 0, 0), velocity(0.05, 0.02, 0);
+        nudge_to(sim, {goal_position, velocity, Quat::Identity(), Vec3::Zero()},
+                 {mass_of(sim) * w * w, boundless, 0.01});
         sim.advance(3000);
-        CHECK((value_of<Position>(sim, 0) - (place + 0.03 * velocity)).norm() < 1e-9);
+        CHECK((value_of<Position>(sim, 0) - (goal_position + 0.03 * velocity)).norm() < 1e-9);
     }
 
     TEST_CASE("what spring and dashpot do is booked, and the energy balance closes the better the "
@@ -265,25 +269,26 @@ TEST_SUITE("systems/fusion/pull") {
         // held with a constant force, let go, and flies off
         const auto open = [](double dt) {
             Simulation sim = ball(dt, 0.02, true);
-            pull_to(sim,
-                    {Vec3(2e-4, 1e-4, 0), Vec3::Zero(), exponential_map(Vec3(0, 0, 0.02)),
-                     Vec3::Zero()},
-                    {4e4, 8, 0.01});
+            nudge_to(sim,
+                     {Vec3(2e-4, 1e-4, 0), Vec3::Zero(), exponential_map(Vec3(0, 0, 0.02)),
+                      Vec3::Zero()},
+                     {4e4, 8, 0.01});
             const auto run = [&](double time) {
                 sim.advance(static_cast<std::uint64_t>(std::llround(time / dt)));
             };
             run(1e-3);
             CHECK(touch_of(sim.world()).pairs == 1);
-            hold_pull(pull_of(sim));
+            hold_nudging(nudging_of(sim));
             run(1e-3);
-            release_pull(pull_of(sim));
+            release_nudging(nudging_of(sim));
             run(4e-3);
             CHECK(touch_of(sim.world()).pairs == 0);
             CHECK(value_of<Guided>(sim, 0) == 0);
             const double friction = value_of<FrictionWork>(sim, 0) + value_of<FrictionWork>(sim, 1),
                          work = fusion_work(sim.world());
             CHECK(friction > 0.01 * work);
-            return std::abs(measure(sim.world()).kinetic_energy + friction - work) / work;
+            return std::abs(compute_quantities(sim.world()).kinetic_energy + friction - work) /
+                   work;
         };
         // between the first order and the second: when friction begins to slip shows
         CHECK(open(1.6e-5) < 1e-4);
@@ -293,23 +298,23 @@ TEST_SUITE("systems/fusion/pull") {
     TEST_CASE("a run resumed while a rock is pulled, held or just let go has the same bits") {
         const auto make = [] {
             Simulation sim = rock(2e-5);
-            pull_to(sim,
-                    {Vec3(1e-3, 2e-4, 0), Vec3(0.01, 0, 0), exponential_map(Vec3(0, 0.5, 0)),
-                     Vec3(0, 0, 1)},
-                    {1e3, 0.1, 0.01});
+            nudge_to(sim,
+                     {Vec3(1e-3, 2e-4, 0), Vec3(0.01, 0, 0), exponential_map(Vec3(0, 0.5, 0)),
+                      Vec3(0, 0, 1)},
+                     {1e3, 0.1, 0.01});
             return sim;
         };
         for (const int when : {0, 1, 2}) {
             Simulation whole = make(), resumed = make();
             whole.advance(100);
-            if (when == 1) hold_pull(pull_of(whole));
-            if (when == 2) release_pull(pull_of(whole));
+            if (when == 1) hold_nudging(nudging_of(whole));
+            if (when == 2) release_nudging(nudging_of(whole));
             resumed.restore(whole.snapshot());
             whole.advance(100);
             resumed.advance(100);
             CAPTURE(when);
             CHECK(fingerprint(whole.snapshot()) == fingerprint(resumed.snapshot()));
-            CHECK((pull_of(whole).force.norm() > 0) == (when < 2));
+            CHECK((nudging_of(whole).force.norm() > 0) == (when < 2));
         }
     }
 }

@@ -1,4 +1,4 @@
-#include "systems/fusion/work_account.hpp"
+#include "systems/fusion/work_budget.hpp"
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
@@ -34,9 +34,9 @@ std::vector<double> work_of_corrections(const World& world) {
 }
 
 /// Sums sizes: what one rock gets is not made good by what is taken from another.
-double spent(const std::vector<double>& now, const WorkAccount& account) {
+double spent(const std::vector<double>& now, const WorkBudget& budget) {
     double sum = 0;
-    for (std::size_t k = 0; k < now.size(); ++k) sum += std::abs(now[k] - account.booked[k]);
+    for (std::size_t k = 0; k < now.size(); ++k) sum += std::abs(now[k] - budget.work_done[k]);
     return sum;
 }
 
@@ -45,73 +45,73 @@ double spent(const std::vector<double>& now, const WorkAccount& account) {
 double if_enough(double share) { return share < least_share * (1 - 1e-9) ? 0 : share; }
 
 /// Of a correction, such that all keep within what is allowed.
-double share_to_give(const WorkAccount& account) {
-    if (account.expected <= account.allowed) return 1;
-    return if_enough(std::sqrt(account.allowed / account.expected));
+double share_to_give(const WorkBudget& budget) {
+    if (budget.expected <= budget.allowed) return 1;
+    return if_enough(std::sqrt(budget.allowed / budget.expected));
 }
 
 } // namespace
 
-void open_account(World& world, double largest_share) {
+void set_work_budget(World& world, double largest_share) {
     require(
         largest_share >= 0 && largest_share <= 1,
         fmt::format(
             "work of the fusion: expected a share of 0 to 1 of that of the boundaries, found {}",
             largest_share));
-    WorkAccount& account = world.resource<Fusion>().account;
-    account.largest_share = largest_share;
+    WorkBudget& budget = world.resource<Fusion>().budget;
+    budget.largest_share = largest_share;
     if (largest_share == 0) return;
-    account.boundaries = work_of_boundaries(world);
-    account.booked = work_of_corrections(world);
-    account.gain = 0;
+    budget.boundaries = work_of_boundaries(world);
+    budget.work_done = work_of_corrections(world);
+    budget.gain = 0;
 }
 
 void begin_analysis(World& world) {
     Fusion& fusion = world.resource<Fusion>();
-    WorkAccount& a = fusion.account;
+    WorkBudget& a = fusion.budget;
     if (a.largest_share == 0) return;
-    const bool pulls = fusion.pull.stiffness > 0;
+    const bool is_active = fusion.nudging.stiffness > 0;
     const double boundaries = work_of_boundaries(world),
                  done = std::max(0.0, boundaries - a.boundaries);
-    auto booked = work_of_corrections(world);
-    const double cost = spent(booked, a), basis = pulls ? a.gain * done : a.basis;
+    auto work_done = work_of_corrections(world);
+    const double cost = spent(work_done, a), basis = is_active ? a.gain * done : a.basis;
     if (basis > 0)
         a.ratio = std::max(cost / basis, 0.5 * a.ratio);
     else if (a.allowed > 0)
         a.ratio *= 0.5; // they were too dear, and will be tried again; while something is owed
                         // nothing is tried, nor forgotten
-    a.owed = std::max(0.0, a.owed + cost - a.income);
-    a.income = a.largest_share * done;
-    a.allowed = std::max(0.0, a.income - a.owed);
+    a.deficit = std::max(0.0, a.deficit + cost - a.allowance);
+    a.allowance = a.largest_share * done;
+    a.allowed = std::max(0.0, a.allowance - a.deficit);
     a.boundaries = boundaries;
-    a.booked = std::move(booked);
+    a.work_done = std::move(work_done);
     a.basis = 0;
-    a.expected = pulls ? a.ratio * done : WorkAccount::none;
-    if (pulls) a.gain = a.expected > a.allowed ? if_enough(a.allowed / a.expected) : 1;
+    a.expected = is_active ? a.ratio * done : WorkBudget::none;
+    if (is_active) a.gain = a.expected > a.allowed ? if_enough(a.allowed / a.expected) : 1;
 }
 
 bool limits_corrections(const World& world) {
     const Fusion& fusion = world.resource<Fusion>();
-    return fusion.account.largest_share > 0 && !(fusion.pull.stiffness > 0);
+    return fusion.budget.largest_share > 0 && !(fusion.nudging.stiffness > 0);
 }
 
 void limit_corrections(World& world, std::size_t first_record, double energy) {
     Fusion& fusion = world.resource<Fusion>();
-    WorkAccount& account = fusion.account;
+    WorkBudget& budget = fusion.budget;
     if (!limits_corrections(world)) return;
-    account.expected = account.ratio * energy;
-    const double share = share_to_give(account);
-    account.basis = share * share * energy;
+    budget.expected = budget.ratio * energy;
+    const double share = share_to_give(budget);
+    budget.basis = share * share * energy;
     const auto row = rows_by_id(world.column<Bodies, BodyId>());
     const auto correction = world.column<Bodies, Correction>();
     for (std::size_t k = first_record; k < fusion.records.size(); ++k) {
         AnalysisRecord& r = fusion.records[k];
-        r.work_expected = account.expected;
+        r.work_expected = budget.expected;
         if (share == 1 || r.share == 0) continue; // r: refused, or withheld before
-        ++(share > 0 ? account.reduced : account.withheld);
+        ++(share > 0 ? budget.reduced : budget.withheld);
         const auto s = static_cast<Row>(r.sensor);
         const CorrectionRow& c = correction[row[world.column<Sensors, SensorHost>()[s]]];
-        fusion.filters[s].leave(
+        fusion.filters[s].withhold(
             {.shift = (1 - share) * c.steps * c.shift, .turn = (1 - share) * c.steps * c.turn});
         r.share *= share;
     }
@@ -123,34 +123,34 @@ void limit_corrections(World& world, std::size_t first_record, double energy) {
     }
 }
 
-void hold_pulls(World& world) {
-    const WorkAccount& account = world.resource<Fusion>().account;
-    const bool too_dear = account.largest_share > 0 && !std::isnan(account.allowed) &&
-                          spent(work_of_corrections(world), account) > account.allowed;
+void hold_nudging_forces(World& world) {
+    const WorkBudget& budget = world.resource<Fusion>().budget;
+    const bool too_costly = budget.largest_share > 0 && !std::isnan(budget.allowed) &&
+                            spent(work_of_corrections(world), budget) > budget.allowed;
     const auto row = rows_by_id(world.column<Bodies, BodyId>());
-    const auto pull = world.column<Bodies, Pull>();
+    const auto nudging = world.column<Bodies, Nudging>();
     for (const EntityId host : world.column<Sensors, SensorHost>()) {
-        PullRow& p = pull[row[host]];
-        if (!p.pulls()) continue;
-        if (too_dear)
-            release_pull(p);
+        NudgingRow& p = nudging[row[host]];
+        if (!p.is_active()) continue;
+        if (too_costly)
+            release_nudging(p);
         else
-            hold_pull(p);
+            hold_nudging(p);
     }
 }
 
-void WorkAccount::save(Archive& archive, const std::string& path) const {
+void WorkBudget::save(Archive& archive, const std::string& path) const {
     put_fields(archive, path + "/numbers",
-               std::tie(allowed, expected, gain, boundaries, income, owed, basis, ratio, reduced,
-                        withheld));
-    archive.put(path + "/booked", std::span<const double>(booked));
+               std::tie(allowed, expected, gain, boundaries, allowance, deficit, basis, ratio,
+                        reduced, withheld));
+    archive.put(path + "/work_done", std::span<const double>(work_done));
 }
 
-void WorkAccount::load(const Archive& archive, const std::string& path) {
+void WorkBudget::load(const Archive& archive, const std::string& path) {
     get_fields(archive, path + "/numbers",
-               std::tie(allowed, expected, gain, boundaries, income, owed, basis, ratio, reduced,
-                        withheld));
-    booked = archive.get<double>(path + "/booked");
+               std::tie(allowed, expected, gain, boundaries, allowance, deficit, basis, ratio,
+                        reduced, withheld));
+    work_done = archive.get<double>(path + "/work_done");
 }
 
 } // namespace bris

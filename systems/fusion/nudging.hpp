@@ -12,7 +12,7 @@ namespace bris {
 /// Pulling instead of putting: a spring to where the body should be, up to a force at which
 /// contacts yield, with a dashpot that makes it critically damped (Den Hartog, Mechanical
 /// Vibrations, 1956, chapter 2).
-struct PullSettings {
+struct NudgingSettings {
     double stiffness =
         0; ///< N/m; 0: bodies are put. At most m (0.5 / dt)^2, where a step still follows it
     double largest_force = 0; ///< N, of the spring alone and of both together
@@ -32,34 +32,34 @@ struct PullSettings {
 
 /// Adds the pulls to the forces, and books their work, spring and dashpot, over the last step
 /// (trapezoidal rule, as that of boundaries).
-void pull_spheres(Rows<Bodies, const Guided, const Position, const Velocity, const InertialMass,
-                       const AngularMomentum, const StepSpin, const SphereInertia, Pull, Force,
-                       Torque, FusionWork>
+void nudge_spheres(Rows<Bodies, const Guided, const Position, const Velocity, const InertialMass,
+                        const AngularMomentum, const StepAngularVelocity, const SphereInertia,
+                        Nudging, Force, Torque, FusionWork>
+                       bodies,
+                   const Clock& clock);
+void nudge_clumps(Rows<Bodies, const Guided, const Position, const Velocity, const InertialMass,
+                       const AngularMomentum, const StepAngularVelocity, const Orientation,
+                       const InertialInertia, Nudging, Force, Torque, FusionWork>
                       bodies,
                   const Clock& clock);
-void pull_clumps(Rows<Bodies, const Guided, const Position, const Velocity, const InertialMass,
-                      const AngularMomentum, const StepSpin, const Orientation,
-                      const InertialInertia, Pull, Force, Torque, FusionWork>
-                     bodies,
-                 const Clock& clock);
 
 /// Where a body should be, and how it should move on there.
-struct PullTarget {
-    Vec3 place, velocity; ///< m, m/s
-    Quat attitude; ///< of a sphere: the rotation to go a step before, which pull_spheres carries
+struct NudgingTarget {
+    Vec3 position, velocity; ///< m, m/s
+    Quat attitude; ///< of a sphere: the rotation to go a step before, which nudge_spheres carries
                    ///< over that step
-    Vec3 spin;     ///< rad/s
+    Vec3 angular_velocity; ///< rad/s
 };
 
 /// Pulls a body there from now on. `gain`: of stiffness and largest force, 0 to 1; 0: nothing pulls
 /// any more.
-void give_pull(PullRow& row, std::uint32_t& guided, const PullTarget& target,
-               const PullSettings& settings, double gain);
+void set_nudging(NudgingRow& row, std::uint32_t& guided, const NudgingTarget& target,
+                 const NudgingSettings& settings, double gain);
 
 /// From now on force and torque stay as they are: where the body should be is not known any more.
-void hold_pull(PullRow& row);
+void hold_nudging(NudgingRow& row);
 
 /// Nothing pulls any more.
-void release_pull(PullRow& row);
+void release_nudging(NudgingRow& row);
 
 } // namespace bris

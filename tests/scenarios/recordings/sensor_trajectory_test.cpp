@@ -1,6 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/signal/attitude.hpp"
-#include "scenarios/recordings/sensor_way.hpp"
+#include "scenarios/recordings/sensor_trajectory.hpp"
 #include "systems/fusion/sensor_filter.hpp"
 #include "tests/about.hpp"
 #include "tests/temporary_directory.hpp"
@@ -35,37 +35,38 @@ Recording slow_recording(const Vec3& turn, const Vec3& shift, const Vec3& bias =
 
 } // namespace
 
-TEST_SUITE("fusion/sensor_way") {
+TEST_SUITE("fusion/sensor_trajectory") {
     TEST_CASE(
         "a recording tells displacement and rotation since the start, where they were measured") {
         const Vec3 turn(0.05, -0.02, 0.1), shift(1e-3, 0, -2e-3);
         Recording r = slow_recording(turn, shift);
-        const SensorWay way = way_of(r, 2e-3);
-        REQUIRE(way.strain.size() == 5);
-        CHECK(way.strain.back() == about(0.01));
-        CHECK((way.displacement.back() - shift).norm() < 1e-15);
-        CHECK((way.rotation.back() - turn).norm() < 1e-12);
+        const SensorTrajectory trajectory = trajectory_of(r, 2e-3);
+        REQUIRE(trajectory.strain.size() == 5);
+        CHECK(trajectory.strain.back() == about(0.01));
+        CHECK((trajectory.displacement.back() - shift).norm() < 1e-15);
+        CHECK((trajectory.rotation.back() - turn).norm() < 1e-12);
         r.displacement.clear();
         r.attitude.clear();
-        const SensorWay inertial = way_of(r, 2e-3);
+        const SensorTrajectory inertial = trajectory_of(r, 2e-3);
         CHECK_FALSE(inertial.displacement.back().allFinite());
         CHECK_FALSE(inertial.rotation.back().allFinite());
         CHECK(inertial.tilt.back().allFinite());
         r.strain.clear();
-        CHECK_THROWS_WITH_AS((void)way_of(r, 1e-3), doctest::Contains("column strain"), InputError);
+        CHECK_THROWS_WITH_AS((void)trajectory_of(r, 1e-3), doctest::Contains("column strain"),
+                             InputError);
     }
 
     TEST_CASE(
         "gravity tells tilt whatever the bias of the accelerometers, and leaves yaw to the model") {
         const Vec3 turn(0.02, -0.03, 0);
         const Recording r = slow_recording(turn, Vec3::Zero(), Vec3(0.05, -0.02, 0.03));
-        const SensorWay way = way_of(r, 1e-2);
+        const SensorTrajectory trajectory = trajectory_of(r, 1e-2);
         Measured m;
-        m.up = (start.conjugate() * Vec3::UnitZ() - way.tilt.back()).normalized();
+        m.up = (start.conjugate() * Vec3::UnitZ() - trajectory.tilt.back()).normalized();
         m.attitude_deviation = 1e-6;
         const Quat yawed = exponential_map(Vec3(0, 0, 0.4)) * start; // the model has another yaw
         SensorFilter filter({.attitude = 0.5});
-        const Analysis a = filter.analyse({0, {.orientation = yawed}}, m);
+        const Analysis a = filter.update({0, {.orientation = yawed}}, m);
         const Quat corrected = exponential_map(a.turn) * yawed;
         CHECK((corrected * m.up - Vec3::UnitZ()).norm() < 1e-5);
         CHECK(std::abs(a.turn.z()) < 1e-3);
@@ -77,12 +78,12 @@ TEST_SUITE("fusion/sensor_way") {
     TEST_CASE("a free inertial sensor does not see its displacement in a test of sixteen minutes, "
               "and says so") {
         Recording r = slow_recording(Vec3::Zero(), Vec3::Zero());
-        const auto all = what_is_seen(r, 960, 1e-3, 0.1);
+        const auto all = observability_of(r, 960, 1e-3, 0.1);
         REQUIRE(all.size() == 5);
-        for (const Seen& seen : all) CHECK(seen.observable());
+        for (const Observability& entry : all) CHECK(entry.observable());
         r.displacement.clear();
         r.attitude.clear();
-        const auto inertial = what_is_seen(r, 960, 1e-3, 0.1);
+        const auto inertial = observability_of(r, 960, 1e-3, 0.1);
         for (std::size_t k = 0; k < 3; ++k) {
             CHECK_FALSE(inertial[k].observable());
             CHECK(inertial[k].deviation > 1); // metres
@@ -90,7 +91,7 @@ TEST_SUITE("fusion/sensor_way") {
         CHECK(inertial[3].observable()); // tilt
         CHECK_FALSE(
             inertial[4].observable()); // yaw: the bias of the gyroscope alone turns it round
-        CHECK(what_is_seen(r, 0.05, 1e-3, 0.1)[0]
+        CHECK(observability_of(r, 0.05, 1e-3, 0.1)[0]
                   .observable()); // a wheel that passes is another matter
     }
 

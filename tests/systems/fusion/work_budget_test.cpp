@@ -3,7 +3,7 @@
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/spread.hpp"
-#include "systems/fusion/work_account.hpp"
+#include "systems/fusion/work_budget.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>
@@ -29,10 +29,10 @@ struct Squeezed {
             (void)add_sphere(world, Vec3(x, 0, 0), 0.01, m, Motion::fixed);
         add_sensors(world, {0}, {{}}, {}, steps);
         Simulation sim = begin(std::move(world), LawName::linear, dt, true);
-        open_account(sim.world(), share);
+        set_work_budget(sim.world(), share);
         return sim;
     }
-    WorkAccount& account() { return sim.world().resource<Fusion>().account; }
+    WorkBudget& budget() { return sim.world().resource<Fusion>().budget; }
     CorrectionRow& correction() { return value_of<Correction>(sim, 0); }
     /// Boundaries do some work, and an analysis asks for a correction; returns what was given of
     /// it.
@@ -42,7 +42,7 @@ struct Squeezed {
         begin_analysis(sim.world());
         const std::size_t first = fusion.records.size();
         fusion.records.emplace_back();
-        give_correction(correction(), value_of<Guided>(sim, 0), Vec3(d, 0, 0), Vec3::Zero(), steps);
+        set_correction(correction(), value_of<Guided>(sim, 0), Vec3(d, 0, 0), Vec3::Zero(), steps);
         CHECK(energy_of_corrections(sim.world()) == about(kn * d * d));
         limit_corrections(sim.world(), first, energy_of_corrections(sim.world()));
         const CorrectionRow& c = correction();
@@ -53,16 +53,16 @@ struct Squeezed {
 
 } // namespace
 
-TEST_SUITE("systems/fusion/work_account") {
+TEST_SUITE("systems/fusion/work_budget") {
     TEST_CASE("a correction that would store more than it may is cut to what it may, and does that "
               "much work") {
         const double d = 2e-5, stored = kn * d * d, allowed = 0.2 * stored;
         Squeezed balls;
         CHECK(balls.analysis(allowed / share, d) == about(std::sqrt(0.2) * d));
-        CHECK(balls.account().allowed == about(allowed));
-        CHECK(balls.account().expected == about(stored));
-        CHECK(balls.account().reduced == 1);
-        CHECK(balls.account().withheld == 0);
+        CHECK(balls.budget().allowed == about(allowed));
+        CHECK(balls.budget().expected == about(stored));
+        CHECK(balls.budget().reduced == 1);
+        CHECK(balls.budget().withheld == 0);
         balls.sim.advance(steps + 1);
         // the ball gives way a little while it is put: by (omega t)^2 / 12 of the way, 1 %
         CHECK(fusion_work(balls.sim.world()) == about(allowed).epsilon(0.03));
@@ -71,11 +71,11 @@ TEST_SUITE("systems/fusion/work_account") {
     TEST_CASE(
         "one that stores less is given whole, and its bits are those of a world without a limit") {
         Squeezed limited, free;
-        free.account() = {};
+        free.budget() = {};
         for (Squeezed* balls : {&limited, &free}) {
             CHECK(balls->analysis(1, 1e-5) == about(1e-5));
             balls->sim.advance(3 * steps);
-            CHECK(balls->account().reduced == 0);
+            CHECK(balls->budget().reduced == 0);
         }
         CHECK(fingerprint(limited.sim.snapshot(), "bodies/") ==
               fingerprint(free.sim.snapshot(), "bodies/"));
@@ -97,8 +97,8 @@ TEST_SUITE("systems/fusion/work_account") {
         Squeezed balls;
         const double d = 2e-5;
         CHECK(balls.analysis(0.9e-4 * kn * d * d / share, d) == 0);
-        CHECK(balls.account().withheld == 1);
-        CHECK(balls.account().reduced == 0);
+        CHECK(balls.budget().withheld == 1);
+        CHECK(balls.budget().reduced == 0);
         const Vec3 before = value_of<Position>(balls.sim, 0);
         balls.sim.advance(steps);
         CHECK(value_of<Position>(balls.sim, 0) == before);
@@ -109,52 +109,52 @@ TEST_SUITE("systems/fusion/work_account") {
 
     TEST_CASE("corrections that have cost more than was expected are expected to, and what they "
               "have cost too much is paid back") {
-        const double d = 2e-5, stored = kn * d * d, income = 0.2 * stored;
+        const double d = 2e-5, stored = kn * d * d, allowance = 0.2 * stored;
         Squeezed balls;
-        (void)balls.analysis(income / share, d);
-        value_of<FusionWork>(balls.sim, 0) += 1.5 * income; // half as much again as it might
-        const double given = balls.analysis(income / share, d);
-        CHECK(balls.account().ratio == about(1.5));
-        CHECK(balls.account().allowed == about(0.5 * income));
+        (void)balls.analysis(allowance / share, d);
+        value_of<FusionWork>(balls.sim, 0) += 1.5 * allowance; // half as much again as it might
+        const double given = balls.analysis(allowance / share, d);
+        CHECK(balls.budget().ratio == about(1.5));
+        CHECK(balls.budget().allowed == about(0.5 * allowance));
         CHECK(given == about(d * std::sqrt(0.5 * 0.2 / 1.5)));
         value_of<FusionWork>(balls.sim, 1) -=
-            3 * income; // taken out, and elsewhere, it counts as well
-        CHECK(balls.analysis(income / share, d) == 0);
-        CHECK(balls.account().owed == about(2.5 * income));
-        (void)balls.analysis(2 * income / share, d);
-        CHECK(balls.account().owed == about(1.5 * income));
+            3 * allowance; // taken out, and elsewhere, it counts as well
+        CHECK(balls.analysis(allowance / share, d) == 0);
+        CHECK(balls.budget().deficit == about(2.5 * allowance));
+        (void)balls.analysis(2 * allowance / share, d);
+        CHECK(balls.budget().deficit == about(1.5 * allowance));
     }
 
     TEST_CASE(
         "what pulls is given the gain that it may cost, and is let go once it has cost that") {
         Squeezed balls;
         Fusion& fusion = balls.sim.world().resource<Fusion>();
-        fusion.pull = {1e4, 1, 0.01};
-        PullRow& pull = value_of<Pull>(balls.sim, 0);
+        fusion.nudging = {1e4, 1, 0.01};
+        NudgingRow& nudging = value_of<Nudging>(balls.sim, 0);
         const auto begin_with = [&](double of_boundaries) {
             value_of<BoundaryWork>(balls.sim, 1) += of_boundaries;
             begin_analysis(balls.sim.world());
-            give_pull(pull, value_of<Guided>(balls.sim, 0),
-                      {Vec3(1e-4, 0, 0), Vec3::Zero(), Quat::Identity(), Vec3::Zero()}, fusion.pull,
-                      fusion.account.gain);
+            set_nudging(nudging, value_of<Guided>(balls.sim, 0),
+                        {Vec3(1e-4, 0, 0), Vec3::Zero(), Quat::Identity(), Vec3::Zero()},
+                        fusion.nudging, fusion.budget.gain);
         };
         begin_with(1);
-        CHECK(fusion.account.gain ==
+        CHECK(fusion.budget.gain ==
               about(share)); // as if at full strength it cost what the boundaries do
-        CHECK(pull.largest_force == about(share));
+        CHECK(nudging.largest_force == about(share));
         value_of<FusionWork>(balls.sim, 0) += 0.02; // a fifth of what it might
-        hold_pulls(balls.sim.world());
-        CHECK(pull.pulls());
-        CHECK(pull.held == 1);
+        hold_nudging_forces(balls.sim.world());
+        CHECK(nudging.is_active());
+        CHECK(nudging.held == 1);
         begin_with(1);
-        CHECK(fusion.account.ratio == about(0.5));
-        CHECK(fusion.account.gain == about(2 * share)); // it grows by two at most
-        CHECK(pull.held == 0);
+        CHECK(fusion.budget.ratio == about(0.5));
+        CHECK(fusion.budget.gain == about(2 * share)); // it grows by two at most
+        CHECK(nudging.held == 0);
         value_of<FusionWork>(balls.sim, 0) += 0.11;
-        hold_pulls(balls.sim.world());
-        CHECK_FALSE(pull.pulls());
+        hold_nudging_forces(balls.sim.world());
+        CHECK_FALSE(nudging.is_active());
         balls.sim.advance(2);
-        CHECK(pull.force.norm() == 0);
+        CHECK(nudging.force.norm() == 0);
         CHECK(value_of<Guided>(balls.sim, 0) == 0);
     }
 
@@ -162,12 +162,12 @@ TEST_SUITE("systems/fusion/work_account") {
               "again with what is believed to be half as dear") {
         Squeezed balls;
         Fusion& fusion = balls.sim.world().resource<Fusion>();
-        fusion.pull = {1e4, 1, 0.01};
-        fusion.account.ratio = 11;
+        fusion.nudging = {1e4, 1, 0.01};
+        fusion.budget.ratio = 11;
         const auto gain = [&] {
             value_of<BoundaryWork>(balls.sim, 1) += 1;
             begin_analysis(balls.sim.world());
-            return fusion.account.gain;
+            return fusion.budget.gain;
         };
         CHECK(gain() == 0);
         CHECK(gain() == about(share / 5.5));
@@ -183,15 +183,15 @@ TEST_SUITE("systems/fusion/work_account") {
             (void)b->analysis(1e-7 / share, 3e-5);
             b->sim.advance(steps);
         }
-        CHECK(balls.account().ratio != 1);
+        CHECK(balls.budget().ratio != 1);
         CHECK(fingerprint(balls.sim.snapshot()) == fingerprint(resumed.sim.snapshot()));
     }
 
     TEST_CASE("a share below none or above all is refused") {
         Squeezed balls;
-        CHECK_THROWS_WITH_AS(open_account(balls.sim.world(), 1.5), doctest::Contains("found 1.5"),
-                             InputError);
-        CHECK_THROWS_WITH_AS(open_account(balls.sim.world(), -0.1), doctest::Contains("found -0.1"),
-                             InputError);
+        CHECK_THROWS_WITH_AS(set_work_budget(balls.sim.world(), 1.5),
+                             doctest::Contains("found 1.5"), InputError);
+        CHECK_THROWS_WITH_AS(set_work_budget(balls.sim.world(), -0.1),
+                             doctest::Contains("found -0.1"), InputError);
     }
 }

@@ -14,19 +14,19 @@ inline constexpr double position_deviation = 1e-5, velocity_deviation = 1e-2,
 
 /// What a body does at the end of the last step, as a sensor that tells everything sees it, with
 /// those deviations.
-inline Measured seen(Simulation& sim, EntityId body, Random& random) {
+inline Measured observed(Simulation& sim, EntityId body, Random& random) {
     const auto noise = [&](double deviation) -> Vec3 {
         return deviation * Vec3(random.normal(), random.normal(), random.normal());
     };
     const double half_step = 0.5 * sim.world().resource<Clock>().dt;
     Measured m;
     m.position_deviation = position_deviation;
-    m.velocity_deviation = m.spin_deviation = velocity_deviation;
+    m.velocity_deviation = m.angular_velocity_deviation = velocity_deviation;
     m.attitude_deviation = attitude_deviation;
     m.position = value_of<Position>(sim, body) + noise(position_deviation);
     m.velocity = value_of<Velocity>(sim, body) + half_step * value_of<Acceleration>(sim, body) +
                  noise(velocity_deviation);
-    m.spin = value_of<Spin>(sim, body) + noise(velocity_deviation);
+    m.angular_velocity = value_of<AngularVelocity>(sim, body) + noise(velocity_deviation);
     m.attitude = exponential_map(noise(attitude_deviation)) * value_of<Orientation>(sim, body);
     return m;
 }

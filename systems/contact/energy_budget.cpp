@@ -1,4 +1,4 @@
-#include "systems/contact/ledger.hpp"
+#include "systems/contact/energy_budget.hpp"
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
@@ -7,7 +7,7 @@
 
 namespace bris {
 
-void add_ledger(World& world) {
+void add_energy_budget(World& world) {
     Table& bodies = world.table<Bodies>();
     bodies.add<FrictionWork>();
     bodies.add<ViscousWork>();

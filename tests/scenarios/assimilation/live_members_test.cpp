@@ -1,6 +1,6 @@
-#include "scenarios/assimilation/arm_run.hpp"
 #include "scenarios/assimilation/live_model.hpp"
 #include "scenarios/assimilation/run_models.hpp"
+#include "scenarios/assimilation/variant_run.hpp"
 #include "tests/scenarios/assimilation/small_specimen.hpp"
 #include "tests/temporary_directory.hpp"
 
@@ -19,12 +19,12 @@ RecordedTest recorded(const ModelRun& truth, std::size_t stage) {
     RecordedTest test;
     for (std::size_t s = 0; s < truth.sensors; ++s) {
         test.recordings.emplace_back().info.displacement_noise = 1e-6;
-        SensorWay& way = test.ways.emplace_back();
+        SensorTrajectory& trajectory = test.trajectories.emplace_back();
         for (std::size_t k = 3; k <= stage; k += 3) {
-            way.strain.push_back(truth.points[k].axial_strain);
-            way.displacement.push_back(truth.displacement[k][s]);
-            way.rotation.push_back(truth.rotation[k][s]);
-            way.tilt.push_back(Vec3::Constant(std::nan("")));
+            trajectory.strain.push_back(truth.points[k].axial_strain);
+            trajectory.displacement.push_back(truth.displacement[k][s]);
+            trajectory.rotation.push_back(truth.rotation[k][s]);
+            trajectory.tilt.push_back(Vec3::Constant(std::nan("")));
         }
     }
     test.measured.assign(truth.points.begin(),
@@ -42,18 +42,18 @@ struct Live {
 
     LiveModel model(const Common& common) {
         Learning learning;
-        learning.worlds = 6;
+        learning.members = 6;
         learning.first_strain = 4e-4;
         return LiveModel(
             {{0.5, 1}, learning, settings.stage_strain, settings.final_axial_strain, 2},
-            [&](const std::vector<ModelArm>& arms) {
-                return begin_models(scene, settings, specimen, arms, common, progress);
+            [&](const std::vector<ModelVariant>& variants) {
+                return begin_models(scene, settings, specimen, variants, common, progress);
             });
     }
     void follow(LiveModel& model, std::size_t stages) const {
         while (model.state().points.size() < stages) {
             model.next_stage(recorded(truth, model.state().points.size()));
-            model.go_on();
+            model.advance_members();
         }
     }
 };
@@ -73,8 +73,8 @@ void check_same_bits(const LiveModel& a, const LiveModel& b) {
     REQUIRE(a.state().points.size() == b.state().points.size());
     for (std::size_t k = 0; k < a.state().points.size(); ++k)
         CHECK(a.state().points[k].deviatoric_stress == b.state().points[k].deviatoric_stress);
-    CHECK(a.belief().mean == b.belief().mean);
-    CHECK(a.belief().root == b.belief().root);
+    CHECK(a.estimate().mean == b.estimate().mean);
+    CHECK(a.estimate().root == b.estimate().root);
     CHECK(a.caught_up_at() == b.caught_up_at());
 }
 
@@ -85,7 +85,7 @@ std::size_t files_in(const std::filesystem::path& folder) {
 
 } // namespace
 
-TEST_SUITE("procedure/live_worlds") {
+TEST_SUITE("procedure/live_members") {
     TEST_CASE("a model stopped before, while and after its second generation catches up goes on to "
               "the same bits, on one thread or two") {
         Live live;
@@ -104,7 +104,7 @@ TEST_SUITE("procedure/live_worlds") {
               std::size_t{16}}) { // stopped there, then begun again from the start
             LiveModel stopped = live.model(again);
             live.follow(stopped, stages);
-            stopped.keep();
+            stopped.save_checkpoint();
             const std::size_t files = files_in(parts / "runs");
             CHECK(files == (stages > 5 ? 12 : 6));
             CHECK(stages > last);
@@ -120,28 +120,29 @@ TEST_SUITE("procedure/live_worlds") {
         Live live;
         const TemporaryDirectory folder;
         Common common = common_in(folder.path(), 2);
-        const std::vector<ModelArm> arms{{.name = "one", .rocks = {0.7, 1}},
-                                         {.name = "other", .rocks = {0.5, 1}}};
+        const std::vector<ModelVariant> variants{{.name = "one", .rocks = {0.7, 1}},
+                                                 {.name = "other", .rocks = {0.5, 1}}};
         std::vector<ModelRun> runs, again;
-        const RunsAtWork first =
-            begin_models(live.scene, live.settings, live.specimen, arms, common, live.progress);
-        first.go_on(runs, 9);
-        first.keep();
+        const ConcurrentRuns first =
+            begin_models(live.scene, live.settings, live.specimen, variants, common, live.progress);
+        first.advance(runs, 9);
+        first.save_checkpoint();
         common.resume = common.out;
         unsigned blocks = 0;
-        KeptRun kept(common, live.settings, live.specimen, arms[1]);
-        ArmRun taken_up(live.scene, live.settings, live.specimen, arms[1], 1,
-                        {.progress = [&](double, const std::string&) { ++blocks; }}, &kept);
-        taken_up.go_on_to(9);
+        CheckpointedRun checkpoint(common, live.settings, live.specimen, variants[1]);
+        VariantRun resumed(live.scene, live.settings, live.specimen, variants[1], 1,
+                           {.progress = [&](double, const std::string&) { ++blocks; }},
+                           &checkpoint);
+        resumed.advance_to(9);
         CHECK(blocks == 0);
-        const RunsAtWork second =
-            begin_models(live.scene, live.settings, live.specimen, arms, common, live.progress);
+        const ConcurrentRuns second =
+            begin_models(live.scene, live.settings, live.specimen, variants, common, live.progress);
         for (const std::size_t points : {std::size_t{2}, std::size_t{5}, std::size_t{12}}) {
-            second.go_on(again, points);
+            second.advance(again, points);
             CHECK(again[0].points.size() == points);
             CHECK(again[1].displacement.size() == points);
         }
-        first.go_on(runs, 12);
+        first.advance(runs, 12);
         for (std::size_t k = 0; k < 2; ++k) {
             CHECK(again[k].displacement == runs[k].displacement);
             CHECK(again[k].rotation == runs[k].rotation);

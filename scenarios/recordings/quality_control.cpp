@@ -1,4 +1,4 @@
-#include "scenarios/recordings/intake.hpp"
+#include "scenarios/recordings/quality_control.hpp"
 
 #include "engine/estimation/linear_fit.hpp"
 #include "engine/signal/median.hpp"
@@ -14,37 +14,37 @@ namespace {
 
 constexpr double degree = pi / 180;
 
-class Intake {
+class QualityControl {
 public:
-    Intake(const Recording& recording, const Vec3& gravity, const IntakeLimits& limits,
-           std::vector<Finding>& findings)
+    QualityControl(const Recording& recording, const Vec3& gravity,
+                   const QualityControlLimits& limits, std::vector<Finding>& findings)
         : at_{recording, limits, findings}, r_(recording), gravity_(gravity), limits_(limits) {}
 
-    void look() {
-        look_at_flags(at_);
+    void run() {
+        check_flags(at_);
         if (r_.size() < 2)
             return refuse("length",
                           fmt::format("expected two samples or more, found {}", r_.size()));
-        if (!look_at_numbers() || !look_at_times()) return; // what follows would be of no use
+        if (!check_numbers() || !check_times()) return; // what follows would be of no use
         at_.rest = static_cast<std::size_t>(std::ranges::count_if(
             r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
         while (at_.still < at_.rest && (r_.strain.empty() || !(r_.strain[at_.still] > 0)))
             ++at_.still; // NaN: none was sampled
-        look_at_clock();
-        look_at_count(at_);
-        look_at_device(at_);
-        look_at_field(at_);
-        look_at_displacement(at_);
-        look_at_attitude(at_, gravity_);
+        check_clock();
+        check_count(at_);
+        check_device(at_);
+        check_field(at_);
+        check_displacement(at_);
+        check_attitude(at_, gravity_);
         if (!r_.force.empty()) {
-            look_at_range("force", r_.force, r_.info.force_range, "m/s2");
-            look_at_noise("force", r_.force, r_.info.force_noise, "m/s2/sqrt(Hz)");
-            look_at_gravity();
+            check_range("force", r_.force, r_.info.force_range, "m/s2");
+            check_noise("force", r_.force, r_.info.force_noise, "m/s2/sqrt(Hz)");
+            check_gravity();
         }
         if (r_.rate.empty()) return;
-        look_at_range("rate", r_.rate, r_.info.rate_range, "rad/s");
-        look_at_noise("rate", r_.rate, r_.info.rate_noise, "rad/s/sqrt(Hz)");
-        if (at_.still > 0) look_at_rates();
+        check_range("rate", r_.rate, r_.info.rate_range, "rad/s");
+        check_noise("rate", r_.rate, r_.info.rate_noise, "rad/s/sqrt(Hz)");
+        if (at_.still > 0) check_rates();
     }
 
 private:
@@ -58,7 +58,7 @@ private:
         return sum / static_cast<double>(at_.rest);
     }
 
-    bool look_at_numbers() {
+    bool check_numbers() {
         const auto bad = [](const auto& values) {
             return std::ranges::count_if(values, [](const auto& v) {
                 if constexpr (requires { v.coeffs(); })
@@ -70,10 +70,10 @@ private:
             });
         };
         const auto first = [&](const char* channel) {
-            const auto place = r_.first_without.find(channel);
-            return place == r_.first_without.end()
+            const auto entry = r_.first_without.find(channel);
+            return entry == r_.first_without.end()
                        ? ""
-                       : fmt::format(", {}: the first at {}", channel, place->second);
+                       : fmt::format(", {}: the first at {}", channel, entry->second);
         };
         // without these, others can be of use
         const auto note_missing = [&](const char* channel, const auto& values) {
@@ -97,7 +97,7 @@ private:
         return count == 0;
     }
 
-    bool look_at_times() {
+    bool check_times() {
         const double nominal = 1 / r_.info.sampling_rate;
         std::size_t backwards = 0, twice = 0;
         double widest = 0, squares = 0;
@@ -136,7 +136,7 @@ private:
         return true;
     }
 
-    void look_at_clock() {
+    void check_clock() {
         if (r_.sequence.size() < 10) return; // too few to tell a drift from jitter
         std::vector<double> due;
         for (const std::uint64_t n : r_.sequence)
@@ -150,8 +150,8 @@ private:
             note("clock", text);
     }
 
-    void look_at_range(const char* what, const std::vector<Vec3>& values, double range,
-                       const char* unit) {
+    void check_range(const char* what, const std::vector<Vec3>& values, double range,
+                     const char* unit) {
         const auto full = std::ranges::count_if(
             values, [&](const Vec3& v) { return v.cwiseAbs().maxCoeff() >= 0.999 * range; });
         const double share = static_cast<double>(full) / static_cast<double>(values.size());
@@ -164,8 +164,8 @@ private:
             note("saturation", text);
     }
 
-    void look_at_noise(const char* what, const std::vector<Vec3>& values, double density,
-                       const char* unit) {
+    void check_noise(const char* what, const std::vector<Vec3>& values, double density,
+                     const char* unit) {
         if (density <= 0 || is_stuck(at_, what, values, density)) return;
         if (at_.rest < 20)
             return note("noise",
@@ -181,9 +181,9 @@ private:
                                       unit, found));
     }
 
-    void look_at_gravity() {
-        const Vec3 pull = mean_at_rest(r_.force);
-        const double g = gravity_.norm(), size = pull.norm();
+    void check_gravity() {
+        const Vec3 mean_force = mean_at_rest(r_.force);
+        const double g = gravity_.norm(), size = mean_force.norm();
         const double limit = limits_.gravity + 3 * r_.info.force_bias / g;
         if (std::abs(size / g - 1) > limit) {
             const bool in_g = std::abs(size - 1) < 2 * limits_.gravity,
@@ -196,19 +196,20 @@ private:
                             : twice ? ": the recording seems to be in m/s2, not in g"
                                     : ""));
         }
-        const double off =
-            std::acos(std::clamp((r_.info.attitude() * pull).normalized().dot(-gravity_ / g), -1.0,
-                                 1.0)) /
+        const double deviation =
+            std::acos(std::clamp((r_.info.attitude() * mean_force).normalized().dot(-gravity_ / g),
+                                 -1.0, 1.0)) /
             degree;
-        if (off > limits_.frame + 3 * r_.info.attitude_deviation)
+        if (deviation > limits_.frame + 3 * r_.info.attitude_deviation)
             refuse("frame", fmt::format("at rest, turned by its attitude at the start, the force "
                                         "should point upwards; it is {:.0f} degrees off{}",
-                                        off, off > 165 ? ": the sign seems to be reversed" : ""));
+                                        deviation,
+                                        deviation > 165 ? ": the sign seems to be reversed" : ""));
     }
 
     /// A rock that lies still turns with the earth; what its rates show beyond that are bias and
     /// noise.
-    void look_at_rates() {
+    void check_rates() {
         constexpr double earth = 7.3e-5; // rad/s
         const double found =
             median(std::vector<Vec3>(r_.rate.begin(),
@@ -228,7 +229,7 @@ private:
     Inspection at_;
     const Recording& r_;
     Vec3 gravity_;
-    const IntakeLimits& limits_;
+    const QualityControlLimits& limits_;
 };
 
 /// Correlation of two series of vectors over the samples that both have.
@@ -250,10 +251,10 @@ double correlation(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
 
 } // namespace
 
-std::vector<Finding> look_at(const std::vector<Recording>& recordings, const Vec3& gravity,
-                             const IntakeLimits& limits) {
+std::vector<Finding> check_recordings(const std::vector<Recording>& recordings, const Vec3& gravity,
+                                      const QualityControlLimits& limits) {
     std::vector<Finding> findings;
-    for (const Recording& r : recordings) Intake(r, gravity, limits, findings).look();
+    for (const Recording& r : recordings) QualityControl(r, gravity, limits, findings).run();
     for (std::size_t a = 0; a < recordings.size(); ++a)
         for (std::size_t b = a + 1; b < recordings.size(); ++b) {
             const unsigned first = recordings[a].info.id, second = recordings[b].info.id;
@@ -274,8 +275,8 @@ bool accepted(const std::vector<Finding>& findings, unsigned sensor) {
     });
 }
 
-std::string intake_report(const std::vector<Finding>& findings,
-                          const std::vector<Recording>& recordings) {
+std::string quality_control_report(const std::vector<Finding>& findings,
+                                   const std::vector<Recording>& recordings) {
     std::string text;
     for (const Recording& r : recordings) {
         const auto of_sensor = [&](const Finding& f) { return f.sensor == r.info.id; };

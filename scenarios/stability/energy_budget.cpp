@@ -37,8 +37,8 @@ struct Account {
     double total() const { return energy + taken - put_in; }
 };
 
-Account account_of(const World& world) {
-    const Quantities q = measure(world);
+Account budget_of(const World& world) {
+    const Quantities q = compute_quantities(world);
     Account a{q.kinetic_energy + q.elastic_energy, 0, 0};
     const Table& bodies = world.table<Bodies>();
     if (world.has_resource<Gravity>())
@@ -89,14 +89,15 @@ Impact impact(LawName law, double degrees, double friction, bool pair, double dt
     const Vec3 velocity = speed * Vec3(std::sin(angle), 0, -std::cos(angle));
     value_of<Position>(world, ball) = Vec3(0, 0, radius) - 3.3 * dt * velocity;
     value_of<Velocity>(world, ball) = velocity;
-    set_spin(world, ball, Vec3(3, -5, 7));
+    set_angular_velocity(world, ball, Vec3(3, -5, 7));
     if (pair)
         add_sphere(world, Vec3(0, 0, -radius), radius, material);
     else
         add_floor(world, material);
-    Simulation simulation = begin(
-        std::move(world), {.dt = dt, .law = law, .schedule = {.serial = true}, .ledger = true});
-    const double start = account_of(simulation.world()).energy;
+    Simulation simulation =
+        begin(std::move(world),
+              {.dt = dt, .law = law, .schedule = {.serial = true}, .energy_budget = true});
+    const double start = budget_of(simulation.world()).energy;
     Impact found;
     simulation.advance(4);
     for (int k = 0;
@@ -107,7 +108,7 @@ Impact impact(LawName law, double degrees, double friction, bool pair, double dt
         found.least = std::min(found.least, least / start);
     }
     simulation.advance(2);
-    found.closure = std::abs(account_of(simulation.world()).total() / start - 1);
+    found.closure = std::abs(budget_of(simulation.world()).total() / start - 1);
     return found;
 }
 
@@ -185,8 +186,8 @@ double bed_closure(LawName law, Grains grains, bool shear_dashpot, double share,
     add_plane(world, host, Vec3::Zero(), Vec3::UnitZ());
     const double dt =
         share * (is_hertz(law) ? 6e-5 : 3e-5); // of about the step that is just stable
-    Simulation simulation = begin(std::move(world), {.dt = dt, .law = law, .ledger = true});
-    const double start = account_of(simulation.world()).energy;
+    Simulation simulation = begin(std::move(world), {.dt = dt, .law = law, .energy_budget = true});
+    const double start = budget_of(simulation.world()).energy;
     const auto steps = [&](double time) {
         return static_cast<std::uint64_t>(std::llround(time / dt));
     };
@@ -195,7 +196,7 @@ double bed_closure(LawName law, Grains grains, bool shear_dashpot, double share,
     simulation.advance(steps(0.02));
     value_of<DriveVelocity>(simulation, host).setZero();
     simulation.advance(steps(0.12));
-    const Account a = account_of(simulation.world());
+    const Account a = budget_of(simulation.world());
     return std::abs(a.total() - start) / (a.taken + std::abs(a.put_in));
 }
 
@@ -225,7 +226,7 @@ void add_bed(StressRows& rows, std::size_t which, Grains grains, bool shear_dash
 
 } // namespace
 
-StressRows stress_energy_ledger(const StressSettings& s) {
+StressRows stress_energy_budget(const StressSettings& s) {
     StressRows rows;
     for (std::size_t which = 0; which < laws.size(); ++which) add_impacts(rows, which, s);
     for (std::size_t which = 0; which < laws.size(); ++which) {
