@@ -127,7 +127,7 @@ std::filesystem::path Run::file(const std::string& name, const std::string& exte
 }
 
 void Run::describe(Summary& summary) const {
-    summary.add("steps", clock().step);
+    summary.add("steps", steps_in_phase());
     summary.add("wall_time_s", seconds_since(began_));
     const StepCount& count = simulation_.count();
     summary.add("stepping_time_s", count.wall_time);

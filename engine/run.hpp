@@ -115,7 +115,7 @@ public:
     /// NAME.EXT, of a resumed run NAME_from_N.EXT with the step within the phase.
     std::filesystem::path file(const std::string& name, const std::string& extension) const;
 
-    /// Adds what is known of every run: steps, wall times, and the fingerprint of the State.
+    /// Adds what is known of every run: steps of the last phase, wall times, fingerprint of the State.
     void describe(Summary& summary) const;
 
 private:
