@@ -37,9 +37,9 @@ const Archive::Array* Archive::find(const std::string& path) const {
 
 const Archive::Array& Archive::checked(const std::string& path, std::size_t scalar_size) const {
     const Array* array = find(path);
-    require(array != nullptr, "checkpoint: expected '" + path + "', found nothing of that name");
+    require(array != nullptr, "checkpoint: expected an array '" + path + "', found none");
     require(array->scalar_size == scalar_size,
-            "checkpoint: '" + path + "' has values of another size");
+            "checkpoint: '" + path + "' has numbers of a different size");
     return *array;
 }
 

@@ -12,12 +12,13 @@
 
 namespace bris {
 
-/// State laid out as named arrays: what a checkpoint writes, a snapshot keeps and a fingerprint
-/// hashes. Arrays are rows x columns of one scalar, rows in id order.
+/// State laid out as named arrays: the content of a checkpoint, of a snapshot in memory and of a
+/// fingerprint. An array has rows x columns of one scalar type; its rows are in the order of the
+/// ids.
 class Archive {
 public:
     struct Array {
-        std::string path; ///< as "bodies/position"
+        std::string path; ///< for example "bodies/position"
         Scalar scalar;
         std::size_t scalar_size; ///< bytes
         std::size_t columns;
@@ -26,11 +27,11 @@ public:
     };
 
     void put(Array array) { arrays_.push_back(std::move(array)); }
-    /// Null if there is none of that path.
+    /// The array of that path; null if there is none.
     const Array* find(const std::string& path) const;
     const std::vector<Array>& arrays() const { return arrays_; }
 
-    /// Stores plain numbers, one column.
+    /// Stores numbers as an array with one column.
     template <class T>
     void put(const std::string& path, std::span<const T> values) {
         static_assert(std::is_arithmetic_v<T>);
@@ -39,7 +40,8 @@ public:
         if (!values.empty()) std::memcpy(array.bytes.data(), values.data(), values.size_bytes());
         put(std::move(array));
     }
-    /// Reads back what `put` stored. Throws InputError if it is missing or of another size.
+    /// Reads back an array stored by `put`. Throws InputError if the array is missing or its
+    /// numbers have a different size.
     template <class T>
     std::vector<T> get(const std::string& path) const {
         const Array& array = checked(path, sizeof(T));
@@ -53,7 +55,8 @@ private:
     std::vector<Array> arrays_;
 };
 
-/// Stores a few fields (a tuple of references to numbers and flags) as one array; reads them back.
+/// Stores a tuple of references to numbers and flags as one array of doubles; get_fields reads it
+/// back.
 template <class... Fields>
 void put_fields(Archive& archive, const std::string& path,
                 const std::tuple<const Fields&...>& fields) {
@@ -70,10 +73,10 @@ void get_fields(const Archive& archive, const std::string& path,
                fields);
 }
 
-/// 64-bit hash of the shapes and values, in their order, of all arrays whose path starts with
-/// `prefix`. Names are left out, so that renaming a table or a column keeps the fingerprint.
+/// 64-bit hash of the shapes and values of all arrays whose path starts with `prefix`, in their
+/// order. Names are left out, so that renaming a table or a column keeps the fingerprint.
 std::uint64_t fingerprint(const Archive& archive, const std::string& prefix = "");
-/// Sixteen hexadecimal digits of it.
+/// A fingerprint as 16 hexadecimal digits.
 std::string hexadecimal(std::uint64_t fingerprint);
 
 } // namespace bris

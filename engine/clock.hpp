@@ -6,18 +6,19 @@
 
 namespace bris {
 
-/// Simulated time. The step is fixed within a block; time is block start + step * dt, never a sum.
+/// Simulated time. The time step is constant within a block of steps; the time is the start of the
+/// block plus steps * dt, never a running sum.
 struct Clock {
     static constexpr auto name = "clock";
     static constexpr bool is_state = true;
 
     std::uint64_t step = 0;       ///< since the start of the run
-    std::uint64_t block_step = 0; ///< step at which the block began
+    std::uint64_t block_step = 0; ///< step at which the current block began
     double block_time = 0;        ///< s
     double dt = 0;                ///< s
 
     double time() const { return block_time + static_cast<double>(step - block_step) * dt; }
-    /// Begins a block of steps of another length.
+    /// Begins a new block with another time step, `new_dt` (s).
     void change_step(double new_dt) {
         block_time = time();
         block_step = step;

@@ -13,9 +13,9 @@ namespace {
 
 constexpr std::size_t huge_page = std::size_t{1} << 21, page = 4096, line = 64;
 
-// A system walks many columns at the same row. Blocks that all begin at the same place of a page
-// would share the few lines of a cache set, and a load would wait for stores to other columns that
-// look like its own: so each begins elsewhere.
+// A system reads many columns at the same row. Blocks that all begin at the same offset within a
+// page would share the few lines of a cache set, and a load would wait for stores to other columns
+// whose addresses look like its own. Each block therefore begins at a different offset.
 std::size_t next_shift() {
     static std::atomic<std::size_t> count{0};
     const std::size_t k = count++;
@@ -25,8 +25,8 @@ std::size_t next_shift() {
 } // namespace
 
 Column::Block::Block(std::size_t bytes) {
-    // huge pages pay from some ten thousand spheres on: up to a third of the step at 100 000, by
-    // processor (tests/performance/peers/switches)
+    // huge pages pay from about ten thousand spheres on: up to a third of the step time at 100 000,
+    // depending on the processor (tests/performance/peers/switches)
     const bool large = bytes >= huge_page / 4;
     const std::size_t shift = bytes >= 16 * page ? next_shift() : 0,
                       alignment = large ? huge_page : line;

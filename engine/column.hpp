@@ -11,12 +11,12 @@
 
 namespace bris {
 
-/// Whether both are the same type. All of BRIS is one binary, in which a type has one name at one
-/// address; std's == would compare the texts of those that differ.
+/// Whether both are the same type. BRIS is one binary, in which a type has one name at one address;
+/// the == of std::type_index would also compare the texts of different names.
 inline bool same_type(std::type_index a, std::type_index b) { return a.name() == b.name(); }
 
-/// One component of every row of a table: plain bytes, 64-byte aligned, zero on growth. Values are
-/// moved with memcpy, so a component's value must be plain data.
+/// One component of every row of a table, 64-byte aligned; new rows are zero. Values are moved with
+/// memcpy, so a component's value must be plain data.
 class Column {
 public:
     struct Type {
@@ -27,7 +27,7 @@ public:
         std::size_t scalar_size; ///< bytes
         std::size_t value_size;  ///< bytes
         bool is_key = false;
-        bool (*keep)(const std::byte* value) = nullptr; ///< null: every row is kept
+        bool (*keep)(const std::byte* value) = nullptr; ///< null: every row is saved
     };
 
     explicit Column(Type type) : type_(std::move(type)) {}
@@ -39,9 +39,9 @@ public:
     std::byte* bytes() { return block_.data; }
     const std::byte* bytes() const { return block_.data; }
 
-    /// Rows beyond the old size are zero. Memory is kept when shrinking.
+    /// Changes the number of rows; new rows are zero. Shrinking keeps the memory.
     void resize(std::size_t rows);
-    /// Row r becomes what row `new_to_old[r]` was.
+    /// Moves row `new_to_old[r]` to row r.
     void permute(std::span<const Row> new_to_old);
 
     template <Component C>

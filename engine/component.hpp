@@ -7,11 +7,11 @@
 
 namespace bris {
 
-/// What a component's numbers are made of; tells files how to show them.
+/// Kind of the numbers of a component, as files show them.
 enum class Scalar : std::uint8_t { real, integer };
 
-/// Saved in checkpoints and hashed: a run can be continued from its State alone. The value is plain
-/// data made of numbers of one type, `Number`.
+/// Base of a component that is saved in checkpoints and hashed in fingerprints: a run can be
+/// continued from its State alone. The value is plain data made of numbers of one type, `Number`.
 template <class T, class Number = std::conditional_t<std::is_arithmetic_v<T>, T, double>>
 struct State {
     using Value = T;
@@ -20,7 +20,7 @@ struct State {
     static constexpr std::size_t scalar_size = sizeof(Number);
 };
 
-/// Recomputed from State; never saved.
+/// Base of a component that is recomputed from State and never saved.
 template <class T>
 struct Derived {
     using Value = T;
@@ -30,8 +30,9 @@ struct Derived {
 };
 
 /// A column's type: a struct derived from State<T> or Derived<T> with `name` and `unit`. The State
-/// column marked `is_key` names the rows (unsigned numbers, compared in order); a State column with
-/// `static bool keep(const Value&)` lets rows that hold nothing be left out of files.
+/// column marked `is_key` identifies the rows (unsigned integers, compared in lexicographic order).
+/// A State column with `static bool keep(const Value&)` allows rows without content to be left out
+/// of files.
 template <class C>
 concept Component = requires {
     typename C::Value;

@@ -10,7 +10,7 @@ namespace bris {
 
 namespace {
 
-/// Hands out job numbers and keeps the first error; any thread may call.
+/// Hands out job numbers and keeps the error of the lowest-numbered job; any thread may call it.
 class Queue {
 public:
     explicit Queue(std::size_t jobs) : jobs_(jobs) {}
@@ -53,8 +53,8 @@ void run_ensemble(std::size_t jobs, unsigned at_once,
     };
     if (at_once == 0) at_once = std::max(1u, std::thread::hardware_concurrency());
     {
-        std::vector<std::jthread>
-            others; // joined at the end of the block, also if one cannot start
+        // joined at the end of the block, also if one of them cannot start
+        std::vector<std::jthread> others;
         for (std::size_t i = 1; i < std::min<std::size_t>(jobs, at_once); ++i)
             others.emplace_back(work);
         work();

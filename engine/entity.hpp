@@ -5,11 +5,12 @@
 
 namespace bris {
 
-/// A thing of the scene: counted up from 0 within its kind, not reused while things are only added.
-/// Files, options and components store ids; rows are where a thing happens to be now.
+/// Permanent number of an entity (a body, a sphere, a facet, ...). Ids count up from 0 within each
+/// kind and are not reused while entities are only added. Files, options and components store ids;
+/// a row is the entity's current position in memory.
 using EntityId = std::uint32_t;
 
-/// A position in a table now; valid until the next refresh of the pair lists.
+/// Current position of an entity in its table; valid until the next rebuild of the pair lists.
 using Row = std::uint32_t;
 
 inline constexpr EntityId nobody = std::numeric_limits<EntityId>::max();

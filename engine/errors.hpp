@@ -6,7 +6,7 @@
 
 namespace bris {
 
-/// What a process returns to its shell.
+/// Exit code of the process.
 enum class ExitCode : int {
     done = 0,
     bad_input = 2,
@@ -15,18 +15,19 @@ enum class ExitCode : int {
     interrupted = 130
 };
 
-/// Bad option, asset or recording. The message is one line: "file:line: what: expected ..., found
-/// ...".
+/// An invalid option, asset or recording. The message is one line: "file:line: what: expected ...,
+/// found ...".
 struct InputError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// The numbers went wrong: the message names step, time, ids and what to try.
+/// The simulation became unphysical or unstable. The message names the step, the time, the ids
+/// involved and what to try.
 struct SimulationError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// A file could not be read or written.
+/// A file cannot be read or written.
 struct OutputError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };

@@ -8,7 +8,8 @@ namespace bris {
 
 namespace {
 
-// a signal handler can only reach what is static; lock-free, so both handler and threads may use it
+// a signal handler can only access static data; lock-free, so that both the handler and threads may
+// use it
 std::atomic<int> requests{0};
 static_assert(std::atomic<int>::is_always_lock_free);
 
@@ -22,7 +23,7 @@ void catch_interrupts() {
     struct sigaction action {};
     action.sa_handler = ask_to_stop;
     sigemptyset(&action.sa_mask);
-    action.sa_flags = SA_RESTART; // a write in progress is finished, not failed
+    action.sa_flags = SA_RESTART; // a write in progress is completed and does not fail
     sigaction(SIGINT, &action, nullptr);
     sigaction(SIGTERM, &action, nullptr);
 }

@@ -2,11 +2,11 @@
 
 namespace bris {
 
-/// Makes SIGINT and SIGTERM ask for an orderly stop instead of ending the process. A second SIGINT
-/// ends it at once with exit code 130.
+/// Makes SIGINT and SIGTERM request an orderly stop instead of ending the process. A second SIGINT
+/// ends the process at once with exit code 130.
 void catch_interrupts();
 
-/// Whether the user has asked to stop. Any thread may ask; costs one load.
+/// Whether the user has asked to stop. Any thread may call it; it costs one atomic load.
 bool interrupted();
 
 } // namespace bris

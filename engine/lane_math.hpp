@@ -9,9 +9,8 @@
 
 namespace bris {
 
-// Vectors, quaternions and rotations of lane_count bodies at a time, and the columns that they
-// stand in. Every lane goes through the same operations, so a body's bits do not depend on its
-// lane.
+// Vectors, quaternions and rotations of lane_count bodies at a time, and access to their columns.
+// Every lane performs the same operations, so the bits of a body do not depend on its lane.
 
 struct Vec3Lanes {
     Lane x, y, z;
@@ -34,7 +33,7 @@ inline Vec3Lanes operator*(const Lane& s, const Vec3Lanes& a) {
     return {s * a.x, s * a.y, s * a.z};
 }
 inline Vec3Lanes operator*(double s, const Vec3Lanes& a) { return {s * a.x, s * a.y, s * a.z}; }
-/// Number by number.
+/// Component-wise product.
 inline Vec3Lanes scaled(const Vec3Lanes& a, const Vec3Lanes& b) {
     return {a.x * b.x, a.y * b.y, a.z * b.z};
 }
@@ -68,7 +67,7 @@ inline QuatLanes select(LaneMask where, const QuatLanes& a, const QuatLanes& b) 
     return {where ? a.x : b.x, where ? a.y : b.y, where ? a.z : b.z, where ? a.w : b.w};
 }
 
-/// Axes of bodies whose unit quaternions are `q`.
+/// Body axes for the unit quaternions `q`.
 inline AxesLanes axes_of(const QuatLanes& q) {
     const Lane tx = 2.0 * q.x, ty = 2.0 * q.y, tz = 2.0 * q.z;
     const Lane xx = tx * q.x, yy = ty * q.y, zz = tz * q.z, xy = tx * q.y, xz = tx * q.z,
@@ -84,10 +83,10 @@ inline Vec3Lanes to_body(const AxesLanes& axes, const Vec3Lanes& v) {
     return {dot(axes.x, v), dot(axes.y, v), dot(axes.z, v)};
 }
 
-/// Unit quaternions of rotation vectors, as exponential_map(Vec3).
+/// Unit quaternions of the rotation vectors `v` (rad), as exponential_map(Vec3).
 inline QuatLanes exponential_map(const Vec3Lanes& v) {
     Vec3Lanes half = 0.5 * v;
-    Lane squarings{}; // up to a bound: what is infinite stays so
+    Lane squarings{}; // bounded, because an infinite value stays infinite
     for (LaneMask large = dot(half, half) > 1.0 / 16.0; bits(large) != 0;
          large = (dot(half, half) > 1.0 / 16.0) & (squarings < 64.0)) {
         half = select(large, 0.5 * half, half);
@@ -99,14 +98,14 @@ inline QuatLanes exponential_map(const Vec3Lanes& v) {
     return q;
 }
 
-/// Up to lane_count rows of a table that stand one behind the other.
+/// Up to lane_count consecutive rows of a table.
 struct LaneRows {
     Row first;
     int count;
 };
 
-/// From lanes to rows of a table: at(q) of those within count, at.valid(q) of any, the last one
-/// repeated.
+/// Maps lanes to rows of a table: at(q) for a lane below count, at.valid(q) for any lane, with the
+/// last row repeated.
 class ByRow {
 public:
     explicit ByRow(LaneRows rows) : rows_(rows) {}
@@ -117,15 +116,15 @@ private:
     LaneRows rows_;
 };
 
-/// Calls body(LaneRows) for the rows of [first, last).
+/// Calls body(LaneRows) for groups of rows in [first, last).
 template <class Body>
 void for_lane_rows(Row first, Row last, Body&& body) {
     for (Row row = first; row < last; row += lane_count)
         body(LaneRows{row, static_cast<int>(std::min<Row>(lane_count, last - row))});
 }
 
-/// Calls `read` with lane_count rows of `per_row` numbers each: where they stand, or followed by
-/// zeros if the group is short.
+/// Calls `read` with a pointer to lane_count rows of `per_row` numbers: the column itself, or a
+/// copy padded with zeros if the group is short.
 template <std::size_t per_row, class Number, class Read>
 [[gnu::always_inline]] inline auto read_rows(const Number* column, LaneRows rows, Read&& read) {
     alignas(64) std::array<Number, per_row * lane_count> padded;
@@ -139,7 +138,7 @@ template <std::size_t per_row, class Number, class Read>
     return read(at);
 }
 
-/// Lets `write` fill lane_count rows, of which those of the group are kept.
+/// Calls `write` to fill lane_count rows and keeps those that belong to the group.
 template <std::size_t per_row, class Write>
 [[gnu::always_inline]] inline void write_rows(double* column, LaneRows rows, Write&& write) {
     alignas(64) std::array<double, per_row * lane_count> padded;
@@ -166,7 +165,7 @@ inline QuatLanes load(const Quat* column, LaneRows rows) {
         return QuatLanes{q[0], q[1], q[2], q[3]};
     });
 }
-/// Lanes whose row holds `value`.
+/// Mask of the lanes whose row holds `value`.
 inline LaneMask equal(const std::uint32_t* column, LaneRows rows, std::uint32_t value) {
     return read_rows<1>(column, rows,
                         [&](const std::uint32_t* at) { return equal_lanes(at, value); });

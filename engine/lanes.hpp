@@ -11,8 +11,9 @@
 
 namespace bris {
 
-// Vectors by the compiler's own extension: one source for SSE2, AVX2, AVX-512 and Arm. Only IEEE
-// operations, none fused, so every instruction set gives the same bits in every lane.
+// SIMD vectors by the compiler's vector extension: one source for SSE2, AVX2, AVX-512 and Arm. Only
+// IEEE operations are used and none is fused, so every instruction set gives the same bits in every
+// lane.
 
 #ifdef __AVX512F__
 inline constexpr int lane_count = 8;
@@ -20,11 +21,11 @@ inline constexpr int lane_count = 8;
 inline constexpr int lane_count = 4;
 #endif
 
-/// One number for each of `lane_count` contacts.
+/// One number for each of `lane_count` contacts or bodies.
 using Lane [[gnu::vector_size(sizeof(double) * lane_count)]] = double;
-/// All bits of a lane set, or none; what comparing two Lanes gives.
+/// All bits of a lane are set or none; the result of comparing two Lanes.
 using LaneMask [[gnu::vector_size(sizeof(double) * lane_count)]] = std::int64_t;
-/// Half a cache line: x y z and one more.
+/// Half a cache line: x, y, z and one more number.
 using Quad [[gnu::vector_size(4 * sizeof(double)), gnu::may_alias]] = double;
 /// A whole cache line.
 using Line [[gnu::vector_size(8 * sizeof(double)), gnu::may_alias]] = double;
@@ -47,8 +48,8 @@ inline Lane floor(Lane a) {
     return a;
 #endif
 }
-/// 1 / sqrt(a), from a guess g: two steps of Newton leave 3.4 times the fourth power of its
-/// relative error.
+/// 1 / sqrt(a) from an initial guess g: two Newton steps leave 3.4 times the fourth power of the
+/// relative error of g.
 inline Lane inverse_root(Lane a, Lane g) {
     const Lane better = g * (1.5 - 0.5 * a * g * g);
     return better * (1.5 - 0.5 * a * better * better);
@@ -56,7 +57,7 @@ inline Lane inverse_root(Lane a, Lane g) {
 inline Lane min(Lane a, Lane b) { return a < b ? a : b; }
 inline Lane max(Lane a, Lane b) { return a > b ? a : b; }
 
-/// Bit k is set where lane k is.
+/// One bit per lane: bit k is set if lane k of the mask is set.
 inline unsigned bits(LaneMask mask) {
 #if defined __AVX512DQ__
     return _mm512_movepi64_mask(reinterpret_cast<__m512i>(mask));
@@ -69,10 +70,11 @@ inline unsigned bits(LaneMask mask) {
 #endif
 }
 
-/// Bits of a mask that is set everywhere.
+/// Bits of a mask that is set in every lane.
 inline constexpr unsigned all_lanes = (1u << lane_count) - 1;
 
-/// lane_count numbers that stand one behind the other; like all that follow, of any alignment.
+/// Loads lane_count consecutive numbers. The address may have any alignment, here and in all
+/// functions below.
 inline Lane load_lane(const double* numbers) {
     Lane a;
     std::memcpy(&a, numbers, sizeof a);
@@ -80,7 +82,7 @@ inline Lane load_lane(const double* numbers) {
 }
 inline void store_lane(double* numbers, Lane a) { std::memcpy(numbers, &a, sizeof a); }
 
-/// Lanes in which the number is `value`.
+/// Mask of the lanes in which the number is `value`.
 inline LaneMask equal_lanes(const std::uint32_t* numbers, std::uint32_t value) {
     using Numbers [[gnu::vector_size(sizeof(std::uint32_t) * lane_count)]] = std::uint32_t;
     Numbers all;
@@ -94,15 +96,16 @@ inline Quad load(const double* row) {
     return a;
 }
 inline void store(double* row, Quad value) { std::memcpy(row, &value, sizeof value); }
-/// -a where the uppermost bit of `sign` is set, else a; the other bits of `sign` are to be 0.
+/// -a if the highest bit of `sign` is set, otherwise a; the other bits of `sign` must be 0.
 inline Quad flipped(Quad a, std::uint32_t sign) {
     using Bits [[gnu::vector_size(sizeof(Quad)), gnu::may_alias]] = std::int64_t;
     return reinterpret_cast<Quad>(reinterpret_cast<Bits>(a) ^
                                   static_cast<std::int64_t>(std::uint64_t{sign} << 32));
 }
 
-/// Cross product of the first three as z x y: sums of many are turned round once, at their end. The
-/// fourth is a[3]*b[3] - a[3]*b[3] = 0 for finite numbers.
+/// Cross product of the first three numbers in the order z, x, y: a sum of many such products is
+/// rotated to x, y, z once, at its end. The fourth number is a[3]*b[3] - a[3]*b[3] = 0 for finite
+/// numbers.
 inline Quad turned_cross(Quad a, Quad b) {
     const Quad a_turned = __builtin_shufflevector(a, a, 1, 2, 0, 3);
     const Quad b_turned = __builtin_shufflevector(b, b, 1, 2, 0, 3);
@@ -113,7 +116,7 @@ inline Quad cross(Quad a, Quad b) {
     return __builtin_shufflevector(c, c, 1, 2, 0, 3);
 }
 
-/// Rows of four numbers, one a lane, as four Lanes; and back (the same shuffles).
+/// Rows of four numbers, one row per lane, as four Lanes, and the reverse (by the same shuffles).
 using FourLanes = std::array<Lane, 4>;
 
 namespace detail {
@@ -137,7 +140,7 @@ inline Lane high(Lane a, Lane b) { return __builtin_shufflevector(a, b, 2, 3, 6,
 
 } // namespace detail
 
-/// Rows q and q + 4 side by side in entry q (only row q where a Lane is one Quad).
+/// Loads row_of(q) into entry q; with 8 lanes, rows q and q + 4 side by side.
 template <class RowOf>
 FourLanes load_rows(RowOf&& row_of) {
     FourLanes rows;
@@ -151,7 +154,7 @@ FourLanes load_rows(RowOf&& row_of) {
     return rows;
 }
 
-/// The same four numbers for each of the rows that load_rows lays side by side.
+/// The same four numbers for each of the rows that load_rows places side by side.
 inline Lane in_each_row(Quad a) {
 #ifdef __AVX512F__
     return detail::join(a, a);
@@ -160,7 +163,7 @@ inline Lane in_each_row(Quad a) {
 #endif
 }
 
-/// 4x4 transposes inside the lanes: rows to columns and columns to rows.
+/// 4x4 transposes within the lanes: from rows to columns and from columns to rows.
 inline FourLanes transpose(const FourLanes& r) {
     using namespace detail;
     const Lane a = even(r[0], r[1]), b = odd(r[0], r[1]), c = even(r[2], r[3]), d = odd(r[2], r[3]);
@@ -174,7 +177,7 @@ inline Lane row_sums(const FourLanes& r) {
     return low(a, b) + high(a, b);
 }
 
-/// Writes row q of `rows` (as load_rows lays them out) to row_of(q), for the first `count` lanes.
+/// Writes row q of `rows` (in the layout of load_rows) to row_of(q), for the first `count` lanes.
 template <class RowOf>
 void store_rows(const FourLanes& rows, int count, RowOf&& row_of) {
     for (int q = 0; q < 4; ++q) {
@@ -188,7 +191,7 @@ void store_rows(const FourLanes& rows, int count, RowOf&& row_of) {
     }
 }
 
-/// Vectors of three numbers that stand one behind the other, one a lane, as x, y and z; and back.
+/// Consecutive vectors of three numbers, one vector per lane, as x, y and z, and the reverse.
 using ThreeLanes = std::array<Lane, 3>;
 
 inline ThreeLanes load_triples(const double* rows) {

@@ -18,7 +18,7 @@ double gigabytes(double bytes) { return bytes / 0x1p30; }
 std::uint64_t machine_memory() {
     std::uint64_t bytes = static_cast<std::uint64_t>(sysconf(_SC_PHYS_PAGES)) *
                           static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE));
-    std::ifstream group("/sys/fs/cgroup/memory.max"); // "max" where there is no limit
+    std::ifstream group("/sys/fs/cgroup/memory.max"); // "max" if there is no limit
     if (std::uint64_t most = 0; group >> most) bytes = std::min(bytes, most);
     return bytes;
 }
@@ -28,13 +28,13 @@ void limit_memory(std::uint64_t bytes, unsigned threads) {
     const double least = bytes_of_process + bytes_of_thread * threads,
                  found = static_cast<double>(bytes);
     require(found >= least, fmt::format("--memory: expected 0 (no limit) or at least {:.3g} GiB, "
-                                        "which a process of {} threads takes, found {:.3g}",
+                                        "which a process with {} threads needs, found {:.3g}",
                                         gigabytes(least) + 0.0005, threads, gigabytes(found)));
     rlimit limit{};
     getrlimit(RLIMIT_DATA, &limit);
     limit.rlim_cur = std::min<rlim_t>(bytes, limit.rlim_max);
     require(setrlimit(RLIMIT_DATA, &limit) == 0,
-            fmt::format("--memory: expected a limit that this system takes, found {:.3g} GiB",
+            fmt::format("--memory: expected a limit that this system accepts, found {:.3g} GiB",
                         gigabytes(static_cast<double>(bytes))));
 }
 
@@ -43,10 +43,11 @@ void require_memory(const std::string& option, double count, double bytes, std::
     const bool asked = limit > 0 && limit < machine;
     const double most = static_cast<double>(asked ? limit : machine);
     require(bytes <= most,
-            fmt::format("--{}: expected what fits in {:.3g} GiB ({}), found {:.6g}, which take "
-                        "about {:.3g} GiB",
-                        option, gigabytes(most), asked ? "--memory" : "all that this machine has",
-                        count, gigabytes(bytes)));
+            fmt::format(
+                "--{}: expected a number that fits in {:.3g} GiB ({}), found {:.6g}, which needs "
+                "about {:.3g} GiB",
+                option, gigabytes(most), asked ? "--memory" : "the memory of this machine", count,
+                gigabytes(bytes)));
 }
 
 } // namespace bris

@@ -5,20 +5,21 @@
 
 namespace bris {
 
-/// Bytes that this process may have: the machine's, or what its control group (a container) allows
-/// if that is less.
+/// Memory in bytes that this process may use: that of the machine, or the limit of its control
+/// group (a container) if that is less.
 std::uint64_t machine_memory();
 
-/// Bytes of data that a process has before there is a scene, much of which it never touches, and
-/// those of each thread.
+/// Bytes of data that a process reserves before a scene exists, much of which it never touches, and
+/// bytes per thread.
 inline constexpr double bytes_of_process = 1.3e8, bytes_of_thread = 4e6;
 
-/// Lets every allocation fail that would bring the process beyond `bytes` of data; 0: no limit.
-/// Throws InputError, also where `threads` could not even begin.
+/// Makes every allocation fail that would take the data of the process beyond `bytes`; 0: no limit.
+/// Throws InputError if the limit cannot be set or is too small for `threads` threads to start.
 void limit_memory(std::uint64_t bytes, unsigned threads);
 
-/// Refuses what cannot fit, before anything is allocated. `option` asks for `count` things, which
-/// take about `bytes` together; `limit`: bytes, of --memory, 0 if there is none. Throws InputError.
+/// Rejects a request that cannot fit in memory, before anything is allocated. The option named
+/// `option` requests `count` items, which need about `bytes` bytes in total. `limit`: bytes given
+/// by --memory, 0 if there is no limit. Throws InputError.
 void require_memory(const std::string& option, double count, double bytes, std::uint64_t limit);
 
 } // namespace bris

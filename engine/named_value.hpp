@@ -9,8 +9,8 @@
 
 namespace bris {
 
-/// A flat key (unit as a suffix, `confining_pressure_Pa`) and its value: what settings and results
-/// are written as, into summary.json and into the attributes of a run file.
+/// A flat key (with the unit as a suffix, as in `confining_pressure_Pa`) and its value: the form in
+/// which settings and results are written to summary.json and to the attributes of a run file.
 struct NamedValue {
     using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
 

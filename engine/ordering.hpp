@@ -8,11 +8,11 @@
 
 namespace bris {
 
-/// Where each id stands: entry i is the row of id i. Sums over a scene are taken in this order, so
-/// that they do not depend on the rows.
+/// Row of each id: entry i is the row of id i. Sums over a scene are taken in this order, so that
+/// they do not depend on the order of the rows.
 std::vector<Row> rows_by_id(std::span<const EntityId> ids);
 
-/// The sum of a column in that order.
+/// Sum of a column in the order of `rows`.
 inline double sum_by_id(std::span<const Row> rows, std::span<const double> values) {
     double sum = 0;
     for (const Row r : rows) sum += values[r];
@@ -22,8 +22,9 @@ inline double sum_by_id(std::span<const Row> rows, std::span<const double> value
 /// Interleaves the low 21 bits of three cell numbers.
 std::uint64_t morton_code(std::uint32_t x, std::uint32_t y, std::uint32_t z);
 
-/// The order of `positions` along a Morton curve of cells of side `cell` (m, > 0), ties by id: a
-/// total order, so any sort gives the same. Entry r is the old row of the new row r.
+/// Order of `positions` along a Morton curve of cells with side `cell` (m, > 0). Ties are ordered
+/// by id: the order is total, so every sorting algorithm gives the same result. Entry r is the old
+/// row of the new row r.
 std::vector<Row> morton_order(std::span<const Vec3> positions, std::span<const EntityId> ids,
                               double cell);
 

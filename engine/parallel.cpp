@@ -29,7 +29,7 @@ unsigned all_cores() {
 struct Threads::Arena {};
 
 namespace {
-std::atomic<unsigned> team{1}; // the sanitizer build knows one team at a time
+std::atomic<unsigned> team{1}; // the sanitizer build supports one team at a time
 }
 
 Threads::Threads(unsigned count) : count_(count == 0 ? all_cores() : count) {}
@@ -59,8 +59,8 @@ void detail::run_chunks(std::size_t chunks, ChunkBody body, void* context) {
 
 struct Threads::Arena {
     explicit Arena(unsigned count) : arena(static_cast<int>(count)) {
-        // more threads than cores may be asked for, to test that nothing depends on their number;
-        // once for the process, since of several limits the least would hold
+        // More threads than cores may be requested, to test that nothing depends on their number.
+        // Set once for the process, since the lowest of several limits would hold.
         static const tbb::global_control allowed(tbb::global_control::max_allowed_parallelism,
                                                  4096);
     }
@@ -80,7 +80,7 @@ void detail::run_chunks(std::size_t chunks, ChunkBody body, void* context) {
         for (std::size_t chunk = 0; chunk < chunks; ++chunk) body(context, chunk);
         return;
     }
-    // isolated: a thread that waits here must not start another system's work in the middle
+    // isolated, because a thread that waits here must not start work of another system
     tbb::this_task_arena::isolate([&] {
         tbb::parallel_for(
             tbb::blocked_range<std::size_t>(0, chunks, 1),

@@ -6,16 +6,16 @@
 
 namespace bris {
 
-/// The threads of one world. All parallel loops of the house run through here; with
-/// BRIS_STD_THREADS (thread sanitizer) on std::thread, otherwise on a oneTBB arena.
+/// The threads of one simulation. All parallel loops of BRIS run through this class: on std::thread
+/// with BRIS_STD_THREADS (for the thread sanitizer), otherwise on a oneTBB arena.
 class Threads {
 public:
-    /// `count` threads, 0 for all cores.
+    /// `count`: number of threads; 0: all cores.
     explicit Threads(unsigned count);
     ~Threads();
     Threads(const Threads&) = delete;
     unsigned count() const { return count_; }
-    /// Runs `work` with this team; loops inside it use these threads and no others.
+    /// Runs `work` with this team; loops inside it use these threads only.
     void run(const std::function<void()>& work);
 
 private:
@@ -24,7 +24,7 @@ private:
     std::unique_ptr<Arena> arena_;
 };
 
-/// Threads that a loop started here runs on: those of the team whose work this is.
+/// Number of threads that a loop started at this point runs on.
 unsigned team_size();
 
 namespace detail {
@@ -33,7 +33,8 @@ void run_chunks(std::size_t chunks, ChunkBody body, void* context);
 } // namespace detail
 
 /// Calls body(chunk, first, last) for chunks of `grain` rows, in any order and on any thread. The
-/// cut depends on n and grain only. A body writes only what belongs to its rows or its chunk.
+/// division into chunks depends on n and grain only. A body must write only what belongs to its
+/// rows or its chunk.
 template <class Body>
 void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
     const std::size_t chunks = (n + grain - 1) / grain;
@@ -51,8 +52,8 @@ void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
         &context);
 }
 
-/// Sum of term(i) over i < n, bitwise the same for any number of threads: partial sums over fixed
-/// blocks of 1024, added in order.
+/// Sum of term(i) over i < n: partial sums over fixed blocks of 1024 terms, added in order. The
+/// bits are the same for any number of threads.
 template <class Sum, class Term>
 Sum sum_in_order(std::size_t n, Sum zero, Term&& term) {
     Sum total = zero;

@@ -2,9 +2,9 @@
 
 namespace bris {
 
-/// Asks for the cache line of an address that will be read soon, or `for_writing`; any address,
-/// valid or not. g++ takes functions that do nothing but __builtin_prefetch for free of effects and
-/// leaves calls of them out; the empty statement keeps them.
+/// Requests the cache line of an address that will soon be read, or written with `for_writing`. The
+/// address need not be valid. g++ treats functions that contain only __builtin_prefetch as free of
+/// side effects and drops calls to them; the empty asm statement prevents that.
 template <bool for_writing = false>
 inline void prefetch(const void* address) {
     __builtin_prefetch(address, for_writing ? 1 : 0);

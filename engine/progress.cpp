@@ -34,13 +34,14 @@ Progress::Style resolved(Progress::Style style, std::FILE* out) {
     return isatty(fileno(out)) ? Progress::Style::rewritten : Progress::Style::lines;
 }
 
-/// How far a run was, and when.
+/// Progress of a run at one time.
 struct Mark {
     double fraction = 0;
     Instant time{};
 };
 
-/// The rate of a phase, measured from one of two marks that follow it at a twentieth of the phase.
+/// Rate of progress of a phase, measured from the older of two marks, which follow the run at
+/// intervals of a twentieth of the phase.
 class Rate {
 public:
     void begin(const Mark& now) { older_ = newer_ = now; }
@@ -49,7 +50,7 @@ public:
         older_ = newer_;
         newer_ = now;
     }
-    /// s, until the phase is over; nothing while too little of it was seen.
+    /// Time (s) until the phase ends; nothing until enough progress was measured.
     std::optional<double> time_left(const Mark& now) const {
         const double done = now.fraction - older_.fraction,
                      elapsed = std::chrono::duration<double>(now.time - older_.time).count();
@@ -71,7 +72,7 @@ struct Progress::State {
         bool shown = false;
     };
 
-    /// "shear 42 %, axial strain 3.4 %, eta 01:23 | shear 40 %, ..." of the runs that go on.
+    /// "shear 42 %, axial strain 3.4 %, eta 01:23 | shear 40 %, ..." for the runs in progress.
     std::string line() const {
         std::string text;
         for (const Slot& slot : slots) {
@@ -135,7 +136,8 @@ void Progress::report(unsigned slot, const PhaseProgress& now) {
     }
     const Instant time = this_instant();
     const bool begins = !mine.shown || now.phase != mine.now.phase ||
-                        now.fraction < mine.now.fraction; // of a new run, or one that began again
+                        // of a new or restarted run
+                        now.fraction < mine.now.fraction;
     mine.now = now;
     mine.now.fraction = std::isfinite(now.fraction) ? std::min(now.fraction, 1.0) : -1;
     mine.time = time;

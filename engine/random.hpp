@@ -6,20 +6,21 @@
 
 namespace bris {
 
-/// Counter-based random numbers: a draw is a pure function of (seed, stream, counter), so neither
-/// threads nor the order of insertion can change it. SplitMix64 finaliser (Steele et al. 2014).
+/// Counter-based random numbers: a draw is a pure function of (seed, stream, counter), so that it
+/// depends neither on threads nor on the order of insertion. SplitMix64 finaliser (Steele et al.
+/// 2014).
 class Random {
 public:
     Random(std::uint64_t seed, std::uint64_t stream)
         : key_(mix(mix(seed + 0x9e3779b97f4a7c15u) ^ (stream * 0xbf58476d1ce4e5b9u + 1))) {}
 
-    /// Uniform 64 bits.
+    /// 64 uniformly distributed bits.
     std::uint64_t bits() { return mix(key_ + 0x9e3779b97f4a7c15u * ++counter_); }
     /// Uniform in [0, 1).
     double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
     /// Uniform in [low, high).
     double uniform(double low, double high) { return low + (high - low) * uniform(); }
-    /// Standard normal (Box-Muller, one of the pair).
+    /// Standard normal (Box-Muller, using one of the pair).
     double normal() {
         const double radius = std::sqrt(-2 * std::log(1 - uniform()));
         return radius * std::cos(2 * pi * uniform());
@@ -29,7 +30,7 @@ public:
         const double z = uniform(-1, 1), angle = 2 * pi * uniform(), s = std::sqrt(1 - z * z);
         return {s * std::cos(angle), s * std::sin(angle), z};
     }
-    /// Uniform over rotations (Shoemake 1992).
+    /// Uniformly distributed rotation (Shoemake 1992).
     Quat rotation() {
         const double u = uniform(), a = 2 * pi * uniform(), b = 2 * pi * uniform();
         const double s = std::sqrt(1 - u), t = std::sqrt(u);

@@ -12,7 +12,7 @@ bool was_stopped_by_guard(const std::filesystem::path& path) {
     return path.filename().string().find(".stopped.") != std::string::npos;
 }
 
-/// Of a folder of results, the checkpoint that was written last.
+/// The checkpoint in a folder of results that was written last.
 std::filesystem::path last_checkpoint(const std::filesystem::path& folder) {
     std::filesystem::path last;
     for (const auto& entry : std::filesystem::directory_iterator(folder)) {

@@ -14,8 +14,8 @@ struct RowRange {
     std::size_t size() const { return last - first; }
 };
 
-/// What a system receives of one table: the named columns, `const` ones to read, others to write,
-/// and the rows it is to work on. Columns are indexed by row over the whole table.
+/// View of one table for a system: the columns in its signature (`const`: read, otherwise: written)
+/// and the range of rows to work on. Columns are indexed by row over the whole table.
 template <Kind K, class... Cs>
 class Rows {
 public:

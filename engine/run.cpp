@@ -14,7 +14,8 @@ namespace bris {
 
 namespace {
 
-constexpr std::uint64_t longest_block = 100; // steps between looks at the clock on the wall
+// largest number of steps between readings of the wall clock
+constexpr std::uint64_t longest_block = 100;
 constexpr auto position_path = "run/position";
 
 } // namespace
@@ -26,14 +27,14 @@ void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgre
         report(steps.progress());
         if (interrupted()) {
             if (steps.save) steps.save();
-            throw Interrupted(fmt::format("interrupted; go on with {}", steps.resume_hint));
+            throw Interrupted(fmt::format("interrupted; continue with {}", steps.resume_hint));
         }
         if (steps.save && timer.is_due()) {
             steps.save();
             timer.restart();
         }
     }
-    if (advanced) report({}); // over
+    if (advanced) report({}); // the run has ended
 }
 
 std::uint64_t steps_of(double duration, double dt, const std::string& option) {
@@ -79,7 +80,7 @@ void Run::go(const std::vector<Phase>& phases) {
         }
     } catch (const SimulationError& error) {
         save_as(name_ + ".stopped");
-        throw SimulationError(fmt::format("{} (state in {})", error.what(),
+        throw SimulationError(fmt::format("{} (state saved in {})", error.what(),
                                           checkpoint_file(name_ + ".stopped").string()));
     }
     save();

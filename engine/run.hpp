@@ -15,72 +15,73 @@
 
 namespace bris {
 
-/// What the loop of a run needs to know; every run of BRIS goes through `run_loop`.
+/// Callbacks of the time loop; every run of BRIS goes through `run_loop`.
 struct LoopSteps {
-    std::function<bool()> advance;           ///< one block of steps; false when there are no more
+    std::function<bool()> advance;           ///< runs one block of steps; false: no more steps
     std::function<PhaseProgress()> progress; ///< called after each block
     std::function<void()> save = {};         ///< writes a checkpoint; empty: nothing is saved
-    std::string resume_hint =
-        {}; ///< how the user goes on after an interruption, as "--resume FILE"
+    /// Option with which the user continues after an interruption, as "--resume FILE".
+    std::string resume_hint = {};
 };
 
-/// When the next checkpoint of a run is due: after `interval` seconds of wall time.
+/// Determines when the next checkpoint is due: after `interval` seconds of wall time.
 class CheckpointTimer {
 public:
     explicit CheckpointTimer(double interval = 30) : interval_(interval) {}
     bool is_due() const { return seconds_since(last_) >= interval_; }
-    void restart() { last_ = this_instant(); } ///< after writing: a slow disk gets its rest
+    /// Called after writing, so that checkpoints on a slow disk do not follow each other at once.
+    void restart() { last_ = this_instant(); }
 
 private:
     double interval_; // s
     Instant last_ = this_instant();
 };
 
-/// The time loop: advances block by block until there is nothing more to do, reports progress,
-/// saves checkpoints when they are due, and when the user asks to stop saves one and throws
-/// Interrupted. None of it changes a bit of what is computed.
+/// The time loop: advances block by block until there are no more steps, reports progress and saves
+/// checkpoints when they are due. When the user asks to stop, it saves a checkpoint and throws
+/// Interrupted. None of this changes a bit of the computed results.
 void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgress& report);
 
-/// The line of progress of a scenario, with a slot for each run that goes on at once.
+/// The progress line of a scenario, with one slot for each concurrent run.
 Progress make_progress(const Common& common, unsigned slots = 1);
 
 /// One phase of a run.
 struct Phase {
-    /// Advances the simulation by one block of steps; false when the phase is over.
+    /// Advances the simulation by one block of steps; returns false when the phase is over.
     std::function<bool(Simulation&)> advance;
     std::function<PhaseProgress(const World&)> progress;
-    /// Called when the phase begins, not where a run is resumed within it.
+    /// Called when the phase begins, but not when a run is resumed within it.
     std::function<void(Simulation&)> begin = {};
 };
 
-/// A phase of given length with samples at equal intervals.
+/// A phase with a given number of steps and samples at equal intervals.
 struct TimedPhase {
     std::string name;
     std::uint64_t steps = 0;        ///< length of the phase, > 0
     std::uint64_t sample_every = 0; ///< steps between samples, > 0
-    /// Called at multiples of `sample_every` and at the end with the number of steps since the
-    /// phase began; false ends the phase.
+    /// Called at multiples of `sample_every` and at the end, with the number of steps since the
+    /// phase began; returning false ends the phase.
     std::function<bool(Simulation&, std::uint64_t step)> sample;
-    std::function<std::string(const World&)> status = {}; ///< for the line of progress
-    std::function<void(Simulation&)> begin = {};          ///< as in Phase
+    std::function<std::string(const World&)> status = {}; ///< for the progress line
+    std::function<void(Simulation&)> begin = {};          ///< see Phase
 };
 
-/// Steps of a duration (s) in time steps of `dt` (s), rounded. `option` names the duration in the
-/// message. Throws InputError unless it is 1 to 1e15 steps.
+/// Number of time steps `dt` (s) in a `duration` (s), rounded. `option` names the duration in the
+/// message. Throws InputError unless the result is 1 to 1e15 steps.
 std::uint64_t steps_of(double duration, double dt, const std::string& option);
 
-/// One simulation from its first step to its last: the phases in their order, checkpoints
-/// NAME.ckpt.h5 in the folder of the results, resuming to the same bits, interruption, and what is
-/// known at the end of every run.
+/// One simulation from its first step to its last: runs the phases in order, writes checkpoints
+/// NAME.ckpt.h5 to the folder of results, resumes them to the same bits, handles interruption, and
+/// adds general results to the summary.
 class Run {
 public:
-    /// `common`: folder, settings and name of the scenario that the checkpoints carry. The
-    /// simulation has to outlive the run.
+    /// `common`: folder of results, settings and scenario name that the checkpoints carry. The
+    /// simulation must outlive the run.
     Run(Simulation& simulation, const Common& common, const std::string& name,
         ReportProgress report);
 
     /// Saves an object beside the State of the world in every checkpoint, and loads it when the run
-    /// is resumed: anything with `save(Archive&)` and `load(const Archive&)`. It has to outlive the
+    /// is resumed. The object has `save(Archive&)` and `load(const Archive&)` and must outlive the
     /// run.
     template <class T>
     void keep(T& kept) {
@@ -88,34 +89,35 @@ public:
                          [&kept](const Archive& archive) { kept.load(archive); }});
     }
 
-    /// Goes on from a checkpoint, or from the last one in a folder; settings in `may_differ` may
-    /// have changed since. Throws InputError, OutputError.
+    /// Continues from a checkpoint, or from the last one in a folder. Settings in `may_differ` may
+    /// have changed since it was written. Throws InputError, OutputError.
     void resume(const std::filesystem::path& path,
                 const std::vector<std::string_view>& may_differ = {});
     bool is_resumed() const { return resumed_; }
 
-    /// Runs the phases (the rest of them where it was resumed) and saves a last checkpoint. Where a
-    /// guard stops the run its state is saved as NAME.stopped.ckpt.h5, and the message names the
-    /// file. Throws SimulationError, Interrupted, OutputError.
+    /// Runs the phases (after resuming, those that remain) and saves a last checkpoint. If a guard
+    /// stops the run, the state is saved as NAME.stopped.ckpt.h5 and the message names the file.
+    /// Throws SimulationError, Interrupted, OutputError.
     void go(const std::vector<Phase>& phases);
-    /// The phase of `go` that takes a number of steps.
+    /// A timed phase in the form that `go` takes.
     Phase timed(TimedPhase phase) const;
 
-    /// For a timed phase that a checkpoint may have finished already: throws InputError, naming the
-    /// option of its duration, unless more than what was done is asked for.
+    /// Checks a timed phase that the checkpoint may already have completed: throws InputError,
+    /// naming the option of its duration, unless `steps` exceeds the steps done.
     void require_steps_left(std::uint64_t steps, const std::string& option) const;
 
     void save() { save_as(name_); }
-    /// The same as another file NAME.ckpt.h5 in the folder of the results.
+    /// Saves a checkpoint as NAME.ckpt.h5 in the folder of results.
     void save_as(const std::string& name) const;
-    std::uint64_t phase() const { return position_.phase; } ///< at hand, in the list given to `go`
-    /// Steps since the phase at hand began.
+    /// index of the current phase in the list given to `go`
+    std::uint64_t phase() const { return position_.phase; }
+    /// Steps since the current phase began.
     std::uint64_t steps_in_phase() const { return clock().step - position_.first_step; }
-    /// A file in the folder of the results, for what cannot be appended to the one of before:
-    /// NAME.EXT, of a resumed run NAME_from_N.EXT with the step within the phase.
+    /// A file NAME.EXT in the folder of results that cannot be appended to when a run is resumed:
+    /// after resuming it is NAME_from_N.EXT, where N is the step within the phase.
     std::filesystem::path file(const std::string& name, const std::string& extension) const;
 
-    /// Adds what is known of every run: steps of the last phase, wall times, fingerprint of the State.
+    /// Adds the results that every run has: steps of the last phase, wall times, and the fingerprint of the State.
     void describe(Summary& summary) const;
 
 private:
@@ -123,7 +125,7 @@ private:
         std::function<void(Archive&)> save;
         std::function<void(const Archive&)> load;
     };
-    /// Where the run is in the list of its phases.
+    /// Position of the run in the list of phases.
     struct Position {
         std::uint64_t phase = 0, first_step = 0;
         bool begun = false;

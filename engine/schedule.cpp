@@ -24,7 +24,7 @@ bool conflict(const System& a, const System& b) {
     return false;
 }
 
-// two row-local systems may share a pass if all they share belongs to the row itself
+// two row-local systems may share a pass if all data that they share belong to the row itself
 bool may_share_pass(const System& a, const System& b) {
     for (const Access& x : a.accesses)
         for (const Access& y : b.accesses)
@@ -32,9 +32,9 @@ bool may_share_pass(const System& a, const System& b) {
     return true;
 }
 
-/// Rows a chunk of row-local systems: as many as stay in the cache from one system to the next,
-/// since each call costs some 50 ns; with several threads less, in whole lanes, so that none waits
-/// long for another.
+/// Rows per chunk of row-local systems: as many as stay in the cache from one system to the next,
+/// since each call costs some 50 ns. With several threads there are fewer, in multiples of the
+/// lanes, so that no thread waits long for another.
 std::size_t rows_per_chunk(std::size_t rows) {
     constexpr std::size_t least = 32, most = 2048;
     const std::size_t threads = team_size();
@@ -57,8 +57,9 @@ struct Schedule::Plan {
     };
     std::vector<Node> nodes;
     std::vector<bool> live;
-    bool chain = true;            // no width: a loop does it
-    Schedule* schedule = nullptr; // of this run: a schedule may be moved between runs
+    // no node can run beside another, so a loop suffices
+    bool chain = true;
+    Schedule* schedule = nullptr; // schedule of the current run: it may be moved between runs
     World* world = nullptr;
 #ifndef BRIS_STD_THREADS
     using GraphNode = tbb::flow::continue_node<tbb::flow::continue_msg>;
@@ -85,7 +86,7 @@ void Schedule::prepare(World& world) {
         const System& s = steps_[i];
         missing_.push_back(s.missing(world));
         if (s.required && !missing_.back().empty() && s.lacks_only_columns(world))
-            throw std::logic_error("the scene does not fit its steps: " + s.name + " finds " +
+            throw std::logic_error("the scene does not match its step list: " + s.name + " finds " +
                                    missing_.back());
         calls_.push_back(missing_.back().empty() ? s.bind(world) : System::Call());
         chunked_.push_back(s.row_local ? world.find_table(*s.row_local) : nullptr);
@@ -105,7 +106,7 @@ std::vector<bool> Schedule::live_systems(std::uint64_t due) const {
         if (!a.writes) return false;
         for (const auto& w : wanted_)
             if (w == a.component) return true;
-        // whoever reads it: later in this step, or early in the next
+        // any reader counts, later in this step or early in the next
         for (std::size_t j = 0; j < steps_.size(); ++j)
             if (live[j])
                 for (const Access& b : steps_[j].accesses)
@@ -146,7 +147,7 @@ Schedule::Plan& Schedule::plan_for(std::uint64_t due) {
         }
         if (!joined) plan.nodes.push_back({{i}, {}, 0, s.name});
     }
-    // edges to all earlier nodes in conflict, less those already implied
+    // edges to all earlier conflicting nodes, except those implied by other edges
     std::vector<std::vector<bool>> reach(plan.nodes.size());
     for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
         reach[n].assign(plan.nodes.size(), false);
@@ -189,7 +190,7 @@ void Schedule::run_node(Plan& plan, std::size_t node, World&) {
 void Schedule::run(World& world) {
     std::uint64_t due = 0;
     for (std::size_t k = 0; k < conditional_.size(); ++k) {
-        // neighbours in the list often share their condition: asked once
+        // adjacent systems often share their condition, which is then evaluated once
         const auto asks = steps_[conditional_[k]].due;
         const bool asked = k > 0 && asks == steps_[conditional_[k - 1]].due;
         if (asked ? ((due >> (k - 1)) & 1) != 0 : asks(world)) due |= std::uint64_t{1} << k;
@@ -216,7 +217,7 @@ void Schedule::run(World& world) {
 #ifndef BRIS_STD_THREADS
     if (!plan.chain && !settings_.serial && team_size() > 1) {
         if (!plan.graph) {
-            // built inside the world's arena: a flow graph runs where it was made
+            // built inside the simulation's arena, because a flow graph runs where it was created
             plan.graph = std::make_unique<tbb::flow::graph>();
             plan.start =
                 std::make_unique<tbb::flow::broadcast_node<tbb::flow::continue_msg>>(*plan.graph);
@@ -277,7 +278,8 @@ std::string Schedule::explain() const {
         if (!missing_[i].empty())
             text += fmt::format("  {}: absent ({})\n", steps_[i].name, missing_[i]);
         else if (!plan.live[i])
-            text += fmt::format("  {}: unwanted (nobody reads what it derives)\n", steps_[i].name);
+            text +=
+                fmt::format("  {}: unwanted (no system reads what it derives)\n", steps_[i].name);
     text += "digraph step {\n";
     for (std::size_t n = 0; n < plan.nodes.size(); ++n) {
         text += fmt::format("  n{} [label=\"{}\"];\n", n, plan.nodes[n].name);

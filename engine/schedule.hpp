@@ -9,22 +9,25 @@
 
 namespace bris {
 
-/// How the graph is to be run; every choice gives the same bits.
+/// How the task graph is run; every choice gives the same bits.
 struct ScheduleSettings {
-    bool serial = false;     ///< the list in order, one system after the other
-    bool fused = true;       ///< neighbours that work row by row in one pass over the rows
-    bool last_order = false; ///< another valid order: of the systems that could be next, the last
-    bool timed = false;      ///< wall time per node
-    std::size_t least_rows = 4000; ///< of all tables, from which on several threads pay: to hand
-                                   ///< work over takes some microseconds a system
-    std::size_t grain =
-        0; ///< rows a chunk of row-local systems; 0: by the rows and threads that there are
+    bool serial = false; ///< runs the systems one after another in the order of the list
+    bool fused = true;   ///< runs adjacent row-local systems in one pass over the rows
+    /// Another valid order: of the systems that could run next, the last one runs.
+    bool last_order = false;
+    bool timed = false; ///< measures the wall time per node
+    /// Number of rows of all tables from which on several threads pay; handing work to another
+    /// thread takes some microseconds per system.
+    std::size_t least_rows = 4000;
+    /// Rows per chunk of row-local systems; 0: chosen from the numbers of rows and threads.
+    std::size_t grain = 0;
 };
 
-/// Turns the step list into what runs. The order of the list is the meaning; an edge joins two
-/// systems that touch the same data, one of them writing. Systems are left out when the scene
-/// lacks what they need (absent), when nobody reads what they derive (unwanted), and in steps in
-/// which they are not due. Neighbours that are row-local on one table become one node.
+/// Turns the step list into a task graph. The order of the list defines the result; two systems are
+/// connected by an edge if they access the same data and one of them writes it. A system is left
+/// out if the scene lacks data that it needs (absent), if no system reads what it derives
+/// (unwanted), and in steps in which it is not due. Adjacent systems that are row-local on the same
+/// table become one node.
 class Schedule {
 public:
     explicit Schedule(StepList steps, ScheduleSettings settings = {});
@@ -32,20 +35,21 @@ public:
     Schedule(Schedule&&) noexcept;
     Schedule& operator=(Schedule&&) noexcept;
 
-    /// Derived data that somebody outside the graph reads.
+    /// Declares that code outside the graph reads derived data of type T.
     template <class T>
     void want() {
         wanted_.push_back(typeid(T));
     }
-    /// Binds the systems to a world; again whenever a table, column or resource has appeared.
-    /// Throws std::logic_error if a required system lacks a column.
+    /// Binds the systems to a world; called again whenever a table, column or resource has been
+    /// added. Throws std::logic_error if a required system lacks a column.
     void prepare(World& world);
-    /// One step. Call inside Threads::run.
+    /// Runs one step. Must be called inside Threads::run.
     void run(World& world);
 
-    /// What runs and what does not and why; reads, writes, predecessors; the graph as DOT.
+    /// Lists the systems that run, with reads, writes and predecessors, those that are left out and
+    /// why, and the graph in DOT format.
     std::string explain() const;
-    /// Seconds per node name since prepare, if timed.
+    /// Seconds per node name since prepare(), if timed.
     std::map<std::string, double> seconds() const;
 
 private:

@@ -8,13 +8,13 @@
 
 namespace bris {
 
-/// What a simulation has done so far in this process.
+/// Steps that a simulation has run in this process.
 struct StepCount {
     std::uint64_t steps = 0;
     double wall_time = 0; ///< s, within `advance`
 };
 
-/// A world, its schedule and its threads. The world must hold a Clock and a Health.
+/// A world with its schedule and threads. The world must hold a Clock and a Health.
 class Simulation {
 public:
     Simulation(World world, StepList steps, unsigned threads = 1, ScheduleSettings settings = {});
@@ -23,18 +23,19 @@ public:
     const World& world() const { return *world_; }
     Schedule& schedule() { return schedule_; }
 
-    /// Runs steps, on one thread where there is too little to do for several. Stops with
-    /// SimulationError (step, time, what) when the guard has seen something.
+    /// Runs `steps` steps, on one thread if the world is too small for several. Throws
+    /// SimulationError (step, time, reason) if a guard reports a problem.
     void advance(std::uint64_t steps = 1);
     const StepCount& count() const { return count_; }
-    /// Binds the schedule anew, after tables, columns or resources have been added.
+    /// Binds the schedule again after tables, columns or resources were added.
     void prepare() { schedule_.prepare(*world_); }
 
-    /// All State, in memory; `restore` puts it back, to the same bits.
+    /// A copy of all State in memory; `restore` puts it back to the same bits.
     Archive snapshot() const;
     void restore(const Archive& state);
 
-    /// Called after State was put into the world by `restore`, for what must be made anew.
+    /// Registers a function that `restore` calls after the State was loaded, to rebuild derived
+    /// data.
     void on_restore(void (*function)(World&)) { on_restore_ = function; }
 
 private:

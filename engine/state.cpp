@@ -9,7 +9,7 @@ namespace bris {
 
 namespace {
 
-// null if the rows have no names, or hold nothing but them (candidate pairs without history)
+// null if the rows have no key, or no other State (candidate pairs without history)
 const Column* key_of(const Table& table) {
     const Column* key = nullptr;
     bool holds_more = false;
@@ -32,7 +32,7 @@ bool key_less(const Column& key, Row a, Row b) {
 std::vector<Row> rows_to_save(const Table& table, const Column& key) {
     std::vector<Row> rows(table.size());
     std::iota(rows.begin(), rows.end(), Row{0});
-    // a row goes only if none of its columns holds anything
+    // a row is left out only if none of its sparse columns has content
     std::vector<const Column*> sparse;
     for (const auto& column : table.columns())
         if (column->type().keep != nullptr) sparse.push_back(column.get());
@@ -86,7 +86,7 @@ void load_state(World& world, const Archive& archive) {
         if (key == nullptr) continue;
         const Archive::Array* keys = archive.find(path_of(table, *key));
         require(keys != nullptr, "checkpoint: expected the table '" + table.name() +
-                                     "', found none: made by another scene?");
+                                     "', found none (checkpoint of another scene?)");
         table.resize(0);
         table.resize(keys->rows());
         for (const auto& column : table.columns()) {

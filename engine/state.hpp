@@ -6,11 +6,12 @@
 namespace bris {
 
 /// All State of a world: every State column in the order of the table's key, then the resources.
-/// The same bits whatever the rows' order in memory.
+/// The bits do not depend on the order of the rows in memory.
 Archive save_state(const World& world);
 
-/// Puts a world of the same scene into a saved state; rows then stand in key order and everything
-/// Derived is to be made anew. Throws InputError if the archive does not fit the scene.
+/// Loads a saved state into a world of the same scene. Afterwards the rows are in key order, and
+/// everything Derived must be recomputed. Throws InputError if the archive does not match the
+/// scene.
 void load_state(World& world, const Archive& archive);
 
 } // namespace bris

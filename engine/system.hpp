@@ -10,10 +10,10 @@
 
 namespace bris {
 
-/// One thing a system touches: a column of a table, or a resource (then `table` is the resource).
+/// One access of a system: to a column of a table, or to a resource (`table` is then the resource).
 struct Access {
     std::type_index table, component;
-    std::string name; ///< as "Bodies.position", for people
+    std::string name; ///< for messages, as "Bodies.position"
     bool writes = false;
     bool is_state = false;
     friend bool same_data(const Access& a, const Access& b) {
@@ -23,7 +23,7 @@ struct Access {
 
 namespace detail {
 
-// how each kind of parameter is declared, found and handed over
+// how each kind of parameter is declared, found and passed
 template <class P>
 struct Parameter;
 
@@ -91,21 +91,25 @@ struct Parameter<Rows<K, Cs...>> {
 
 } // namespace detail
 
-/// A named function with the data it reads and writes, both taken from its signature: parameters
-/// are Rows<Kind, const Read, Write>, `const Resource&`, `Resource&`, or `World&` (everything).
+/// A named function with the data that it reads and writes, both derived from its signature.
+/// Parameters are Rows<Kind, const Read, Write>, `const Resource&`, `Resource&`, or `World&`
+/// (everything).
 struct System {
     using Call = std::function<void(std::optional<RowRange>)>;
 
     std::string name;
     std::vector<Access> accesses;
-    bool whole_world = false;                 ///< takes World&: conflicts with everything
-    std::optional<std::type_index> row_local; ///< works row by row on this table only
+    bool whole_world = false;                 ///< takes World&: conflicts with every system
+    std::optional<std::type_index> row_local; ///< works row by row on this table
     std::string row_local_name;
-    std::function<std::string(const World&)> missing; ///< what the scene lacks; empty if nothing
+    /// What the scene lacks for this system; empty: nothing.
+    std::function<std::string(const World&)> missing;
     std::function<Call(World&)> bind;
-    bool (*due)(const World&) = nullptr; ///< null: every step
-    bool required = false;               ///< its tables are there: its columns must be
-    bool (*lacks_only_columns)(const World&) = nullptr; ///< tables and resources are all there
+    bool (*due)(const World&) = nullptr; ///< null: due in every step
+    /// If the tables exist, the columns must exist too.
+    bool required = false;
+    /// Whether all tables and resources exist.
+    bool (*lacks_only_columns)(const World&) = nullptr;
 };
 
 namespace detail {
@@ -130,7 +134,7 @@ System make_system(std::string name, void (*function)(Ps...)) {
     system.bind = [function](World& world) -> System::Call {
         return [function, parameters = std::tuple<Parameter<Ps>...>(Parameter<Ps>(world)...)](
                    std::optional<RowRange> range) {
-            // only the first parameter of a row-local system is cut into chunks
+            // only the first parameter of a row-local system is divided into chunks
             [&]<std::size_t... I>(std::index_sequence<I...>) {
                 function(std::get<I>(parameters).get(I == 0 ? range : std::nullopt)...);
             }
@@ -154,8 +158,9 @@ System system(std::string name, void (*function)(Ps...)) {
     return detail::make_system(std::move(name), function);
 }
 
-/// A system that works on each row of its first table by itself: writes only what belongs to that
-/// row. Neighbours in the step list over the same table run as one pass over chunks of rows.
+/// A system that works on each row of its first table independently: it must write only what
+/// belongs to that row. Adjacent row-local systems on the same table run as one pass over chunks of
+/// rows.
 template <class... Ps>
 System row_local(std::string name, void (*function)(Ps...)) {
     System s = detail::make_system(std::move(name), function);
@@ -163,14 +168,14 @@ System row_local(std::string name, void (*function)(Ps...)) {
     return s;
 }
 
-/// The same system, run only in steps in which `due` says so.
+/// The same system, run only in steps in which `due` returns true.
 inline System when(bool (*due)(const World&), System system) {
     system.due = due;
     return system;
 }
 
-/// The same system, which must not be left out for want of a column alone: a scene that has its
-/// tables and resources but not its columns was put together wrongly, and the schedule says so.
+/// The same system, which must not be left out because of a missing column alone: a scene with its
+/// tables and resources but without its columns is inconsistent, and Schedule::prepare throws.
 inline System required(System system) {
     system.required = true;
     return system;

@@ -9,7 +9,7 @@
 
 namespace bris {
 
-/// The columns of one kind of thing, all of one length. A column is there for every row or for
+/// The columns of one kind of entity, all of the same length. A column exists for every row or for
 /// none.
 class Table {
 public:
@@ -20,7 +20,7 @@ public:
     const std::string& name() const { return name_; }
     std::size_t size() const { return size_; }
 
-    /// Adds the column unless it is there; its values are zero.
+    /// Adds the column unless it exists; new values are zero.
     template <Component C>
     std::span<typename C::Value> add() {
         if (find(typeid(C)) == nullptr) add(Column::type_of<C>());
@@ -30,7 +30,7 @@ public:
     bool has() const {
         return find(typeid(C)) != nullptr;
     }
-    /// All values of a column, by row. The column must be there.
+    /// All values of a column, by row. The column must exist.
     template <Component C>
     std::span<typename C::Value> column() {
         Column& c = at(typeid(C));
@@ -48,10 +48,11 @@ public:
 
     /// Changes the number of rows of every column; new rows are zero.
     void resize(std::size_t rows);
-    /// Re-orders every column: row r becomes what row `new_to_old[r]` was.
+    /// Reorders every column: row `new_to_old[r]` moves to row r.
     void permute(std::span<const Row> new_to_old);
 
-    /// Blocks of rows that row-local systems leave alone, a flag each; none: all are worked on.
+    /// Marks blocks of `idle_rows` rows that row-local systems skip, one flag per block; empty: no
+    /// block is skipped.
     static constexpr std::size_t idle_rows = 64;
     void leave_idle(std::vector<std::uint8_t> blocks) { idle_ = std::move(blocks); }
     bool is_idle(std::size_t first, std::size_t last) const {

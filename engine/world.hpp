@@ -9,14 +9,14 @@
 
 namespace bris {
 
-/// A kind of thing: a tag with a `name`, naming a table.
+/// A kind of entity: a tag type with a `name`, which identifies a table.
 template <class K>
 concept Kind = requires {
     K::name;
 };
 
-/// The tables and resources of one scene. A resource is a single value found by its type; one that
-/// is State offers `save(Archive&)` and `load(const Archive&)`.
+/// The tables and resources of one scene. A resource is a single value, found by its type; a
+/// resource that is State has `save(Archive&)` and `load(const Archive&)`.
 class World {
 public:
     World() = default;
@@ -24,7 +24,7 @@ public:
     World(World&&) = default;
     World& operator=(World&&) = default;
 
-    /// The table of a kind, made empty on first use.
+    /// The table of a kind, created empty on first use.
     template <Kind K>
     Table& table() {
         if (Table* t = find_table(typeid(K))) return *t;
@@ -48,7 +48,7 @@ public:
         return table<K>().template column<C>();
     }
 
-    /// The resource of a type; the second form makes it if it is not there.
+    /// The resource of a type, which must exist; add_resource creates or replaces it.
     template <class R>
     R& resource() {
         return static_cast<Held<R>*>(find_resource(typeid(R)))->value;

@@ -17,7 +17,7 @@
 #include <cmath>
 #include <utility>
 
-// Small scenes that tests share.
+// Small scenes that several tests use.
 
 namespace bris::testing {
 
@@ -35,18 +35,19 @@ struct RunSettings {
     ScheduleSettings schedule = {};
 };
 
-/// Adds the lists and the steps to a scene that is complete.
+/// Adds the neighbour lists and the step list to a complete scene.
 inline Simulation start(World world, const RunSettings& s) {
     world.resource<Clock>().dt = s.dt;
     add_lists(world, s.law, s.lists);
     ScheduleSettings schedule = s.schedule;
-    schedule.least_rows = 0; // small as the scene is, the threads are what is tested
+    // uses the threads even in a small scene, because they are what is tested
+    schedule.least_rows = 0;
     Simulation simulation(std::move(world), steps(s.law), s.threads, schedule);
     simulation.on_restore(invalidate_lists);
     return simulation;
 }
 
-/// The square [low, high]^2 at z = 0 as n x n facets of one fixed body, normals up.
+/// The square [low, high]^2 at z = 0 as n x n facets of one fixed body, with normals upwards.
 inline EntityId add_facet_floor(World& world, double low, double high, int n,
                                 std::uint32_t material) {
     const EntityId host = add_boundary(world, Vec3::Zero(), material, Motion::fixed, 2 * high);
@@ -59,7 +60,7 @@ inline EntityId add_facet_floor(World& world, double low, double high, int n,
     return host;
 }
 
-/// The same square as two triangles, cut along the diagonal from the low corner.
+/// The same square as two triangles, divided along the diagonal from the low corner.
 inline EntityId add_triangle_floor(World& world, double low, double high, std::uint32_t material) {
     const EntityId host = add_boundary(world, Vec3::Zero(), material, Motion::fixed, 2 * high);
     const Vec3 a(low, low, 0), b(high, low, 0), c(high, high, 0), d(low, high, 0);
@@ -68,7 +69,7 @@ inline EntityId add_triangle_floor(World& world, double low, double high, std::u
     return host;
 }
 
-/// A box of facets, each side cut into n x n, grains inside.
+/// A box of facets for grains inside it; each side is divided into n x n facets.
 inline EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, int n,
                               std::uint32_t material) {
     const EntityId host =
@@ -87,7 +88,7 @@ inline EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, i
 
 enum class Walls { planes, facets };
 
-/// What a bed is made of.
+/// Contents of a bed.
 struct BedSettings {
     Grains grains = Grains::spheres;
     Walls walls = Walls::planes;
@@ -95,8 +96,8 @@ struct BedSettings {
     std::uint64_t seed = 1;
 };
 
-/// Grains of radius about 1 cm on a lattice, thrown about, in a box that they settle in; friction
-/// on.
+/// Grains with a radius of about 1 cm that start on a lattice with random velocities and settle in
+/// a box, with friction.
 inline World bed(const BedSettings& s) {
     const stress::Tumble tumble{
         .grains = s.grains, .bodies = s.bodies, .seed = s.seed, .walls = s.walls == Walls::planes};
@@ -105,12 +106,12 @@ inline World bed(const BedSettings& s) {
     return world;
 }
 
-/// A specimen without platens' friction: a membrane of `rings` x `sectors` elements about z, driven
-/// by a servo, closed by two planes.
+/// A specimen with frictionless platens: a servo-controlled membrane of `rings` x `sectors`
+/// elements about z, closed by two planes.
 struct TubeSettings {
     unsigned rings = 2, sectors = 8;
     double radius = 0.05, height = 0.1, pressure = 1e4;
-    double contact_stiffness = 1e5; ///< N/m, of a grain on an element
+    double contact_stiffness = 1e5; ///< N/m, of the contact between a grain and an element
 };
 
 inline void add_tube(World& world, const TubeSettings& s, std::uint32_t material) {
@@ -130,7 +131,7 @@ inline void add_tube(World& world, const TubeSettings& s, std::uint32_t material
     world.add_resource(platen);
 }
 
-/// log2 of how much the error shrinks when the step is halved.
+/// Observed order of convergence: log2 of the error ratio when the step is halved.
 inline double order_of(double coarse_error, double fine_error) {
     return std::log2(coarse_error / fine_error);
 }

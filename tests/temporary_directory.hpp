@@ -7,7 +7,7 @@
 
 namespace bris {
 
-/// A new directory for one test, gone with it.
+/// A new directory for one test, removed with the object.
 class TemporaryDirectory {
 public:
     TemporaryDirectory() {

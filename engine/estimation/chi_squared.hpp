@@ -2,11 +2,12 @@
 
 namespace bris {
 
-/// The value that a sum of `degrees` squared standard normal numbers stays below with a probability
-/// in (0, 1).
+/// Quantile of the chi-squared distribution with `degrees` degrees of freedom (> 0) for a
+/// probability in (0, 1). Throws InputError outside these ranges.
 double chi_squared_quantile(double probability, double degrees);
 
-/// Within which the mean of `count` such sums lies with the probability.
+/// Interval that contains the mean of `count` independent chi-squared variables, each with
+/// `degrees` degrees of freedom, with the given probability (the tails are equal).
 struct Band {
     double low, high;
     bool holds(double x) const { return x >= low && x <= high; }

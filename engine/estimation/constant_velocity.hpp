@@ -6,7 +6,7 @@ namespace bris {
 
 namespace detail {
 
-/// [a b; c d] for each of the axes of a state [positions; velocities].
+/// The block [a b; c d] for each axis of a state [positions; velocities].
 inline Matrix for_each_axis(int axes, double a, double b, double c, double d) {
     Matrix m = Matrix::Zero(2 * axes, 2 * axes);
     for (int k = 0; k < axes; ++k) {
@@ -20,15 +20,16 @@ inline Matrix for_each_axis(int axes, double a, double b, double c, double d) {
 
 } // namespace detail
 
-/// Position and velocity over a time T (s) in which acceleration is white noise of density q,
-/// (m/s2)2/Hz, the same for each axis and exact for any T: k times T/k gives the same.
+/// Transition of position and velocity over a time T (s) under white-noise acceleration with the
+/// spectral density q, (m/s2)2/Hz, the same for each axis. It is exact for any T: k steps of T/k
+/// give the same result as one of T.
 inline Transition white_acceleration(int axes, double T, double q) {
     return {detail::for_each_axis(axes, 1, T, 0, 1),
             detail::for_each_axis(axes, q * T * T * T / 3, q * T * T / 2, q * T * T / 2, q * T)};
 }
 
-/// The same where acceleration is constant within T, of variance s2, (m/s2)2, and independent of
-/// what it was before (Kalata 1984).
+/// Transition of position and velocity for an acceleration that is constant within T (s), with the
+/// variance s2, (m/s2)2, and independent from step to step (Kalata 1984).
 inline Transition constant_acceleration(int axes, double T, double s2) {
     const double T2 = T * T;
     return {

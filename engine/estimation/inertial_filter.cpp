@@ -70,7 +70,8 @@ void InertialFilter::advance(double dt, const InertialSample& sample, const Iner
     t.F.block<3, 3>(velocity, rotation) = -dt * tilted;
     t.F.block<3, 3>(velocity, force_bias) = -dt * R;
     t.F.block<3, 3>(rotation, rate_bias) = -turned;
-    t.F.block<3, 3>(angular_velocity, angular_velocity).setZero(); // the sample tells the spin anew
+    // the sample determines the angular velocity afresh
+    t.F.block<3, 3>(angular_velocity, angular_velocity).setZero();
     t.F.block<3, 3>(angular_velocity, rotation) = -cross_matrix(spun);
     t.F.block<3, 3>(angular_velocity, rate_bias) =
         cross_matrix(spun) * turned - later.toRotationMatrix();
@@ -79,7 +80,7 @@ void InertialFilter::advance(double dt, const InertialSample& sample, const Iner
     t.Q.block<3, 3>(position, velocity) = t.Q.block<3, 3>(velocity, position) =
         f2 * dt * dt / 2 * one;
     t.Q.block<3, 3>(velocity, velocity) = f2 * dt * one;
-    // one draw of noise turns the body and is taken for its spin
+    // the same noise rotates the body and enters its angular velocity
     t.Q.block<3, 3>(rotation, rotation) = w2 * dt * one;
     t.Q.block<3, 3>(rotation, angular_velocity) = t.Q.block<3, 3>(angular_velocity, rotation) =
         w2 * one;
@@ -127,13 +128,12 @@ Verdict InertialFilter::observe_angular_velocity(const Vec3& y, const Mat3& cova
 
 Verdict InertialFilter::observe_force(const Vec3& y, const Vec3& acceleration, const Vec3& arm,
                                       const Mat3& covariance) {
-    // all in the world's axes, then turned into the body's
+    // computed in world axes, then rotated into body axes
     const Mat3 to_body = state.orientation.conjugate().toRotationMatrix();
     const Vec3 &w = state.angular_velocity, r = state.orientation * arm, swung = w.cross(r),
                force = acceleration - gravity + w.cross(swung);
     Matrix H = observation_matrix(force_bias);
-    // the arm turns with the body: its part of the force does not see a rotation that spin and arm
-    // share
+    // second term: the arm rotates with the body
     H.block<3, 3>(0, rotation) =
         to_body * Mat3(cross_matrix(force) - cross_matrix(w) * cross_matrix(w) * cross_matrix(r));
     H.block<3, 3>(0, angular_velocity) =
@@ -168,8 +168,8 @@ Verdict InertialFilter::observe(const Vec3& innovation, const Matrix& H, const M
     return {accepted, c.squared_distance, innovation};
 }
 
-// The covariance stays: turned by half the step of the estimate, as it is for errors in the body's
-// axes, it would let gravity tell yaw after a large correction of tilt.
+// The covariance is not changed. Rotating it by half the correction, as is done for errors in body
+// axes, would let gravity give information on yaw after a large correction of the tilt.
 void InertialFilter::fold(const Vector& error) {
     const Vec3 turn = error.segment<3>(rotation);
     state.position += error.segment<3>(position);

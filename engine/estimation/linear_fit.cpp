@@ -19,14 +19,15 @@ LinearFit fit_line(std::span<const double> x, std::span<const double> y, double 
     LinearFit fit;
     const double n = over([](std::size_t) { return 1.0; });
     if (!(n >= 3))
-        throw InputError(fmt::format(
-            "line: expected 3 points or more between {:g} and {:g}, found {:g}", low, high, n));
+        throw InputError(
+            fmt::format("line fit: expected at least 3 points between {:g} and {:g}, found {:g}",
+                        low, high, n));
     fit.points = static_cast<std::size_t>(n);
-    // about the means: no digits are lost on a narrow window far from zero
+    // about the means, so that no digits are lost in a narrow window far from zero
     const double mean_x = over([&](std::size_t i) { return x[i]; }) / n,
                  mean_y = over([&](std::size_t i) { return y[i]; }) / n;
     const double sxx = over([&](std::size_t i) { return (x[i] - mean_x) * (x[i] - mean_x); });
-    if (!(sxx > 0)) throw InputError("line: expected points at different places, found one place");
+    if (!(sxx > 0)) throw InputError("line fit: expected points with different x, found equal x");
     fit.slope = over([&](std::size_t i) { return (x[i] - mean_x) * (y[i] - mean_y); }) / sxx;
     fit.intercept = mean_y - fit.slope * mean_x;
     const double residual_sum = over([&](std::size_t i) {

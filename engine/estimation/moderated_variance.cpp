@@ -16,8 +16,8 @@ std::vector<double> moderated_variances(std::vector<double> variances, double fr
         squares += deviation * (std::log(v) - mean);
     }
     if (n < 4) return variances;
-    const double low = boost::math::digamma(freedom / 2) -
-                       std::log(freedom / 2); // by which the logarithm of a mean square is low
+    // bias of the logarithm of a mean square
+    const double low = boost::math::digamma(freedom / 2) - std::log(freedom / 2);
     const double kept = std::max(0.0, 1 - (n - 3) * boost::math::trigamma(freedom / 2) / squares);
     for (double& v : variances)
         if (v > 0) v = std::exp(mean - low + kept * (std::log(v) - mean));

@@ -11,11 +11,11 @@ namespace bris {
 
 namespace {
 
-constexpr Eigen::Index nodes_along = 21; // of the quadrature, along each axis
-constexpr double reach = 5;              // of it, in deviations of what is known so far
-constexpr double comes_in = 2.5;         // the likelihood, by this factor from pass to pass
-constexpr int most_passes = 40;          // with all of it, until deviations change by less than:
-constexpr double settled = 1e-3;
+constexpr Eigen::Index nodes_along = 21; // quadrature nodes along each axis
+constexpr double reach = 5;              // half width of the grid in current standard deviations
+constexpr double comes_in = 2.5; // factor of the likelihood's exponent from one pass to the next
+constexpr int most_passes = 40;  // passes with the whole likelihood
+constexpr double settled = 1e-3; // relative change of the deviations at which the passes end
 
 } // namespace
 
@@ -27,11 +27,13 @@ ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& member
       specimen_correlation_(specimen_correlation), middle_(members.colwise().mean()),
       channels_(channels) {
     const Eigen::Index n = members.rows();
-    require(prior.mean.size() == 2 && members.cols() == 2,
-            fmt::format("worlds: expected two parameters, found {} and {}", prior.mean.size(),
-                        members.cols()));
+    require(
+        prior.mean.size() == 2 && members.cols() == 2,
+        fmt::format(
+            "ensemble: expected two parameters in the prior and in each member, found {} and {}",
+            prior.mean.size(), members.cols()));
     require(n >= static_cast<Eigen::Index>(fewest_members),
-            fmt::format("worlds: expected at least {} to learn from, found {}", fewest_members, n));
+            fmt::format("ensemble: expected at least {} members, found {}", fewest_members, n));
     terms_ = n + excluded_members >= 12 ? 6 : 3;
     design_.resize(n, terms_);
     for (Eigen::Index j = 0; j < n; ++j)
@@ -39,7 +41,7 @@ ParameterEstimate::ParameterEstimate(const Gaussian& prior, const Matrix& member
     const Matrix square = design_.transpose() * design_;
     information_ = square.inverse();
     require(information_.allFinite() && (information_ * square).isIdentity(1e-6),
-            "worlds: expected different parameters, found them all alike");
+            "ensemble: expected members with different parameters, found a singular regression");
 }
 
 Vector ParameterEstimate::terms_at(double a, double b) const {
@@ -72,7 +74,8 @@ ParameterEstimate::Difference ParameterEstimate::difference_of(const Channel& ch
         noise += std::pow(lasting * channel.raw[k - 1].measured.noise, 2);
     }
     const double freedom =
-        static_cast<double>(design_.rows() - terms_) - (lasting > 0 ? 1 : 0); // one for r
+        // one degree of freedom for r
+        static_cast<double>(design_.rows() - terms_) - (lasting > 0 ? 1 : 0);
     return {.coefficients = information_ * (design_.transpose() * difference),
             .difference = measured,
             .lasting = lasting,
@@ -83,7 +86,7 @@ ParameterEstimate::Difference ParameterEstimate::difference_of(const Channel& ch
 
 ParameterEstimate::Observations ParameterEstimate::observations() const {
     Observations observations;
-    std::vector<std::pair<std::size_t, ParameterMeasurement>> taken; // channel, as measured
+    std::vector<std::pair<std::size_t, ParameterMeasurement>> taken; // channel and measurement
     for (std::size_t c = 0; c < channels_.size(); ++c)
         for (std::size_t k = 0; k < channels_[c].raw.size(); ++k) {
             observations.differences.push_back(difference_of(channels_[c], k));
@@ -112,7 +115,7 @@ ParameterEstimate::Observations ParameterEstimate::observations() const {
 void ParameterEstimate::observe(std::size_t channel, const Vector& forecast,
                                 const ParameterMeasurement& measured) {
     require(forecast.size() == design_.rows(),
-            fmt::format("foretold: expected one number of each of {} worlds, found {}",
+            fmt::format("forecast: expected one value for each of {} members, found {}",
                         design_.rows(), forecast.size()));
     Channel& c = channels_[channel];
     c.raw.push_back({forecast, residuals_of(forecast), measured});
@@ -126,7 +129,7 @@ void ParameterEstimate::observe(std::size_t channel, const Vector& forecast,
 
 double ParameterEstimate::normalised_innovation_squared(std::size_t channel) const {
     const Observations observations = this->observations();
-    std::size_t last = 0; // of that channel
+    std::size_t last = 0; // index of the last measurement of the channel
     for (std::size_t c = 0; c <= channel; ++c) last += channels_[c].raw.size();
     const Difference& m = observations.differences[--last];
     const Vector here = terms_at(posterior_.mean[0], posterior_.mean[1]);
@@ -142,7 +145,7 @@ double ParameterEstimate::normalised_innovation_squared(std::size_t channel) con
 
 const Gaussian& ParameterEstimate::parameters() {
     if (!stale_) return posterior_;
-    observations_ = observations(); // with the correlation as it is known now
+    observations_ = observations(); // with the current estimate of the correlation
     posterior_ = integral();
     stale_ = false;
     return posterior_;
@@ -167,23 +170,25 @@ double ParameterEstimate::log_likelihood(const Vector& at) const {
     for (Eigen::Index k = 0; k < residual.size(); ++k) {
         const Difference& m = observations_.differences[static_cast<std::size_t>(k)];
         residual[k] = m.difference - m.coefficients.dot(terms);
-        // chaos that lasts (trust) moves a world as a whole, and makes slopes no less sure: or far
-        // parameters would seem unlikely for that alone
+        // Divergence that is correlated along the test shifts a member as a whole; the tempering
+        // accounts for that. It does not make the slopes less certain: if the leverage were divided
+        // by the tempering as well, parameters far from the members would appear unlikely for that
+        // reason alone.
         covariance(k, k) +=
             m.divergence * m.freedom / std::max(1.0, m.freedom - 2) * (1 / tempering_ + leverage) +
-            m.noise; // the variance of Student's t
+            m.noise; // variance of Student's t
     }
     const Eigen::LLT<Matrix> root(covariance);
     return -0.5 * root.matrixL().solve(residual).squaredNorm() -
            Vector(root.matrixLLT().diagonal()).array().log().sum();
 }
 
-// Mean and covariance of prior times likelihood to the power of `share`, about which `posterior` is
-// roughly right.
+// Mean and covariance of the prior times the likelihood to the power of `share`; `posterior` must
+// be a rough approximation of the result.
 Gaussian ParameterEstimate::integral_around(const Gaussian& posterior, double share) const {
     constexpr Eigen::Index n = 2, nodes = nodes_along * nodes_along;
     const double spacing = 2 * reach / (nodes_along - 1);
-    Matrix at(n, nodes); // in deviations of what is known
+    Matrix at(n, nodes); // in standard deviations of `posterior`
     Vector log(nodes);
     for (Eigen::Index k = 0; k < nodes; ++k) {
         at.col(k) << spacing * static_cast<double>(k % nodes_along) - reach,
@@ -195,15 +200,15 @@ Gaussian ParameterEstimate::integral_around(const Gaussian& posterior, double sh
     weight /= weight.sum();
     const Vector mean = at * weight;
     const Matrix residual = at.colwise() - mean;
-    // no finer than the nodes stand
+    // not narrower than the spacing of the nodes can resolve
     const Matrix covariance = residual * weight.asDiagonal() * residual.transpose() +
                               std::pow(0.3 * spacing, 2) * Matrix::Identity(n, n);
     return {posterior.mean + posterior.root * mean,
             posterior.root * covariance * posterior.root.transpose()};
 }
 
-// The likelihood comes in by shares, and the nodes close in on where the posterior is: a narrow
-// ridge would fall between those of a wide grid.
+// The exponent of the likelihood grows from pass to pass while the nodes contract to the region of
+// the posterior: a narrow ridge would fall between the nodes of a wide grid.
 Gaussian ParameterEstimate::integral() const {
     Gaussian posterior = prior_;
     for (double share = 1e-5; share < 1; share *= comes_in)

@@ -59,8 +59,8 @@ std::uint64_t hash_of(std::FILE* file, std::uint64_t size, const fs::path& path)
         errno = 0;
         if (std::fread(block.data(), 1, bytes, file) != bytes)
             fail("read", path, errno == 0 ? EIO : errno);
-        for (std::size_t i = 0; i < (bytes + 7) / 8;
-             ++i) { // each step can be undone: nothing is lost
+        // each operation is invertible, so that no information is lost
+        for (std::size_t i = 0; i < (bytes + 7) / 8; ++i) {
             hash = (hash ^ block[i]) * 0xff51afd7ed558ccdu;
             hash ^= hash >> 32;
         }
@@ -87,11 +87,12 @@ void check_seal(const fs::path& path) {
     const std::uint64_t hash = hash_of(file.get(), size - sizeof(Seal), path);
     if (std::fread(&found, sizeof found, 1, file.get()) != 1) fail("read", path, EIO);
     if (found.mark != Seal{}.mark)
-        reject(path, "expected a complete checkpoint, found a file that was cut short or is none");
-    if (found.hash != hash) reject(path, "expected a sealed checkpoint, found damaged content");
+        reject(path,
+               "expected a complete checkpoint, found a truncated file or one of another kind");
+    if (found.hash != hash) reject(path, "expected content that matches its hash, found damage");
 }
 
-/// Adds the seal and waits until all of it is on the disk.
+/// Appends the seal and waits until the whole file is on disk.
 void seal(const fs::path& path) {
     const File file(std::fopen(path.c_str(), "r+b"));
     if (!file) fail("write", path, errno);
@@ -104,10 +105,11 @@ void seal(const fs::path& path) {
         fail("write", path, errno == 0 ? EIO : errno);
 }
 
-/// Waits until a new name in the directory is on the disk.
+/// Waits until a new name in the directory is on disk.
 void synchronise_directory(const fs::path& directory) {
     const int handle = open(directory.empty() ? "." : directory.c_str(), O_RDONLY | O_DIRECTORY);
-    if (handle < 0) return; // the file is whole under one of its names; more cannot be done
+    // the file is complete under one of its names; nothing more can be done
+    if (handle < 0) return;
     fsync(handle);
     close(handle);
 }
@@ -126,7 +128,7 @@ void read_array(const Hdf5File& file, Archive::Array& array) {
     if (!values.empty()) std::memcpy(array.bytes.data(), values.data(), array.bytes.size());
 }
 
-/// Calls `with(T{})` for the type that stands for an array's numbers in the file.
+/// Calls `with(T{})` for the type that represents the numbers of an array in the file.
 template <class Action>
 void dispatch(Scalar scalar, std::size_t size, Action&& with) {
     if (scalar == Scalar::real && size == 8)
@@ -140,14 +142,14 @@ void dispatch(Scalar scalar, std::size_t size, Action&& with) {
     else if (scalar == Scalar::integer && size == 1)
         with(std::uint8_t{});
     else
-        throw std::logic_error(fmt::format("no checkpoint knows numbers of {} bytes", size));
+        throw std::logic_error(fmt::format("checkpoints do not support numbers of {} bytes", size));
 }
 
 void write_content(const fs::path& path, const Checkpoint& checkpoint) {
     Hdf5File file = Hdf5File::create(path);
     file.make_group("/state");
     file.make_group("/settings");
-    std::string order, keys; // HDF5 lists names by the alphabet: the order is kept as text
+    std::string order, keys; // HDF5 lists names alphabetically, so the order is kept as text
     for (const Archive::Array& array : checkpoint.state.arrays()) {
         dispatch(array.scalar, array.scalar_size,
                  [&](auto number) { write_array<decltype(number)>(file, array); });
@@ -204,16 +206,15 @@ Checkpoint read_content(const fs::path& path) {
     checkpoint.state = read_state(file);
     if (const auto saved = number("fingerprint"), found = fingerprint(checkpoint.state);
         found != saved)
-        reject(path, fmt::format(
-                         "expected the state that was saved, of fingerprint {:016x}, found {:016x}",
-                         saved, found));
+        reject(path, fmt::format("expected a state with the fingerprint {:016x}, found {:016x}",
+                                 saved, found));
     return checkpoint;
 }
 
 } // namespace
 
 void write_checkpoint(const std::filesystem::path& path, const Checkpoint& checkpoint) {
-    // the process id: two runs into one directory must not share the unfinished file
+    // the process id, because two runs into one directory must not share the unfinished file
     fs::path unfinished = path;
     unfinished += fmt::format(".{}.tmp", getpid());
     std::error_code error;
@@ -237,9 +238,10 @@ Checkpoint read_checkpoint(const std::filesystem::path& path) {
     check_seal(path);
     try {
         return read_content(path);
-    } catch (const OutputError& problem) { // sealed, so what is wrong is what was sealed
-        reject(path,
-               fmt::format("expected a checkpoint of this program, found: {}", problem.what()));
+        // the seal is intact, so the content was wrong when it was written
+    } catch (const OutputError& problem) {
+        reject(path, fmt::format("expected a checkpoint written by this program, found: {}",
+                                 problem.what()));
     }
 }
 
@@ -266,8 +268,8 @@ void require_same_run(const std::filesystem::path& path, const Checkpoint& check
     }
     for (const NamedValue& found : checkpoint.settings)
         if (!free(found.key) && find(settings, found.key) == nullptr)
-            reject(path, fmt::format("{}: expected nothing as in this run, found {}", found.key,
-                                     text_of(found)));
+            reject(path, fmt::format("{}: expected no such setting, as in this run, found {}",
+                                     found.key, text_of(found)));
 }
 
 std::span<const std::string_view> settings_that_may_differ() {

@@ -15,7 +15,7 @@ namespace bris {
 
 namespace {
 
-/// Where a sign stands first that is not between quotes; npos: nowhere.
+/// Position of the first occurrence of a character outside quotes; npos: none.
 std::size_t outside_quotes(const std::string& text, char sign) {
     bool quoted = false;
     for (std::size_t k = 0; k < text.size(); ++k) {
@@ -56,17 +56,17 @@ public:
                                              path_.string(), column.name));
         if (form_.delimiter == form_.decimal)
             throw InputError(fmt::format(
-                "{}: expected another delimiter than the decimal comma, found comma for both",
+                "{}: expected a delimiter different from the decimal sign, found comma for both",
                 path_.string()));
         if (form_.delimiter == form_.comment)
-            throw InputError(
-                fmt::format("{}: expected another comment than the delimiter, found '{}' for both",
-                            path_.string(), form_.comment));
+            throw InputError(fmt::format(
+                "{}: expected a comment sign different from the delimiter, found '{}' for both",
+                path_.string(), form_.comment));
         if (const unsigned names = std::max(form_.header_line, 1u);
             form_.first_line != 0 && form_.first_line <= names)
-            throw InputError(
-                fmt::format("{}: first_line: expected a line after that of the names, {}, found {}",
-                            path_.string(), names, form_.first_line));
+            throw InputError(fmt::format(
+                "{}: first_line: expected a line after the column names in line {}, found {}",
+                path_.string(), names, form_.first_line));
         return std::move(form_);
     }
 
@@ -80,7 +80,7 @@ private:
         if (equals == std::string::npos) refuse("a line `our name = their name, unit`", content);
         const std::string name(trimmed(content.substr(0, equals))),
             value(trimmed(content.substr(equals + 1)));
-        if (value.empty()) refuse(fmt::format("something for '{}'", name), "");
+        if (value.empty()) refuse(fmt::format("a value for '{}'", name), "");
         if (const auto [earlier, first] = seen_.emplace(name, number); !first)
             throw InputError(fmt::format("{}: {}: expected once, found on line {} already", where_,
                                          name, earlier->second));
@@ -113,7 +113,7 @@ private:
     }
 
     char one_sign(const std::string& value) const {
-        if (unquoted(value).size() != 1) refuse("one sign", value);
+        if (unquoted(value).size() != 1) refuse("a single character", value);
         return unquoted(value).front();
     }
 
@@ -122,7 +122,7 @@ private:
         const char* const end = value.data() + value.size();
         const auto [stop, error] = std::from_chars(value.data(), end, line);
         if (error != std::errc{} || stop != end || line == 0)
-            refuse("the number of a line, from 1", value);
+            refuse("a line number, counted from 1", value);
         return line;
     }
 
@@ -135,13 +135,13 @@ private:
         if (turned) theirs = std::string(trimmed(theirs.substr(1)));
         CsvColumn column{
             .ours = known.name, .theirs = unquoted(theirs), .unit = unit, .where = where_};
-        if (column.theirs.empty()) refuse("the name of a column", value);
+        if (column.theirs.empty()) refuse("a column name", value);
         if (comma != std::string::npos) {
             const auto given = std::ranges::find(known.units, unit, &ColumnUnit::name);
             if (given == known.units.end() && known.units.empty())
                 refuse("no unit for " + known.name, unit);
             if (given == known.units.end())
-                refuse(fmt::format("for {} one of {}", known.name,
+                refuse(fmt::format("a unit of {}, one of {}", known.name,
                                    names_of(known.units, &ColumnUnit::name)),
                        unit);
             column.scale = given->scale;
@@ -150,8 +150,9 @@ private:
         if (turned) column.scale = -column.scale;
         const auto taken = std::ranges::find(form_.columns, column.theirs, &CsvColumn::theirs);
         if (taken != form_.columns.end())
-            throw InputError(fmt::format("{}: '{}': expected for one of ours, found for {} and {}",
-                                         where_, column.theirs, taken->ours, known.name));
+            throw InputError(
+                fmt::format("{}: column '{}': expected under one name, found under {} and {}",
+                            where_, column.theirs, taken->ours, known.name));
         form_.columns.push_back(std::move(column));
     }
 
@@ -159,7 +160,7 @@ private:
     const std::vector<KnownColumn>& known_;
     CsvForm form_;
     std::string where_;
-    std::map<std::string, unsigned> seen_; // names, and their lines
+    std::map<std::string, unsigned> seen_; // names and their line numbers
 };
 
 } // namespace

@@ -8,33 +8,33 @@
 
 namespace bris {
 
-/// A unit in which a column may come: scale * number + offset is in ours.
+/// A unit of a column in a foreign file: scale * number + offset is the value in the unit of BRIS.
 struct ColumnUnit {
     std::string name;
     double scale = 1, offset = 0;
 };
 
-/// A column by the name that this project gives it.
+/// A column by its name in BRIS.
 struct KnownColumn {
     std::string name;
-    std::vector<ColumnUnit> units = {}; ///< none: a number without
+    std::vector<ColumnUnit> units = {}; ///< empty: a number without a unit
     bool needed = false;
 };
 
-/// Reads how a CSV file of someone else is written, a line each, in any order; "#" begins a
-/// comment:
+/// Reads a column map, which describes the format of a foreign CSV file. It has one entry per line,
+/// in any order; "#" begins a comment:
 ///
 ///     delimiter = semicolon             one of comma, semicolon, tab, space
 ///     decimal = comma                   or point
-///     comment = %                       a sign, with which lines begin that are none of the table
-///     header_line = 3                   of the names; what stands before is let be
-///     first_line = 5                    of the first numbers
-///     t  = "Time [ms]", ms              our name = theirs, its unit
-///     ax = -AccY, mg                    of another axis, and of another sign
+///     comment = %                       character that begins a comment line of the CSV file
+///     header_line = 3                   line of the column names; lines before it are skipped
+///     first_line = 5                    first line with numbers
+///     t  = "Time [ms]", ms              name in BRIS = name in the file, unit in the file
+///     ax = -AccY, mg                    another axis with the opposite sign
 ///
-/// Names with a comma, "#", a blank at an end or a minus before them stand in quotes. Throws
-/// InputError with file:line, what was expected and what was found: names that nobody knows, of
-/// ours or of theirs twice, units that do not fit, columns needed that are missing.
+/// A name that contains a comma or "#", begins or ends with a blank, or begins with a minus sign is
+/// written in quotes. Throws InputError (file:line, what was expected and what was found) for
+/// unknown names, names used twice on either side, unknown units, and missing required columns.
 CsvForm read_column_map(const std::filesystem::path& path, const std::vector<KnownColumn>& known);
 
 } // namespace bris

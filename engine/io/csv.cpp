@@ -18,7 +18,7 @@ namespace {
     throw InputError(fmt::format("{}: column '{}': expected once, found twice", at, name));
 }
 
-/// Reads the rows of a file written in some form.
+/// Reads the header and the rows of a file in a given format.
 class Reader {
 public:
     Reader(CsvTable& table, const CsvForm& form) : table_(table), form_(form) {}
@@ -73,8 +73,8 @@ private:
 
     std::optional<double> number_in(std::string_view cell) const {
         if (form_.decimal == '.') return number_of(cell);
-        if (cell.find('.') != std::string_view::npos)
-            return {}; // a thousand, or a number of another file
+        // a thousands separator, or a number in a different format
+        if (cell.find('.') != std::string_view::npos) return {};
         std::string text(cell);
         std::replace(text.begin(), text.end(), form_.decimal, '.');
         return number_of(text);
@@ -82,7 +82,7 @@ private:
 
     CsvTable& table_;
     const CsvForm& form_;
-    std::vector<std::size_t> from_; // the cell of each column
+    std::vector<std::size_t> from_; // index of the cell of each column
     std::size_t width_ = 0;
     std::string header_;
 };
@@ -159,22 +159,21 @@ CsvTable read_csv(const std::filesystem::path& path, const CsvForm& form) {
     table.path = path;
     Reader reader(table, form);
     std::string_view remaining = content;
-    if (remaining.starts_with("\xef\xbb\xbf"))
-        remaining.remove_prefix(3); // byte order mark of spreadsheets
+    // byte order mark written by spreadsheets
+    if (remaining.starts_with("\xef\xbb\xbf")) remaining.remove_prefix(3);
     for (unsigned number = 1; !remaining.empty(); ++number) {
         const std::size_t end = std::min(remaining.find('\n'), remaining.size());
         const std::string_view whole = remaining.substr(0, end), line = trimmed(whole);
         remaining.remove_prefix(std::min(end + 1, remaining.size()));
         const bool named = !table.names.empty();
-        const bool is_header =
-            !named &&
-            number == form.header_line; // where it was told to be, whatever it begins with
+        // a given header line is one whatever character it begins with
+        const bool is_header = !named && number == form.header_line;
         if (line.empty() || (line.front() == form.comment && !is_header) ||
             number < (named ? form.first_line : form.header_line))
             continue;
         const std::string at = fmt::format("{}:{}", path.string(), number);
-        const std::string_view cells =
-            form.delimiter == '\t' ? whole : line; // a tab at either end is a cell
+        // a tab at either end delimits an empty cell
+        const std::string_view cells = form.delimiter == '\t' ? whole : line;
         if (!named) {
             reader.read_header(cells, at);
         } else {
@@ -198,8 +197,8 @@ void write_csv(const std::filesystem::path& path, const std::vector<std::string>
     for (const auto& row : rows) {
         for (std::size_t i = 0; i < row.size(); ++i) {
             if (i) text += ',';
-            if (std::isnan(row[i])) continue; // an empty cell, as read
-            // shortest text that reads back to the same bits
+            if (std::isnan(row[i])) continue; // NaN is an empty cell, as in read_csv
+            // the shortest text that reads back to the same bits
             text +=
                 digits >= 17 ? fmt::format("{}", row[i]) : fmt::format("{:.{}g}", row[i], digits);
         }

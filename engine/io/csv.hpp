@@ -8,57 +8,58 @@
 
 namespace bris {
 
-/// A table of numbers read from text: comma-separated, one header line with the column names
-/// (units in the name, as `radius_mm`), lines starting with '#' are comments.
+/// A table of numbers read from text: comma-separated, with one header line of column names (the
+/// unit is part of the name, as in `radius_mm`); lines that begin with '#' are comments.
 struct CsvTable {
     std::filesystem::path path;
     std::vector<std::string> names;
     std::vector<std::vector<double>> rows;
-    std::vector<int> lines; ///< line number in the file of each row, counted from 1
+    std::vector<int> lines; ///< line number of each row in the file, counted from 1
 
-    /// Values of the named column. Throws InputError naming the file and the columns it has.
+    /// Values of a column. Throws InputError, naming the file and its columns, if there is none of
+    /// that name.
     std::vector<double> column(const std::string& name) const;
     bool has(const std::string& name) const;
 };
 
-/// A column that is wanted of a file, under a name and in a unit of ours: scale * what it has +
-/// offset.
+/// A column to read from a file, under the name and in the unit of BRIS: scale * number + offset.
 struct CsvColumn {
     std::string ours, theirs;
-    std::string unit = ""; ///< of theirs, as given; "": ours
+    std::string unit = ""; ///< unit in the file; "": the unit of BRIS
     double scale = 1, offset = 0;
-    std::string where = ""; ///< file:line that asks for it
+    std::string where = ""; ///< file:line that requests the column
 };
 
-/// How a CSV file is written.
+/// Format of a CSV file.
 struct CsvForm {
-    char delimiter = ','; ///< ' ': blanks and tabs, any number of them
-    char comment = '#';   ///< begins lines that are none of the table
+    char delimiter = ','; ///< ' ': any number of blanks and tabs
+    char comment = '#';   ///< begins a comment line
     char decimal = '.';
-    unsigned header_line = 0,
-             first_line =
-                 0; ///< of names and of the first numbers, from 1; 0: the first line, and the next
-    std::vector<CsvColumn> columns =
-        {}; ///< those wanted, all others are let be; none: all, as they are named
+    /// Line of the column names and first line of numbers, counted from 1; 0: the first line that
+    /// is not a comment, and the next one.
+    unsigned header_line = 0, first_line = 0;
+    /// Columns to read, all others are ignored; empty: all columns, under their own names.
+    std::vector<CsvColumn> columns = {};
 
-    const CsvColumn* find(const std::string& ours) const; ///< null: not wanted
+    const CsvColumn* find(const std::string& ours) const; ///< null: not requested
 };
 
-/// Without blanks, tabs and the sign that ends lines elsewhere, at either end.
+/// The text without blanks, tabs and carriage returns at either end.
 std::string_view trimmed(std::string_view text);
-/// Names as messages list them, with commas between.
+/// The names separated by commas, for messages.
 std::string listed(const std::vector<std::string>& names);
-/// The cells of a line, without blanks or quotes around them; a delimiter between quotes is none.
+/// The cells of a line, without surrounding blanks or quotes. A delimiter between quotes does not
+/// separate cells.
 std::vector<std::string_view> cells_of(std::string_view line, char delimiter = ',');
-/// A cell as a number, NaN if it is empty or "-"; nothing if it is not one.
+/// A cell as a number; NaN if it is empty or "-"; nothing if it is not a number.
 std::optional<double> number_of(std::string_view cell);
 
 /// Reads a CSV file. An empty cell or "-" becomes NaN. Throws InputError with file:line, what was
 /// expected and what was found; OutputError if the file cannot be read.
 CsvTable read_csv(const std::filesystem::path& path, const CsvForm& form = {});
 
-/// Writes a CSV file with `digits` significant digits (default: exact round trip), as a new file
-/// that replaces the old one only when complete. Comments stand before the header, each with "# ".
+/// Writes a CSV file with `digits` significant digits (default: exact round trip). The new file
+/// replaces an old one only when it is complete. Comments precede the header, each after "# ".
 /// Throws OutputError.
 void write_csv(const std::filesystem::path& path, const std::vector<std::string>& names,
                const std::vector<std::vector<double>>& rows,

@@ -13,7 +13,7 @@ namespace bris {
 
 namespace {
 
-/// A gnuplot that ends early must not take the simulation with it.
+/// A gnuplot process that ends early must not end the simulation.
 class IgnorePipeSignal {
 public:
     IgnorePipeSignal() {
@@ -34,7 +34,7 @@ bool send(std::FILE* to, std::string_view text) {
 }
 
 bool complain(const std::filesystem::path& png, const char* why) {
-    fmt::print(stderr, "no picture '{}': {}\n", png.string(), why);
+    fmt::print(stderr, "cannot draw '{}': {}\n", png.string(), why);
     return false;
 }
 
@@ -74,7 +74,7 @@ bool draw_with_gnuplot(const std::filesystem::path& png, unsigned width, unsigne
     if (!drawn || error) {
         std::error_code ignored;
         std::filesystem::remove(unfinished, ignored);
-        return complain(png, drawn ? "cannot write there" : "gnuplot failed");
+        return complain(png, drawn ? "cannot write the file" : "gnuplot failed");
     }
     return true;
 }

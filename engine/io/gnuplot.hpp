@@ -6,13 +6,14 @@
 
 namespace bris {
 
-/// Lets gnuplot draw `png`, width by height pixels: `commands`, then `data` (what the last command
-/// reads from '-'). The picture replaces an older one when it is complete. Returns false, and says
-/// why in one line on stderr, if gnuplot is missing or fails: a run never ends for a picture.
+/// Draws `png`, width by height pixels, with gnuplot: `commands`, then `data`, which the last
+/// command reads from '-'. The picture replaces an older one only when it is complete. If gnuplot
+/// is missing or fails, prints the reason in one line to stderr and returns false: a missing
+/// picture never ends a run.
 bool draw_with_gnuplot(const std::filesystem::path& png, unsigned width, unsigned height,
                        std::string_view commands, std::string_view data = {});
 
-/// Text in gnuplot's quotes.
+/// The text in quotes for gnuplot.
 std::string gnuplot_quoted(const std::string& text);
 
 } // namespace bris

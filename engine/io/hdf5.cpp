@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::size_t most_bytes = std::size_t{1} << 38; // 256 GiB in one dataset
 
-/// As Debian builds it the library stands one thread at a time, whatever the files; and it prints
+/// The library as built by Debian allows one thread at a time, even for different files, and prints
 /// its errors unless told otherwise.
 class Alone {
 public:
@@ -32,8 +32,8 @@ private:
     std::lock_guard<std::recursive_mutex> lock_;
 };
 
-/// Before the first file: the library must not tidy up when the process ends, because after a
-/// write that failed (disk full) it crashes there. Every file is closed by its owner.
+/// Called before the first file: the library must not clean up when the process ends, because it
+/// crashes there after a failed write (disk full). Every file is closed by its owner.
 void begin() { H5dont_atexit(); }
 
 /// Description of the innermost error of the failed call.
@@ -46,23 +46,23 @@ std::string reason() {
     };
     H5Ewalk2(H5E_DEFAULT, H5E_WALK_UPWARD, note, &text);
     H5Eclear2(H5E_DEFAULT);
-    // "unable to open file: name = '...', errno = 2, error message = '...', flags = ..." is long
+    // shortens "unable to open file: name = '...', errno = 2, error message = '...', flags = ..."
     if (const auto at = text.find("error message = '"); at != std::string::npos)
         text = text.substr(at + 17, text.find('\'', at + 17) - at - 17);
     return text.empty() ? "unknown reason" : text;
 }
 
-/// The library locks a file that is written for itself alone. With a lock that is shared, others
-/// may read between two flushes what was flushed, and nobody else can write. At best effort: who
-/// reads during a flush may find a file that is half written and must read it again, and where a
-/// lock would have to be waited for, or there is none, all stays as it is.
+/// The library locks a file that is being written exclusively. With a shared lock, others may read
+/// what was flushed, and nobody else can write. This is best effort: a reader may find a
+/// half-written file during a flush and must read it again, and if the lock is not available at
+/// once, or locks do not exist, everything stays as it is.
 void let_others_read(hid_t file) {
     void* descriptor = nullptr;
     if (H5Fget_vfd_handle(file, H5P_DEFAULT, &descriptor) >= 0 && descriptor != nullptr)
         (void)flock(*static_cast<int*>(descriptor), LOCK_SH | LOCK_NB);
 }
 
-/// A handle that is closed when it goes.
+/// A handle that is closed when it goes out of scope.
 template <herr_t (*close)(hid_t)>
 class Handle {
 public:
@@ -104,7 +104,7 @@ std::vector<hsize_t> dimensions(const Hdf5File::Shape& shape) {
     return {shape.begin(), shape.end()};
 }
 
-/// Creates intermediate groups on the way to an object.
+/// Property list that creates intermediate groups on the way to an object.
 hid_t with_parents() {
     const hid_t list = H5Pcreate(H5P_LINK_CREATE);
     H5Pset_create_intermediate_group(list, 1);
@@ -178,7 +178,7 @@ void Hdf5File::flush() {
 
 bool Hdf5File::has(const std::string& object) const {
     const Alone alone;
-    // every link on the way must exist, or the library calls it an error
+    // every link on the way must exist, otherwise the library reports an error
     for (std::size_t end = object.find('/', 1);; end = object.find('/', end + 1)) {
         const std::string prefix = object.substr(0, end);
         if (prefix != "/" && H5Lexists(file_, prefix.c_str(), H5P_DEFAULT) <= 0) return false;
@@ -295,10 +295,11 @@ std::size_t Hdf5File::count(const std::string& dataset, std::size_t bytes_each) 
     if (opened < 0) fail("open", dataset);
     const hssize_t number = H5Sget_simple_extent_npoints(Space(H5Dget_space(opened)));
     if (number < 0) fail("read", dataset);
-    // a damaged file may claim any size: better said here than met by an allocation
+    // a damaged file may claim any size; a message is better than a failed allocation
     if (static_cast<std::size_t>(number) > most_bytes / bytes_each)
-        throw OutputError(fmt::format("cannot read {} in '{}': {} values are more than any run has",
-                                      dataset, path_.string(), number));
+        throw OutputError(
+            fmt::format("cannot read {} in '{}': {} values are more than any run writes", dataset,
+                        path_.string(), number));
     return static_cast<std::size_t>(number);
 }
 
@@ -328,7 +329,7 @@ std::string in_words(const Hdf5File::Shape& shape) {
 
 namespace {
 
-/// Writes an attribute in place of an earlier one of that name; false on failure.
+/// Writes an attribute, replacing an earlier one of that name; false on failure.
 bool put_attribute(hid_t object, const char* name, hid_t type, hid_t space, const void* data) {
     if (H5Aexists(object, name) > 0 && H5Adelete(object, name) < 0) return false;
     const Attribute made(H5Acreate2(object, name, type, space, H5P_DEFAULT, H5P_DEFAULT));
@@ -357,7 +358,7 @@ void Hdf5File::set_attribute(const std::string& object, const std::string& name,
     const Alone alone;
     const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
     const Space space(H5Screate(H5S_SCALAR));
-    const Type type(H5Tcopy(H5T_C_S1)); // fixed length: the only kind that every VTK reader takes
+    const Type type(H5Tcopy(H5T_C_S1)); // fixed length, the only kind that every VTK reader accepts
     H5Tset_size(type, std::max<std::size_t>(value.size(), 1));
     H5Tset_strpad(type, H5T_STR_NULLPAD);
     const bool ascii = std::all_of(value.begin(), value.end(),

@@ -14,34 +14,36 @@ concept Hdf5Number = std::same_as<T, double> || std::same_as<T, float> ||
     std::same_as<T, std::int64_t> || std::same_as<T, std::uint64_t> ||
     std::same_as<T, std::uint32_t> || std::same_as<T, std::uint8_t>;
 
-/// An HDF5 file. Objects are named by their path, as "/VTKHDF/Steps/Values"; the groups on the way
-/// are made when something is written. Every member throws OutputError with the file, the object
-/// and what failed, also for files that are truncated, damaged or not HDF5. Threads may have files
-/// of their own; calls wait for one another.
+/// An HDF5 file. Objects are named by their path, as "/VTKHDF/Steps/Values"; missing parent groups
+/// are created on writing. Every member throws OutputError with the file, the object and the
+/// operation that failed, also for files that are truncated, damaged or not HDF5. Different threads
+/// may use different files; calls into the library are serialised.
 class Hdf5File {
 public:
     using Shape = std::vector<std::uint64_t>;
 
-    /// A new file in place of an old one. Its directory is made where missing.
+    /// Creates a file, replacing an old one, and its directory if necessary.
     static Hdf5File create(const std::filesystem::path& path);
-    static Hdf5File open(const std::filesystem::path& path);          ///< to read
-    static Hdf5File open_to_write(const std::filesystem::path& path); ///< to read and write
+    static Hdf5File open(const std::filesystem::path& path);          ///< for reading
+    static Hdf5File open_to_write(const std::filesystem::path& path); ///< for reading and writing
 
     Hdf5File(Hdf5File&& other) noexcept;
     Hdf5File& operator=(Hdf5File&& other) noexcept;
-    ~Hdf5File(); ///< closes; an error then is lost, so a writer calls close()
+    /// Closes the file. An error is lost here, so writers call close().
+    ~Hdf5File();
     void close();
     bool is_open() const { return file_ >= 0; }
-    void flush(); ///< hands everything to the operating system
+    void flush(); ///< passes all data to the operating system
 
     const std::filesystem::path& path() const { return path_; }
     bool has(const std::string& object) const;
-    /// Names in a group, sorted.
+    /// Names of the members of a group, sorted.
     std::vector<std::string> names(const std::string& group) const;
     void make_group(const std::string& group);
     void remove(const std::string& object);
 
-    /// A new dataset of fixed shape (1 to 3 dimensions, whose product is the number of values).
+    /// Writes a new dataset of fixed shape: 1 to 3 dimensions, whose product is the number of
+    /// values.
     template <Hdf5Number T>
     void write(const std::string& dataset, std::span<const T> values, const Shape& shape) {
         write(dataset, kind_of<T>(), values.data(), values.size(), shape);
@@ -50,8 +52,8 @@ public:
     void write(const std::string& dataset, std::span<const T> values) {
         write(dataset, values, Shape{values.size()});
     }
-    /// A new, empty dataset that grows by rows; `row` is the shape of one (empty: a number),
-    /// `rows_per_chunk` how many are usually appended at once.
+    /// Creates an empty dataset that grows by rows. `row`: shape of a row (empty: a single number).
+    /// `rows_per_chunk`: number of rows that are usually appended at once.
     template <Hdf5Number T>
     void make_growing(const std::string& dataset, const Shape& row, std::uint64_t rows_per_chunk) {
         make_growing(dataset, kind_of<T>(), row, rows_per_chunk);
@@ -62,7 +64,7 @@ public:
         append(dataset, kind_of<T>(), values.data(), values.size());
     }
 
-    /// All values, converted to T where the file has another kind of number.
+    /// All values of a dataset, converted to T if the file stores another type of number.
     template <Hdf5Number T>
     std::vector<T> read(const std::string& dataset) const {
         std::vector<T> values(count(dataset, sizeof(T)));
@@ -71,7 +73,7 @@ public:
     }
     Shape shape(const std::string& dataset) const; ///< empty: a scalar
 
-    /// Attributes of a group or dataset; a second write replaces the first.
+    /// Sets an attribute of a group or dataset, replacing an earlier value.
     template <Hdf5Number T>
     void set_attribute(const std::string& object, const std::string& name, T value) {
         set_attribute(object, name, kind_of<T>(), &value, {});
@@ -130,7 +132,7 @@ private:
     std::int64_t file_ = -1; ///< the library's handle; negative when closed
 };
 
-/// A shape as messages tell it: "7 x 3"; "a scalar".
+/// A shape as text for messages: "7 x 3", "a scalar".
 std::string in_words(const Hdf5File::Shape& shape);
 
 } // namespace bris

@@ -22,14 +22,14 @@ namespace bris {
 
 namespace {
 
-constexpr auto glance =
-    std::chrono::milliseconds(20); // between looks at a file that grows, or at the wish to stop
+// interval between checks of a growing file and of requests to stop
+constexpr auto glance = std::chrono::milliseconds(20);
 
 } // namespace
 
 struct LineSource::Reader {
     int file = -1;
-    bool grows = false, unwritten = false; // unwritten: a pipe that nobody has written into yet
+    bool grows = false, unwritten = false; // unwritten: a pipe without a writer so far
     std::size_t capacity;
     std::deque<Line> queue;
     bool ended = false;
@@ -37,17 +37,16 @@ struct LineSource::Reader {
     std::condition_variable came, room;
     std::atomic<bool> stop = false;
     std::thread thread;
-    // of the reading thread alone
+    // used by the reading thread only
     Line line{1, {}, {}, true};
 
     Reader(const std::filesystem::path& path, std::size_t most) : capacity(most) {
-        file = path == "-" ? STDIN_FILENO
-                           : open(path.c_str(), O_RDONLY | O_CLOEXEC |
-                                                    O_NONBLOCK); // a pipe may have no writer yet
+        // non-blocking, because a pipe may have no writer yet
+        file = path == "-" ? STDIN_FILENO : open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
         struct stat about {};
         const bool readable = file >= 0 && fstat(file, &about) == 0 && !S_ISDIR(about.st_mode);
         if (!readable) {
-            const std::string why = file < 0 ? std::strerror(errno) : "not a stream";
+            const std::string why = file < 0 ? std::strerror(errno) : "not a file or pipe";
             if (file > STDIN_FILENO) close(file);
             throw OutputError(fmt::format("cannot read '{}': {}", path.string(), why));
         }

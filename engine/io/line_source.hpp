@@ -10,28 +10,29 @@
 
 namespace bris {
 
-/// Lines as they come: from the standard input ("-"), from a pipe, or from a file that grows. A
-/// thread of its own takes them and stamps them with the time; they wait in a queue. When it is
-/// full no more is read, so who writes into a pipe waits; nothing is lost.
+/// Lines as they arrive from the standard input ("-"), a pipe or a growing file. A separate thread
+/// reads them, stamps them with the time of arrival and queues them. While the queue is full
+/// nothing is read, so that the writer of a pipe has to wait; no line is lost.
 class LineSource {
 public:
     struct Line {
-        std::uint64_t number; ///< from 1 on
-        std::string text;     ///< without its end
+        std::uint64_t number; ///< counted from 1
+        std::string text;     ///< without the end of line
         Instant arrived;
-        bool whole = true; ///< false: cut off by the end of the input, or longer than `longest`
+        /// False: cut off by the end of the input, or longer than `longest`.
+        bool whole = true;
     };
-    static constexpr std::size_t longest =
-        1 << 16; ///< bytes of a line; what follows of it is skipped
+    /// Longest line in bytes; the rest of a longer line is skipped.
+    static constexpr std::size_t longest = 1 << 16;
 
-    /// Throws OutputError if it cannot be opened.
+    /// Opens the source; `capacity`: lines in the queue. Throws OutputError if it cannot be opened.
     explicit LineSource(const std::filesystem::path& path, std::size_t capacity = 100'000);
     ~LineSource();
 
-    /// The next line; waits for it at most `timeout` (s). Nothing: none came, the input has ended,
-    /// or the user stops the run.
+    /// The next line; waits at most `timeout` (s) for it. Returns nothing if no line arrived, the
+    /// input has ended or the user stops the run.
     std::optional<Line> next(double timeout);
-    /// Whether the input has ended and all was taken. A file that grows never ends.
+    /// Whether the input has ended and all lines were taken. A growing file never ends.
     bool over() const;
 
 private:

@@ -12,7 +12,7 @@ namespace bris {
 
 namespace {
 
-// Okabe and Ito (2008): told apart by every kind of colour vision
+// Okabe and Ito (2008): distinguishable with every kind of colour vision
 constexpr std::array colours{"#0072b2", "#d55e00", "#009e73", "#cc79a7",
                              "#e69f00", "#56b4e9", "#000000"};
 constexpr std::array points{7, 5, 9, 13, 11, 6, 4};
@@ -52,8 +52,8 @@ std::string style_of(const Curve& curve, std::size_t i) {
                        curve.style == Curve::Style::dashed ? "(10,5)" : "solid", colour);
 }
 
-/// Lines of text below the axes: tics, label, and as many rows as the key has, whose columns are as
-/// wide as the longest label.
+/// Height below the axes in lines of text: tics, label, and the rows of the key, whose columns are
+/// as wide as the longest label.
 double bottom_margin(const Plot& plot) {
     std::size_t entries = 0, longest = 1;
     for (const Curve& curve : plot.curves) {
@@ -70,7 +70,7 @@ double bottom_margin(const Plot& plot) {
 std::string panel(const Plot& plot, std::size_t number) {
     std::string text;
     std::string curves;
-    std::size_t colour = 0; // what is not in the key goes with the curve before it
+    std::size_t colour = 0; // a curve that is not in the key has the colour of the curve before it
     for (std::size_t i = 0; i < plot.curves.size(); ++i) {
         const Curve& curve = plot.curves[i];
         if (i > 0 && !curve.label.empty()) ++colour;
@@ -85,7 +85,7 @@ std::string panel(const Plot& plot, std::size_t number) {
         fmt::format("set title {} font ',12'\nset xlabel {}\nset ylabel {}\nset bmargin {:.1f}\n",
                     gnuplot_quoted(plot.title), gnuplot_quoted(plot.x_label),
                     gnuplot_quoted(plot.y_label), bottom_margin(plot));
-    const bool empty = curves.empty(); // such a panel still says what it would have shown
+    const bool empty = curves.empty(); // an empty panel still shows its title and axes
     text += plot.x_logarithmic && !empty ? "set logscale x\n" : "unset logscale x\n";
     text += plot.y_logarithmic && !empty ? "set logscale y\n" : "unset logscale y\n";
     if (empty) return text + "plot [0:1] [0:1] NaN notitle\n";

@@ -6,27 +6,28 @@
 
 namespace bris {
 
-/// A line of a plot; points for what was measured elsewhere. NaN leaves a gap.
+/// One curve of a plot; points show data from other sources. NaN leaves a gap.
 struct Curve {
     enum class Style { line, dashed, points };
-    std::string label = ""; ///< empty: not in the key, in the colour of the curve before it
+    /// Empty: not in the key, and drawn in the colour of the curve before it.
+    std::string label = "";
     std::vector<double> x = {};
     std::vector<double> y = {};
     Style style = Style::line;
 };
 
-/// One panel.
+/// One panel of a figure.
 struct Plot {
     std::string title = "";
-    std::string x_label = ""; ///< with its unit, as "axial strain (%)"
+    std::string x_label = ""; ///< with its unit, as in "axial strain (%)"
     std::string y_label = "";
     std::vector<Curve> curves = {};
     bool x_logarithmic = false;
     bool y_logarithmic = false;
 };
 
-/// Draws the panels side by side into one PNG through gnuplot, `columns` to a row (0: all in one,
-/// at most three). Returns false, with one line on stderr, if that is impossible.
+/// Draws the panels into one PNG with gnuplot, `columns` per row (0: up to three). If that is
+/// impossible, prints one line to stderr and returns false.
 bool draw_plots(const std::filesystem::path& png, const std::vector<Plot>& panels,
                 unsigned columns = 0);
 

@@ -14,7 +14,7 @@ namespace {
 constexpr std::uint8_t vtk_vertex = 1, vtk_quad = 9;
 const std::string point_data = "/VTKHDF/PointData/";
 const std::string data_offsets = "/VTKHDF/Steps/PointDataOffsets/";
-constexpr std::size_t rows_kept = 256; // of a track, before they are written
+constexpr std::size_t rows_kept = 256; // rows of a track that are kept before they are written
 
 void append_one(Hdf5File& file, const std::string& dataset, std::int64_t value) {
     file.append(dataset, std::span<const std::int64_t>(&value, 1));
@@ -63,7 +63,7 @@ void RunFile::add_meta(const std::vector<NamedValue>& entries) {
 void RunFile::begin_part(std::size_t rocks, std::size_t quads, const std::vector<Labels>& labels,
                          const std::vector<Field>& fields) {
     const auto points = static_cast<std::int64_t>(rocks + 4 * quads);
-    if (parts_ == 0) { // a chunk is a frame
+    if (parts_ == 0) { // one chunk per frame
         const auto frame = static_cast<std::uint64_t>(points);
         file_.make_growing<float>("/VTKHDF/Points", {3}, frame);
         file_.make_growing<std::int64_t>("/VTKHDF/Connectivity", {}, frame);
@@ -97,7 +97,8 @@ RunFile::Array& RunFile::array(const std::string& name, unsigned components, boo
     const auto [found, is_new] = arrays_.try_emplace(name);
     Array& array = found->second;
     if (is_new) {
-        if (frames_ > 0) throw std::logic_error("array '" + name + "' comes after the first frame");
+        if (frames_ > 0)
+            throw std::logic_error("array '" + name + "' was added after the first frame");
         array = {.components = components, .integer = integer, .fixed = fixed};
         const Hdf5File::Shape row =
             components > 1 ? Hdf5File::Shape{components} : Hdf5File::Shape{};
@@ -109,7 +110,7 @@ RunFile::Array& RunFile::array(const std::string& name, unsigned components, boo
         file_.make_growing<std::int64_t>(data_offsets + name, {}, 256);
     }
     if (array.components != components || array.integer != integer || array.fixed != fixed)
-        throw std::logic_error("array '" + name + "' has changed its kind");
+        throw std::logic_error("array '" + name + "' has changed its type");
     array.start = array.rows;
     array.rows += static_cast<std::int64_t>(rocks_ + 4 * quads_);
     return array;
@@ -147,7 +148,8 @@ void RunFile::append_points(const Frame& frame) {
 }
 
 void RunFile::append_step(double time) {
-    // the part index counts sets of cells, not frames: the reader adds it to where Offsets starts
+    // the part index counts sets of cells, not frames, because readers add it to the start of
+    // Offsets
     file_.append("/VTKHDF/Steps/Values", std::span<const double>(&time, 1));
     append_one(file_, "/VTKHDF/Steps/PartOffsets", parts_ - 1);
     append_one(file_, "/VTKHDF/Steps/NumberOfParts", 1);
@@ -159,17 +161,17 @@ void RunFile::append_step(double time) {
 
 void RunFile::add_frame(const Frame& frame) {
     if (parts_ == 0 || frame.centres.size() != rocks_ || frame.corners.size() != 4 * quads_)
-        throw std::logic_error("a frame of other cells than begin_part announced");
+        throw std::logic_error("the frame has other cells than begin_part declared");
     std::size_t moving = 0;
     for (const auto& [name, array] : arrays_) moving += array.fixed ? 0 : 1;
     if (frames_ > 0 && frame.fields.size() != moving)
-        throw std::logic_error("a frame of other fields than the first one");
+        throw std::logic_error("the frame has other fields than the first one");
     append_points(frame);
     for (const Field& field : frame.fields) append_field(field, false);
     append_step(frame.time);
     write_tracks();
     file_.flush();
-    // only now does the frame count: a crash before this line leaves the file as it was
+    // the frame counts only from here on: a crash before this line leaves the file as it was
     ++frames_;
     file_.set_attribute("/VTKHDF/Steps", "NSteps", static_cast<std::int64_t>(frames_));
     file_.flush();

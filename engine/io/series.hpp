@@ -10,8 +10,9 @@
 
 namespace bris {
 
-/// Numbers sampled during a run: a track of the run file, a CSV file, the curves of a plot. It can
-/// be kept in a checkpoint beside the State of the world, under "series/NAME/".
+/// A time series sampled during a run, written as a track of the run file, as a CSV file and as
+/// curves of a plot. It can be kept in a checkpoint beside the State of the world, under
+/// "series/NAME/".
 class Series {
 public:
     Series(std::string name, std::vector<RunFile::Column> columns);
@@ -21,10 +22,10 @@ public:
     const std::vector<double>& column(const std::string& name) const;
 
     void save(Archive& archive) const;
-    void load(const Archive& archive); ///< throws InputError if it is not there
+    void load(const Archive& archive); ///< throws InputError if it is missing
 
     void write_csv(const std::filesystem::path& path) const;
-    /// As /tracks/NAME, all rows. Once a file.
+    /// Writes all rows as /tracks/NAME. At most once per file.
     void write_track(RunFile& file) const;
 
 private:

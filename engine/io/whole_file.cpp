@@ -33,7 +33,8 @@ std::string read_whole(const std::filesystem::path& path) {
     char block[1 << 14];
     while (const std::size_t n = std::fread(block, 1, sizeof block, file.get()))
         content.append(block, n);
-    if (std::ferror(file.get())) fail("read", path, errno); // a directory opens but does not read
+    // opening a directory succeeds, reading it fails
+    if (std::ferror(file.get())) fail("read", path, errno);
     return content;
 }
 
@@ -41,7 +42,7 @@ void write_whole(const std::filesystem::path& path, std::string_view content) {
     std::error_code error;
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
     if (error) fail("write", path, error.value());
-    // the process id: two runs into one directory must not share the unfinished file
+    // the process id, because two runs into one directory must not share the unfinished file
     std::filesystem::path unfinished = path;
     unfinished += fmt::format(".{}.tmp", getpid());
     File file(std::fopen(unfinished.c_str(), "wb"));

@@ -10,30 +10,32 @@
 
 namespace bris {
 
-/// What is built into an inertial sensor: a triple of accelerometers and one of gyroscopes.
-/// Densities are those of the mean over a time T, which scatters by density / sqrt(T).
+/// Specification of an inertial sensor: three accelerometers and three gyroscopes. Noise densities
+/// are those of the mean over a time T, whose standard deviation is density / sqrt(T).
 struct ImuModel {
     double rate = 200;    ///< Hz
-    double bandwidth = 0; ///< Hz, of a first-order low pass before sampling; 0: none
-    double force_range = 0, rate_range = 0; ///< m/s2 and rad/s, largest; 0: no limit
-    unsigned bits = 0;                      ///< of a sample over the range; 0: not rounded
+    double bandwidth = 0; ///< Hz, of a first-order low pass before sampling; 0: no low pass
+    double force_range = 0, rate_range = 0; ///< m/s2 and rad/s, largest value; 0: no limit
+    unsigned bits = 0; ///< of a sample over the range -range to range; 0: not rounded
     InertialNoise noise;
-    double force_bias = 0, rate_bias = 0; ///< m/s2 and rad/s, deviation from switch-on to switch-on
-    double scale_error = 0, misalignment = 0; ///< of 1, and rad: deviations from device to device
-    Vec3 arm = Vec3::Zero();                  ///< m, from the body's centre, in its axes
+    /// Standard deviations of the turn-on biases (m/s2 and rad/s).
+    double force_bias = 0, rate_bias = 0;
+    /// Standard deviations from device to device, relative and in rad.
+    double scale_error = 0, misalignment = 0;
+    Vec3 arm = Vec3::Zero();                  ///< m, from the body's centre, in body axes
     Quat mounting = Quat::Identity();         ///< from the sensor's axes to the body's
-    double clock_offset = 0, clock_drift = 0; ///< s, and s a second: of its time stamps
-    double loss = 0;                          ///< share of samples that never arrive
+    double clock_offset = 0, clock_drift = 0; ///< s, and s per second: of the time stamps
+    double loss = 0;                          ///< fraction of samples that never arrive
 };
 
-/// Figures of classes of devices: "ideal" (no error at all), "lab-grade", "smartrock-like" and
-/// "cheap". Noise of common devices: 60-300 micro-g and 4-10 mdeg/s per root hertz, biases after
-/// calibration at rest. Throws InputError.
+/// Specification of a class of devices: "ideal" (no errors), "lab-grade", "smartrock-like" or
+/// "cheap". Common devices have a noise of 60-300 micro-g and 4-10 mdeg/s per root hertz, and
+/// biases that remain after calibration at rest. Throws InputError for any other name.
 ImuModel imu_preset(std::string_view name);
 inline constexpr std::array<std::string_view, 4> imu_presets{"ideal", "lab-grade", "smartrock-like",
                                                              "cheap"};
 
-/// How a body really moves at one time: world frame.
+/// True motion of a body at one time, in the world frame.
 struct TrueMotion {
     Quat orientation = Quat::Identity();
     Vec3 acceleration = Vec3::Zero();         ///< m/s2
@@ -42,19 +44,19 @@ struct TrueMotion {
 };
 
 struct ImuSample {
-    double time = 0; ///< s, by its own clock
+    double time = 0; ///< s, on the sensor's own clock
     std::uint64_t sequence = 0;
     Vec3 force = Vec3::Zero(), rate = Vec3::Zero(); ///< m/s2 and rad/s, in the sensor's axes
     bool saturated = false, lost = false;
 };
 
-/// One device, with biases, scales and misalignments of its own, drawn from (seed, id): the same
-/// numbers whatever else is drawn elsewhere. Order of effects: lever arm, axes, scale and
-/// misalignment, low pass, bias and its walk, noise, range, rounding, time stamp, loss.
+/// One device, with its own biases, scale factors and misalignments, drawn from (seed, id)
+/// independently of all other draws. Order of effects: lever arm, axes, scale and misalignment, low
+/// pass, bias and its random walk, noise, range, rounding, time stamp, loss.
 class Imu {
 public:
     Imu(const ImuModel& model, const Vec3& gravity, std::uint64_t seed, std::uint64_t id);
-    /// The next sample, at the true time `time` (s); one call every 1 / rate.
+    /// The next sample, at the true time `time` (s); called once every 1 / rate seconds.
     ImuSample sample(double time, const TrueMotion& motion);
     Vec3 force_bias() const { return force_bias_; }
     Vec3 rate_bias() const { return rate_bias_; }

@@ -7,15 +7,15 @@
 
 namespace bris {
 
-/// The value in the middle, of an even number the upper of two; half of the values may be wrong
-/// without moving it far. At least one value.
+/// Median of at least one value; for an even number, the upper of the two middle values. Up to half
+/// of the values may be wrong without moving it far.
 inline double median(std::vector<double> values) {
     const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
     std::nth_element(values.begin(), middle, values.end());
     return *middle;
 }
 
-/// The same of each component.
+/// Median of each component.
 inline Vec3 median(const std::vector<Vec3>& values) {
     Vec3 middle;
     for (Eigen::Index axis = 0; axis < 3; ++axis) {
@@ -26,7 +26,8 @@ inline Vec3 median(const std::vector<Vec3>& values) {
     return middle;
 }
 
-/// Standard deviation of normal numbers whose absolute values have that median.
+/// Standard deviation of normally distributed values with mean 0, from the median of their absolute
+/// values.
 inline double deviation_of_median(double median_of_absolutes) {
     return 1.4826 * median_of_absolutes;
 }

@@ -9,7 +9,7 @@
 using namespace bris;
 
 TEST_SUITE("engine/archive") {
-    TEST_CASE("numbers come back as they were put, empty lists too") {
+    TEST_CASE("an archive returns the numbers that were stored, also for empty arrays") {
         Archive archive;
         const std::vector<double> real{1.5, -0.0, 1e-310};
         const std::vector<std::uint64_t> whole{};
@@ -21,7 +21,7 @@ TEST_SUITE("engine/archive") {
         CHECK(archive.find("a/nothing") == nullptr);
     }
 
-    TEST_CASE("what is missing or of another size is told by name") {
+    TEST_CASE("a missing array or numbers of another size are reported with the array's name") {
         Archive archive;
         const std::vector<float> few{1};
         archive.put("x", std::span<const float>(few));
@@ -29,7 +29,8 @@ TEST_SUITE("engine/archive") {
         CHECK_THROWS_WITH_AS(archive.get<double>("x"), doctest::Contains("'x'"), InputError);
     }
 
-    TEST_CASE("any single bit and the order of numbers change the fingerprint, names do not") {
+    TEST_CASE("the fingerprint changes with any single bit and with the order of the numbers, but "
+              "not with the names") {
         const auto print = [](const std::string& path, std::vector<double> numbers) {
             Archive archive;
             archive.put(path, std::span<const double>(numbers));
@@ -45,7 +46,7 @@ TEST_SUITE("engine/archive") {
         CHECK(print("a", {0}) != print("a", {-0.0}));
     }
 
-    TEST_CASE("a fingerprint of a part looks at that part only") {
+    TEST_CASE("the fingerprint of a part depends on that part only") {
         const std::vector<double> one{1}, two{2};
         Archive a, b;
         a.put("bodies/x", std::span<const double>(one));

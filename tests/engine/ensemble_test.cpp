@@ -14,7 +14,7 @@
 using namespace bris;
 
 TEST_SUITE("engine/ensemble") {
-    TEST_CASE("every job runs once, and never more at once than asked for") {
+    TEST_CASE("every job runs once, and never more jobs run at once than requested") {
         for (const unsigned at_once : {0u, 1u, 2u, 7u, 50u}) {
             std::vector<std::atomic<int>> runs(23);
             std::atomic<int> now{0}, most{0};
@@ -34,7 +34,8 @@ TEST_SUITE("engine/ensemble") {
         run_ensemble(0, 3, [](std::size_t) { FAIL("there is no job"); });
     }
 
-    TEST_CASE("the error of the lowest job is thrown, after all that run have finished") {
+    TEST_CASE(
+        "the error of the lowest-numbered job is thrown after all running jobs have finished") {
         std::atomic<int> started{0}, ended{0};
         const auto job = [&](std::size_t number) {
             ++started;
@@ -48,10 +49,10 @@ TEST_SUITE("engine/ensemble") {
         CHECK(started < 1000);
         started = ended = 0;
         CHECK_THROWS_WITH(run_ensemble(1000, 1, job), "1");
-        CHECK(started == 2); // one at a time: nothing after the failure
+        CHECK(started == 2); // one at a time: no job starts after the failure
     }
 
-    TEST_CASE("a world comes to the same state alone and among others") {
+    TEST_CASE("a simulation reaches the same state alone and beside others") {
         const auto state = [](std::uint64_t seed) {
             Simulation sim = testing::start(testing::bed({.bodies = 30, .seed = seed}),
                                             {.dt = 2e-5, .law = LawName::linear_viscous});

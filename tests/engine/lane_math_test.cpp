@@ -11,7 +11,8 @@ using namespace bris;
 
 namespace {
 
-constexpr std::size_t many = 2 * static_cast<std::size_t>(lane_count) + 3; // ends in a short group
+// the last group is short
+constexpr std::size_t many = 2 * static_cast<std::size_t>(lane_count) + 3;
 
 Vec3 vector_in(Random& random, double scale) {
     return scale * random.uniform(0, 1) * random.direction();
@@ -27,7 +28,7 @@ std::vector<Vec3> vectors(std::uint64_t seed, double scale) {
 } // namespace
 
 TEST_SUITE("engine/lane_math") {
-    TEST_CASE("columns are loaded and stored row by row, and no row beyond the last") {
+    TEST_CASE("columns are loaded and stored row by row, without touching rows beyond the last") {
         const auto from = vectors(1, 1);
         auto to = vectors(2, 1);
         const Vec3 kept = to[many - 1];
@@ -50,7 +51,7 @@ TEST_SUITE("engine/lane_math") {
         }
     }
 
-    TEST_CASE("equal finds the rows that hold a value") {
+    TEST_CASE("equal() finds the rows that hold a value") {
         std::vector<std::uint32_t> kinds(many);
         for (std::uint32_t k = 0; k < many; ++k) kinds[k] = k % 3;
         for_lane_rows(0, many, [&](LaneRows rows) {
@@ -60,7 +61,7 @@ TEST_SUITE("engine/lane_math") {
         });
     }
 
-    TEST_CASE("rotations are those of one body, and the same in every lane") {
+    TEST_CASE("rotations agree with those of a single body and have the same bits in every lane") {
         const auto angles = vectors(3, 20), points = vectors(4, 1);
         std::vector<Quat> turns(many), alone(many);
         std::vector<Vec3> world(many), back(many);
@@ -82,7 +83,7 @@ TEST_SUITE("engine/lane_math") {
         }
     }
 
-    TEST_CASE("a rotation without bound ends, and is no number") {
+    TEST_CASE("an infinite rotation angle terminates and gives a quaternion that is not finite") {
         const double infinite = std::numeric_limits<double>::infinity();
         std::vector<Vec3> angle{Vec3(infinite, 0, 0)};
         std::vector<Quat> q(1);

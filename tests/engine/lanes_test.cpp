@@ -8,7 +8,7 @@ using namespace bris;
 namespace {
 
 constexpr auto width = static_cast<std::size_t>(lane_count);
-using Numbers = std::array<std::array<double, 4>, width>; // one row a lane
+using Numbers = std::array<std::array<double, 4>, width>; // one row per lane
 
 Numbers random_rows(std::uint64_t seed) {
     Random random(seed, 0);
@@ -25,14 +25,14 @@ FourLanes loaded(const Numbers& rows) {
 } // namespace
 
 TEST_SUITE("engine/lanes") {
-    TEST_CASE("a transpose makes lane q of column c what number c of row q was") {
+    TEST_CASE("after a transpose, lane q of column c holds number c of row q") {
         const Numbers rows = random_rows(1);
         const FourLanes columns = transpose(loaded(rows));
         for (std::size_t q = 0; q < width; ++q)
             for (std::size_t c = 0; c < 4; ++c) CHECK(columns[c][q] == rows[q][c]);
     }
 
-    TEST_CASE("transposing twice and storing gives the rows back, and only as many as asked") {
+    TEST_CASE("transposing twice and storing gives the rows back, and only as many as requested") {
         const Numbers rows = random_rows(2);
         const FourLanes twice = transpose(transpose(loaded(rows)));
         for (int count = 0; count <= lane_count; ++count) {
@@ -45,7 +45,7 @@ TEST_SUITE("engine/lanes") {
         }
     }
 
-    TEST_CASE("triples are taken apart into x, y and z, and put together again") {
+    TEST_CASE("triples are split into x, y and z, and joined again") {
         Random random(7, 0);
         std::array<double, 3 * width> rows, stored{};
         for (double& number : rows) number = random.uniform(-1, 1);
@@ -56,14 +56,14 @@ TEST_SUITE("engine/lanes") {
         CHECK(stored == rows);
     }
 
-    TEST_CASE("row sums add pairs first, in every lane the same") {
+    TEST_CASE("row sums add pairs first, in the same way in every lane") {
         const Numbers rows = random_rows(3);
         const Lane sums = row_sums(loaded(rows));
         for (std::size_t q = 0; q < width; ++q)
             CHECK(sums[q] == (rows[q][0] + rows[q][1]) + (rows[q][2] + rows[q][3]));
     }
 
-    TEST_CASE("bits tell which lanes compare true") {
+    TEST_CASE("bits() reports the lanes for which a comparison is true") {
         for (unsigned pattern = 0; pattern < (1u << width); ++pattern) {
             Lane a{};
             for (std::size_t q = 0; q < width; ++q) a[q] = ((pattern >> q) & 1) != 0 ? -1.0 : 1.0;
@@ -71,7 +71,7 @@ TEST_SUITE("engine/lanes") {
         }
     }
 
-    TEST_CASE("root, least and greatest are those of the numbers") {
+    TEST_CASE("square root, minimum and maximum are those of the single numbers") {
         Random random(4, 0);
         Lane a{}, b{};
         for (std::size_t q = 0; q < width; ++q) {
@@ -92,7 +92,7 @@ TEST_SUITE("engine/lanes") {
             const Vec3 a = random.direction(), b = random.direction();
             const Quad c = cross(Quad{a.x(), a.y(), a.z(), 3}, Quad{b.x(), b.y(), b.z(), -7});
             const Vec3 expected = a.cross(b);
-            // both are differences of two products, rounded alike
+            // both are differences of two products, rounded in the same way
             CHECK(c[0] == expected.x());
             CHECK(c[1] == expected.y());
             CHECK(c[2] == expected.z());

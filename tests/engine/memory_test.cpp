@@ -21,7 +21,7 @@ std::string refusal(double bytes, std::uint64_t limit) {
     }
 }
 
-/// Exit code of a scenario of its own process; -1: a signal ended it.
+/// Exit code of a scenario in a separate process; -1: it was ended by a signal.
 int exit_code_of_settle(const std::string& options) {
     const TemporaryDirectory out;
     const int status = std::system((BRIS_BINARIES "/settle --quiet --duration 0.001 " + options +
@@ -33,18 +33,20 @@ int exit_code_of_settle(const std::string& options) {
 } // namespace
 
 TEST_SUITE("engine/memory") {
-    TEST_CASE("what fits is let through, what does not is refused with the estimate") {
+    TEST_CASE("a request that fits in memory is accepted, a larger one is rejected with the "
+              "estimated size") {
         const auto all = static_cast<double>(machine_memory());
         CHECK(refusal(0.9 * all, 0) == "");
-        CHECK(refusal(1.1 * all, 0).find("all that this machine has") != std::string::npos);
+        CHECK(refusal(1.1 * all, 0).find("the memory of this machine") != std::string::npos);
         CHECK(refusal(0x1.8p30, std::uint64_t{1} << 30) ==
-              "--spheres: expected what fits in 1 GiB (--memory), found 5e+07, which take about "
+              "--spheres: expected a number that fits in 1 GiB (--memory), found 5e+07, which "
+              "needs about "
               "1.5 GiB");
         CHECK(refusal(0x0.8p30, std::uint64_t{1} << 30) == "");
     }
 
-    TEST_CASE("under a limit too small for any process a scenario is refused; under what its scene "
-              "is said to take it runs") {
+    TEST_CASE("a scenario is rejected if the memory limit is too small for any process or for its "
+              "scene, and runs with as much memory as its scene is estimated to need") {
         for (const char* limit : {"0.001", "0.03", "0.06", "0.1"}) {
             CAPTURE(limit);
             CHECK(exit_code_of_settle(std::string("--spheres 10 --threads 1 --memory ") + limit) ==
@@ -56,9 +58,9 @@ TEST_SUITE("engine/memory") {
         CHECK(exit_code_of_settle("--spheres 16000 --threads 1 --memory 0.182") == 0);
     }
 
-    TEST_CASE("a limit beyond the machine is the machine's") {
+    TEST_CASE("a limit beyond the memory of the machine is replaced by it") {
         const std::uint64_t all = machine_memory();
-        CHECK(refusal(1.1 * static_cast<double>(all), 2 * all).find("all that this machine has") !=
+        CHECK(refusal(1.1 * static_cast<double>(all), 2 * all).find("the memory of this machine") !=
               std::string::npos);
     }
 }

@@ -24,13 +24,14 @@ TEST_SUITE("engine/ordering") {
         }
     }
 
-    TEST_CASE("the order names every row once, and does not depend on the order it is given") {
+    TEST_CASE(
+        "the Morton order contains every row once and does not depend on the order of its input") {
         Random random(5, 0);
         const std::size_t n = 500;
         std::vector<Vec3> x(n);
         std::vector<EntityId> id(n);
         std::iota(id.begin(), id.end(), 0u);
-        // many share a cell, some even a place
+        // many positions share a cell, some are equal
         for (auto& v : x)
             v = Vec3(std::floor(4 * random.uniform()), 4 * random.uniform(),
                      std::floor(3 * random.uniform()));
@@ -57,7 +58,7 @@ TEST_SUITE("engine/ordering") {
         }
     }
 
-    TEST_CASE("neighbours along the curve are neighbours in space") {
+    TEST_CASE("neighbours along the Morton curve are neighbours in space") {
         // along a full 8 x 8 x 8 lattice the mean step of a Morton curve is below 2 cells
         std::vector<Vec3> x;
         std::vector<EntityId> id;

@@ -12,7 +12,7 @@
 using namespace bris;
 
 TEST_SUITE("engine/parallel") {
-    TEST_CASE("chunks cover every row once, whatever the number of threads and the grain") {
+    TEST_CASE("chunks cover every row once for any number of threads and any grain") {
         for (const unsigned threads : {1u, 2u, 3u, 7u})
             for (const std::size_t n : {0u, 1u, 7u, 1000u, 4096u})
                 for (const std::size_t grain : {1u, 7u, 256u, 5000u}) {
@@ -37,7 +37,7 @@ TEST_SUITE("engine/parallel") {
                 }
     }
 
-    TEST_CASE("a loop inside a loop's body is run too") {
+    TEST_CASE("a loop inside the body of another loop runs completely") {
         Threads team(3);
         std::vector<int> sums(20, 0);
         team.run([&] {
@@ -52,7 +52,7 @@ TEST_SUITE("engine/parallel") {
         CHECK(sums == std::vector<int>(20, 50));
     }
 
-    TEST_CASE("a sum in order has the same bits for any number of threads, and is right") {
+    TEST_CASE("sum_in_order() is correct and has the same bits for any number of threads") {
         Random random(11, 0);
         std::vector<double> terms(10'000);
         long double exact = 0;
@@ -68,7 +68,7 @@ TEST_SUITE("engine/parallel") {
             });
         }
         CHECK(sums.size() == 1);
-        // blocks of 1024: at most 1024 + 10 roundings of sums no larger than n 2^30
+        // blocks of 1024: at most 1024 + 10 roundings of sums not larger than n 2^30
         CHECK(std::abs(*sums.begin() - static_cast<double>(exact)) < 1100 * 1.2e-16 * 1e4 * 0x1p30);
     }
 }

@@ -17,7 +17,7 @@ struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
 };
 
-/// What `use` makes a progress of this style print.
+/// The output of a progress of this style during `use`.
 template <class Use>
 std::string printed(unsigned slots, Progress::Style style, Use use) {
     const std::unique_ptr<std::FILE, Close> file(std::tmpfile());
@@ -39,7 +39,7 @@ std::size_t lines(const std::string& text) {
 } // namespace
 
 TEST_SUITE("engine/progress") {
-    TEST_CASE("elsewhere than on a terminal there are whole lines, and few, also at the end") {
+    TEST_CASE("without a terminal only a few whole lines are printed, also at the end of runs") {
         const std::string text = printed(1, Progress::Style::lines, [](Progress& progress) {
             for (int run = 0; run < 30; ++run) {
                 for (int i = 0; i <= 1000; ++i)
@@ -50,7 +50,7 @@ TEST_SUITE("engine/progress") {
         CHECK(text == "shear 0 %, q 5 kPa, eta --:--\n");
     }
 
-    TEST_CASE("on a terminal one line is rewritten and ended") {
+    TEST_CASE("on a terminal one line is rewritten and finally ended") {
         const std::string text = printed(1, Progress::Style::rewritten, [](Progress& progress) {
             progress.report(0, {"shear", 0.5});
             std::this_thread::sleep_for(std::chrono::milliseconds(600));
@@ -65,11 +65,11 @@ TEST_SUITE("engine/progress") {
               }).empty());
     }
 
-    TEST_CASE("the time left is that of the phase at hand, from its own rate") {
+    TEST_CASE("the estimated time left is that of the current phase, from its own rate") {
         const auto wait = [] { std::this_thread::sleep_for(std::chrono::milliseconds(300)); };
         const std::string text = printed(1, Progress::Style::rewritten, [&](Progress& progress) {
-            progress.report(0, {"compaction", 0.9}); // says nothing about what follows
-            for (int i = 0; i <= 4; ++i) {           // a tenth in 0.6 s: 4.8 s at a fifth
+            progress.report(0, {"compaction", 0.9}); // gives no information on the next phase
+            for (int i = 0; i <= 4; ++i) { // a tenth in 0.6 s, so 4.8 s are left at a fifth
                 progress.report(0, {"shear", 0.05 * i});
                 wait();
             }
@@ -79,15 +79,15 @@ TEST_SUITE("engine/progress") {
         CHECK(text.find("shear 20 %, eta 00:05") != std::string::npos);
     }
 
-    TEST_CASE(
-        "a phase of which nobody knows how long it takes shows no per cent and no time left") {
+    TEST_CASE("a phase of unknown length shows neither a percentage nor a time left") {
         const std::string text = printed(1, Progress::Style::lines, [](Progress& progress) {
             progress.report(0, {"compaction", -1, "core porosity 0.340"});
         });
         CHECK(text == "compaction, core porosity 0.340\n");
     }
 
-    TEST_CASE("two runs on two threads share a line, and one that is over leaves it") {
+    TEST_CASE(
+        "two runs on two threads share one line, and a run that has ended is no longer shown") {
         const std::string text = printed(3, Progress::Style::rewritten, [](Progress& progress) {
             progress.report(2, {"c", 0.5});
             progress.report(2, {});

@@ -29,7 +29,7 @@ struct D : State<double> {
     static constexpr auto name = "d", unit = "";
 };
 
-/// Counts calls and says in which steps the periodic systems are due.
+/// Counts calls and determines the steps in which periodic systems are due.
 struct Log {
     static constexpr auto name = "log";
     unsigned step = 0;
@@ -94,7 +94,7 @@ bool has(const std::string& text, const std::string& part) {
 } // namespace
 
 TEST_SUITE("engine/schedule") {
-    TEST_CASE("an edge joins two systems that share data of which one writes, and no others") {
+    TEST_CASE("an edge connects exactly those systems that share data which one of them writes") {
         World world = world_of(4);
         const std::string text =
             explained({system("left", b_from_a), system("right", c_from_a),
@@ -108,7 +108,7 @@ TEST_SUITE("engine/schedule") {
         CHECK_FALSE(has(text, "n2 -> n3;")); // A is not D
     }
 
-    TEST_CASE("an edge that others imply is not drawn") {
+    TEST_CASE("an edge that is implied by others is left out") {
         World world = world_of(4);
         const std::string text = explained(
             {system("left", b_from_a), system("back", a_from_b), system("left again", b_from_a)},
@@ -118,7 +118,8 @@ TEST_SUITE("engine/schedule") {
         CHECK_FALSE(has(text, "n0 -> n2;"));
     }
 
-    TEST_CASE("a system that takes the whole world stands before and after everything") {
+    TEST_CASE("a system that takes the whole world runs after all systems before it and before all "
+              "after it") {
         World world = world_of(4);
         const std::string text = explained(
             {system("left", b_from_a), system("edit", edit), system("back", a_from_b)}, world);
@@ -127,7 +128,8 @@ TEST_SUITE("engine/schedule") {
         CHECK(has(text, "everything"));
     }
 
-    TEST_CASE("a system is absent when the scene lacks a column, a table or a resource") {
+    TEST_CASE(
+        "a system is absent if the scene lacks a column, a table or a resource of its signature") {
         World world = world_of(4);
         world.add_resource<Log>();
         const std::string text = explained({system("left", b_from_a), system("back", a_from_b),
@@ -143,7 +145,8 @@ TEST_SUITE("engine/schedule") {
         CHECK(has(less, "no others"));
     }
 
-    TEST_CASE("a system is unwanted when nobody live reads what it derives, until somebody asks") {
+    TEST_CASE("a system is unwanted if no running system reads what it derives and nothing outside "
+              "the graph wants it") {
         World world = world_of(4);
         const StepList list{system("left", b_from_a), system("right", c_from_a),
                             system("back", a_from_b)};
@@ -163,7 +166,7 @@ TEST_SUITE("engine/schedule") {
         CHECK(fresh.column<Cells, C>()[0] == 0);
     }
 
-    TEST_CASE("a chain of derivations that ends with nobody is unwanted to its beginning") {
+    TEST_CASE("a chain of derived data without a final reader is unwanted as a whole") {
         World world = world_of(4);
         const std::string text =
             explained({system("b", b_from_a), system(
@@ -176,12 +179,12 @@ TEST_SUITE("engine/schedule") {
         CHECK(has(text, "c: unwanted"));
     }
 
-    TEST_CASE("a system that is not due does not run, nor does what only feeds it") {
+    TEST_CASE("a system that is not due does not run, nor do the systems that only feed it") {
         World world = world_of(1);
         world.add_resource<Log>();
         world.add_resource<Rare>();
         const auto every_third = +[](const World& w) { return w.resource<Log>().step % 3 == 0; };
-        // shift_b writes Derived B, which d_from_all_b alone reads
+        // only d_from_all_b reads the Derived B
         StepList list{system("b", b_from_a), when(every_third, system("look", d_from_all_b)),
                       system(
                           "count", +[](Log& log, Rows<Others, D>) { ++log.step; })};
@@ -197,7 +200,8 @@ TEST_SUITE("engine/schedule") {
         }
     }
 
-    TEST_CASE("explain names systems, reads, writes, predecessors and what is left out") {
+    TEST_CASE("explain() lists the systems, their reads, writes and predecessors, and those that "
+              "are left out") {
         World world = world_of(4);
         const std::string text = explained(
             {system("left", b_from_a), system("back", a_from_b), system("count", count)}, world);
@@ -207,8 +211,8 @@ TEST_SUITE("engine/schedule") {
         CHECK(has(text, "digraph step {"));
     }
 
-    TEST_CASE("row-local neighbours on one table run as one pass, and a system that looks across "
-              "rows ends it") {
+    TEST_CASE("adjacent row-local systems on one table run as one pass, which a system that reads "
+              "other rows ends") {
         World world = world_of(1000);
         const StepList list{
             row_local("left", b_from_a),       row_local("right", c_from_a),
@@ -219,7 +223,7 @@ TEST_SUITE("engine/schedule") {
         CHECK(has(text, "left again + join again"));
         CHECK_FALSE(has(text, "look +"));
         CHECK_FALSE(has(text, "+ look"));
-        // and gives what the list in order gives, at any grain
+        // the result equals that of the list in order, for any grain
         World in_order = world_of(1000);
         StepList plain = list;
         for (System& s : plain) s.row_local.reset();
@@ -235,8 +239,8 @@ TEST_SUITE("engine/schedule") {
         CHECK(std::ranges::equal(world.column<Others, D>(), in_order.column<Others, D>()));
     }
 
-    TEST_CASE(
-        "row-local systems do not share a pass when one writes another table that the next reads") {
+    TEST_CASE("row-local systems do not share a pass if one writes another table that the next one "
+              "reads") {
         World world = world_of(10);
         const auto write_others = +[](Rows<Cells, const A> cells, Rows<Others, D> others) {
             if (cells.first() == 0) others.column<D>()[0] = cells.column<A>()[0];
@@ -251,7 +255,7 @@ TEST_SUITE("engine/schedule") {
         CHECK(has(text, "n0 -> n1;"));
     }
 
-    TEST_CASE("serial, graph and another valid order give the same bits") {
+    TEST_CASE("serial order, task graph and another valid order give the same bits") {
         const StepList list{system("left", b_from_a), system("right", c_from_a),
                             system("look", d_from_all_b), system("join", a_from_b_and_c)};
         const auto run = [&](unsigned threads, ScheduleSettings settings) {
@@ -275,7 +279,7 @@ TEST_SUITE("engine/schedule") {
         CHECK(run(2, {.last_order = true}) == reference);
     }
 
-    TEST_CASE("a schedule that has run on a graph may be moved and goes on") {
+    TEST_CASE("a schedule that has run as a graph can be moved and continues") {
         const StepList list{system("left", b_from_a), system("right", c_from_a),
                             system("join", a_from_b_and_c)};
         World world = world_of(50), other = world_of(50);
@@ -286,7 +290,7 @@ TEST_SUITE("engine/schedule") {
         schedules.emplace_back(list);
         schedules[0].prepare(world);
         team.run([&] { schedules[0].run(world); });
-        schedules.reserve(10); // moves it elsewhere
+        schedules.reserve(10); // moves the schedule in memory
         team.run([&] { schedules[0].run(world); });
         for (int k = 0; k < 2; ++k) plain.run(other);
         CHECK(std::ranges::equal(world.column<Cells, A>(), other.column<Cells, A>()));

@@ -57,7 +57,8 @@ World world_of(std::uint32_t n) {
 } // namespace
 
 TEST_SUITE("engine/state") {
-    TEST_CASE("the saved state knows no rows: it is in the order of the key") {
+    TEST_CASE(
+        "the saved state is in the order of the key and does not depend on the order of the rows") {
         World world = world_of(20);
         const Archive before = save_state(world);
         std::vector<Row> order(20);
@@ -73,7 +74,7 @@ TEST_SUITE("engine/state") {
         CHECK(fingerprint(save_state(world)) != fingerprint(before));
     }
 
-    TEST_CASE("what is loaded is what was saved, rows then in key order") {
+    TEST_CASE("loading restores what was saved, with the rows in key order") {
         World world = world_of(20), other = world_of(3);
         std::vector<Row> order(20);
         for (Row r = 0; r < 20; ++r) order[r] = 19 - r;
@@ -89,8 +90,8 @@ TEST_SUITE("engine/state") {
         CHECK(fingerprint(save_state(other)) == fingerprint(saved));
     }
 
-    TEST_CASE("keys of several numbers sort by the first, then the next; rows that hold nothing "
-              "are left out") {
+    TEST_CASE("keys of several numbers are sorted lexicographically, and rows without content are "
+              "left out") {
         World world;
         Table& links = world.table<Links>();
         links.add<Ends>();
@@ -108,7 +109,8 @@ TEST_SUITE("engine/state") {
         CHECK(saved.get<double>("links/stretch") == std::vector<double>{3, 4, 1, 5});
     }
 
-    TEST_CASE("a state of another scene is refused in one line that names what is missing") {
+    TEST_CASE(
+        "a state of another scene is rejected with a one-line message that names what is missing") {
         World world = world_of(3);
         CHECK_THROWS_WITH_AS(load_state(world, Archive{}), doctest::Contains("things"), InputError);
         Archive wrong = save_state(world);

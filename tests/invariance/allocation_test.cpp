@@ -20,7 +20,7 @@ void* counted(std::size_t size) {
 }
 } // namespace
 
-// the whole test binary counts
+// counts the allocations of the whole test binary
 void* operator new(std::size_t size) { return counted(size); }
 void* operator new[](std::size_t size) { return counted(size); }
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
@@ -38,7 +38,7 @@ using namespace bris;
 using namespace bris::testing;
 
 TEST_SUITE("invariance/allocation") {
-    TEST_CASE("a step without new lists allocates nothing") {
+    TEST_CASE("a step that does not rebuild or prune lists allocates no memory") {
         for (const Grains grains : {Grains::spheres, Grains::clumps})
             for (const Walls walls : {Walls::planes, Walls::facets}) {
                 World world = bed({.grains = grains, .walls = walls, .bodies = 40, .seed = 5});
@@ -46,7 +46,8 @@ TEST_SUITE("invariance/allocation") {
                 Simulation sim =
                     start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
                 sim.advance(500);
-                // a call of advance may allocate its own closure: counted without a step
+                // a call of advance() may allocate its own closure, which is measured without a
+                // step
                 sim.advance(0);
                 std::uint64_t before = allocations;
                 sim.advance(0);
@@ -68,12 +69,12 @@ TEST_SUITE("invariance/allocation") {
                 }
                 CHECK(counted_steps > 100);
                 CHECK(worst == 0);
-                CHECK(with_lists > 0); // the counter counts
+                CHECK(with_lists > 0); // shows that the counter works
             }
     }
 
-    TEST_CASE("a run in which lists are made and pruned takes no more allocations than it took") {
-        // a change that raises a number on purpose writes the new one here
+    TEST_CASE("rebuilding and pruning the lists does not need more allocations than before") {
+        // a change that raises a number on purpose updates it here
         for (const auto& [grains, most] :
              {std::pair{Grains::spheres, 5276ul}, std::pair{Grains::clumps, 13118ul}}) {
             Simulation sim =

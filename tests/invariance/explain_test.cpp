@@ -11,7 +11,7 @@ bool has(const std::string& text, const std::string& part) {
     return text.find(part) != std::string::npos;
 }
 
-/// The part that lists what runs, and the part that lists what does not.
+/// The part that lists the systems that run, and the part that lists those left out.
 std::pair<std::string, std::string> parts(const std::string& text) {
     const auto middle = text.find("systems left out:"), end = text.find("digraph");
     REQUIRE(middle != std::string::npos);
@@ -21,8 +21,8 @@ std::pair<std::string, std::string> parts(const std::string& text) {
 } // namespace
 
 TEST_SUITE("invariance/explain") {
-    TEST_CASE("a frictionless scene of two spheres runs without history, facets, planes, servo, "
-              "weight and damping") {
+    TEST_CASE("a frictionless scene of two spheres runs without springs, facets, planes, servo, "
+              "gravity and damping") {
         World world = make_world(Grains::spheres);
         const auto material = add_material(world, linear_material(1e5));
         add_sphere(world, Vec3(0, 0, 0), 0.01, material);
@@ -50,7 +50,8 @@ TEST_SUITE("invariance/explain") {
         }
     }
 
-    TEST_CASE("what a scene has is in its graph, and the body pass is one") {
+    TEST_CASE(
+        "the graph contains the systems that a scene needs, with all body systems in one pass") {
         Simulation sim =
             start(bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 10}), {});
         const auto [runs, left_out] = parts(sim.schedule().explain());
@@ -63,12 +64,13 @@ TEST_SUITE("invariance/explain") {
                   "rotate_clumps + update_clump_positions"));
     }
 
-    TEST_CASE("contacts of every kind run beside each other") {
+    TEST_CASE("contacts of different kinds can be computed concurrently") {
         World world = bed({.walls = Walls::facets, .bodies = 10});
         add_floor(world, 1);
         Simulation sim = start(std::move(world), {});
         const std::string text = sim.schedule().explain();
-        // no edge joins the three collides: what they share is only read
+        // no edge connects the three collide systems, because they only read the data that they
+        // share
         const auto after = [&](const std::string& name) {
             const auto at = text.find("\n  " + name + "\n");
             REQUIRE(at != std::string::npos);

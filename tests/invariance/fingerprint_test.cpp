@@ -21,13 +21,12 @@ struct Scene {
     unsigned steps = 1200;
 };
 
-/// A tube of strips under pressure around grains that fall about in a box in it.
+/// A membrane under pressure around grains that move in a box inside it.
 World tube_scene(Grains grains) {
     World world = bed({.grains = grains, .walls = Walls::planes, .bodies = 45, .seed = seed});
     const auto wall = add_material(world, {"membrane", 0, 4e5, 0, 0, 500, 0});
-    for (Vec3& x :
-         world.column<Bodies, Position>()) // to the middle of the tube; the box moves along
-        x -= Vec3(0.028, 0.028, -0.003);
+    // to the middle of the tube, together with the box
+    for (Vec3& x : world.column<Bodies, Position>()) x -= Vec3(0.028, 0.028, -0.003);
     add_tube(world,
              {.rings = 3,
               .sectors = 8,
@@ -65,7 +64,7 @@ const std::vector<Scene>& scenes() {
     return list;
 }
 
-// small chunks, so that few grains make many
+// small chunks, so that few grains give many of them
 const RunSettings plain{
     .dt = 2e-5,
     .lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .sort_every = 8, .tune = false},
@@ -78,7 +77,7 @@ Archive state_after(const Scene& scene, RunSettings settings) {
     return sim.snapshot();
 }
 
-/// The first array that differs, or nothing.
+/// The first array that differs; empty if all are equal.
 std::string difference(const Archive& a, const Archive& b) {
     for (const auto& array : a.arrays()) {
         const auto* other = b.find(array.path);
@@ -91,7 +90,7 @@ std::string difference(const Archive& a, const Archive& b) {
 } // namespace
 
 TEST_SUITE("invariance") {
-    TEST_CASE("threads, graph, order, sorting and skins change no bit") {
+    TEST_CASE("threads, task graph, order, sorting and skins do not change a bit") {
         struct Variant {
             std::string name;
             RunSettings settings;
@@ -116,9 +115,9 @@ TEST_SUITE("invariance") {
                  s.threads = 7;
              })},
             {"serial, 2 threads", with([](RunSettings& s) { s.threads = 2; })},
-            {"each system a pass of its own",
+            {"each system in a separate pass",
              with([](RunSettings& s) { s.schedule.fused = false; })},
-            {"without any means of speed", with([](RunSettings& s) {
+            {"without any optimisation", with([](RunSettings& s) {
                  s.schedule.fused = false;
                  s.lists = {.outer_skin = 0.0010001,
                             .inner_skin = 0.001,
@@ -130,7 +129,7 @@ TEST_SUITE("invariance") {
             {"another valid order",
              with([](RunSettings& s) { s.schedule = {.last_order = true, .grain = 16}; })},
             {"never sorted", with([](RunSettings& s) { s.lists.sort_every = 0; })},
-            {"sorted at every refresh", with([](RunSettings& s) {
+            {"sorted at every rebuild", with([](RunSettings& s) {
                  s.lists.sort_every = 1;
                  s.lists.outer_skin = 0.0012;
              })},
@@ -142,8 +141,8 @@ TEST_SUITE("invariance") {
                  s.lists.outer_skin = 0.0005;
                  s.lists.inner_skin = 0.0001;
              })},
-            {"skins that follow the work", with([](RunSettings& s) { s.lists = {}; })},
-            {"given skins that follow the work", with([](RunSettings& s) {
+            {"tuned skins", with([](RunSettings& s) { s.lists = {}; })},
+            {"tuned skins from given values", with([](RunSettings& s) {
                  s.lists.tune = true;
                  s.lists.sort_every = 3;
              })},
@@ -154,8 +153,7 @@ TEST_SUITE("invariance") {
             const Archive reference = state_after(scene, plain);
             const auto* springs = reference.find("sphere_pairs/key");
             REQUIRE(springs != nullptr);
-            CHECK_MESSAGE(springs->rows() > 4,
-                          "the scene must have stretched springs to mean anything");
+            CHECK_MESSAGE(springs->rows() > 4, "the test needs a scene with stretched springs");
             for (const Variant& v : variants) {
                 CAPTURE(v.name);
                 const Archive state = state_after(scene, v.settings);
@@ -165,7 +163,7 @@ TEST_SUITE("invariance") {
         }
     }
 
-    TEST_CASE("scenes of many chunks end in the same bits on any number of threads") {
+    TEST_CASE("scenes of many chunks end with the same bits on any number of threads") {
         struct Large {
             std::string name;
             Grains grains;
@@ -202,7 +200,7 @@ TEST_SUITE("invariance") {
         }
     }
 
-    TEST_CASE("looking changes no bit: measuring and snapshots on or off") {
+    TEST_CASE("computing quantities and taking snapshots does not change a bit") {
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
             const Archive reference = state_after(scene, plain);
@@ -219,7 +217,7 @@ TEST_SUITE("invariance") {
         }
     }
 
-    TEST_CASE("a run restored from a snapshot of a random step ends in the same bits") {
+    TEST_CASE("a run restored from a snapshot of a random step ends with the same bits") {
         Random random(seed, 3);
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
@@ -233,12 +231,12 @@ TEST_SUITE("invariance") {
                 Simulation sim = start(scene.make(), settings);
                 sim.advance(at);
                 const Archive saved = sim.snapshot();
-                settings.lists = {}; // other skins in the run that goes on
+                settings.lists = {}; // other skins in the continued run
                 settings.threads = 2;
                 settings.schedule.serial = false;
                 Simulation other = start(scene.make(), settings);
                 Simulation& next = fresh ? other : sim;
-                if (!fresh) sim.advance(37); // away from it, and back
+                if (!fresh) sim.advance(37); // some steps that are then undone
                 next.restore(saved);
                 CHECK(difference(saved, next.snapshot()) == "");
                 next.advance(scene.steps - at);
@@ -247,7 +245,7 @@ TEST_SUITE("invariance") {
         }
     }
 
-    TEST_CASE("throwing the lists away between steps changes no bit") {
+    TEST_CASE("discarding the lists between steps does not change a bit") {
         const Scene& scene = scenes()[3];
         const Archive reference = state_after(scene, plain);
         RunSettings settings = plain;

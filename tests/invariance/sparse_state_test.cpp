@@ -6,14 +6,11 @@
 using namespace bris;
 
 TEST_SUITE("invariance/sparse_state") {
-    TEST_CASE(
-        "a pair whose rolling spring holds nothing keeps its tangential one through a restart") {
+    TEST_CASE("a pair without a rolling spring keeps its tangential spring through a restart") {
         const auto make = [] {
             World world = stress::tumbling({.bodies = 30});
-            return testing::start(
-                std::move(world),
-                {.dt = 2e-5,
-                 .law = LawName::linear_rolling}); // no resistance to rolling: those springs are 0
+            // without rolling resistance the rolling springs are 0
+            return testing::start(std::move(world), {.dt = 2e-5, .law = LawName::linear_rolling});
         };
         Simulation sim = make();
         sim.advance(8000);

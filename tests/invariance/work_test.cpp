@@ -6,8 +6,9 @@
 
 #include <doctest/doctest.h>
 
-// Work that a change must not raise unseen: counts, which no load of a machine can blur. A change
-// that alters one on purpose writes the new number here, and its reason in the commit.
+// Amounts of work that a change must not raise unnoticed: counts, which do not depend on the load
+// of the machine. A change that alters one on purpose updates the number here and gives its reason
+// in the commit.
 
 using namespace bris;
 
@@ -24,8 +25,8 @@ Simulation bed_at_work() {
 } // namespace
 
 TEST_SUITE("invariance/work") {
-    TEST_CASE("a bed that collapses and settles takes the lists, candidates and contacts that it "
-              "took before") {
+    TEST_CASE("a collapsing and settling bed needs the same numbers of lists, candidates and "
+              "contacts as before") {
         Simulation sim = bed_at_work();
         sim.advance(8000);
         const ListState& lists = sim.world().resource<ListState>();
@@ -37,11 +38,11 @@ TEST_SUITE("invariance/work") {
         CHECK(compute_quantities(sim.world()).contacts == 1064);
     }
 
-    TEST_CASE("clumps that overlap deeply in a box of facets are pushed apart in as many steps as "
-              "before, and then fall with as much work") {
+    TEST_CASE("deeply overlapping clumps in a box of facets separate in as many steps as before, "
+              "and then settle with the same work") {
         World world = testing::bed(
             {.grains = Grains::clumps, .walls = testing::Walls::facets, .bodies = 48, .seed = 3});
-        for (Vec3& x : world.column<Bodies, Position>()) x *= 0.8; // into each other
+        for (Vec3& x : world.column<Bodies, Position>()) x *= 0.8; // makes them overlap
         const Relaxed relaxed = relax(world, LawName::linear_viscous);
         CHECK(relaxed.done);
         CHECK(relaxed.steps == 80);

@@ -51,7 +51,7 @@ Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity,
     for (int k = 0; k < 400; ++k) {
         for (int j = 0; j < 10; ++j) {
             sim.advance();
-            // of this step, about to be overwritten by the next
+            // force of this step, which the next one overwrites
             track.force.push_back(value_of<Force>(sim, ball));
         }
         track.position.push_back(value_of<Position>(sim, ball));
@@ -67,21 +67,21 @@ double largest_difference(const std::vector<Vec3>& a, const std::vector<Vec3>& b
 }
 
 void check_same(const Track& a, const Track& b) {
-    // heights above a facet are computed by another corner: eps * 0.1 m of the overlap, over 4000
-    // steps
+    // heights above a facet are computed from different corners: eps * 0.1 m relative to the
+    // overlap, over 4000 steps
     const double position = largest_difference(a.position, b.position),
                  angular_velocity = largest_difference(a.angular_velocity, b.angular_velocity),
                  force = largest_difference(a.force, b.force);
     CHECK(position < 1e-12);
     CHECK(angular_velocity * radius < 1e-10);
-    CHECK(force < 1e-6 * 0.1); // 1e-6 of the weight, accuracy.md 4.8
+    CHECK(force < 1e-6 * 0.1); // 1e-6 of the weight
 }
 
 } // namespace
 
 TEST_SUITE("physics/facets") {
-    TEST_CASE(
-        "an elastic rebound is the same from a plane, a facet's face, its edge and its vertex") {
+    TEST_CASE("an elastic rebound is the same on a plane and on the face, the edge and the vertex "
+              "of a facet") {
         const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
         const auto single = [](const FacetShape& shape) {
             return [shape](World& w, std::uint32_t m) {
@@ -97,15 +97,14 @@ TEST_SUITE("physics/facets") {
         const Vec3 vertex = rebound(
             single({{Vec3(0, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0, 0, -0.2), Vec3(0.1, 0, -0.1)}}));
         CHECK(from_plane.z() == about(1).epsilon(1e-3));
-        // rounding of positions of 0.1 m against an overlap of 1e-4 m in 500 steps
+        // rounding of positions of 0.1 m relative to an overlap of 1e-4 m in 500 steps
         for (const Vec3& v : {face, triangle, edge, vertex}) CHECK((v - from_plane).norm() < 1e-10);
     }
 
-    TEST_CASE("a rebound right on a seam counts once: two facets, four at a node, a triangle's "
-              "diagonal") {
+    TEST_CASE("a rebound on a seam counts once: between two facets, at a node of four, on a "
+              "diagonal of triangles") {
         const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
-        // the sphere comes down on the origin: a node of four facets, a cut between two, the
-        // diagonal
+        // the sphere falls on the origin: a node of four facets, a diagonal, a seam of two facets
         CHECK((rebound([](World& w, std::uint32_t m) { add_facet_floor(w, -0.1, 0.1, 10, m); }) -
                from_plane)
                   .norm() < 1e-10);
@@ -125,7 +124,7 @@ TEST_SUITE("physics/facets") {
                   .norm() < 1e-10);
     }
 
-    TEST_CASE("a ridge of two facets is struck once, and a valley by both sides") {
+    TEST_CASE("a ridge between two facets gives one contact, a valley one on each side") {
         const auto roof = [](double slope) {
             return [slope](World& w, std::uint32_t m) {
                 const EntityId host = add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2);
@@ -135,12 +134,13 @@ TEST_SUITE("physics/facets") {
             };
         };
         const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
-        CHECK((rebound(roof(0.5)) - from_plane).norm() < 1e-10); // an edge that two facets share
-        const Vec3 from_valley = rebound(roof(-0.01));           // both faces carry: twice as stiff
+        CHECK((rebound(roof(0.5)) - from_plane).norm() < 1e-10); // edge shared by two facets
+        const Vec3 from_valley = rebound(roof(-0.01)); // both faces carry load: twice the stiffness
         CHECK(from_valley.z() == about(1).epsilon(2e-3));
     }
 
-    TEST_CASE("a blade's edge is struck once where the corner of another facet ends on it") {
+    TEST_CASE(
+        "the edge of a blade gives one contact where the corner of another facet ends on it") {
         const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
         const FacetShape edge{
             {Vec3(-0.1, 0, 0), Vec3(-0.1, 0, -0.1), Vec3(0.1, 0, -0.1), Vec3(0.1, 0, 0)}};
@@ -156,8 +156,8 @@ TEST_SUITE("physics/facets") {
         }
     }
 
-    TEST_CASE("a blade's edge is one to a sphere that slides along it, however many facets it is "
-              "cut into") {
+    TEST_CASE("a sphere slides along the edge of a blade as along one facet, however many facets "
+              "it is divided into") {
         const auto blade = [](int pieces) -> Floor {
             return [pieces](World& w, std::uint32_t m) {
                 const EntityId host = add_boundary(w, Vec3::Zero(), m, Motion::fixed, 0.2);
@@ -170,23 +170,22 @@ TEST_SUITE("physics/facets") {
         };
         const Track whole =
             slide_over(blade(1), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3);
-        REQUIRE(whole.position.back().x() > -0.03); // over at least one seam
+        REQUIRE(whole.position.back().x() > -0.03); // crosses at least one seam
         check_same(whole,
                    slide_over(blade(7), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3));
         check_same(whole,
                    slide_over(blade(40), Vec3(-0.05, 0, 0), Vec3(1, 0, 0), Vec3::Zero(), 0.3));
     }
 
-    TEST_CASE("a sphere may have hundreds of facets near it") {
+    TEST_CASE("a sphere can have hundreds of facets in its neighbourhood") {
         const Vec3 from_plane = rebound([](World& w, std::uint32_t m) { add_floor(w, m); });
         CHECK((rebound([](World& w, std::uint32_t m) { add_facet_floor(w, -0.02, 0.02, 100, m); }) -
                from_plane)
                   .norm() < 1e-10);
     }
 
-    TEST_CASE("one plane is two facets is a hundred facets to a sphere that slides and rolls "
-              "across seams") {
-        // along a row, obliquely over nodes, and along a seam; slipping all the way, and sticking
+    TEST_CASE("a sphere slides and rolls across seams of two or a hundred facets as on one plane") {
+        // along a row, obliquely over nodes, and along a seam; slipping throughout, and sticking
         const Vec3 rolling(0, 1 / radius, 0);
         struct Case {
             Vec3 begin, velocity, angular_velocity;
@@ -201,7 +200,8 @@ TEST_SUITE("physics/facets") {
             CAPTURE(c.friction);
             const Track reference =
                 slide_over(plane, c.begin, c.velocity, c.angular_velocity, c.friction);
-            REQUIRE(reference.position.back().x() > c.begin.x() + 0.02); // over at least one seam
+            REQUIRE(reference.position.back().x() >
+                    c.begin.x() + 0.02); // crosses at least one seam
             SUBCASE("two triangles") {
                 check_same(reference, slide_over(triangles, c.begin, c.velocity, c.angular_velocity,
                                                  c.friction));
@@ -213,7 +213,8 @@ TEST_SUITE("physics/facets") {
         }
     }
 
-    TEST_CASE("a box of facets is a box of planes to a sphere in its corner") {
+    TEST_CASE(
+        "a sphere in a corner moves in the same way in a box of facets and in a box of planes") {
         const auto path = [](bool facets) {
             World world = make_world(Grains::spheres);
             Material m = linear_material(1e5, 5e4, 0.3);
@@ -228,11 +229,12 @@ TEST_SUITE("physics/facets") {
             sim.advance(3000); // into the corner and out of it
             return value_of<Position>(sim, ball);
         };
-        // three rebounds; rounding of 1e-17 m against 1e-4 m of overlap
+        // three rebounds; rounding of 1e-17 m relative to an overlap of 1e-4 m
         CHECK((path(true) - path(false)).norm() < 1e-10);
     }
 
-    TEST_CASE("turning a stuck sphere's spring over a seam keeps the force") {
+    TEST_CASE("the tangential force of a sticking sphere does not change when its spring is "
+              "transferred across a seam") {
         // pushed along x below the limit, the sphere creeps over the seam at x = 0 and back
         const auto shear_force = [](const Floor& floor) {
             World world = make_world(Grains::spheres);

@@ -7,7 +7,7 @@ using namespace bris;
 using namespace bris::testing;
 
 TEST_SUITE("physics/free_motion") {
-    TEST_CASE("a body in free fall is on the parabola of the leapfrog") {
+    TEST_CASE("a body in free fall follows the parabola of the leapfrog") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             World world = make_world(grains);
             const auto material = add_material(world, linear_material(1e5));
@@ -30,11 +30,11 @@ TEST_SUITE("physics/free_motion") {
         }
     }
 
-    TEST_CASE("a sliding block slows down at mu g") {
+    TEST_CASE("a sliding block decelerates at mu g") {
         const double friction = 0.3, g = 9.81, dt = 2e-6;
         World world = make_world(Grains::clumps);
         Material m = linear_material(1e6, 5e5, friction);
-        m.normal_damping = m.shear_damping = 3000; // calms the pitching that braking begins with
+        m.normal_damping = m.shear_damping = 3000; // damps the pitching at the beginning of sliding
         const auto material = add_material(world, m);
         add_floor(world, material);
         std::vector<Ball> feet;
@@ -46,20 +46,20 @@ TEST_SUITE("physics/free_motion") {
         value_of<Velocity>(world, body) = Vec3(1, 0, 0);
         world.add_resource<Gravity>();
         Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
-        sim.advance(5000); // springs are at Coulomb's limit by then
+        sim.advance(5000); // the springs have reached the Coulomb limit
         const Vec3 before = value_of<Velocity>(sim, body);
         sim.advance(20'000);
         const Vec3 change = value_of<Velocity>(sim, body) - before;
         const double time = 20'000 * dt;
-        // friction is mu N at every foot in every step, so dv_x + mu dv_z = -mu g t whatever N
-        // does; 20 000 roundings of v ~ 1 m/s
+        // friction is mu N at every foot in every step, so dv_x + mu dv_z = -mu g t for any N;
+        // 20000 roundings of v ~ 1 m/s
         CHECK(std::abs(change.x() + friction * change.z() + friction * g * time) <
               20'000 * 1.1e-16 * 4);
-        CHECK(change.x() == about(-friction * g * time).epsilon(1e-4)); // the last of the pitching
+        CHECK(change.x() == about(-friction * g * time).epsilon(1e-4)); // remaining pitching
         CHECK(std::abs(change.y()) < 1e-9);
     }
 
-    TEST_CASE("a sphere thrown flat slips for 2/7 v0/(mu g), then rolls at 5/7 v0") {
+    TEST_CASE("a sphere launched horizontally slips for 2/7 v0/(mu g), then rolls at 5/7 v0") {
         const double radius = 0.01, v0 = 0.1, g = 9.81, dt = 1e-5;
         for (const double friction : {0.2, 0.5, 1.0}) {
             World world = make_world(Grains::spheres);
@@ -81,7 +81,8 @@ TEST_SUITE("physics/free_motion") {
                 REQUIRE(pairs.size() == 1);
                 const ForceRow& f = pairs[0].force;
                 const double shear = std::hypot(f.fx, f.fy);
-                CHECK(shear <= friction * f.normal_force * (1 + 1e-14)); // Coulomb's limit, always
+                // the Coulomb limit holds in every step
+                CHECK(shear <= friction * f.normal_force * (1 + 1e-14));
                 const double t = sim.world().resource<Clock>().time();
                 if (stopped == 0 && t > 0.1 * slip_time &&
                     shear < friction * f.normal_force * (1 - 1e-9))
@@ -90,9 +91,9 @@ TEST_SUITE("physics/free_motion") {
             CAPTURE(friction);
             const double speed = value_of<Velocity>(sim, ball).x(),
                          rim = radius * value_of<AngularVelocity>(sim, ball).y();
-            MESSAGE("mu ", friction, ": slip time off by ", stopped / slip_time - 1, ", speed by ",
-                    speed / v0 * 7 / 5 - 1);
-            // accuracy.md: t to 5e-3 (a step is 1e-3 to 5e-3 of it), v to 2e-4 (the arm is R -
+            MESSAGE("mu ", friction, ": relative error of slip time ", stopped / slip_time - 1,
+                    ", of speed ", speed / v0 * 7 / 5 - 1);
+            // time to 5e-3 (a step is 1e-3 to 5e-3 of it), speed to 2e-4 (the lever arm is R -
             // overlap/2)
             CHECK(std::abs(stopped / slip_time - 1) < 5e-3 + 2 * dt / slip_time);
             CHECK(std::abs(speed / v0 - 5.0 / 7) < 2e-4 * 5 / 7);
@@ -100,7 +101,7 @@ TEST_SUITE("physics/free_motion") {
         }
     }
 
-    TEST_CASE("without walls a cloud of colliding grains keeps momentum and angular momentum") {
+    TEST_CASE("a cloud of colliding grains without walls conserves linear and angular momentum") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             World world = make_world(grains);
             Material m = linear_material(1e5, 5e4, 0.5);
@@ -114,7 +115,7 @@ TEST_SUITE("physics/free_motion") {
                     grains == Grains::spheres
                         ? add_sphere(world, position, 0.01, material)
                         : add_clump(world, rock, 0, position, random.rotation(), material);
-                // all fly towards the middle
+                // all grains move towards the centre
                 value_of<Velocity>(world, id) =
                     -40 * (position - Vec3::Constant(0.036)) + 0.3 * random.direction();
                 set_angular_velocity(world, id, 50 * random.direction());
@@ -127,7 +128,7 @@ TEST_SUITE("physics/free_motion") {
                     const Vec3 p =
                         w.column<Bodies, InertialMass>()[b] * w.column<Bodies, Velocity>()[b];
                     sum.first += p;
-                    // x(t) x v(t - dt/2) + L(t - dt/2) is what the leapfrog conserves
+                    // x(t) x v(t - dt/2) + L(t - dt/2) is the quantity that the leapfrog conserves
                     sum.second += w.column<Bodies, Position>()[b].cross(p) +
                                   w.column<Bodies, AngularMomentum>()[b];
                 }
@@ -153,7 +154,7 @@ TEST_SUITE("physics/free_motion") {
         }
     }
 
-    TEST_CASE("a dumbbell that falls flat rebounds flat") {
+    TEST_CASE("a dumbbell that falls horizontally rebounds horizontally") {
         World world = make_world(Grains::clumps);
         const auto material = add_material(world, linear_material(1e5, 5e4, 0.5));
         add_floor(world, material);
@@ -168,10 +169,10 @@ TEST_SUITE("physics/free_motion") {
         sim.advance(300);
         REQUIRE(touching_pairs<PlanePairs>(sim.world()).empty());
         REQUIRE(value_of<Position>(sim, body).z() > 0.008);
-        // both balls touch: a contact of t_c/200 gives the speed back to 2 (omega dt)^2/8
+        // both balls touch: a contact of t_c/200 restores the speed to 2 (omega dt)^2/8
         CHECK(std::abs(value_of<Velocity>(sim, body).z() - 1) < 2 * pi * pi / (8 * 200 * 200));
-        // the principal frame of make_clump is known to its quadrature; what is left is rounding of
-        // the two arms against each other
+        // the principal frame of make_clump is known to the accuracy of its quadrature; the
+        // remainder is rounding of the two lever arms
         CHECK(value_of<AngularVelocity>(sim, body).norm() * 0.01 < 1e-9);
     }
 }

@@ -44,13 +44,13 @@ TEST_SUITE("physics/local_damping") {
             worst = std::max(worst, std::abs(restitution(500, phase) - exact));
             coarse = std::max(coarse, std::abs(restitution(125, phase) - exact));
         }
-        MESSAGE("e of local damping off by ", coarse, " at t_c/125 and ", worst,
+        MESSAGE("local damping: error of e ", coarse, " at t_c/125 and ", worst,
                 " at t_c/500, order ", order_of(coarse, worst) / 2);
-        CHECK(worst < 1e-4); // accuracy.md 4.3
+        CHECK(worst < 1e-4);
     }
 
-    TEST_CASE("local damping depends on the frame, as it must") {
-        // the same impact seen from a frame that moves along: the rebound is not the same
+    TEST_CASE("local damping depends on the frame of reference, as its definition implies") {
+        // the same impact in a moving frame of reference has a different rebound
         const auto rebound = [](double boost) {
             World world = make_world(Grains::spheres);
             const auto material = add_material(world, linear_material(1e6));

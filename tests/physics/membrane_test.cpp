@@ -13,7 +13,7 @@ using namespace bris::testing;
 
 namespace {
 
-/// A surface of `rings` x `sectors` elements of uneven radii.
+/// A surface of `rings` x `sectors` elements with random radii.
 struct Uneven {
     Membrane membrane;
     std::vector<double> radius;
@@ -38,8 +38,8 @@ struct Uneven {
 } // namespace
 
 TEST_SUITE("physics/membrane") {
-    TEST_CASE("the exposed width of a side is that of the polygon, and negative where its "
-              "neighbours hide it") {
+    TEST_CASE("the exposed width of a side is that of the polygon, and negative if its neighbours "
+              "hide the side") {
         for (const unsigned n : {3u, 4u, 12u, 96u}) {
             const Uneven even(1, 0, true, 1, n);
             CHECK(even.surface().exposed_width(0, 0, 0) ==
@@ -55,12 +55,12 @@ TEST_SUITE("physics/membrane") {
         Uneven hidden(1, 0, true, 1);
         hidden.radius[5] = 0.3;
         CHECK(hidden.surface().exposed_width(0, 0, 5) < 0);
-        // neighbours that just hide a side meet at its plane
+        // the planes of neighbours that just hide a side intersect in its plane
         hidden.radius[5] = 0.15 / std::cos(pi / 6);
         CHECK(std::abs(hidden.surface().exposed_width(0, 0, 5)) < 1e-14);
     }
 
-    TEST_CASE("a ring's area follows from the corners of its polygon whatever the radii") {
+    TEST_CASE("the area of a ring is that of the polygon of its corners, for any radii") {
         for (std::uint64_t run = 0; run < 20; ++run) {
             const Uneven uneven(1, 0.03, false, 100 + run);
             std::vector<Vec3> corner(12); // where side k meets side k + 1
@@ -79,7 +79,7 @@ TEST_SUITE("physics/membrane") {
         }
     }
 
-    TEST_CASE("the servo takes one grain to its pressure and holds it there") {
+    TEST_CASE("the servo brings one grain to its target pressure and holds it") {
         World world = make_world(Grains::spheres);
         const auto material = add_material(world, linear_material(1e5));
         const double radius = 0.05, pressure = 1e4;
@@ -92,7 +92,7 @@ TEST_SUITE("physics/membrane") {
                   .pressure = pressure,
                   .contact_stiffness = 1e5},
                  material);
-        // local damping takes the breathing of the grain between opposite elements
+        // local damping stops the oscillation of the grain between opposite elements
         world.add_resource(LocalDamping{0.7});
         Simulation sim = start(std::move(world), {.dt = 1e-4, .law = LawName::linear_frictionless});
         sim.advance(20'000);
@@ -102,10 +102,10 @@ TEST_SUITE("physics/membrane") {
             worst = std::max(worst,
                              std::abs(sim.world().resource<Membrane>().pressure[0] / pressure - 1));
         }
-        MESSAGE("pressure off by at most ", worst);
+        MESSAGE("largest relative error of the pressure ", worst);
         CHECK(worst < 1e-9);
         CHECK((value_of<Position>(sim, ball) - Vec3(0, 0, 0.05)).norm() < 1e-9);
-        // pressure times the polygon's area is the sum of the eight radial forces
+        // the pressure times the area of the polygon equals the sum of the eight radial forces
         const double wall = sim.world().column<Elements, ElementRadius>()[0];
         double push = 0;
         for (const auto& p : touching_pairs<MembranePairs>(sim.world()))
@@ -113,8 +113,8 @@ TEST_SUITE("physics/membrane") {
         CHECK(push == about(pressure * 0.1 * 8 * 2 * wall * std::tan(pi / 8)).epsilon(1e-6));
     }
 
-    TEST_CASE("a run goes on with the same bits from a checkpoint taken while the aim is on its "
-              "way to a new target") {
+    TEST_CASE("a run continues with the same bits from a checkpoint taken during a ramp of the "
+              "target pressure") {
         World world = make_world(Grains::spheres);
         const auto material = add_material(world, linear_material(1e5));
         add_sphere(world, Vec3(0, 0, 0.05), 0.0499, material);
@@ -144,14 +144,14 @@ TEST_SUITE("physics/membrane") {
         CHECK(fingerprint(sim.snapshot()) == went_on);
     }
 
-    TEST_CASE(
-        "a servo wall comes to rest on a spring, and gets no lighter where it loses contact") {
-        for (const double stiffness :
-             {1.0, 0.01}) { // of what the wall has touched before: a soft mode
+    TEST_CASE("a servo-controlled wall comes to rest on a spring, and its mass does not decrease "
+              "when contacts are lost") {
+        // relative to the stiffness of earlier contacts; 0.01: a soft mode
+        for (const double stiffness : {1.0, 0.01}) {
             double most = 0, speed = 0, x = 0, held = 1;
             ServoMotion servo{most, 0.7, 1, 1e-3};
             for (int k = 0; k < 400; ++k) {
-                if (k == 5) held = 0.2; // contacts that are lost
+                if (k == 5) held = 0.2; // contacts are lost
                 speed = servo.next(speed, 1 - stiffness * 1e4 * x, 1e4 * held);
                 x += speed * 1e-3;
             }
@@ -160,7 +160,7 @@ TEST_SUITE("physics/membrane") {
         }
     }
 
-    TEST_CASE("a membrane that is not active stands still, or goes on at its given speed") {
+    TEST_CASE("an inactive membrane stands still or continues at its given speed") {
         World world = make_world(Grains::spheres);
         const auto material = add_material(world, linear_material(1e5));
         add_sphere(world, Vec3(0.001, 0, 0.05), 0.0499, material);
@@ -175,7 +175,8 @@ TEST_SUITE("physics/membrane") {
             CHECK(r == about(0.051).epsilon(1e-12));
     }
 
-    TEST_CASE("the force of the surface is the slope of one potential, over ridges and hollows") {
+    TEST_CASE(
+        "the force of the surface is the gradient of one potential, over ridges and valleys") {
         const Uneven uneven(4, 0.06, false, 1);
         const MembraneSurface s = uneven.surface();
         const double r = 0.02, step = 1e-7;
@@ -197,7 +198,7 @@ TEST_SUITE("physics/membrane") {
                 const auto n = s.nearest(sector, out, z);
                 const double overlap = r - n.distance;
                 if (overlap < 1e-4 || n.distance < 1e-3) continue;
-                // not across the bisector of a ridge, where the nearer strip changes
+                // excludes the bisector of a ridge, where the nearest strip changes
                 if (std::abs(s.nearest(sector, out + step, z + step).axial -
                              s.nearest(sector, out - step, z - step).axial) > 1e-3)
                     continue;
@@ -210,13 +211,14 @@ TEST_SUITE("physics/membrane") {
                               std::abs(axial - overlap * n.axial) / overlap});
             }
         }
-        MESSAGE("force against slope ", worst_force, ", largest jump of energy in 1e-5 m ",
-                worst_jump);
-        CHECK(worst_force < 1e-3);       // of a central difference over 1e-7 m
-        CHECK(worst_jump < 0.02 * 1e-5); // overlap times slope times step
+        MESSAGE("largest difference of force and gradient ", worst_force,
+                ", largest change of energy in 1e-5 m ", worst_jump);
+        CHECK(worst_force < 1e-3);       // error of a central difference over 1e-7 m
+        CHECK(worst_jump < 0.02 * 1e-5); // overlap times gradient times step
     }
 
-    TEST_CASE("an element takes the share of a contact that a virtual move of it says") {
+    TEST_CASE("the share of a contact force on an element follows from a virtual displacement of "
+              "the element") {
         const Uneven uneven(4, 0.05, false, 2);
         const double r = 0.02, step = 1e-7;
         double worst = 0;
@@ -229,19 +231,19 @@ TEST_SUITE("physics/membrane") {
             };
             const auto n = uneven.surface().nearest(3, out, z);
             for (Row e = 3; e < 48; e += 12) {
-                const double slope = (distance(e, step) - distance(e, -step)) /
-                                     (2 * step); // of the distance from the surface
+                // derivative of the distance from the surface
+                const double slope = (distance(e, step) - distance(e, -step)) / (2 * step);
                 double share = (e == n.foot.lower ? 1 - n.foot.share : 0) +
                                (e == n.foot.upper ? n.foot.share : 0);
                 worst = std::max(worst, std::abs(slope + share * n.radial));
             }
-            CHECK(n.distance < r); // it is a contact
+            CHECK(n.distance < r); // the sphere touches the surface
         }
         CHECK(worst < 1e-6);
     }
 
-    TEST_CASE("the area of an element is the slope of the volume with its radius, below the platen "
-              "only") {
+    TEST_CASE("the area of an element is the derivative of the volume below the platen with "
+              "respect to its radius") {
         for (const double top : {0.1, 0.25, 0.29, 0.304, 0.35}) {
             const Uneven uneven(4, 0.01, false, 3);
             std::vector<double> area(48);
@@ -256,15 +258,17 @@ TEST_SUITE("physics/membrane") {
                                      2e-6;
                 worst = std::max(worst, std::abs(area[e] - slope));
             }
-            CHECK(worst < 1e-9); // the volume is quadratic in the radii: the difference is exact
+            // the volume is quadratic in the radii, so the central difference is exact
+            CHECK(worst < 1e-9);
         }
         const Uneven even(4, 0, true, 4); // a prism
         CHECK(membrane_volume(even.membrane, even.radius.data(), 0.3) ==
               about(0.3 * 12 * 0.15 * 0.15 * std::tan(pi / 12)).epsilon(1e-12));
     }
 
-    TEST_CASE("a wide membrane has no gap: no direction leads out") {
-        // rings widened by 24 %, and uneven; spheres are shot from the axis
+    TEST_CASE("a widened membrane has no gap in any direction") {
+        // rings of random radii widened by 24 %; points outside it are tested in all directions
+        // from the axis
         Uneven uneven(8, 0.05, true, 5);
         for (double& x : uneven.radius) x *= 1.24;
         const MembraneSurface s = uneven.surface();
@@ -280,7 +284,8 @@ TEST_SUITE("physics/membrane") {
         }
     }
 
-    TEST_CASE("what dashpots of a membrane take is booked: energy closes to second order in dt") {
+    TEST_CASE(
+        "the energy budget includes the dashpots of a membrane, and its error decreases with dt") {
         double open[2] = {0, 0}, taken = 0;
         for (int fine = 0; fine < 2; ++fine) {
             World world = make_world(Grains::spheres);
@@ -301,15 +306,15 @@ TEST_SUITE("physics/membrane") {
             open[fine] = std::abs(q.kinetic_energy + q.elastic_energy + taken - before);
             CHECK(taken > 0.1 * before);
         }
-        MESSAGE("energy open by ", open[0], " J, at half the step ", open[1], " J, of ", taken,
-                " J taken");
+        MESSAGE("energy error ", open[0], " J, at half the step ", open[1], " J; dissipated ",
+                taken, " J");
         CHECK(open[0] < 1e-3 * taken);
         CHECK(open[1] < open[0]);
     }
 
     TEST_CASE(
-        "elements that move, and grains that slide over their slopes, keep the energy balance") {
-        // grains that fly about inside a membrane whose rings breathe out of step
+        "the energy is balanced when membrane elements move and grains slide over their slopes") {
+        // grains move inside a membrane whose rings oscillate with different phases
         double error[2] = {0, 0}, work = 0;
         for (int fine = 0; fine < 2; ++fine) {
             World world = make_world(Grains::spheres);
@@ -344,9 +349,9 @@ TEST_SUITE("physics/membrane") {
                 sim.advance(each);
             }
             error[fine] = std::abs(energy() - first);
-            CHECK(compute_quantities(sim.world()).kinetic_energy > 1e-4); // they were stirred
+            CHECK(compute_quantities(sim.world()).kinetic_energy > 1e-4); // the grains were stirred
         }
-        MESSAGE("energy off by ", error[0], " J, at half the step ", error[1], " J, of work ", work,
+        MESSAGE("energy error ", error[0], " J, at half the step ", error[1], " J; work ", work,
                 " J");
         CHECK(error[1] < 0.01 * std::abs(work));
     }

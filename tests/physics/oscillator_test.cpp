@@ -16,11 +16,11 @@ TEST_SUITE("physics/oscillator") {
             const double mass = value_of<Mass>(world, ball), omega = std::sqrt(stiffness / mass),
                          dt = omega_dt / omega;
             const double rest = radius - mass * g / stiffness; // 1e-4 m of overlap
-            const double amplitude =
-                0.2 * mass * g / stiffness; // no step could carry it past the surface
+            // so small that no step can carry the sphere past the surface
+            const double amplitude = 0.2 * mass * g / stiffness;
             const double omega_num = 2 / dt * std::asin(0.5 * omega_dt);
             value_of<Position>(world, ball) = Vec3(0, 0, rest + amplitude);
-            // x(-dt) = A cos(-w dt): the velocity half a step back is the difference
+            // x(-dt) = A cos(-w dt): the velocity half a step earlier is the difference quotient
             value_of<Velocity>(world, ball) =
                 Vec3(0, 0, amplitude * (1 - std::cos(omega_num * dt)) / dt);
             world.add_resource<Gravity>({Vec3(0, 0, -g)});
@@ -63,7 +63,7 @@ TEST_SUITE("physics/oscillator") {
         sim.advance();
         const double first = invariant();
         sim.advance(20'000);
-        // rounding is a random walk of eps R / A a step at worst
+        // rounding adds at most eps R / A per step
         CHECK(std::abs(invariant() / first - 1) < 2.2e-16 * radius / amplitude * 20'000);
     }
 }

@@ -10,12 +10,13 @@ namespace {
 
 struct Impact {
     double rate = 0;    ///< 1/s
-    double steps = 100; ///< a contact
-    double phase = 0.5; ///< of a step, between reaching the plane and the first step in touch
+    double steps = 100; ///< per contact
+    /// fraction of a step between reaching the plane and the first step in contact
+    double phase = 0.5;
     double speed = 1;
 };
 
-/// Restitution of a sphere on a plane. No gravity.
+/// Restitution of a sphere on a plane, without gravity.
 double restitution(const Impact& s) {
     const double radius = 0.01, stiffness = 1e6;
     World world = make_world(Grains::spheres);
@@ -48,12 +49,13 @@ TEST_SUITE("physics/restitution") {
             const double rate = 2 * damping * std::sqrt(1e6 / (2600 * 4.0 / 3 * pi * 1e-6));
             CHECK(closed_form(rate) == about(e).epsilon(1e-12));
             CAPTURE(e);
-            // second order wherever in the step the contact begins and ends: the leapfrog's own
-            // error is e (pi/steps)^2 times a number of order one; other codes reach 3.8e-3, 8.6e-4
-            // and 2.1e-4 (accuracy.md 1b)
+            // second order, wherever in a step the contact begins and ends: the error of the
+            // leapfrog is e (pi/steps)^2 times a number of order one. A scheme with lagged damping
+            // is of first order: LIGGGHTS reaches 3.8e-3, 8.6e-4 and 2.1e-4 at t_c/50, t_c/200 and
+            // t_c/1000.
             for (const double steps : {50.0, 200.0, 1000.0})
                 for (const double phase : {0.1, 0.3, 0.5, 0.7, 0.9}) {
-                    // at e = 0.1 the dashpot halves the leaving speed within the last of 50 steps
+                    // at e = 0.1 the dashpot halves the rebound speed within the last of 50 steps
                     const double bound = steps == 50 && e == 0.1 ? 6e-3 : 3 / (steps * steps);
                     CHECK(std::abs(restitution({rate, steps, phase}) - e) < bound);
                 }
@@ -72,8 +74,8 @@ TEST_SUITE("physics/restitution") {
         CHECK(std::abs(slow - fast) < 1e-9);
     }
 
-    TEST_CASE("an undamped rebound gives the speed back to fourth order in dt, wherever in a step "
-              "it begins") {
+    TEST_CASE("an undamped rebound restores the speed to fourth order in dt, wherever in a step it "
+              "begins") {
         const auto worst = [&](double steps) {
             double w = 0;
             for (int k = 0; k < 16; ++k)
@@ -83,7 +85,7 @@ TEST_SUITE("physics/restitution") {
         const double coarse = worst(50), fine = worst(200);
         MESSAGE("undamped rebound: worst error ", coarse, " at t_c/50, ", fine, " at t_c/200");
         CHECK(coarse < 1e-5);
-        CHECK(std::log2(coarse / fine) / 2 >
-              3.8); // 2 if contacts acted for whole steps only, and 2 (omega dt)^2 / 8 the error
+        // with forces over whole steps only, the order would be 2 and the error 2 (omega dt)^2 / 8
+        CHECK(std::log2(coarse / fine) / 2 > 3.8);
     }
 }

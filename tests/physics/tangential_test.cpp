@@ -9,7 +9,7 @@ using namespace bris::testing;
 
 namespace {
 
-/// One contact of the linear law, all lanes alike.
+/// One contact of the linear law, the same in all lanes.
 struct Contact {
     double kn = 1e6, ks = 5e5, friction = 0.5, dt = 1e-3;
     SpringLanes spring{};
@@ -34,7 +34,8 @@ Vec3 tangential(const Vec3& force, const Vec3& normal) {
     return force - force.dot(normal) * normal;
 }
 
-/// A loaded pair turned once about `axis` as one rigid body, in `steps` steps.
+/// Largest relative change of the tangential force, and its final angle error (rad), when a loaded
+/// pair is rotated once about `axis` as one rigid body in `steps` steps.
 struct Turned {
     double length, angle;
 };
@@ -47,7 +48,8 @@ Turned turn_once(const Vec3& axis, const Vec3& normal, const Vec3& stretch, int 
     double worst = 0;
     for (int k = 0; k <= steps; ++k) {
         const Vec3 n = exponential_map(2 * pi * k / steps * axis) * normal;
-        // a rigid turn: no relative velocity at the contact, both partners spin alike
+        // rigid rotation: no relative velocity at the contact, both bodies have the same angular
+        // velocity
         last = tangential(contact.step(n, 1e-4, Vec3::Zero(), k > 0 ? rate * axis.dot(n) : 0), n);
         if (k == 0) first = last;
         worst = std::max(worst, std::abs(last.norm() / first.norm() - 1));
@@ -55,8 +57,8 @@ Turned turn_once(const Vec3& axis, const Vec3& normal, const Vec3& stretch, int 
     return {worst, std::acos(std::clamp(first.normalized().dot(last.normalized()), -1.0, 1.0))};
 }
 
-/// Growth of the amplitude of a free tangential oscillation over the second half of a run, and its
-/// steps.
+/// Growth factor of the amplitude of a free tangential oscillation over a number of steps, and that
+/// number.
 std::pair<double, int> tangential_growth(double omega_dt) {
     const double radius = 0.01, kn = 1e6, ks = 4e5, g = 100;
     World world = make_world(Grains::spheres);
@@ -71,7 +73,7 @@ std::pair<double, int> tangential_growth(double omega_dt) {
     value_of<Velocity>(world, ball) = Vec3(1e-4, 0, 0);
     world.add_resource<Gravity>({Vec3(0, 0, -g)});
     Simulation sim = start(std::move(world), {.dt = dt});
-    // the largest force of many periods
+    // the largest force over many periods
     const auto amplitude = [&] {
         double most = 0;
         for (int k = 0; k < 1000; ++k) {
@@ -88,7 +90,7 @@ std::pair<double, int> tangential_growth(double omega_dt) {
 } // namespace
 
 TEST_SUITE("physics/tangential") {
-    TEST_CASE("friction never exceeds Coulomb's limit") {
+    TEST_CASE("friction never exceeds the Coulomb limit") {
         Random random(23, 0);
         double worst = 0;
         for (int run = 0; run < 50; ++run) {
@@ -108,23 +110,23 @@ TEST_SUITE("physics/tangential") {
         CHECK(worst <= 0);
     }
 
-    TEST_CASE("a loaded pair turned once as one rigid body keeps its tangential force") {
+    TEST_CASE("a loaded pair that rotates once as one rigid body keeps its tangential force") {
         const Vec3 n(0, 0, 1), stretch(3e-6, 4e-6, 0);
-        // rolling over, spinning about the normal, on a cone, and at random
+        // rotation of the normal, spin about the normal, a cone, and a general axis
         for (const Vec3& axis : {Vec3(1, 0, 0), Vec3(0, 0, 1), Vec3(Vec3(1, 0, 1).normalized()),
                                  Vec3(Vec3(1, 2, 3).normalized())}) {
             const Turned coarse = turn_once(axis, n, stretch, 100),
                          fine = turn_once(axis, n, stretch, 200),
                          finest = turn_once(axis, n, stretch, 100'000);
             MESSAGE("axis ", axis.transpose(), ": |F_t| drifts by ", finest.length,
-                    " in 10^5 steps; direction off by ", coarse.angle, " rad in 100 steps, ",
+                    " in 10^5 steps; error of its direction ", coarse.angle, " rad in 100 steps, ",
                     fine.angle, " in 200, ", finest.angle, " in 10^5");
             CHECK(coarse.length < 1e-13);
-            CHECK(finest.length < 1e-10); // accuracy.md 4.1: each step rounds the length by eps
-            // The direction is first order in the angle h of a step: putting the spring onto the
-            // new tangent plane shortens its part along the turn by cos h, the whole being scaled
-            // back, so the angle to the turn changes by up to h^2/4 a step, pi^2/N a turn; the
-            // twist adds h^3/3 a step.
+            CHECK(finest.length < 1e-10); // each step rounds the length by eps
+            // The direction is of first order in the angle h of a step. Projecting the spring onto
+            // the new tangent plane shortens its component along the rotation by cos h, and the
+            // whole is then scaled back, so the angle to the rotation changes by up to h^2/4 per
+            // step, pi^2/N per revolution; the twist adds h^3/3 per step.
             for (const auto& [turned, steps] :
                  {std::pair(coarse, 100.0), std::pair(fine, 200.0), std::pair(finest, 1e5)}) {
                 const double h = 2 * pi / steps;
@@ -133,7 +135,7 @@ TEST_SUITE("physics/tangential") {
         }
     }
 
-    TEST_CASE("a periodic shear loop at constant normal force takes 4 mu N (A - mu N / ks)") {
+    TEST_CASE("a periodic shear loop at constant normal force dissipates 4 mu N (A - mu N / ks)") {
         const double amplitude = 2e-4, overlap = 1e-4;
         Contact contact;
         contact.dt = 1;
@@ -150,7 +152,8 @@ TEST_SUITE("physics/tangential") {
             }
         }
         const double exact = 4 * limit * (amplitude - limit / contact.ks);
-        // the corners of the loop are cut within a step of displacement: 2 pi A / steps of the loop
+        // the corners of the loop are cut off within one step of displacement: 2 pi A / steps of
+        // the loop
         CHECK(work == about(exact).epsilon(2 * pi / steps));
     }
 
@@ -185,18 +188,18 @@ TEST_SUITE("physics/tangential") {
         CHECK(order_of(middle, fine) > 1.9);
     }
 
-    // The spring moves by the leapfrog's own displacement, so the pair is one symplectic
-    // oscillator; with a velocity predicted from the last acceleration it would grow by (omega
-    // dt)^4 / 8 a step.
+    // The spring moves by the leapfrog's own displacement, so that the pair is one symplectic
+    // oscillator. With a velocity predicted from the last acceleration, the amplitude would grow by
+    // (omega dt)^4 / 8 per step.
     TEST_CASE("an undamped tangential oscillation keeps its amplitude") {
         for (const double omega_dt : {0.1, 0.2, 0.3}) {
             const auto [growth, steps] = tangential_growth(omega_dt);
-            MESSAGE("omega dt = ", omega_dt, ": grows by ", std::log(growth) / steps, " a step");
+            MESSAGE("omega dt = ", omega_dt, ": growth ", std::log(growth) / steps, " per step");
             CHECK(std::abs(growth - 1) < 1e-3);
         }
     }
 
-    TEST_CASE("a frictionless contact leaves the spin alone") {
+    TEST_CASE("a frictionless contact does not change the angular velocity") {
         World world = make_world(Grains::spheres);
         const auto material = add_material(world, linear_material(1e5, 1e5, 0));
         add_floor(world, material);

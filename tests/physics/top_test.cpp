@@ -7,8 +7,8 @@ using namespace bris::testing;
 
 namespace {
 
-// I = (1, 2, 3), w(0) = (1, 0, 1) in the body's axes, attitude 1: w = (cn, sn, dn)(t | m = 1/3);
-// attitude by an integration to 2e-13 (reference/data/torque_free_top_exact.csv)
+// I = (1, 2, 3), w(0) = (1, 0, 1) in body axes, initial attitude 1: w = (cn, sn, dn)(t | m = 1/3);
+// the attitude is from a numerical integration with an error of 2e-13
 struct Exact {
     int time;
     Vec3 angular_velocity;
@@ -63,23 +63,24 @@ Errors error_at(const Exact& exact, int steps_per_unit) {
 } // namespace
 
 TEST_SUITE("physics/top") {
-    TEST_CASE("a torque-free top with three different moments follows Jacobi's solution") {
-        // |w| = sqrt 2: 28 steps a unit of time are 0.05 rad a step
+    TEST_CASE(
+        "a torque-free top with three different moments of inertia follows Jacobi's solution") {
+        // |w| = sqrt 2: 28 steps per unit of time are 0.05 rad per step
         for (const Exact& exact : {one, five, ten}) {
             const Errors e = error_at(exact, 28);
-            MESSAGE("t = ", exact.time, ": attitude off by ", e.attitude, " rad, spin by ",
-                    e.angular_velocity);
-            CHECK(e.attitude < 1e-3); // accuracy.md, short list 7
+            MESSAGE("t = ", exact.time, ": error of attitude ", e.attitude,
+                    " rad, of angular velocity ", e.angular_velocity);
+            CHECK(e.attitude < 1e-3);
             CHECK(e.angular_velocity < 1e-3);
         }
         const double coarse = error_at(ten, 14).attitude, fine = error_at(ten, 28).attitude;
         MESSAGE("order of the attitude ", order_of(coarse, fine));
-        CHECK(order_of(coarse, fine) > 3.7); // fourth order, as turn() says
-        // at 0.0014 rad a step only the 2e-13 of the reference and 10^4 roundings are left
+        CHECK(order_of(coarse, fine) > 3.7); // fourth order, as documented for turn()
+        // at 0.0014 rad per step only the error of the reference, 2e-13, and 10^4 roundings remain
         CHECK(error_at(ten, 1000).attitude < 1e-10);
     }
 
-    TEST_CASE("angular momentum, the attitude's norm and energy stay") {
+    TEST_CASE("angular momentum, the norm of the attitude and the energy are conserved") {
         const Vec3 inertia(1, 2, 3);
         Top top = make_top(inertia, Vec3(1, 0, 1), 1.0 / 28);
         const Vec3 before = value_of<AngularMomentum>(top.sim, top.body);
@@ -95,27 +96,28 @@ TEST_SUITE("physics/top") {
         CHECK((value_of<AngularMomentum>(top.sim, top.body) - before).norm() / before.norm() <
               1e-14);
         CHECK(worst_norm < 1e-14);
-        MESSAGE("10^5 steps of 0.05 rad: energy off by at most ", worst_energy);
-        // not symplectic: the fourth-order attitude lets the energy drift with h^5 a step; 1e5
-        // steps of 0.05 rad give of the order of 1e5 * 0.05^5 / 120 = 3e-4
+        MESSAGE("10^5 steps of 0.05 rad: largest relative energy error ", worst_energy);
+        // The method is not symplectic: with the fourth-order attitude the energy drifts by h^5 per
+        // step; 1e5 steps of 0.05 rad give the order of 1e5 * 0.05^5 / 120 = 3e-4.
         CHECK(worst_energy < 3e-4);
     }
 
-    TEST_CASE("a slow top, below the angle at which the midpoint rule takes over, is as good") {
-        // 7e-5 rad a step
+    TEST_CASE("a slow top, for which the midpoint rule is used, is as accurate") {
+        // 7e-5 rad per step
         Top slow = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 5e-5),
             quick = make_top(Vec3(1, 2, 3), Vec3(1, 0, 1), 1.0 / 1000);
         slow.sim.advance(20'000);
         quick.sim.advance(1000);
         const double error =
             angle_between(value_of<Orientation>(slow.sim, slow.body), one.attitude);
-        MESSAGE("midpoint rule at 7e-5 rad a step, t = 1: off by ", error, " rad");
-        // turn() promises a difference below 1e-12 rad a step of 1e-4 rad, falling with its cube
+        MESSAGE("midpoint rule at 7e-5 rad per step, t = 1: error ", error, " rad");
+        // turn() promises a difference below 1e-12 rad per step of 1e-4 rad, decreasing with its
+        // cube
         CHECK(error < 20'000 * 1e-12);
         CHECK(angle_between(value_of<Orientation>(quick.sim, quick.body), one.attitude) < 1e-11);
     }
 
-    TEST_CASE("a top spun about a principal axis keeps its axis") {
+    TEST_CASE("a top that rotates about a principal axis keeps its axis") {
         Top top = make_top(Vec3(1, 2, 3), Vec3(0, 0, 2), 0.01);
         top.sim.advance(1000);
         // 1000 compositions, each rounded by eps
@@ -123,7 +125,8 @@ TEST_SUITE("physics/top") {
                             exponential_map(Vec3(0, 0, 20))) < 1000 * 4e-16);
     }
 
-    TEST_CASE("a body with equal moments turns at constant spin, whatever the step") {
+    TEST_CASE(
+        "a body with equal moments of inertia rotates at constant angular velocity for any step") {
         Top top = make_top(Vec3(2, 2, 2), Vec3(0.3, -0.5, 0.7), 0.5);
         top.sim.advance(40);
         const Quat exact = exponential_map(20 * Vec3(0.3, -0.5, 0.7));

@@ -21,7 +21,7 @@ InertialFilter exact_filter() {
     return f;
 }
 
-/// Draws an error of the filter's own covariance into its state.
+/// Adds a random error with the filter's own covariance to its state.
 void disturb(InertialFilter& f, Random& random) {
     Vector z(InertialFilter::size);
     for (int k = 0; k < InertialFilter::size; ++k) z[k] = random.normal();
@@ -34,8 +34,8 @@ void disturb(InertialFilter& f, Random& random) {
     f.bias_of_rate -= e.segment<3>(15);
 }
 
-/// Squared distance of the error of a filter (NEES) after every kind of observation of a body that
-/// tumbles under white noise of acceleration; it believes `noise_factor` times as much of that.
+/// Normalised estimation error squared (NEES) after every kind of observation of a body that
+/// tumbles under white-noise acceleration. The filter assumes `noise_factor` times the true noise.
 double error_of_tumbling(double noise_factor, std::uint64_t run) {
     constexpr double dt = 0.02, density = 1e-3; // s, (m/s2)2/Hz and (rad/s2)2/Hz
     Random random(77, run);
@@ -52,8 +52,8 @@ double error_of_tumbling(double noise_factor, std::uint64_t run) {
     disturb(f, random);
     for (int k = 0; k < 40; ++k) {
         const Vec3 push = noise3(std::sqrt(density / dt)), twist = noise3(std::sqrt(density / dt));
-        // the truth under an acceleration that is constant within the step: covariance T^3/4 for
-        // T^3/3, no matter here
+        // the true acceleration is constant within a step: the covariance is T^3/4 instead of
+        // T^3/3, which does not matter here
         truth.position += dt * truth.velocity + 0.5 * dt * dt * push;
         truth.velocity += dt * push;
         truth.orientation =
@@ -90,7 +90,7 @@ double mean_error_of_tumbling(double noise_factor, std::uint64_t runs) {
 } // namespace
 
 TEST_SUITE("engine/signal/inertial_filter") {
-    TEST_CASE("a rotation vector is what its exponential map came from, up to half a turn") {
+    TEST_CASE("the rotation vector is the inverse of the exponential map up to half a turn") {
         Random random(1, 0);
         for (int k = 0; k < 1000; ++k) {
             const Vec3 v = random.uniform(0, 3.14) * random.direction();
@@ -112,17 +112,17 @@ TEST_SUITE("engine/signal/inertial_filter") {
         CHECK((f.state.angular_velocity - f.state.orientation * rate).norm() < 1e-12);
     }
 
-    TEST_CASE("coning at 5 Hz drifts as it should, which a sum of rotation vectors misses") {
-        // rate a w (cos wt, sin wt, 0), a = 0.05 rad, w = 10 pi: attitude after 10 s by a fine
-        // integration (DOP853)
+    TEST_CASE(
+        "the filter follows the drift of coning at 5 Hz, which a sum of rotation vectors misses") {
+        // angular velocity a w (cos wt, sin wt, 0), a = 0.05 rad, w = 10 pi: attitude after 10 s by
+        // a fine integration (DOP853)
         const double a = 0.05, w = 10 * pi, dt = 1e-3;
         const Quat exact(0.9808091843410391, 0.009736342683900369, 0, 0.1947268536781745);
         InertialFilter f = exact_filter();
         Vec3 sum = Vec3::Zero();
         for (int k = 0; k < 10000; ++k) {
-            const double t =
-                (k + 0.5) *
-                dt; // a step's mean rate, and the coning within it (Bortz 1971), by its middle
+            // mean angular velocity of the step, with the coning within it (Bortz 1971) at midstep
+            const double t = (k + 0.5) * dt;
             const double mean = std::sin(0.5 * w * dt) / (0.5 * w * dt);
             const Vec3 rate = a * w * mean * Vec3(std::cos(w * t), std::sin(w * t), 0);
             f.advance(dt, {Vec3::Zero(), rate}, {});
@@ -132,11 +132,11 @@ TEST_SUITE("engine/signal/inertial_filter") {
         CHECK(attitude_error(exact, exponential_map(sum)).norm() > 0.3);
     }
 
-    TEST_CASE("pitch goes through a right angle, and yaw past half a turn, without a jump") {
+    TEST_CASE("pitch passes a right angle and yaw passes half a turn without a jump") {
         InertialFilter f = exact_filter();
         f.state.orientation = about_y(pi / 3);
         double worst = 0;
-        for (int k = 1; k <= 6000; ++k) { // 60 to 120 degrees at 10 degrees a second
+        for (int k = 1; k <= 6000; ++k) { // 60 to 120 degrees at 10 degrees per second
             f.advance(1e-3, {Vec3::Zero(), Vec3(0, pi / 18, 0)}, {.force = 1e-6, .rate = 1e-6});
             const Quat truth = about_y(pi / 3 + k * 1e-3 * pi / 18);
             if (k % 10 == 0) (void)f.observe_attitude(truth, 1e-6 * one);
@@ -151,14 +151,14 @@ TEST_SUITE("engine/signal/inertial_filter") {
         CHECK(f.observe_attitude(yaw(-179), one).innovation.norm() ==
               about(2 * pi / 180).epsilon(1e-9));
 
-        // twice round, 120 degrees a second, on a body that is tilted
+        // two turns at 120 degrees per second of a tilted body
         f = exact_filter();
         f.state.orientation = yaw(170) * about_y(0.3);
         worst = 0;
         for (int k = 1; k <= 6000; ++k) {
             const Vec3 rate = about_y(-0.3) * Vec3(0, 0, 2 * pi / 3);
             f.advance(1e-3, {Vec3::Zero(), rate}, {.force = 1e-6, .rate = 1e-6});
-            const double degrees = 170 + 0.12 * k; // and as a compass says it, from -180 to 180
+            const double degrees = 170 + 0.12 * k; // as measured by a compass, from -180 to 180
             const Quat truth = yaw(degrees - 360 * std::round(degrees / 360)) * about_y(0.3);
             if (k % 10 == 0) (void)f.observe_attitude(truth, 1e-6 * one);
             worst = std::max(worst, attitude_error(truth, f.state.orientation).norm());
@@ -166,7 +166,7 @@ TEST_SUITE("engine/signal/inertial_filter") {
         CHECK(worst < 1e-6);
     }
 
-    TEST_CASE("gravity tells tilt and never yaw; a second direction tells yaw") {
+    TEST_CASE("gravity determines tilt and never yaw; a second direction determines yaw") {
         Random random(5, 0);
         const Quat truth = random.rotation();
         InertialFilter f = exact_filter();
@@ -190,7 +190,8 @@ TEST_SUITE("engine/signal/inertial_filter") {
         CHECK(attitude_error(truth, f.state.orientation).norm() < 1e-4);
     }
 
-    TEST_CASE("alone, an inertial sensor loses its place as the third power of time") {
+    TEST_CASE(
+        "without other observations the position variance grows with the third power of time") {
         // 100 micro-g per root hertz: 0.57 mm after 1 s, 18 mm after 10 s
         InertialFilter f;
         f.gravity = earth;
@@ -207,7 +208,7 @@ TEST_SUITE("engine/signal/inertial_filter") {
         CHECK(f.state.position.norm() < 1e-12);
     }
 
-    TEST_CASE("a body at rest between loads tells its biases") {
+    TEST_CASE("observations of a body at rest determine the biases") {
         InertialFilter f;
         f.gravity = earth;
         f.begin(1e-4, 1e-4, 1e-6, 1e-3, 0.2, 0.02);
@@ -223,9 +224,8 @@ TEST_SUITE("engine/signal/inertial_filter") {
         CHECK(f.state.position.norm() < 1e-4);
     }
 
-    TEST_CASE("the error is as large as the filter believes, after every kind of observation of a "
-              "tumbling body, and not if it believes ten times "
-              "as much or as little noise") {
+    TEST_CASE("the error agrees with the filter's covariance after every kind of observation of a "
+              "tumbling body, but not if it assumes ten times as much or as little noise") {
         constexpr int runs = 300;
         const Band band = chi_squared_band(0.95, InertialFilter::size, runs);
         const double right = mean_error_of_tumbling(1, runs),
@@ -239,7 +239,7 @@ TEST_SUITE("engine/signal/inertial_filter") {
         CHECK(little > band.high);
     }
 
-    TEST_CASE("an outlier is refused and changes nothing") {
+    TEST_CASE("an outlier is rejected and changes nothing") {
         InertialFilter f = exact_filter();
         f.gate = chi_squared_quantile(0.99, 3);
         const auto before = f.covariance();
@@ -252,7 +252,7 @@ TEST_SUITE("engine/signal/inertial_filter") {
         CHECK(f.observe_position(Vec3(1e-3, 0, 0), 1e-6 * one).accepted);
     }
 
-    TEST_CASE("a forecast moves the state there, and its uncertainty adds") {
+    TEST_CASE("a forecast replaces the state, and its uncertainty is added") {
         InertialFilter f = exact_filter();
         Matrix noise = Matrix::Zero(12, 12);
         noise.diagonal().head<3>().setConstant(4e-6);
@@ -265,7 +265,7 @@ TEST_SUITE("engine/signal/inertial_filter") {
         CHECK(f.state.position.x() == about(1.0005).epsilon(1e-9));
     }
 
-    TEST_CASE("a covariance stays finite, and of full rank, over very many updates") {
+    TEST_CASE("the covariance stays finite and of full rank over 20 000 updates") {
         InertialFilter f = exact_filter();
         double least = 1;
         for (int k = 0; k < 20000; ++k) {
@@ -274,7 +274,8 @@ TEST_SUITE("engine/signal/inertial_filter") {
             (void)f.observe_attitude(f.state.orientation, 1e-20 * one);
             least = std::min(least, f.error().root.diagonal().cwiseAbs().minCoeff());
         }
-        CHECK(least > 0); // a root's covariance is positive if no number of its diagonal is 0
+        // the covariance is positive definite if no diagonal element of its root is 0
+        CHECK(least > 0);
         CHECK(f.error().root.allFinite());
     }
 }

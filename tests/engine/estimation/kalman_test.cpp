@@ -20,7 +20,7 @@ Vector numbers(std::initializer_list<double> list) {
     return v;
 }
 
-/// Sees the first of n numbers.
+/// Observation matrix of the first of n variables.
 Matrix sees_first(Eigen::Index n) {
     Matrix H = Matrix::Zero(1, n);
     H(0, 0) = 1;
@@ -51,7 +51,7 @@ SteadyState run_until_steady(const Transition& t) {
     return s;
 }
 
-/// A walk of a body under white acceleration, measured in its position.
+/// Motion of a body under white-noise acceleration, with measured positions.
 struct Walk {
     Transition t = white_acceleration(1, 0.1, 0.5);
     double variance = 0.04;
@@ -110,11 +110,12 @@ bool positive(const Eigen::Matrix2f& m) {
     return m(0, 0) >= 0 && m(1, 1) >= 0 && m(0, 0) * m(1, 1) - m(0, 1) * m(1, 0) >= 0;
 }
 
-/// Two measurements of nearly the same two numbers, again and again.
+/// Repeated updates with two measurements of nearly the same combination of two variables.
 struct IllConditioned {
     float eps;
     Eigen::Matrix2f seen(int k) const {
-        const float spread = 1 + static_cast<float>(k % 7) / 7; // no two updates alike
+        // no two successive updates are equal
+        const float spread = 1 + static_cast<float>(k % 7) / 7;
         Eigen::Matrix2f H;
         H << 1, 1, 1, 1 + std::sqrt(eps);
         return spread * H;
@@ -139,7 +140,7 @@ bool short_form_fails(const IllConditioned& c) {
 } // namespace
 
 TEST_SUITE("engine/signal/kalman") {
-    TEST_CASE("gains settle at those of the closed form and of the Riccati equation") {
+    TEST_CASE("steady-state gains agree with the closed form and with the Riccati equation") {
         // Kalata (1984): index lambda, T = R = 1
         for (const double l : {0.1, 1.0}) {
             const SteadyState s = run_until_steady(constant_acceleration(1, 1, l * l));
@@ -147,8 +148,7 @@ TEST_SUITE("engine/signal/kalman") {
             CHECK(s.position_gain == about(-(l * l + 8 * l - (l + 4) * root) / 8).epsilon(1e-9));
             CHECK(s.velocity_gain == about((l * l + 4 * l - l * root) / 4).epsilon(1e-9));
         }
-        // white noise of acceleration: solutions of the discrete Riccati equation by another
-        // program
+        // white-noise acceleration: solutions of the discrete Riccati equation by another program
         const SteadyState weak = run_until_steady(white_acceleration(1, 1, 0.01)),
                           strong = run_until_steady(white_acceleration(1, 1, 100));
         CHECK(weak.position_gain == about(0.360591664527).epsilon(1e-9));
@@ -157,8 +157,8 @@ TEST_SUITE("engine/signal/kalman") {
         CHECK(strong.predicted_variance == about(69.43798229024).epsilon(1e-9));
     }
 
-    TEST_CASE("a scalar random walk is known, between and after measurements, as its Riccati "
-              "equation says") {
+    TEST_CASE("the variances of a scalar random walk before and after updates solve its Riccati "
+              "equation") {
         // P = P R / (P + R) + Q
         for (const auto& [q, r] : {std::pair{1.0, 1.0}, {0.01, 4.0}, {100.0, 0.5}}) {
             const Transition walk{scalar(1), scalar(q)};
@@ -174,8 +174,7 @@ TEST_SUITE("engine/signal/kalman") {
         }
     }
 
-    TEST_CASE(
-        "an update is that of Joseph's form, for a correlated and for a perfect measurement") {
+    TEST_CASE("an update agrees with Joseph's form for correlated and for perfect measurements") {
         Random random(3, 0);
         Matrix A(4, 4), H(2, 4);
         for (double& x : A.reshaped()) x = random.normal();
@@ -204,7 +203,7 @@ TEST_SUITE("engine/signal/kalman") {
         }
     }
 
-    TEST_CASE("what is known for certain stays so: a covariance of zeros has a root") {
+    TEST_CASE("a covariance with zero variances has a root") {
         Matrix P(3, 3);
         P << 0, 0, 0, 0, 4, 2, 0, 2, 1; // singular twice
         const Matrix root = root_of<double>(P);
@@ -212,12 +211,13 @@ TEST_SUITE("engine/signal/kalman") {
         CHECK(root_of<double>(Matrix::Zero(3, 3)).norm() == 0);
     }
 
-    TEST_CASE("smoothed estimates and the likelihood are those of all measurements taken at once") {
+    TEST_CASE(
+        "smoothed estimates and the likelihood agree with one update by all measurements at once") {
         constexpr Eigen::Index steps = 60, n = 2 * steps;
         const Walk walk(7, steps);
         const Walk::Filtered f = walk.filtered(1);
         const auto smoothed = smooth(f.steps);
-        // the states of all steps, jointly normal, and one update by all measurements
+        // joint normal distribution of the states of all steps, updated once by all measurements
         Matrix P = Matrix::Zero(n, n), H = Matrix::Zero(steps, n), now = walk.before.covariance();
         Vector y(steps);
         for (Eigen::Index k = 0; k < steps; ++k) {
@@ -244,11 +244,11 @@ TEST_SUITE("engine/signal/kalman") {
         CHECK(worst_mean < 1e-10);
         CHECK(worst_covariance < 1e-10);
         CHECK(f.log_likelihood == about(batch.log_likelihood).epsilon(1e-10));
-        CHECK(smoothed[0].covariance()(0, 0) <
-              0.7 * f.steps[0].corrected.covariance()(0, 0)); // later measurements tell
+        // later measurements reduce the variance
+        CHECK(smoothed[0].covariance()(0, 0) < 0.7 * f.steps[0].corrected.covariance()(0, 0));
     }
 
-    TEST_CASE("errors and innovations are as large as the filter believes, and not if it believes "
+    TEST_CASE("errors and innovations agree with the filter's covariance, but not if it assumes "
               "ten times as much or as little noise") {
         constexpr int runs = 400;
         const Band errors = chi_squared_band(0.95, 2, runs),
@@ -263,7 +263,7 @@ TEST_SUITE("engine/signal/kalman") {
         CHECK(little.innovation > innovations.high);
     }
 
-    TEST_CASE("innovations of a right model are white") {
+    TEST_CASE("innovations of a correct model are white") {
         constexpr std::size_t steps = 4000;
         const Walk walk(11, steps);
         std::vector<double> innovations;
@@ -278,14 +278,14 @@ TEST_SUITE("engine/signal/kalman") {
         }
     }
 
-    TEST_CASE("bands of chi square are the tables'") {
+    TEST_CASE("chi-squared bands agree with tables") {
         CHECK(chi_squared_band(0.95, 2, 50).low == about(1.484439).epsilon(1e-6));
         CHECK(chi_squared_band(0.95, 2, 50).high == about(2.591224).epsilon(1e-6));
         CHECK(chi_squared_band(0.999, 15, 1).high == about(39.718760).epsilon(1e-6));
     }
 
-    TEST_CASE("a covariance stays positive over a million updates in single precision, where the "
-              "short form fails within a thousand") {
+    TEST_CASE("a covariance stays positive over a million updates in single precision, where P - K "
+              "H P fails within a thousand") {
         for (const float eps : {1e-8f, 1e-12f, 1e-15f, 1e-17f}) {
             const IllConditioned c{eps};
             CAPTURE(eps);
@@ -295,14 +295,16 @@ TEST_SUITE("engine/signal/kalman") {
             for (int k = 0; k < 250000; ++k)
                 x = update<float>(predict(x, grow), VectorOf<float>::Zero(2), c.seen(k), c.noise())
                         .estimate;
-            CHECK(x.root.allFinite()); // and so root root^T is symmetric and positive
-            CHECK((x.root.row(0) + x.root.row(1)).squaredNorm() <
-                  1e-6f); // of the sum, which is measured; the difference hardly
+            // so that root root^T is symmetric and positive semi-definite
+            CHECK(x.root.allFinite());
+            // variance of the sum, which is measured; the difference hardly is
+            CHECK((x.root.row(0) + x.root.row(1)).squaredNorm() < 1e-6f);
         }
     }
 
-    TEST_CASE("an update that leaves hardly anything is right where P - K H P is noise") {
-        // H = [1 1; 1 1 + sqrt(eps)], P = 1, R = eps: values by exact fractions
+    TEST_CASE("an update that leaves very little variance is accurate where P - K H P is only "
+              "rounding noise") {
+        // H = [1 1; 1 1 + sqrt(eps)], P = 1, R = eps: values by exact rational arithmetic
         Matrix H(2, 2);
         H << 1, 1, 1, 1.000001;
         const auto c = update<double>(Gaussian(Vector::Zero(2), Matrix::Identity(2, 2)),
@@ -311,8 +313,8 @@ TEST_SUITE("engine/signal/kalman") {
         CHECK(c.estimate.covariance()(0, 1) == about(-0.400000039999824).epsilon(1e-3));
     }
 
-    TEST_CASE("k steps of T/k predict what one of T does, and uncertainty without measurements "
-              "grows as its closed form") {
+    TEST_CASE("k steps of T/k predict the same as one of T, and the variance without measurements "
+              "grows as in the closed form") {
         const Gaussian start(Vector::Constant(6, 0.5), Matrix::Identity(6, 6) * 0.01);
         const Gaussian once = predict(start, white_acceleration(3, 2, 0.3));
         Gaussian often = start;
@@ -322,7 +324,8 @@ TEST_SUITE("engine/signal/kalman") {
         CHECK(once.covariance()(0, 0) == about(0.01 + 4 * 0.01 + 0.3 * 8 / 3).epsilon(1e-14));
     }
 
-    TEST_CASE("the algorithm as printed never fuses rotation, and its covariance is none") {
+    TEST_CASE(
+        "the algorithm as printed never fuses rotation, and its covariance is not symmetric") {
         const Transition t = white_acceleration(3, 0.5, 1);
         const Matrix one = Matrix::Identity(3, 3);
         PrintedFilter filter{.A = t.F, .Q = t.Q, .R = Matrix::Identity(6, 6), .q = one, .r = one};

@@ -10,9 +10,10 @@
 using namespace bris;
 
 TEST_SUITE("engine/linear_fit") {
-    TEST_CASE("a line is found with the error that a hand calculation gives, in its window only") {
-        // residuals +1 -1 -1 +1 on y = 3 + 2 x: orthogonal to 1 and x, so the line is found
-        // exactly; sum of squares 4, sxx = 5: error sqrt(4 / 2 / 5)
+    TEST_CASE(
+        "a line is fitted within its window only, with the standard error of a hand calculation") {
+        // residuals +1 -1 -1 +1 about y = 3 + 2 x are orthogonal to 1 and x, so the fit is exact;
+        // sum of squares 4, sxx = 5: standard error sqrt(4 / 2 / 5)
         const std::array x{0.0, 1.0, 2.0, 3.0, 4.0}, y{4.0, 4.0, 6.0, 10.0, 1e6};
         const LinearFit fit = fit_line(x, y, 0, 3.5);
         CHECK(fit.points == 4);

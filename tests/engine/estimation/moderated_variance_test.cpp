@@ -23,11 +23,11 @@ double mean_square(Random& random, int freedom) {
 } // namespace
 
 TEST_SUITE("signal/moderated variance") {
-    TEST_CASE("variances that differ by a normal factor are found closer than each by itself, as "
-              "the posterior mean says") {
-        constexpr double spread = 0.6,
-                         trigamma = 0.142611; // of their logarithms; and of those of means of 15
-                                              // squares, Abramowitz and Stegun 6.4
+    TEST_CASE("variances with log-normal scatter are estimated better together than each by "
+              "itself, with the error of the posterior mean") {
+        // standard deviation of the logarithms of the true variances, and variance of the logarithm
+        // of a mean of 15 squares (Abramowitz and Stegun 6.4)
+        constexpr double spread = 0.6, trigamma = 0.142611;
         Random random(11, 2);
         std::vector<double> logarithm, raw;
         for (int k = 0; k < 20000; ++k) {
@@ -40,12 +40,12 @@ TEST_SUITE("signal/moderated variance") {
             by_itself += std::pow(std::log(raw[k]) - logarithm[k], 2) / 20000;
             together += std::pow(std::log(moderated[k]) - logarithm[k], 2) / 20000;
         }
-        CHECK(by_itself == about(trigamma).epsilon(0.06)); // and a little bias
+        CHECK(by_itself == about(trigamma).epsilon(0.06)); // with a small bias
         CHECK(together == about(1 / (1 / trigamma + 1 / (spread * spread))).epsilon(0.05));
     }
 
-    TEST_CASE("variances that differ by chance alone are taken for one, and what does not move "
-              "stays at rest") {
+    TEST_CASE("variances that differ only by sampling scatter become equal, and zero variances "
+              "stay zero") {
         Random random(12, 2);
         std::vector<double> raw{0};
         for (int k = 0; k < 2000; ++k) raw.push_back(1e-8 * mean_square(random, 15));
@@ -55,7 +55,7 @@ TEST_SUITE("signal/moderated variance") {
             CHECK(moderated[k] == about(1e-8).epsilon(0.12));
     }
 
-    TEST_CASE("three variances are too few to draw together") {
+    TEST_CASE("three variances are too few to be moderated") {
         CHECK(moderated_variances({2, 3, 9}, 3) == std::vector<double>{2, 3, 9});
     }
 }

@@ -13,8 +13,8 @@ using namespace bris;
 
 namespace {
 
-/// An experiment in which everything is known: a line, or a curve, of two parameters at each time,
-/// and chaos that lasts.
+/// A synthetic experiment with known truth: a linear or curved function of two parameters at each
+/// time, with correlated divergence.
 struct Game {
     std::uint64_t seed = 1;
     Eigen::Index members = 10;
@@ -31,8 +31,8 @@ struct Game {
         const double slope = 1.0 / (1 + 0.3 * time), d = x[0] + 0.7;
         return 2 + 0.1 * time + 0.8 * x[0] + slope * x[1] + curvature * d * d;
     }
-    /// Draws a truth from the prior and lets it be learned. Squared distance of the truth from the
-    /// estimate.
+    /// Draws the true parameters from the prior and estimates them. Returns the squared distance of
+    /// the truth from the estimate.
     double play(Gaussian* learned = nullptr) const {
         Random random(seed, 7);
         const Gaussian before = prior();
@@ -46,7 +46,7 @@ struct Game {
         Matrix designs(members, 2);
         for (Eigen::Index j = 0; j < members; ++j) designs.row(j) = draw().transpose();
         ParameterEstimate estimate(before, designs, 1);
-        Vector state(members + 1); // chaos of each world, and of the real one
+        Vector state(members + 1); // divergence of each member and of the real specimen
         for (double& s : state) s = divergence * random.normal();
         for (int t = 0; t < times; ++t) {
             Vector forecast(members);
@@ -80,26 +80,28 @@ Matrix random_members(Eigen::Index count) {
 } // namespace
 
 TEST_SUITE("fusion/parameter_estimate") {
-    TEST_CASE("without much chaos and noise the parameters are found from three measurements") {
+    TEST_CASE("with little divergence and noise the parameters are found from three measurements") {
         Game game{.divergence = 1e-3, .noise = 1e-4, .times = 3};
         Gaussian learned;
         (void)game.play(&learned);
         CHECK(std::sqrt(learned.covariance().diagonal().maxCoeff()) < 0.02);
     }
 
-    TEST_CASE("what is learned is as uncertain as it says, whether chaos lasts or not") {
+    TEST_CASE("the estimated covariance agrees with the errors, whether the divergence is "
+              "correlated or not") {
         const Band band = chi_squared_band(0.99, 2, 150); // of the mean over 150 games
         for (const double lasting : {0.0, 0.6, 0.95}) {
             CAPTURE(lasting);
             Game game{.lasting = lasting};
             const double distance = game.mean_distance(150);
-            CHECK(distance >
-                  0.6 * band.low); // slopes known from ten worlds only make it a little careful
-            CHECK(distance < 1.3 * band.high); // and a memory estimated from them a little too sure
+            // slopes from only ten members make the estimate slightly conservative
+            CHECK(distance > 0.6 * band.low);
+            // a correlation estimated from the members makes it slightly overconfident
+            CHECK(distance < 1.3 * band.high);
         }
     }
 
-    TEST_CASE("a curved law needs twelve worlds, and then does no harm") {
+    TEST_CASE("a curved law needs at least twelve members, and then does no harm") {
         Game line{.members = 10, .divergence = 0.02, .curvature = 0.7}, curve = line;
         curve.members = 14;
         const double by_line = line.mean_distance(60), by_curve = curve.mean_distance(60);
@@ -107,7 +109,7 @@ TEST_SUITE("fusion/parameter_estimate") {
         CHECK(by_curve < 0.5 * by_line);
     }
 
-    TEST_CASE("where worlds hold no chaos, what is learned is what Kalman's update says") {
+    TEST_CASE("without divergence the estimate agrees with a Kalman update") {
         Gaussian exact = Game{}.prior();
         exact.root(1, 0) = 0.1;
         const Matrix members = random_members(11);
@@ -122,16 +124,15 @@ TEST_SUITE("fusion/parameter_estimate") {
                         .estimate;
         }
         const Gaussian& found = estimate.parameters();
-        // Student's t of eight degrees in the place of the normal: a little wider, a little less
-        // moved
+        // Student's t with eight degrees of freedom instead of the normal: slightly wider, slightly
+        // less correction
         CHECK((found.mean - exact.mean).norm() < 0.05);
         for (Eigen::Index p = 0; p < 2; ++p)
             CHECK(std::sqrt(found.covariance()(p, p) / exact.covariance()(p, p)) ==
                   about(1.1).epsilon(0.1));
     }
 
-    TEST_CASE("a specimen that differs by a process of its own is weighed as generalised least "
-              "squares weigh it") {
+    TEST_CASE("the scatter of the specimen is weighted as in generalised least squares") {
         const Gaussian before = Game{}.prior();
         const Matrix members = random_members(9);
         const std::array<double, 3> stages{0, 0.7, 3};
@@ -150,11 +151,11 @@ TEST_SUITE("fusion/parameter_estimate") {
         const Gaussian exact = update<double>(before, measured, slopes, process).estimate,
                        &found = estimate.parameters();
         CHECK((found.mean - exact.mean).norm() < 1e-3);
-        CHECK((found.covariance() - exact.covariance()).norm() <
-              0.04 * exact.covariance().norm()); // never finer than the nodes stand
+        // limited by the spacing of the nodes
+        CHECK((found.covariance() - exact.covariance()).norm() < 0.04 * exact.covariance().norm());
     }
 
-    TEST_CASE("what two channels share of a specimen's difference counts once") {
+    TEST_CASE("a deviation of the specimen that two channels share counts once") {
         const Gaussian before = Game{}.prior();
         const Matrix members = random_members(9);
         Matrix slopes(4, 2), process(4, 4);
@@ -166,7 +167,7 @@ TEST_SUITE("fusion/parameter_estimate") {
         const auto learned = [&](double specimen_correlation) {
             ParameterEstimate estimate(before, members, 2, 1, 0,
                                        {.memory = 3, .channels = specimen_correlation});
-            for (const Eigen::Index k : {0, 2, 1, 3}) { // in the order of time
+            for (const Eigen::Index k : {0, 2, 1, 3}) { // in order of time
                 const auto at = static_cast<std::size_t>(k);
                 estimate.observe(channel[at], members * slopes.row(k).transpose(),
                                  {measured[k], 0, scatter[at], stage[at]});
@@ -185,19 +186,21 @@ TEST_SUITE("fusion/parameter_estimate") {
         CHECK(learned(0).covariance()(0, 0) < 0.95 * found.covariance()(0, 0));
     }
 
-    TEST_CASE("a narrow ridge is found wherever it runs, from a start many deviations off") {
+    TEST_CASE("a narrow ridge of the likelihood is found in any direction, many deviations from "
+              "the prior") {
         Matrix members(8, 2);
         members << -0.4, 0, -1, 0.4, -0.7, 0.6, -0.5, -0.3, -0.9, 0.1, -0.7, -0.2, -0.2, 0.5, -1.1,
             0.2;
         ParameterEstimate estimate(Game{}.prior(), members, 1);
-        estimate.observe(0, members.col(0) + members.col(1), {3, 1e-3}); // 7 of its deviations
+        // 7 prior deviations of the sum
+        estimate.observe(0, members.col(0) + members.col(1), {3, 1e-3});
         const Gaussian& found = estimate.parameters();
         CHECK(found.mean.sum() == about(3).epsilon(2e-3));
         CHECK((found.root.transpose() * Vector::Ones(2)).norm() < 5e-3);
         CHECK(std::sqrt(found.covariance()(0, 0)) == about(0.3 * 0.4 / 0.5).epsilon(0.1));
     }
 
-    TEST_CASE("a real specimen that may be stronger for other reasons teaches less") {
+    TEST_CASE("a specimen with scatter of its own reduces the information of a measurement") {
         const Gaussian prior = Game{}.prior();
         Matrix members(6, 2);
         members << -0.4, 0, -1, 0.4, -0.7, 0.6, -0.5, -0.3, -0.9, 0.1, -0.7, -0.2;
@@ -207,16 +210,16 @@ TEST_SUITE("fusion/parameter_estimate") {
             for (Eigen::Index j = 0; j < 6; ++j)
                 forecast[j] = Game{}.law(0, members.row(j)) + 1e-3 * (j % 2 ? 1 : -1);
             estimate.observe(0, forecast, {1.5, 0.01, scatter});
-            const Vector observations =
-                Vector::Map(std::array{0.8, 1.0}.data(), 2); // the sum that was measured
+            // the sum that was measured
+            const Vector observations = Vector::Map(std::array{0.8, 1.0}.data(), 2);
             return std::sqrt(observations.dot(estimate.parameters().covariance() * observations));
         };
         CHECK(deviation_with(0) < 0.1);
-        CHECK(deviation_with(0.3) ==
-              about(0.25).epsilon(0.2)); // that of 0.3 and the prior's 0.47 together
+        // 0.3 combined with the prior's 0.47
+        CHECK(deviation_with(0.3) == about(0.25).epsilon(0.2));
     }
 
-    TEST_CASE("weights of worlds sum to one and give back a line exactly") {
+    TEST_CASE("the weights of members sum to one and reproduce a linear function exactly") {
         Matrix members(5, 2);
         members << 0, 0, 1, 0.5, -1, 0.2, 0.3, -1, 0.7, 0.7;
         Vector at(2), line(5);
@@ -228,7 +231,7 @@ TEST_SUITE("fusion/parameter_estimate") {
         CHECK((EnsembleRegression(members).residual_projection() * line).norm() < 1e-12);
     }
 
-    TEST_CASE("too few worlds, and worlds that are all alike, are refused") {
+    TEST_CASE("too few members, and members with equal parameters, are rejected") {
         const Gaussian prior = Game{}.prior();
         CHECK_THROWS_AS(ParameterEstimate(prior, Matrix::Random(5, 2), 1), InputError);
         CHECK_THROWS_AS(ParameterEstimate(prior, Matrix::Zero(8, 2), 1), InputError);

@@ -21,7 +21,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Numbers of every kind, an empty array, values that only their bits tell apart.
+/// Numbers of every type, an empty array, and values that differ only in their bits.
 Checkpoint sample(std::size_t rows = 50, std::uint64_t step = 7) {
     std::vector<double> reals(rows);
     std::vector<std::uint32_t> ids(rows);
@@ -45,7 +45,7 @@ Checkpoint sample(std::size_t rows = 50, std::uint64_t step = 7) {
     return checkpoint;
 }
 
-/// The one line with which a file is rejected; "" if it is read.
+/// The one-line message with which a file is rejected; "" if it is read.
 std::string rejection(const fs::path& path) {
     const std::string message = message_of<InputError>([&] { read_checkpoint(path); });
     CHECK(message.find('\n') == std::string::npos);
@@ -57,8 +57,8 @@ std::size_t files_in(const fs::path& directory) {
         std::distance(fs::directory_iterator(directory), fs::directory_iterator()));
 }
 
-/// Writes until it cannot, with a file size limit: a full disk. Returns its exit code: a process of
-/// its own, since the limit holds for all of a process.
+/// Exit code of a process that writes a checkpoint under a file size limit, which simulates a full
+/// disk. A separate process is needed, since the limit holds for a whole process.
 int write_with_limit(const fs::path& path, rlim_t bytes) {
     const pid_t child = fork();
     if (child == 0) {
@@ -82,7 +82,7 @@ int write_with_limit(const fs::path& path, rlim_t bytes) {
 } // namespace
 
 TEST_SUITE("engine/checkpoint") {
-    TEST_CASE("a checkpoint comes back to the same bits, in the same order") {
+    TEST_CASE("a checkpoint is read back with the same bits in the same order") {
         const TemporaryDirectory directory;
         const auto path = directory / "deep/down/a.ckpt.h5";
         const Checkpoint written = sample();
@@ -99,11 +99,11 @@ TEST_SUITE("engine/checkpoint") {
             CHECK(read.state.arrays()[i].scalar_size == written.state.arrays()[i].scalar_size);
         }
         CHECK(files_in(path.parent_path()) == 1);
-        // the seal is no hindrance to HDF5
+        // HDF5 can read the file in spite of the seal
         CHECK(Hdf5File::open(path).text_attribute("/settings", "radius_m") == "0.01");
     }
 
-    TEST_CASE("a world goes on from the file as if it had never stopped") {
+    TEST_CASE("a run continues from a checkpoint as if it had never stopped") {
         using namespace bris::testing;
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             const TemporaryDirectory directory;
@@ -123,7 +123,7 @@ TEST_SUITE("engine/checkpoint") {
         }
     }
 
-    TEST_CASE("a file cut short anywhere is rejected in one line") {
+    TEST_CASE("a checkpoint truncated anywhere is rejected with a one-line message") {
         const TemporaryDirectory directory;
         const auto path = directory / "cut.ckpt.h5";
         write_checkpoint(path, sample());
@@ -140,7 +140,7 @@ TEST_SUITE("engine/checkpoint") {
         CHECK(rejection(path) == "");
     }
 
-    TEST_CASE("a flipped bit anywhere is found") {
+    TEST_CASE("a flipped bit anywhere in a checkpoint is detected") {
         const TemporaryDirectory directory;
         const auto path = directory / "damaged.ckpt.h5";
         write_checkpoint(path, sample());
@@ -154,7 +154,7 @@ TEST_SUITE("engine/checkpoint") {
         }
     }
 
-    TEST_CASE("foreign files are bad input, missing ones are failures to read") {
+    TEST_CASE("a file of another format is an InputError, a missing one an OutputError") {
         const TemporaryDirectory directory;
         const auto path = directory / "foreign.h5";
         Hdf5File file = Hdf5File::create(path);
@@ -170,7 +170,7 @@ TEST_SUITE("engine/checkpoint") {
         CHECK_THROWS_AS(read_checkpoint(directory.path()), OutputError);
     }
 
-    TEST_CASE("a full disk leaves the last good checkpoint and nothing else") {
+    TEST_CASE("a full disk leaves the last complete checkpoint and no other file") {
         const TemporaryDirectory directory;
         const auto path = directory / "a.ckpt.h5";
         write_checkpoint(path, sample());
@@ -189,7 +189,7 @@ TEST_SUITE("engine/checkpoint") {
         CHECK_THROWS_AS(write_checkpoint("/dev/full/a.ckpt.h5", sample()), OutputError);
     }
 
-    TEST_CASE("killed in the middle of writing, it leaves a whole checkpoint") {
+    TEST_CASE("a process killed while writing leaves a complete checkpoint") {
         const TemporaryDirectory directory;
         const auto path = directory / "a.ckpt.h5";
         write_checkpoint(path, sample(20000, 1));
@@ -202,7 +202,7 @@ TEST_SUITE("engine/checkpoint") {
             std::this_thread::sleep_for(std::chrono::milliseconds(7 + 5 * round));
             kill(child, SIGKILL);
             waitpid(child, nullptr, 0);
-            const Checkpoint found = read_checkpoint(path); // throws if it is not whole
+            const Checkpoint found = read_checkpoint(path); // throws if the file is not complete
             CHECK(found.step >= last);
             CHECK(fingerprint(found.state) == fingerprint(sample(20000, found.step).state));
             last = found.step;
@@ -210,8 +210,8 @@ TEST_SUITE("engine/checkpoint") {
         CHECK(last > 1);
     }
 
-    TEST_CASE(
-        "another run's checkpoint is refused with the key, what is expected and what is found") {
+    TEST_CASE("the checkpoint of another run is rejected with the key, the expected and the found "
+              "value") {
         const Checkpoint checkpoint = sample();
         const auto refusal = [&](const std::string& scenario,
                                  const std::vector<NamedValue>& settings) {
@@ -236,6 +236,6 @@ TEST_SUITE("engine/checkpoint") {
         settings.pop_back();
         settings.erase(settings.begin() + 2);
         CHECK(refusal("sample", settings) ==
-              "checkpoint 'a.h5': law: expected nothing as in this run, found linear");
+              "checkpoint 'a.h5': law: expected no such setting, as in this run, found linear");
     }
 }

@@ -41,8 +41,8 @@ struct Files {
 } // namespace
 
 TEST_SUITE("engine/column_map") {
-    TEST_CASE(
-        "a file with other names, units, signs, delimiter and decimals is read as one of ours") {
+    TEST_CASE("a file with other names, units, signs, delimiter and decimal sign is read through "
+              "its column map") {
         const Files files;
         const CsvForm form = files.map("# of a data logger\ndelimiter = semicolon\ndecimal = "
                                        "comma\ncomment = %\nheader_line = 3\nfirst_line = 5\n"
@@ -64,14 +64,15 @@ TEST_SUITE("engine/column_map") {
         CHECK(form.find("seq") == nullptr);
     }
 
-    TEST_CASE("names stand where the map says, also behind the sign of a comment") {
+    TEST_CASE(
+        "the column names are read from the line given in the map, also behind a comment sign") {
         const Files files;
         const CsvForm form = files.map("comment = %\nheader_line = 2\nt = \"% when\"\nax = a\n");
         CHECK(files.table(form, "% a logger\n% when,a\n% begun\n1,2\n").rows ==
               std::vector<std::vector<double>>{{1, 2}});
     }
 
-    TEST_CASE("tabs and blanks delimit as well, blanks any number of them") {
+    TEST_CASE("tabs and blanks are delimiters too, with any number of blanks in a row") {
         const Files files;
         const CsvTable blanks =
             files.table(files.map("delimiter = space\nt = when\nax = \"acc x\"\n"),
@@ -80,10 +81,11 @@ TEST_SUITE("engine/column_map") {
         const CsvTable tabs = files.table(files.map("delimiter = tab\nt = n, ms\nax = a b\n"),
                                           "a b\t\tn\n5\t\t1000\n\t\"x, y\"\t2000\n");
         CHECK(tabs.column("t") == std::vector<double>{1, 2});
-        CHECK(std::isnan(tabs.column("ax")[1])); // an empty cell at the beginning of a line is one
+        // a tab at the beginning of a line follows an empty cell
+        CHECK(std::isnan(tabs.column("ax")[1]));
     }
 
-    TEST_CASE("what is wrong in a map is named with its line") {
+    TEST_CASE("errors in a column map are reported with their line") {
         const Files files;
         const auto why = [&](const std::string& text) {
             return files.complaint([&] { (void)files.map(text); });
@@ -94,33 +96,35 @@ TEST_SUITE("engine/column_map") {
         CHECK(why("t = T\nax = A\nt = U\n") ==
               "columns.txt:3: t: expected once, found on line 1 already");
         CHECK(why("t = T\nax = T\n") ==
-              "columns.txt:2: 'T': expected for one of ours, found for t and ax");
+              "columns.txt:2: column 'T': expected under one name, found under t and ax");
         CHECK(why("ax = A\n") == "columns.txt: expected a line for 't', found none");
-        CHECK(why("t = T, h\n") == "columns.txt:1: expected for t one of s, ms, found \"h\"");
+        CHECK(why("t = T, h\n") ==
+              "columns.txt:1: expected a unit of t, one of s, ms, found \"h\"");
         CHECK(why("t = T\nseq = n, s\n") == "columns.txt:2: expected no unit for seq, found \"s\"");
-        CHECK(why("t = T\nax =\n") == "columns.txt:2: expected something for 'ax', found \"\"");
-        CHECK(why("t = -\n") == "columns.txt:1: expected the name of a column, found \"-\"");
+        CHECK(why("t = T\nax =\n") == "columns.txt:2: expected a value for 'ax', found \"\"");
+        CHECK(why("t = -\n") == "columns.txt:1: expected a column name, found \"-\"");
         CHECK(why("\nT\n") ==
               "columns.txt:2: expected a line `our name = their name, unit`, found \"T\"");
         CHECK(why("t = T\ndelimiter = ;\n") ==
               "columns.txt:2: expected one of comma, semicolon, tab, space, found \";\"");
-        CHECK(
-            why("t = T\ndecimal = comma\n") ==
-            "columns.txt: expected another delimiter than the decimal comma, found comma for both");
+        CHECK(why("t = T\ndecimal = comma\n") == "columns.txt: expected a delimiter different from "
+                                                 "the decimal sign, found comma for both");
         CHECK(why("t = T\nheader_line = 0\n") ==
-              "columns.txt:2: expected the number of a line, from 1, found \"0\"");
+              "columns.txt:2: expected a line number, counted from 1, found \"0\"");
         CHECK(why("t = T\ndelimiter = semicolon\ncomment = ;\n") ==
-              "columns.txt: expected another comment than the delimiter, found ';' for both");
+              "columns.txt: expected a comment sign different from the delimiter, found ';' for "
+              "both");
         CHECK(why("t = T\nheader_line = 4\nfirst_line = 4\n") ==
-              "columns.txt: first_line: expected a line after that of the names, 4, found 4");
+              "columns.txt: first_line: expected a line after the column names in line 4, found 4");
         CHECK(why("t = T\nfirst_line = 1\n") ==
-              "columns.txt: first_line: expected a line after that of the names, 1, found 1");
+              "columns.txt: first_line: expected a line after the column names in line 1, found 1");
         CHECK(why("t = T\nfirst_line = 2\n").empty());
-        CHECK(why("t = T\ncomment = //\n") == "columns.txt:2: expected one sign, found \"//\"");
+        CHECK(why("t = T\ncomment = //\n") ==
+              "columns.txt:2: expected a single character, found \"//\"");
     }
 
-    TEST_CASE(
-        "a file that is not as its map says is refused with its line, and the line of the map") {
+    TEST_CASE("a file that does not match its column map is rejected with its line and the line of "
+              "the map") {
         const Files files;
         const CsvForm form = files.map("delimiter = semicolon\ndecimal = comma\nt = T\nax = A\n");
         const auto why = [&](const std::string& text) {
@@ -130,9 +134,8 @@ TEST_SUITE("engine/column_map") {
               "a.csv:1: expected a column 'A' (ax of columns.txt:4), found T, B");
         CHECK(why("T;A;A\n1;2;3\n") == "a.csv:1: column 'A': expected once, found twice");
         CHECK(why("T;A\n1;2;3\n") == "a.csv:2: expected 2 columns (T, A), found 3");
-        CHECK(why("T;A\n1;2.5\n") ==
-              "a.csv:2: column 'A': expected a number, found \"2.5\""); // a point among decimal
-                                                                        // commas
+        // a decimal point in a file with decimal commas
+        CHECK(why("T;A\n1;2.5\n") == "a.csv:2: column 'A': expected a number, found \"2.5\"");
         CHECK(why("T;A\n1;high\n") == "a.csv:2: column 'A': expected a number, found \"high\"");
     }
 }

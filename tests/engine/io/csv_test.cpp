@@ -22,7 +22,7 @@ std::string complaint(const TemporaryDirectory& directory, std::string_view cont
 } // namespace
 
 TEST_SUITE("engine/csv") {
-    TEST_CASE("columns are found by name, with comments and missing values") {
+    TEST_CASE("columns are found by name, in a file with comments and missing values") {
         const TemporaryDirectory directory;
         write_whole(directory / "a.csv", "# source\nsize_mm, percent\r\n\n1e1,-\n+2.5,\n");
         const CsvTable table = read_csv(directory / "a.csv");
@@ -35,19 +35,19 @@ TEST_SUITE("engine/csv") {
         CHECK_FALSE(table.has("other"));
     }
 
-    TEST_CASE("a table written is read back bit by bit") {
+    TEST_CASE("a table that was written is read back with the same bits") {
         const TemporaryDirectory directory;
         const std::vector<std::vector<double>> rows{{0.1, 1e-300}, {-1.0 / 3, 5e15}};
         write_csv(directory / "new" / "b.csv", {"x", "y"}, rows, {"two rows"});
         const CsvTable table = read_csv(directory / "new" / "b.csv");
         CHECK(table.rows == rows);
-        // the unfinished file is gone
+        // no temporary file is left
         CHECK(std::distance(std::filesystem::directory_iterator(directory / "new"), {}) == 1);
         write_csv(directory / "c.csv", {"x"}, {{1.0 / 3}}, {}, 4);
         CHECK(read_whole(directory / "c.csv") == "x\n0.3333\n");
     }
 
-    TEST_CASE("an error names file, line, column and what was found") {
+    TEST_CASE("an error message names the file, the line, the column and what was found") {
         const TemporaryDirectory directory;
         CHECK(complaint(directory, "a,upper_percent\n1,2\n1,abc\n") ==
               "a.csv:3: column 'upper_percent': expected a number, found \"abc\"");
@@ -63,7 +63,7 @@ TEST_SUITE("engine/csv") {
               (directory / "a.csv").string() + ": expected a column 'z', found x, y");
     }
 
-    TEST_CASE("a file that cannot be read or written is an output error") {
+    TEST_CASE("a file that cannot be read or written is an OutputError") {
         const TemporaryDirectory directory;
         CHECK_THROWS_AS(read_csv(directory / "none.csv"), OutputError);
         CHECK_THROWS_AS(read_csv(directory.path()), OutputError);

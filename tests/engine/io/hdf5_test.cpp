@@ -13,7 +13,7 @@ using namespace bris;
 
 namespace {
 
-/// A file with one dataset of a thousand numbers; its content as bytes.
+/// Writes a file with one dataset of a thousand numbers and returns its content as bytes.
 std::string sample(const std::filesystem::path& path) {
     std::vector<double> values(1000);
     std::iota(values.begin(), values.end(), 0.5);
@@ -24,7 +24,7 @@ std::string sample(const std::filesystem::path& path) {
     return read_whole(path);
 }
 
-/// Reads everything there is in a sample.
+/// Reads everything in a sample file.
 void read_all(const std::filesystem::path& path) {
     const Hdf5File file = Hdf5File::open(path);
     for (const std::string& name : file.names("/deep/down"))
@@ -32,7 +32,7 @@ void read_all(const std::filesystem::path& path) {
     file.text_attribute("/deep", "name");
 }
 
-/// Files cannot grow beyond this size while it lives: a disk that is nearly full.
+/// Simulates a nearly full disk: while the object exists, files cannot grow beyond this size.
 class FileSizeLimit {
 public:
     explicit FileSizeLimit(rlim_t bytes) : signal_(std::signal(SIGXFSZ, SIG_IGN)) {
@@ -55,7 +55,7 @@ private:
 } // namespace
 
 TEST_SUITE("engine/hdf5") {
-    TEST_CASE("numbers of every kind come back as they were") {
+    TEST_CASE("numbers of every type are read back unchanged") {
         const TemporaryDirectory directory;
         const std::vector<double> a{0.1, -1e300};
         const std::vector<float> b{0.5f, 2, 3, 4, 5, 6};
@@ -89,7 +89,7 @@ TEST_SUITE("engine/hdf5") {
         CHECK_FALSE(file.has("/g/x/y"));
     }
 
-    TEST_CASE("a growing dataset takes rows") {
+    TEST_CASE("rows can be appended to a growing dataset") {
         const TemporaryDirectory directory;
         Hdf5File file = Hdf5File::create(directory / "a.h5");
         file.make_growing<float>("/x", {3}, 2);
@@ -101,7 +101,7 @@ TEST_SUITE("engine/hdf5") {
         CHECK_THROWS_AS(file.append<float>("/x", std::vector<float>{1, 2}), std::logic_error);
     }
 
-    TEST_CASE("attributes are numbers, lists and texts, and can be replaced") {
+    TEST_CASE("attributes can be numbers, lists and texts, and can be replaced") {
         const TemporaryDirectory directory;
         Hdf5File file = Hdf5File::create(directory / "a.h5");
         file.make_group("/meta");
@@ -122,7 +122,7 @@ TEST_SUITE("engine/hdf5") {
         CHECK_THROWS_AS(file.text_attribute("/meta", "number"), OutputError);
     }
 
-    TEST_CASE("a file cut short anywhere gives an error of one line, or its data") {
+    TEST_CASE("a file truncated anywhere gives a one-line error") {
         const TemporaryDirectory directory;
         const std::string whole = sample(directory / "whole.h5");
         for (std::size_t length = 0; length < whole.size(); length += 97) {
@@ -135,7 +135,7 @@ TEST_SUITE("engine/hdf5") {
         }
     }
 
-    TEST_CASE("a damaged file gives an error of one line, or its data") {
+    TEST_CASE("a damaged file gives a one-line error or its data") {
         const TemporaryDirectory directory;
         const std::string whole = sample(directory / "whole.h5");
         for (std::size_t at = 0; at < whole.size(); at += 31) {
@@ -150,7 +150,7 @@ TEST_SUITE("engine/hdf5") {
         }
     }
 
-    TEST_CASE("a full disk is an error at the write that did not fit, and crashes nothing") {
+    TEST_CASE("a full disk causes an error at the write that does not fit, and no crash") {
         const TemporaryDirectory directory;
         const std::vector<float> frame(30000);
         std::size_t written = 0;
@@ -164,7 +164,7 @@ TEST_SUITE("engine/hdf5") {
         CHECK(written < 9); // 120 kB each
     }
 
-    TEST_CASE("what is no such file, or not there, is named") {
+    TEST_CASE("files of another format and missing files or objects are reported by name") {
         const TemporaryDirectory directory;
         write_whole(directory / "a.txt", "This is text, and long enough to hold a header or two.");
         const auto opening = [](const std::filesystem::path& path) {
@@ -185,6 +185,6 @@ TEST_SUITE("engine/hdf5") {
         CHECK_THROWS_AS(file.read<double>("/deep"), OutputError);
         CHECK_THROWS_AS(file.names("/other"), OutputError);
         Hdf5File moved = Hdf5File::open(directory / "c.h5");
-        CHECK_THROWS_AS(moved.make_group("/new"), OutputError); // opened to read
+        CHECK_THROWS_AS(moved.make_group("/new"), OutputError); // opened for reading
     }
 }

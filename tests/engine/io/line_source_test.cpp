@@ -14,7 +14,7 @@ using namespace bris;
 
 TEST_SUITE("engine/line_source") {
     TEST_CASE(
-        "lines of a file that grows are taken as they come, and half a line waits for its end") {
+        "lines of a growing file are taken as they arrive, and half a line waits for its end") {
         const TemporaryDirectory folder;
         std::ofstream out(folder / "lines");
         out << "one\ntwo\nthr" << std::flush;
@@ -35,8 +35,8 @@ TEST_SUITE("engine/line_source") {
         CHECK(three->number == 3);
     }
 
-    TEST_CASE("a pipe ends with who writes it; when the queue is full the writer waits, and "
-              "nothing is lost") {
+    TEST_CASE(
+        "a pipe ends with its writer, which waits while the queue is full, and no line is lost") {
         const TemporaryDirectory folder;
         const auto pipe = folder / "pipe";
         REQUIRE(mkfifo(pipe.c_str(), 0600) == 0);
@@ -68,7 +68,7 @@ TEST_SUITE("engine/line_source") {
         CHECK(last->text == "cut off");
     }
 
-    TEST_CASE("a line without end is cut, and what cannot be read is refused") {
+    TEST_CASE("a line that is too long is cut, and a source that cannot be read is rejected") {
         const TemporaryDirectory folder;
         std::ofstream(folder / "long") << std::string(200'000, 'x') << "\nnext\n";
         LineSource lines(folder / "long");

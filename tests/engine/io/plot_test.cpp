@@ -30,7 +30,7 @@ int pixels(const std::string& png, std::size_t at) {
 } // namespace
 
 TEST_SUITE("systems/plot") {
-    TEST_CASE("panels stand beside each other in one picture file") {
+    TEST_CASE("panels are drawn side by side or below each other in one picture") {
         if (gnuplot_missing()) {
             MESSAGE("skipped: gnuplot is not installed");
             return;
@@ -45,18 +45,18 @@ TEST_SUITE("systems/plot") {
         CHECK(pixels(png, 20) == 440);
         CHECK(draw_plots(directory / "new" / "b.png", {sample(), sample()}, 1));
         CHECK(pixels(read_whole(directory / "new" / "b.png"), 20) == 2 * 440);
-        // no unfinished file stays behind
+        // no temporary file is left
         CHECK(std::distance(std::filesystem::directory_iterator(directory / "new"), {}) == 2);
     }
 
-    TEST_CASE("panels without data, or no panel at all, end no run") {
+    TEST_CASE("panels without data, and a figure without panels, do not end a run") {
         const TemporaryDirectory directory;
         const bool possible = !gnuplot_missing();
         CHECK(draw_plots(directory / "a.png", {Plot{}}) == possible);
         CHECK(draw_plots(directory / "b.png", {}) == possible);
     }
 
-    TEST_CASE("without gnuplot, or where nothing can be written, there is no picture") {
+    TEST_CASE("without gnuplot, or if the folder is not writable, no picture is written") {
         CHECK_FALSE(draw_plots("/proc/none/a.png", {sample()}));
         const TemporaryDirectory directory;
         const char* const path = std::getenv("PATH");

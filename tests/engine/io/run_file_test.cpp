@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::uint8_t vertex = 1, quad = 9;
 
-/// Frame `time` of a set: every number in it tells its time, rock and component.
+/// Writes frames of one set of rocks and quads in which every number encodes its time, rock and
+/// component.
 void write_frames(RunFile& run, std::size_t rocks, std::size_t quads, double from, int count) {
     std::vector<std::int64_t> id(rocks);
     std::iota(id.begin(), id.end(), std::int64_t{100});
@@ -38,7 +39,8 @@ void write_frames(RunFile& run, std::size_t rocks, std::size_t quads, double fro
     }
 }
 
-/// A frame by the rules of the format: where its part and its arrays begin is looked up per step.
+/// Reads a frame by the rules of the format: the starts of its part and its arrays are looked up
+/// per step.
 struct Reader {
     explicit Reader(const std::filesystem::path& path) : file(Hdf5File::open(path)) {}
 
@@ -70,7 +72,7 @@ struct Reader {
         CHECK(points == static_cast<std::int64_t>(rocks + 4 * quads));
         CHECK(cells == static_cast<std::int64_t>(rocks + quads));
 
-        // each part before has one entry more in Offsets than it has cells
+        // each earlier part has one entry more in Offsets than it has cells
         const auto first_cell = step_value("CellOffsets", step);
         const auto offsets = rows<std::int64_t>("Offsets", first_cell + part, cells + 1);
         const auto types = rows<std::uint8_t>("Types", first_cell, cells);
@@ -107,7 +109,8 @@ struct Reader {
 } // namespace
 
 TEST_SUITE("engine/run_file") {
-    TEST_CASE("every frame is found where the step says, also when the set changes") {
+    TEST_CASE(
+        "every frame is found at the offsets of its step, also when the set of rocks changes") {
         const TemporaryDirectory directory;
         {
             RunFile run(directory / "run.vtkhdf");
@@ -129,7 +132,7 @@ TEST_SUITE("engine/run_file") {
         reader.check_frame(5, 40, 0);
     }
 
-    TEST_CASE("what never changes is written once per set") {
+    TEST_CASE("data that do not change are written once per set of rocks") {
         const TemporaryDirectory directory;
         {
             RunFile run(directory / "run.vtkhdf");
@@ -142,7 +145,7 @@ TEST_SUITE("engine/run_file") {
         CHECK(reader.all<std::int64_t>("Steps/PartOffsets") == std::vector<std::int64_t>(5, 0));
     }
 
-    TEST_CASE("settings and time series are kept beside the frames") {
+    TEST_CASE("settings and time series are stored beside the frames") {
         const TemporaryDirectory directory;
         {
             RunFile run(directory / "run.vtkhdf");
@@ -166,7 +169,7 @@ TEST_SUITE("engine/run_file") {
         CHECK(file.text_attribute("/tracks/energy/kinetic", "unit") == "J");
     }
 
-    TEST_CASE("the frames so far are on disk while the run goes on") {
+    TEST_CASE("all frames so far are on disk while the run continues") {
         const TemporaryDirectory directory;
         RunFile run(directory / "run.vtkhdf");
         write_frames(run, 10, 0, 0, 2);
@@ -178,18 +181,18 @@ TEST_SUITE("engine/run_file") {
         reader.check_frame(1, 10, 0);
     }
 
-    TEST_CASE("a file that is being written may be read by other programs, but not written") {
+    TEST_CASE("other programs can read a file that is being written, but not write it") {
         const TemporaryDirectory directory;
         RunFile run(directory / "run.vtkhdf");
-        const int other = open((directory / "run.vtkhdf").c_str(),
-                               O_RDWR); // HDF5 locks what it opens, to read or to write
+        // HDF5 locks the files that it opens, for reading or for writing
+        const int other = open((directory / "run.vtkhdf").c_str(), O_RDWR);
         REQUIRE(other >= 0);
         CHECK(flock(other, LOCK_SH | LOCK_NB) == 0);
         CHECK(flock(other, LOCK_EX | LOCK_NB) != 0);
         close(other);
     }
 
-    TEST_CASE("a frame that does not fit what was announced is a mistake") {
+    TEST_CASE("a frame that does not match the declared cells or fields is a programming error") {
         const TemporaryDirectory directory;
         RunFile run(directory / "run.vtkhdf");
         const std::vector<Vec3> centres(3, Vec3::Zero());
@@ -204,7 +207,7 @@ TEST_SUITE("engine/run_file") {
                         std::logic_error);
     }
 
-    TEST_CASE("a place where nothing can be written is an output error") {
+    TEST_CASE("a path that is not writable gives an OutputError") {
         CHECK_THROWS_AS(RunFile("/proc/none/run.vtkhdf"), OutputError);
     }
 }

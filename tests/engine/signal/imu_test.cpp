@@ -10,7 +10,7 @@ namespace {
 
 const Vec3 earth(0, 0, -9.80665);
 
-/// Deviation of means over `length` samples, from each to the next (Allan 1966).
+/// Allan deviation: of means over `length` samples, from each mean to the next (Allan 1966).
 double allan_deviation(const std::vector<double>& samples, std::size_t length) {
     std::vector<double> means;
     for (std::size_t k = 0; k + length <= samples.size(); k += length) {
@@ -27,7 +27,7 @@ double allan_deviation(const std::vector<double>& samples, std::size_t length) {
 } // namespace
 
 TEST_SUITE("engine/signal/imu") {
-    TEST_CASE("at rest a sensor reads one g upwards, in free fall nothing, however it lies") {
+    TEST_CASE("in any orientation a sensor reads one g upwards at rest and nothing in free fall") {
         Random random(2, 0);
         Imu imu(imu_preset("ideal"), earth, 1, 1);
         for (int k = 0; k < 20; ++k) {
@@ -38,8 +38,8 @@ TEST_SUITE("engine/signal/imu") {
         }
     }
 
-    TEST_CASE(
-        "off the centre of a spinning body it reads its pull, and the spin, in axes of its own") {
+    TEST_CASE("off the centre of a rotating body a sensor reads the acceleration of its position "
+              "and the angular velocity in its own axes") {
         ImuModel model = imu_preset("ideal");
         model.arm = Vec3(0.02, 0, 0);
         model.mounting = exponential_map(Vec3(0, 0, pi / 2)); // its x along the body's y
@@ -51,7 +51,8 @@ TEST_SUITE("engine/signal/imu") {
         CHECK((s.rate - Vec3(0, 0, 10)).norm() < 1e-13);
     }
 
-    TEST_CASE("noise falls with the root of the time of averaging, at the density that was set") {
+    TEST_CASE("averaged noise decreases with the square root of the averaging time, with the given "
+              "density") {
         ImuModel model;
         model.noise = {.force = 1e-3, .rate = 1e-4};
         Imu imu(model, Vec3::Zero(), 3, 1);
@@ -68,7 +69,7 @@ TEST_SUITE("engine/signal/imu") {
         }
     }
 
-    TEST_CASE("biases differ from device to device as set, and walk") {
+    TEST_CASE("biases differ between devices with the given deviation, and perform a random walk") {
         ImuModel model;
         model.force_bias = 0.02;
         model.noise.rate_bias_walk = 1e-3;
@@ -84,7 +85,8 @@ TEST_SUITE("engine/signal/imu") {
         CHECK(std::sqrt(walked) == about(1e-3 * std::sqrt(samples / model.rate)).epsilon(0.05));
     }
 
-    TEST_CASE("a sample is rounded to its bits, held in its range, and says so") {
+    TEST_CASE("a sample is rounded to the resolution and limited to the range, and saturation is "
+              "flagged") {
         ImuModel model;
         model.force_range = 16;
         model.rate_range = 8;
@@ -99,7 +101,8 @@ TEST_SUITE("engine/signal/imu") {
         CHECK_FALSE(imu.sample(0, {}).saturated);
     }
 
-    TEST_CASE("samples of a clock that goes wrong are stamped so, and some never arrive") {
+    TEST_CASE("time stamps show the offset and drift of the clock, and the given fraction of "
+              "samples is lost") {
         ImuModel model;
         model.clock_offset = 0.5;
         model.clock_drift = 1e-3;
@@ -113,7 +116,7 @@ TEST_SUITE("engine/signal/imu") {
         CHECK(s.sequence == 10000);
     }
 
-    TEST_CASE("a low pass takes off what is faster than its bandwidth") {
+    TEST_CASE("the low pass removes frequencies above its bandwidth") {
         ImuModel model;
         model.rate = 1000;
         model.bandwidth = 20;
@@ -134,7 +137,7 @@ TEST_SUITE("engine/signal/imu") {
         CHECK(amplitude(200) < 0.15);
     }
 
-    TEST_CASE("an unknown class of sensors is refused by name") {
+    TEST_CASE("an unknown class of sensors is rejected by name") {
         CHECK_THROWS_WITH_AS((void)imu_preset("gold"), doctest::Contains("found 'gold'"),
                              InputError);
         for (const auto name : imu_presets) CHECK_NOTHROW((void)imu_preset(name));

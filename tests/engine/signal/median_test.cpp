@@ -7,18 +7,18 @@
 using namespace bris;
 
 TEST_SUITE("signal/median") {
-    TEST_CASE("half of the values may be wrong before the one in the middle is") {
+    TEST_CASE("up to half of the values can be wrong before the median is") {
         CHECK(median(std::vector<double>{3, 1e9, 2, 1, -1e9}) == 2);
         CHECK(median(std::vector<double>{2, 1}) == 2);
         CHECK(median(std::vector<Vec3>{Vec3(1, 5, 0), Vec3(2, 1e9, 1), Vec3(1e9, 4, 2)}) ==
               Vec3(2, 5, 1));
     }
 
-    TEST_CASE("the median size of normal numbers tells their deviation") {
+    TEST_CASE("the median of absolute values gives the standard deviation of normal numbers") {
         Random random(1, 1);
         std::vector<double> sizes;
         for (int k = 0; k < 100000; ++k) sizes.push_back(std::abs(0.3 * random.normal()));
-        CHECK(deviation_of_median(median(sizes)) ==
-              about(0.3).epsilon(0.015)); // 4 standard errors, 1.17/sqrt(n) each
+        // 4 standard errors of 1.17/sqrt(n)
+        CHECK(deviation_of_median(median(sizes)) == about(0.3).epsilon(0.015));
     }
 }
