@@ -57,13 +57,12 @@ struct CorrectionRow {
     Vec3 last_shift = Vec3::Zero(), last_turn = Vec3::Zero(); ///< m and rad, in the last step
     double steps = 0, as_motion = 0;
 };
-/// Pending correction of a body.
 struct Correction : State<CorrectionRow> {
     static constexpr auto name = "correction", unit = "m, rad";
 };
 /// Spring and dashpot that nudge a sensor's body towards its target pose (nudge_clumps) until the
-/// next analysis. In a staged test they act to the end of the stage; from there to the next
-/// analysis their force is held constant (hold_nudging_forces).
+/// next analysis. In a staged test (Fusion::by_strain) they act to the end of the stage; from there
+/// to the next analysis their force is held constant (hold_nudging_forces).
 struct NudgingRow {
     /// N and N m: sum of spring and dashpot in the last step.
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
@@ -77,7 +76,6 @@ struct NudgingRow {
     double held = 0;                              ///< 1: force and torque stay constant
     bool is_active() const { return stiffness > 0 || turn_stiffness > 0; }
 };
-/// Nudging of a body.
 struct Nudging : State<NudgingRow> {
     static constexpr auto name = "nudging", unit = "N, N m, m, m/s, rad/s, 1, N/m";
 };
