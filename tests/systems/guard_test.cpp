@@ -137,7 +137,7 @@ TEST_SUITE("guard") {
         const std::string text = message_of(sim, 100);
         CAPTURE(text);
         CHECK(has(text, "body 4"));
-        CHECK(has(text, "a way up to 0.0025 m in a step, found 0.0026 m"));
+        CHECK(has(text, "a displacement up to 0.0025 m in a step, found 0.0026 m"));
         Simulation slower = five(Grains::spheres, false,
                                  [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 240, 0); });
         CHECK(message_of(slower, 3) == "no error");

@@ -240,11 +240,11 @@ TEST_SUITE("sleep") {
               }).find("sleep: expected planes") == 0);
         CHECK(refusal([](World& w, Sleep&) {
                   (void)add_boundary(w, Vec3::Zero(), 0, Motion::prescribed);
-              }).find("sleep: expected boundaries that stand still") == 0);
+              }).find("sleep: expected fixed boundaries") == 0);
         CHECK(refusal([](World& w, Sleep&) {
                   value_of<AngularVelocity>(w, add_boundary(w, Vec3::Zero(), 0, Motion::fixed)) =
                       Vec3(0, 0, 1);
-              }).find("sleep: expected fixed bodies without motion") == 0);
+              }).find("sleep: expected fixed bodies with velocities of 0") == 0);
         CHECK(refusal([](World& w, Sleep&) {
                   w.table<Bodies>().add<BoundaryWork>();
               }).find("sleep: expected no energy budget") == 0);
