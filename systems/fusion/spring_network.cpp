@@ -16,7 +16,7 @@ using Rows3x6 = Eigen::Matrix<double, 3, 6, Eigen::DontAlign>;
 using Motions = std::vector<Vector6>;
 
 constexpr auto no_motion =
-    "fusion: expected positive, finite stiffnesses of the contact network, found others";
+    "fusion: expected a motion of least energy of the contact network, found none";
 
 /// Matrix [1, -r x] that maps the shift and rotation of a body to the displacement of its point at
 /// r.
