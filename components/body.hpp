@@ -8,12 +8,12 @@
 
 namespace bris {
 
-/// Who moves a body.
+/// What moves a body.
 enum class Motion : std::uint32_t {
-    free,       ///< forces
-    fixed,      ///< nobody
-    prescribed, ///< its DriveVelocity, set by a procedure
-    servo       ///< a system of systems/servo; its DriveVelocity is zero
+    free,       ///< forces move it
+    fixed,      ///< nothing moves it
+    prescribed, ///< it moves at its DriveVelocity, which a procedure sets
+    servo       ///< a system of systems/servo moves it; its DriveVelocity is zero
 };
 
 struct BodyId : State<EntityId> {
@@ -26,112 +26,141 @@ struct MotionOf : State<std::uint32_t> {
 struct MaterialOf : State<std::uint32_t> {
     static constexpr auto name = "material", unit = "";
 };
+/// Index of the shape in the clump library.
 struct ShapeOf : State<std::uint32_t> {
     static constexpr auto name = "shape", unit = "";
-}; // template in the clump library
+};
 
+/// Centre of mass.
 struct Position : State<Vec3> {
     static constexpr auto name = "position", unit = "m";
-}; // centre of mass
+};
+/// Velocity half a step back (leapfrog).
 struct Velocity : State<Vec3> {
     static constexpr auto name = "velocity", unit = "m/s";
-}; // half a step back (leapfrog)
+};
+/// Acceleration in the last step.
 struct Acceleration : State<Vec3> {
     static constexpr auto name = "acceleration", unit = "m/s2";
-}; // of the last step
+};
+/// Angular velocity at the time of Position.
 struct AngularVelocity : State<Vec3> {
     static constexpr auto name = "angular_velocity", unit = "rad/s";
-}; // at the same time as Position
+};
+/// Rotation vector of the last step, divided by dt.
 struct StepAngularVelocity : State<Vec3> {
     static constexpr auto name = "step_angular_velocity", unit = "rad/s";
-}; // rotation vector of the last step / dt
+};
+/// Angular momentum in the global frame, half a step back.
 struct AngularMomentum : State<Vec3> {
     static constexpr auto name = "angular_momentum", unit = "kg m2/s";
-}; // world frame, half a step back
+};
+/// Rotation from the principal axes to the global axes.
 struct Orientation : State<Quat> {
     static constexpr auto name = "orientation", unit = "x y z w";
-}; // principal axes to world
+};
+/// Velocity of driven bodies.
 struct DriveVelocity : State<Vec3> {
     static constexpr auto name = "drive_velocity", unit = "m/s";
-}; // of driven bodies
+};
 
+/// True mass: determines weight and volume.
 struct Mass : State<double> {
     static constexpr auto name = "mass", unit = "kg";
-}; // weight, volume
+};
+/// Mass in the equation of motion; differs from Mass when masses are scaled.
 struct InertialMass : State<double> {
     static constexpr auto name = "inertial_mass", unit = "kg";
-}; // motion; differs when scaled
+};
+/// Moment of inertia, in scenes of single spheres.
 struct SphereInertia : State<double> {
     static constexpr auto name = "sphere_inertia", unit = "kg m2";
-}; // scenes of single spheres
+};
+/// True principal moments of inertia.
 struct Inertia : State<Vec3> {
     static constexpr auto name = "inertia", unit = "kg m2";
-}; // principal, true
+};
+/// Principal moments in the equation of motion; differ from Inertia when scaled.
 struct InertialInertia : State<Vec3> {
     static constexpr auto name = "inertial_inertia", unit = "kg m2";
-}; // principal; differs when scaled
+};
+/// Radius about Position of a sphere that contains all spheres of the body.
 struct BoundingRadius : State<double> {
     static constexpr auto name = "bounding_radius", unit = "m";
-}; // about Position, of all it carries
+};
 
+/// Current size as a fraction of full size, while a specimen is generated.
 struct Growth : State<double> {
     static constexpr auto name = "growth", unit = "";
-}; // of full size, while a specimen is made
+};
 
-// the energy ledger of a body, since the start; columns that are only there if somebody asks
+// Energy budget of a body since the start. These columns exist only if the scene asks for them.
+
+/// Energy dissipated by friction in the pairs that the body owns.
 struct FrictionWork : State<double> {
     static constexpr auto name = "friction_work", unit = "J";
-}; // taken in the pairs it owns
+};
+/// Energy dissipated by dashpots in the pairs that the body owns.
 struct ViscousWork : State<double> {
     static constexpr auto name = "viscous_work", unit = "J";
-}; // likewise, by dashpots
+};
+/// Energy dissipated by rolling and twisting in the pairs that the body owns.
 struct RollingWork : State<double> {
     static constexpr auto name = "rolling_work", unit = "J";
-}; // likewise, by rolling and twisting
+};
+/// Energy dissipated by local damping.
 struct DampingWork : State<double> {
     static constexpr auto name = "damping_work", unit = "J";
-}; // taken by local damping
+};
+/// Energy added when masses are scaled while bodies move.
 struct ScalingWork : State<double> {
     static constexpr auto name = "scaling_work", unit = "J";
-}; // put in when masses are scaled in motion
+};
+/// Work of a driven body on the grains.
 struct BoundaryWork : State<double> {
     static constexpr auto name = "boundary_work", unit = "J";
-}; // a driven body's, on the grains
+};
 
+/// Resultant force in this step.
 struct Force : Derived<Vec3> {
     static constexpr auto name = "force", unit = "N";
-}; // resultant of this step
+};
+/// Resultant torque about Position in this step.
 struct Torque : Derived<Vec3> {
     static constexpr auto name = "torque", unit = "N m";
-}; // about Position
+};
+/// Upper bound on the displacement of any point of the body since the last prune.
 struct DisplacementBound : Derived<double> {
     static constexpr auto name = "displacement_bound", unit = "m";
-}; // bound, since the last prune
+};
 
-/// What a touching contact reads of a body in one cache line: velocity of its centre over the last
-/// step, inverse inertial mass (0 if driven), spin over the last step; and the centre itself, from
-/// which the velocity of any of its points follows.
+/// What a touching contact reads of a body, in one cache line: velocity of the centre over the last
+/// step, inverse inertial mass (0 if driven) and angular velocity over the last step. With the
+/// centre itself (CentreRow) they give the velocity of any point of the body.
 struct alignas(64) MotionRow {
     double vx, vy, vz, inverse_mass, omega_x, omega_y, omega_z, unused;
 };
 struct alignas(32) CentreRow {
     double x, y, z, unused;
 };
-/// What dashpots need besides: from the velocities of the last step's middle to those of its end.
+/// Increments of velocity and angular velocity from the middle of the last step to its end, which
+/// only dashpots need.
 struct alignas(64) KickRow {
     double vx, vy, vz, unused, omega_x, omega_y, omega_z, unused_too;
 };
+/// Exists only with contact laws that have dashpots.
 struct Kick : Derived<KickRow> {
     static constexpr auto name = "kick", unit = "m/s, rad/s";
-}; // only for laws with dashpots
+};
 struct RigidMotion : Derived<MotionRow> {
     static constexpr auto name = "rigid_motion", unit = "m/s, 1/kg, rad/s";
 };
+/// Exists for clumps only.
 struct CentreOf : Derived<CentreRow> {
     static constexpr auto name = "centre", unit = "m";
-}; // kept only for clumps
+};
 
-/// Where a body's spheres stand: all of them, and the listed ones.
+/// Rows of a body's spheres: all of them in the table Spheres, and the listed ones in Listed.
 struct SphereRun {
     Row first = 0, count = 0, first_listed = 0, listed = 0;
 };
@@ -139,12 +168,13 @@ struct SpheresOf : Derived<SphereRun> {
     static constexpr auto name = "spheres_of", unit = "";
 };
 
-/// A pose to measure travel from.
+/// Reference pose, from which the displacement of a body is computed.
 struct Pose {
     Vec3 position;
     Quat orientation;
 };
-/// Bound on the travel of any point of a body between two poses.
+/// Upper bound (m) on the displacement of any point of a body between two poses. `radius`: m, of a
+/// sphere about the position that contains the body.
 inline double displacement_bound(const Vec3& x, const Quat& q, const Pose& from, double radius) {
     // |q - q0| (q and -q are the same rotation) is 2 sin(angle/4), and a point at R moves
     // 2 R sin(angle/2) <= 2 R |q - q0|
@@ -153,9 +183,11 @@ inline double displacement_bound(const Vec3& x, const Quat& q, const Pose& from,
     return (x - from.position).norm() + 2 * radius * std::sqrt(std::min(difference, opposite));
 }
 
+/// Pose at the last prune of the pair lists.
 struct PrunedAt : Derived<Pose> {
     static constexpr auto name = "pruned_at", unit = "";
 };
+/// Pose at the last rebuild of the candidate pairs.
 struct RebuiltAt : Derived<Pose> {
     static constexpr auto name = "rebuilt_at", unit = "";
 };

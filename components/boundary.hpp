@@ -8,22 +8,23 @@
 
 namespace bris {
 
-/// The body that a facet or plane belongs to, and where it stands now.
+/// The body that a facet or plane belongs to.
 struct HostId : State<EntityId> {
     static constexpr auto name = "host", unit = "";
 };
+/// Current row of that body.
 struct HostRow : Derived<Row> {
     static constexpr auto name = "host_row", unit = "";
 };
 
-/// How the surface of a host moves: as a rigid body about its position. A host that turns keeps its
-/// shape where it is, as a drum does: only the velocity of its surface turns.
+/// Motion of a host's surface as a rigid body about the host's position. The geometry of a rotating
+/// host stays where it is, as that of a drum does: rotation changes only the surface velocity.
 struct SurfaceMotion {
     Vec3 velocity, angular_velocity, centre;
     Vec3 at(const Vec3& point) const { return velocity + angular_velocity.cross(point - centre); }
 };
 
-/// An infinite plane: grains are on the side that the normal points to.
+/// An infinite plane. The normal points to the side of the grains.
 struct PlaneShape {
     Vec3 point, normal;
 };
@@ -31,9 +32,10 @@ struct PlaneId : State<EntityId> {
     static constexpr auto name = "id", unit = "";
     static constexpr bool is_key = true;
 };
+/// Plane relative to the host's position.
 struct LocalPlane : State<PlaneShape> {
     static constexpr auto name = "plane", unit = "m";
-}; // relative to the host's position
+};
 struct PlaneRow {
     Vec3 point, normal;
     SurfaceMotion motion;
@@ -42,8 +44,8 @@ struct PlanePosition : Derived<PlaneRow> {
     static constexpr auto name = "position", unit = "m";
 };
 
-/// A convex plane facet of four corners, counter-clockwise seen from the grains; a triangle repeats
-/// its last corner.
+/// A convex plane facet with four corners, counter-clockwise as seen from the grains. A triangle
+/// repeats its last corner.
 struct FacetShape {
     std::array<Vec3, 4> corners;
 };
@@ -51,9 +53,10 @@ struct FacetId : State<EntityId> {
     static constexpr auto name = "id", unit = "";
     static constexpr bool is_key = true;
 };
+/// Facet relative to the host's position.
 struct LocalFacet : State<FacetShape> {
     static constexpr auto name = "facet", unit = "m";
-}; // relative to the host's position
+};
 struct FacetRow {
     std::array<Vec3, 4> corners;
     Vec3 normal;

@@ -7,15 +7,15 @@
 
 namespace bris {
 
-/// One sphere of a clump, m, in the clump's body frame.
+/// One sphere of a clump in the clump's body frame, m.
 struct Ball {
     Vec3 centre;
     double radius;
 };
 
-/// A rigid rock made of overlapping spheres. Volume and inertia are those of the union. The frame
-/// is the principal one with its origin in the centre of mass of the union. The clumps of the
-/// library are stored at sieve size 1 m, so `scaled(clump, s)` is a rock of sieve size s.
+/// Model of a rigid rock by overlapping spheres. Volume and inertia are those of the union. The
+/// body frame is the principal frame with its origin at the centre of mass of the union. The
+/// library stores clumps at sieve size 1 m, so `scaled(clump, s)` is a rock of sieve size s.
 struct Clump {
     std::string name;
     std::vector<Ball> balls;

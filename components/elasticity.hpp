@@ -11,19 +11,20 @@
 
 namespace bris {
 
-/// Tangent stiffnesses of one contact, N/m, and the energy of its normal spring, J.
+/// Tangent stiffnesses of one contact (N/m) and the energy of its normal spring (J).
 struct Elasticity {
     double normal, shear, energy;
 };
 
-/// `radius`: m, effective radius R*, read by Hertz only.
+/// Elasticity of a contact at this overlap (m). `radius`: effective radius R* (m), used by Hertz
+/// only.
 inline Elasticity elasticity(const LawRow& k, bool hertz, double overlap, double radius) {
     if (!hertz) return {k.kn, k.ks, 0.5 * k.kn * overlap * overlap};
     const double a = std::sqrt(radius * overlap), normal = 2 * k.kn * a;
     return {normal, 2 * k.ks * a, 4.0 / 15 * normal * overlap * overlap};
 }
 
-/// Effective radius of a near pair: 1 / (1/r + 1/r) of two spheres, r of a sphere against a
+/// Effective radius of a near pair, m: 1 / (1/r1 + 1/r2) for two spheres, r for a sphere and a
 /// boundary.
 template <class Pairs>
 double effective_radius(const NearEntry& near, std::span<const SphereRow> sphere_row) {

@@ -2,8 +2,9 @@
 
 namespace bris {
 
-// Kinds name the tables of a scene. Every boundary is a body; spheres, facets and planes belong to
-// a body. A pair table holds candidates and their history; its short list holds those near now.
+// Kinds name the tables of a scene. Every boundary is a body; every sphere, facet and plane belongs
+// to a body. A pair table holds the candidate pairs with their history; its short list holds the
+// pairs that are near at present.
 
 struct Bodies {
     static constexpr auto name = "bodies";
@@ -17,11 +18,12 @@ struct Facets {
 struct Planes {
     static constexpr auto name = "planes";
 };
+/// Elements of a membrane.
 struct Elements {
     static constexpr auto name = "elements";
-}; // of a membrane
-/// Packed rows of the spheres that are on some short list, a run for each body; of single spheres
-/// all, in the rows of their bodies.
+};
+/// Packed rows of the spheres that are on any short list, body by body. Single spheres are all
+/// listed, in the rows of their bodies.
 struct Listed {
     static constexpr auto name = "listed";
 };
@@ -39,7 +41,8 @@ struct NearMembrane {
     static constexpr auto name = "near_membrane";
 };
 
-// rows_per_flag: near rows a byte of touching flags; facets are reduced in runs that cross bytes
+// rows_per_flag: near rows per byte of touching flags. Facets have one row per byte, because the
+// runs of rows that are reduced together would cross bytes.
 struct SpherePairs {
     static constexpr auto name = "sphere_pairs";
     using Near = NearSpheres;
@@ -61,7 +64,8 @@ struct MembranePairs {
     static constexpr unsigned rows_per_flag = 8;
 };
 
-/// Calls visit.template operator()<Pairs>() for every kind of pair, in the order of the force sums.
+/// Calls visit.template operator()<Pairs>() for every kind of pair, in the order in which forces
+/// are summed.
 template <class Visit>
 void for_each_kind_of_pair(Visit&& visit) {
     visit.template operator()<SpherePairs>();

@@ -12,38 +12,45 @@
 
 namespace bris {
 
-// The elements of a membrane stand ring by ring: element e is in ring e / sectors, sector e %
-// sectors. They move along their sector's outward direction only.
+// The elements of a membrane are ordered by ring: element e belongs to ring e / sectors and to
+// sector e % sectors. Elements move only along the outward direction of their sector.
 
 struct ElementId : State<EntityId> {
     static constexpr auto name = "id", unit = "";
     static constexpr bool is_key = true;
 };
+/// Distance of the element's middle from the axis.
 struct ElementRadius : State<double> {
     static constexpr auto name = "radius", unit = "m";
-}; // of its middle, from the axis
+};
+/// Outward speed in the last step.
 struct ElementSpeed : State<double> {
     static constexpr auto name = "speed", unit = "m/s";
-}; // outwards, of the last step
+};
 
+/// Outward force of the grains on the element.
 struct ElementPush : Derived<double> {
     static constexpr auto name = "push", unit = "N";
-}; // of the grains, outwards
+};
+/// Number of touching contacts, each weighted by the element's share of it.
 struct ElementHold : Derived<double> {
     static constexpr auto name = "hold", unit = "";
-}; // touching contacts, by their shares
+};
+/// Area on which the pressure acts: dV/dr.
 struct ElementArea : Derived<double> {
     static constexpr auto name = "area", unit = "m2";
-}; // on which pressure acts: dV/dr
+};
+/// Radius at the last prune of the pair lists.
 struct PrunedRadius : Derived<double> {
     static constexpr auto name = "pruned_radius", unit = "m";
 };
+/// Radius at the last rebuild of the candidate pairs.
 struct RebuiltRadius : Derived<double> {
     static constexpr auto name = "rebuilt_radius", unit = "m";
 };
 
-/// Where a contact stands on the membrane: between the middles of two elements of its sector, the
-/// upper one of which takes `share` of its radial force.
+/// Position of a contact on the membrane: between the middles of two elements of its sector. The
+/// upper element takes the fraction `share` of the radial force, the lower one the remainder.
 struct Foot {
     double share;
     Row lower, upper;
@@ -52,34 +59,35 @@ struct FootOf : Derived<Foot> {
     static constexpr auto name = "foot", unit = "";
 };
 
-/// Radii of the rings around each height, by ring below (from -2 to the number of rings) and
-/// sector: what a contact reads of the membrane. Derived; the lists give it its size.
+/// Radii of the four rings around each height, which contacts read, indexed by the ring below (from
+/// -2 to the number of rings) and the sector. Derived; resized when the pair lists are built.
 struct MembraneBands {
     static constexpr auto name = "membrane_bands";
     std::vector<std::array<double, 4>> radii;
 };
 
-/// What a servo-driven membrane is made of and aims at. Groups of elements (rings, or single ones)
-/// share one speed.
+/// Geometry, settings and target of a servo-controlled membrane. The elements of a group (a ring,
+/// or a single element) share one speed.
 struct Membrane {
     static constexpr auto name = "membrane";
     static constexpr bool is_state = true;
 
-    bool active = true;       ///< false: elements go on at the speed that a procedure gives them
-    bool per_element = false; ///< each element is its own group, else each ring
+    bool active = true;       ///< false: elements keep the speed that a procedure gives them
+    bool per_element = false; ///< true: each element is a group; false: each ring is a group
     unsigned rings = 8, sectors = 12;
     EntityId body = nobody;       ///< takes the axial part of the contact forces; does not move
-    Row body_row = no_row;        ///< derived, where that body stands now
+    Row body_row = no_row;        ///< derived: current row of that body
     double ring_height = 0;       ///< m
     double target_pressure = 0;   ///< Pa, on the area of the current surface
-    PressureAim aim;              ///< on the way to that target
-    double damping = 0.7;         ///< local, of the groups' motion, in [0, 1)
+    PressureAim aim;              ///< present set point on the ramp to that target
+    double damping = 0.7;         ///< local damping of the groups' motion, in [0, 1)
     double contact_stiffness = 0; ///< N/m, of one grain contact on an element
-    double largest_step = 0;      ///< m, of an element in a step
-    std::vector<Vec3> outward;    ///< unit, by sector; the axis is x = y = 0
+    double largest_step = 0;      ///< m, largest displacement of an element in a step
+    std::vector<Vec3> outward;    ///< unit vector of each sector; the axis is x = y = 0
     std::vector<double> pressure; ///< Pa, on each group in the last step
-    std::vector<double>
-        stiffness; ///< N/m, the largest that each group has touched: sets its inertia
+    /// N/m, by group: the largest sum of contact stiffnesses on it so far. It sets the group's
+    /// inertia.
+    std::vector<double> stiffness;
 
     static auto fields(auto& self) {
         return std::tie(self.active, self.target_pressure, self.damping, self.largest_step,

@@ -10,18 +10,20 @@
 
 namespace bris {
 
-/// The point of a band nearest to a centre, for one (double) or lane_count of them (Lane).
+/// The point of a band nearest to a sphere's centre, for one centre (double) or lane_count of them
+/// (Lane).
 template <class Number>
 struct NearestOnBand {
-    Number distance;      ///< m, from the surface to the centre; negative behind it
+    Number distance;      ///< m, from the surface to the centre; negative behind the surface
     Number radial, axial; ///< unit normal towards the grains
-    Number strip,
-        share; ///< on the strip from ring `here` + strip to the next, -1 to 1, that part of the way
+    /// The point is on the strip from ring `here` + strip to the next one, strip = -1, 0 or 1, at
+    /// the fraction `share` of its height.
+    Number strip, share;
 };
 
-/// Searches the strips between four rings one above the other, of the radii `radius`, for a centre
-/// at `out` (m, along the sector's outward direction), `up` above the middle of the second, ring
-/// `here`.
+/// Finds the nearest point on the three strips between four consecutive rings of the given radii
+/// (m). The centre is at distance `out` (m) along the sector's outward direction and at height `up`
+/// (m) above the middle of the second ring, which is ring `here`.
 template <class Number>
 NearestOnBand<Number> nearest_on_band(Number out, Number up, const std::array<Number, 4>& radius,
                                       double ring_height) {
@@ -55,18 +57,18 @@ NearestOnBand<Number> nearest_on_band(Number out, Number up, const std::array<Nu
     return n;
 }
 
-/// The inner surface of a membrane. In each sector it is a band of plane strips, from the middle of
-/// one ring to the middle of the next, upright below the first and above the last: rings of
-/// different radii share a slope, never a step. The bands of all sectors together close the surface
-/// at any radii, since each is taken without ends around the axis. A contact is at the nearest
-/// point of the band, so the force follows from one potential, and the energy that grains gain on a
+/// The inner surface of a membrane. In each sector it is a band of plane strips from the middle of
+/// one ring to the middle of the next, vertical below the first middle and above the last. Rings of
+/// different radii are therefore joined by a slope, never by a step. The bands extend without limit
+/// around the axis, so together they close the surface at any radii. A contact is at the nearest
+/// point of the band, so the force derives from one potential, and the energy that grains gain on a
 /// slope is work of the elements.
 struct MembraneSurface {
-    const Vec3* outward;  ///< by sector
-    const double* radius; ///< by element
+    const Vec3* outward;  ///< unit vector of each sector
+    const double* radius; ///< m, of each element
     int rings, sectors;
     double ring_height;
-    double cosine, sine; ///< of the angle from a sector to the next
+    double cosine, sine; ///< of the angle between adjacent sectors
 
     MembraneSurface(const Membrane& membrane, const double* element_radius)
         : outward(membrane.outward.data()), radius(element_radius),
@@ -74,21 +76,22 @@ struct MembraneSurface {
           ring_height(membrane.ring_height), cosine(outward[0].dot(outward[1])),
           sine(outward[0].x() * outward[1].y() - outward[0].y() * outward[1].x()) {}
 
-    /// The ring whose middle is at or below height z; -1 and less below the first.
+    /// The ring whose middle is at or below height z; -1 or less below the first middle.
     int ring_below(double z) const { return static_cast<int>(std::floor(z / ring_height - 0.5)); }
     double middle(int ring) const { return (ring + 0.5) * ring_height; }
-    /// The element of a ring; rings beyond the ends repeat the last.
+    /// Row of an element; rings beyond either end repeat the end ring.
     Row element(int ring, int sector) const {
         return static_cast<Row>(std::clamp(ring, 0, rings - 1) * sectors + sector);
     }
     double radius_at(int ring, int sector) const { return radius[element(ring, sector)]; }
 
-    /// Distance from the axis at `share` of the way from the middle of a ring to that of the next.
+    /// Distance from the axis (m) at the fraction `share` of the height from the middle of a ring
+    /// to the middle of the next.
     double radius_between(int ring, double share, int sector) const {
         return (1 - share) * radius_at(ring, sector) + share * radius_at(ring + 1, sector);
     }
-    /// Width (m) of a sector there, between the planes of the sectors beside it; negative if they
-    /// hide it.
+    /// Width (m) of a sector at that height between the planes of the adjacent sectors; negative if
+    /// they hide it.
     double exposed_width(int ring, double share, int sector) const {
         const double before = radius_between(ring, share, sector > 0 ? sector - 1 : sectors - 1),
                      after = radius_between(ring, share, sector + 1 < sectors ? sector + 1 : 0);
@@ -96,13 +99,13 @@ struct MembraneSurface {
     }
 
     struct Nearest {
-        double distance;      ///< m, from the surface to the centre; negative behind it
+        double distance;      ///< m, from the surface to the centre; negative behind the surface
         double radial, axial; ///< unit normal towards the grains
         Foot foot;
     };
-    /// The point of a sector's band nearest to a centre at `out` (m, along the sector's outward
-    /// direction) and height z. The band is searched one ring below and above: enough for centres
-    /// nearer than a ring's height.
+    /// The point of a sector's band nearest to a centre at distance `out` (m) along the sector's
+    /// outward direction and height z (m). The search extends one ring below and above, which is
+    /// enough for centres closer to the band than the height of a ring.
     Nearest nearest(int sector, double out, double z) const {
         const int here = ring_below(z);
         const auto n =
@@ -110,16 +113,17 @@ struct MembraneSurface {
         return {n.distance, n.radial, n.axial,
                 foot(here + static_cast<int>(n.strip), sector, n.share)};
     }
-    /// On the strip from a ring to the next, `share` of the way.
+    /// Contact at the fraction `share` of the strip from a ring to the next.
     Foot foot(int ring, int sector, double share) const {
         return {share, element(ring, sector), element(ring + 1, sector)};
     }
-    /// Of the ring below, ring `here` and the two rings above it.
+    /// Radii (m) of the ring below, of ring `here` and of the two rings above it.
     std::array<double, 4> radii_around(int here, int sector) const {
         return {radius_at(here - 1, sector), radius_at(here, sector), radius_at(here + 1, sector),
                 radius_at(here + 2, sector)};
     }
-    /// No point of the band within a ring's height of z is nearer to the axis.
+    /// Lower bound (m) on the distance from the axis of the band's points within the height of a
+    /// ring from z.
     double least_radius(int sector, double z) const {
         const int here = ring_below(z);
         return std::ranges::min(radii_around(here, sector));

@@ -5,14 +5,14 @@
 
 namespace bris {
 
-/// Bit q is set where spheres own(q) and other(q), rows of places, are less than `skin` (m) apart;
-/// for q < lane_count.
+/// Bit q of the result is set where the gap between the spheres own(q) and other(q) is less than
+/// `skin` (m), for q < lane_count. Both return rows of positions and radii.
 template <class Own, class Other>
 unsigned near_lanes(Own&& own, Other&& other, double skin) {
     const Lane sign = in_each_row(Quad{-1, -1, -1, 1}), reach = in_each_row(Quad{0, 0, 0, skin});
     const auto a = load_rows([&](int q) { return &own(q).x; });
     const auto b = load_rows([&](int q) { return &other(q).x; });
-    FourLanes squares; // of the distance along each axis, less that of the reach
+    FourLanes squares; // squared distance along each axis, minus the squared reach
     for (std::size_t q = 0; q < 4; ++q) {
         const Lane d = a[q] + sign * b[q] + reach;
         squares[q] = d * d * -sign;

@@ -7,21 +7,22 @@
 
 namespace bris {
 
-/// The top platen: its plane, and how it is driven.
+/// The top platen: its plane and its control.
 struct Platen {
     static constexpr auto name = "platen";
     static constexpr bool is_state = true;
 
     unsigned plane = 0;           ///< row in Planes
-    bool controlled = false;      ///< true: pressure is the aim; false: `speed` is given
+    bool controlled = false;      ///< true: pressure control; false: moves at the given `speed`
     double speed = 0;             ///< m/s, downwards
     double target_pressure = 0;   ///< Pa
-    PressureAim aim;              ///< on the way to that target, where controlled
-    double damping = 0.7;         ///< local, as the membrane's
-    double contact_stiffness = 0; ///< N/m, of one grain contact on it
-    double largest_step = 0;      ///< m, in a step
+    PressureAim aim;              ///< under pressure control: set point on the ramp to that target
+    double damping = 0.7;         ///< local damping, as that of the membrane
+    double contact_stiffness = 0; ///< N/m, of one grain contact on the platen
+    double largest_step = 0;      ///< m, largest displacement in a step
     double pressure = 0;          ///< Pa, in the last step
-    double stiffness = 0;         ///< N/m, the largest that it has touched: sets its inertia
+    /// N/m, largest sum of contact stiffnesses on the platen so far. It sets the platen's inertia.
+    double stiffness = 0;
 
     static auto fields(auto& self) {
         return std::tie(self.controlled, self.speed, self.target_pressure, self.largest_step,

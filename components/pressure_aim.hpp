@@ -7,19 +7,19 @@
 
 namespace bris {
 
-/// The pressure that a servo holds now. The first target is taken at once; from then on a new one
-/// is reached along half a cosine: told suddenly, the wall's own swing would go past it by a tenth
-/// and more.
+/// Set point of a pressure servo. It takes the first target at once and approaches every later one
+/// along half a cosine: with a sudden change the oscillation of the wall would overshoot the target
+/// by a tenth or more.
 struct PressureAim {
-    // fifteen swings of a wall on the stiffness that sets its mass, 2 pi / 0.9 steps each
-    // (ServoMotion): the overshoot of a bed is then 1 to 2 %, at a 20th to two fifths of sqrt(m/k)
-    // a step; it reaches 5 % with eight
+    // Fifteen oscillation periods of a wall on the stiffness that sets its mass, each of 2 pi / 0.9
+    // steps (ServoMotion). A bed then overshoots by 1 to 2 % at time steps of 0.05 to 0.4
+    // sqrt(m / k); with eight periods the overshoot reaches 5 %.
     static constexpr double ramp_steps = 105;
 
     double from = 0, to = 0; ///< Pa
-    double left = -1; ///< steps of the ramp that are to come; below 0 before the first target
+    double left = -1;        ///< remaining steps of the ramp; below 0 before the first target
 
-    /// Pa, for the next step.
+    /// Set point (Pa) for the next step.
     double next(double target) {
         if (left < 0) {
             from = to = target;

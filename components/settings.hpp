@@ -10,7 +10,8 @@
 
 namespace bris {
 
-/// Acceleration of weight, m/s2; acts on the true mass. Absent: no weight. Phases may change it.
+/// Gravitational acceleration, m/s2, which acts on the true mass. Without this resource bodies have
+/// no weight. Phases may change it.
 struct Gravity {
     static constexpr auto name = "gravity";
     static constexpr bool is_state = true;
@@ -25,9 +26,9 @@ struct Gravity {
     }
 };
 
-/// Local (Cundall) damping: each component of force on a body is reduced by this fraction where it
-/// drives the motion and raised where it opposes it. In [0, 1). For quasi-static runs only: it also
-/// damps free fall.
+/// Local (Cundall) damping: each component of the force on a body is reduced by this fraction where
+/// it drives the motion and increased by it where it opposes the motion. Valid range: [0, 1). Only
+/// for quasi-static runs, because it also damps free fall.
 struct LocalDamping {
     static constexpr auto name = "local_damping";
     static constexpr bool is_state = true;
@@ -37,37 +38,40 @@ struct LocalDamping {
     void load(const Archive& archive) { get_fields(archive, "local_damping", std::tie(fraction)); }
 };
 
-/// How the pair lists are kept. No choice here can change a bit of the result.
+/// Settings of the pair lists. None of them changes a bit of the result.
 struct ListSettings {
     static constexpr auto name = "list_settings";
-    double outer_skin = 0;   ///< m, > inner_skin; 0: chosen from the radii at the first refresh
-    double inner_skin = 0;   ///< m, > 0; 0: likewise
-    double largest_skin = 0; ///< m, of tuned skins; chosen likewise
-    double widest_ratio =
-        3; ///< of radii in a grid of the search for pairs; rocks of one grading stay in one
-    unsigned sort_every = 8; ///< refreshes between re-orderings of rows; 0: never
-    bool tune = true;        ///< skins follow the counts of work
+    double outer_skin = 0;   ///< m, > inner_skin; 0: chosen from the radii at the first rebuild
+    double inner_skin = 0;   ///< m, > 0; 0: chosen from the radii at the first rebuild
+    double largest_skin = 0; ///< m, limit of tuned skins; 0: chosen from the radii
+    /// Largest ratio of radii within one grid of the pair search. The default keeps the rocks of
+    /// one grading in one grid.
+    double widest_ratio = 3;
+    unsigned sort_every =
+        8;            ///< rebuilds from one sorting of rows to the next; 0: rows are not sorted
+    bool tune = true; ///< true: the skins are adapted to the measured counts of work
 };
 
-/// Counts of work, and what decides when lists are made anew.
+/// Counts of work, and the state that decides when the pair lists are made anew.
 struct ListState {
     static constexpr auto name = "list_state";
-    bool stale = true;               ///< entities or State have changed by hand
-    bool velocities_changed = false; ///< velocities have: contacts have yet to see them
+    bool stale = true; ///< entities or State were changed from outside the step
+    bool velocities_changed =
+        false; ///< velocities were changed and contacts have not read them yet
     std::uint64_t rebuilds = 0, prunes = 0, sorts = 0;
-    std::uint64_t last_rebuild = 0, last_prune = 0; ///< steps
+    std::uint64_t last_rebuild = 0, last_prune = 0; ///< step numbers
     std::uint64_t prunes_at_rebuild = 0;
-    double candidate_skin = 0; ///< m, within which the candidates are complete
+    double candidate_skin = 0; ///< m, gap up to which the candidate pairs are complete
 };
 
-/// What the guard stops at.
+/// Limits at which the guard stops the run.
 struct Limits {
     static constexpr auto name = "limits";
     static constexpr bool is_state = true;
-    double overlap = 0.25; ///< of the mean radius of the partners
+    double overlap = 0.25; ///< as a fraction of the mean radius of the partners
     double speed = 1e3;    ///< m/s
-    Vec3 low = Vec3::Constant(
-        -std::numeric_limits<double>::infinity()); ///< m, no free body may leave this box
+    /// m, lower and upper corner of a box that no free body may leave.
+    Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity());
     Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
 
     void save(Archive& archive) const { put_fields(archive, "limits", std::tie(overlap, speed)); }

@@ -7,27 +7,28 @@
 
 namespace bris {
 
-/// Bodies that have come to rest are left where they are, and nothing is computed of them, until a
-/// partner's push wakes them. An approximation, off unless a scene asks (add_sleep). A free body
-/// sleeps once, for `steps` steps in a row, what is left of the forces on it could not accelerate
-/// it by more than `acceleration`, turning included, and no point of it moved faster than `speed`;
-/// it wakes when twice that acceleration is left. So where all sleep, no body lacks more than the
-/// share 2 acceleration / g of its weight.
+/// Bodies at rest are held in place and skipped by the step until the force of a partner wakes
+/// them. This is an approximation, and off unless a scene asks for it (add_sleep). A free body
+/// falls asleep after `steps` consecutive steps in which the unbalanced force and torque on it
+/// could not accelerate it by more than `acceleration` and no point of it moved faster than
+/// `speed`. It wakes when the unbalanced force or torque exceeds twice that limit. Where all bodies
+/// sleep, the forces on each balance its weight to within the fraction 2 acceleration / g.
 struct Sleep {
     static constexpr auto name = "sleep";
     double acceleration = 0.01 * 9.81; ///< m/s2, > 0
     double speed = 1e-4;               ///< m/s, > 0
     unsigned steps = 100;              ///< > 0
-    // what review_sleep looked at last
-    std::vector<std::uint8_t> sleeps = {}; ///< by row
-    bool again = false; ///< in the next step: pairs that fell asleep were looked at once more
+    // state left by the last review_sleep
+    std::vector<std::uint8_t> sleeps = {}; ///< by row: 1 if the body sleeps
+    /// True: review again in the next step, because pairs that fell asleep were computed once more.
+    bool again = false;
 };
 
-/// Steps in a row in which a body was at rest; from Sleep::steps on it sleeps.
+/// Number of consecutive steps in which the body was at rest; from Sleep::steps on it sleeps.
 struct Resting : State<std::uint32_t> {
     static constexpr auto name = "resting", unit = "";
 };
-/// Where it sleeps.
+/// Pose in which a sleeping body is held.
 struct HeldRow {
     Vec3 position = Vec3::Zero();
     double qx = 0, qy = 0, qz = 0, qw = 0, held = 0;

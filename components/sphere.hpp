@@ -13,21 +13,24 @@ struct SphereId : State<EntityId> {
 struct ParentId : State<EntityId> {
     static constexpr auto name = "parent", unit = "";
 };
+/// x, y, z and radius in the axes of the body.
 struct LocalBall : State<Ball> {
     static constexpr auto name = "ball", unit = "m";
-}; // x y z r in the body's axes
+};
+/// Slot in Listed, or no_row.
 struct ListedSlot : Derived<Row> {
     static constexpr auto name = "slot", unit = "";
-}; // in Listed, or no_row
+};
 
-/// What every near pair reads of a sphere: half a cache line.
+/// What every near pair reads of a sphere, in half a cache line.
 struct alignas(32) SphereRow {
     double x, y, z, radius;
 };
 
+/// Positions of all spheres, at the time when the lists are made.
 struct SpherePosition : Derived<SphereRow> {
     static constexpr auto name = "position", unit = "m";
-}; // of all, when lists are made
+};
 struct ListedPosition : Derived<SphereRow> {
     static constexpr auto name = "position", unit = "m";
 };

@@ -18,16 +18,18 @@ LaneMask at_least(const Vec3Lanes& a, const Vec3& low) {
     return (a.x >= low.x()) & (a.y >= low.y()) & (a.z >= low.z());
 }
 
-/// A step must not carry a surface past another: this much at most, of a radius.
+/// Largest displacement (m) in a step that cannot carry a surface past another of this radius.
 double largest_displacement(const Limits& limits, double radius) { return limits.overlap * radius; }
 
 struct Offender {
-    Row body = no_row; ///< no number, too fast, outside, or too far in one step
+    /// Its state is not finite, it is too fast or outside the box, or it moves too far in one step.
+    Row body = no_row;
     double smallest_free = std::numeric_limits<double>::infinity(); ///< m, bounding radius
     double fastest_driven = 0;                                      ///< m/s
 };
 
-/// The first body with whom something is wrong, and what tells whether a boundary moves too far.
+/// The first body that violates a limit, and the numbers that decide whether a boundary moves too
+/// far.
 Offender find_offender(WatchedBodies bodies, const Limits& limits, double dt) {
     const double* displacement = bodies.column<DisplacementBound>();
     const double* radius = bodies.column<BoundingRadius>();
@@ -51,7 +53,8 @@ Offender find_offender(WatchedBodies bodies, const Limits& limits, double dt) {
             ~bits(finite & slow & (~free | (inside & near))) & ((1u << rows.count) - 1);
         if (wrong != 0 && offender.body == no_row)
             offender.body = rows.first + static_cast<Row>(__builtin_ctz(wrong));
-        smallest = min(smallest, free & (r > 0.0) ? r : lanes(infinite)); // empty lanes have none
+        smallest =
+            min(smallest, free & (r > 0.0) ? r : lanes(infinite)); // empty lanes have radius 0
         fastest = max(fastest, free ? Lane{} : squared);
     });
     for (std::size_t k = 0; k < lane_count; ++k) {
@@ -61,7 +64,7 @@ Offender find_offender(WatchedBodies bodies, const Limits& limits, double dt) {
     return offender;
 }
 
-/// The first driven body that moves further in a step than its smallest grain allows.
+/// The first driven body that moves further in a step than the smallest grain allows.
 Row first_too_fast(WatchedBodies bodies, double limit_of_step, double dt) {
     for (Row b = bodies.first(); b < bodies.last(); ++b)
         if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free) &&
@@ -87,18 +90,19 @@ void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock
     health.what = fmt::format("body {} at {} m: expected ", bodies.column<BodyId>()[b], point(x));
     const double omega = bodies.column<AngularVelocity>()[b].norm();
     if (!std::isfinite(omega))
-        health.what += fmt::format("a finite spin, found {:g} rad/s; try a smaller step", omega);
+        health.what +=
+            fmt::format("a finite angular velocity, found {:g} rad/s; try a smaller step", omega);
     else if (!(bodies.column<DisplacementBound>()[b] < std::numeric_limits<double>::infinity() &&
                speed <= limits.speed))
         health.what += fmt::format("a speed up to {:g} m/s, found {:g} m/s; try a smaller step",
                                    limits.speed, speed);
     else if (speed * clock.dt > limit_of_step)
-        health.what +=
-            fmt::format("a way up to {:g} m in a step, found {:g} m ({:g} m/s); try a smaller step",
-                        limit_of_step, speed * clock.dt, speed);
+        health.what += fmt::format(
+            "a displacement up to {:g} m in a step, found {:g} m ({:g} m/s); try a smaller step",
+            limit_of_step, speed * clock.dt, speed);
     else
-        health.what += fmt::format("a place between {} and {} m: it has escaped", point(limits.low),
-                                   point(limits.high));
+        health.what += fmt::format("a position between {} and {} m: it has escaped",
+                                   point(limits.low), point(limits.high));
 }
 
 } // namespace bris

@@ -13,14 +13,15 @@ using WatchedBodies =
     Rows<Bodies, const BodyId, const MotionOf, const DisplacementBound, const Position,
          const Velocity, const AngularVelocity, const BoundingRadius>;
 
-/// Watches every step: positions or spins that are not numbers, bodies faster than the limit, free
-/// bodies that have left the box of the scene, and steps that could carry one surface past another
-/// unseen: a free body's of more than Limits::overlap of its own bounding radius, a driven one's of
-/// more than that of the smallest free body's. Notes the first offender in Health; the simulation
-/// then stops with step, time and a checkpoint.
+/// Checks every step for: positions or angular velocities that are not finite; bodies faster than
+/// the limit; free bodies outside the box of the scene; and displacements that could carry one
+/// surface through another undetected. The limit of displacement in a step is Limits::overlap times
+/// the body's own bounding radius for a free body, and times that of the smallest free body for a
+/// driven one. Records the first offender in Health; the simulation then stops with step, time and
+/// a checkpoint.
 void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock, Health& health);
 
-/// Overlaps beyond the limit, found by the contact kernels. One system a pair kind.
+/// Reports overlaps beyond the limit that the contact kernels found. One system per kind of pair.
 template <class Pairs>
 void guard_overlap(Rows<typename Pairs::Near, const NearPair, const PairForce> near,
                    Rows<Pairs, const PairKey> pairs, const NearIndex<Pairs>& index,

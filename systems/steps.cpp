@@ -29,7 +29,7 @@ System gather_of(const char* name, LawName law, bool energy_budget) {
                         : row_local(name, gather<Pairs>));
 }
 
-/// Without friction, it has work to book only with dashpots.
+/// Membrane contacts have no friction, so they dissipate energy only with dashpots.
 System gather_of_membrane(LawName law, bool energy_budget) {
     constexpr auto name = "gather_membrane";
     return energy_budget && has_dashpots(law)
@@ -47,7 +47,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
     const auto due = lists_are_due, positions_due = positions_are_due;
     const StepChoices choices{energy_budget, patch};
     return {
-        // rarely: new lists, then everything placed anew
+        // only when lists are due: new lists, then all positions that contacts read
         when(due, system("rebuild_pairs", rebuild_pairs)),
         when(due, system("prune_pairs", prune_pairs)),
         when(positions_due, row_local("update_sphere_positions again", update_sphere_positions)),
@@ -66,7 +66,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         required(collide_facets(law, choices)),
         required(collide_planes(law, choices)),
         required(collide_membrane(law, choices)),
-        // who touches whom now
+        // present contacts of each body
         system("list_sphere_contacts", list_contacts<SpherePairs>),
         system("list_facet_contacts", list_contacts<FacetPairs>),
         system("list_plane_contacts", list_contacts<PlanePairs>),
@@ -106,10 +106,10 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         system("accumulate_platen_work", accumulate_platen_work),
         system("update_planes", update_planes),
         system("update_facets", update_facets),
-        // what sensors have recorded of their bodies
+        // assimilation of sensor recordings
         when(fusion_is_due, system("fuse_spheres", fuse_spheres)),
         when(fusion_is_due, system("fuse_clumps", fuse_clumps)),
-        // stop on what cannot be
+        // stop on invalid states
         system("guard_motion", guard_motion),
         system("guard_spheres", guard_overlap<SpherePairs>),
         system("guard_facets", guard_overlap<FacetPairs>),

@@ -5,10 +5,11 @@
 
 namespace bris {
 
-/// One step of the simulation, in order. The order is the meaning; the schedule may overlap
-/// neighbours that touch nothing in common, and leaves out whatever a scene does not need.
-/// With `energy_budget`, friction, dashpots, rolling, local damping and the boundaries book their
-/// work. With `patch` shared, so do the patches of clumps (the scene's ContactPolicy says so too).
+/// The systems of one step of the simulation, in order. The order defines the result; the schedule
+/// may overlap neighbours that share no data, and leaves out the systems that a scene does not
+/// need. With `energy_budget`, the work of friction, dashpots, rolling, local damping and
+/// boundaries is accumulated. With `patch` shared, the contacts of a clump's patch share one
+/// stiffness; the scene's ContactPolicy must say the same.
 StepList steps(LawName law, bool energy_budget = false,
                PatchStiffness patch = PatchStiffness::per_sphere);
 

@@ -11,9 +11,9 @@ namespace bris::detail {
 
 namespace {
 
-// candidates of every free body with every boundary part (plane, facet, sector of a membrane) out
-// of `parts_around` it that `near_body` and `near_sphere` let through, ordered by (host id, sphere,
-// part id)
+// Makes the candidates of every free body with the boundary parts (planes, facets or sectors of a
+// membrane) that `parts_around` returns for it and that `near_body` and `near_sphere` accept,
+// ordered by (host id, sphere, part id).
 template <class Pairs, class PartsAround, class NearBody, class NearSphere>
 void find_pairs(World& world, std::span<const EntityId> part, std::span<const Row> host,
                 PartsAround&& parts_around, NearBody&& near_body, NearSphere&& near_sphere) {
@@ -43,14 +43,14 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
     replace_pairs<Pairs>(world, found, first);
 }
 
-// few parts: all of them, for every body
+// all parts for every body, where there are few
 std::vector<Row> all_rows(std::size_t n) {
     std::vector<Row> rows(n);
     std::iota(rows.begin(), rows.end(), Row{0});
     return rows;
 }
 
-/// Boxes sorted into cells: which of them may hold a point.
+/// Boxes sorted into cells, to find those that may contain a point.
 class BoxGrid {
 public:
     explicit BoxGrid(const std::vector<Eigen::AlignedBox3d>& boxes) {
@@ -66,7 +66,7 @@ public:
         for_cells(boxes, [&](std::size_t c, Row e) { items_[next[c]++] = e; });
     }
 
-    /// Every box that holds x is among them; none if x is outside of all, or no number.
+    /// Rows that include every box that contains x; none if x is outside all boxes or not a number.
     std::span<const Row> around(const Vec3& x) const {
         if (first_.empty() || !all_.contains(Eigen::Vector3d(x))) return {};
         const std::size_t c = number(cell(Eigen::Vector3d(x)));
@@ -74,7 +74,8 @@ public:
     }
 
 private:
-    static constexpr int cells_along = 32; // the longest side: some thousand cells around a vessel
+    // along the longest side: a few thousand cells around a vessel
+    static constexpr int cells_along = 32;
 
     Eigen::Array3i cell(const Eigen::Vector3d& x) const {
         return ((x - all_.min()) / side_).array().cast<int>();
@@ -97,7 +98,7 @@ private:
     std::vector<Row> first_, items_;
 };
 
-// how far from its centre a free body can come near something
+// largest distance from its centre at which a free body can be near a boundary
 double largest_reach(const Table& bodies, double skin) {
     const auto radius = bodies.column<BoundingRadius>();
     const auto run = bodies.column<SpheresOf>();
@@ -142,7 +143,7 @@ void find_facet_pairs(World& world, double skin) {
         const auto& c = shape[e].corners;
         normal[e] = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
     }
-    // beyond the facet's box, or beyond its plane: each alone is far enough
+    // a sphere out of reach of the facet's box or of its plane is out of reach of the facet
     const auto reaches = [&](const Vec3& x, double r, Row e) {
         const double height = (x - position[host[e]] - shape[e].corners[0]).dot(normal[e]);
         return std::abs(height) < r + skin &&
@@ -151,7 +152,7 @@ void find_facet_pairs(World& world, double skin) {
     std::vector<Eigen::AlignedBox3d> within_reach = boxes;
     const Eigen::Vector3d margin = Eigen::Vector3d::Constant(largest_reach(bodies, skin));
     for (auto& box : within_reach) box = {box.min() - margin, box.max() + margin};
-    // a grid of few boxes costs more than it saves where fast bodies want new lists in every step
+    // with few boxes a grid costs more than it saves if fast bodies need new lists in every step
     const auto all = all_rows(facets.size());
     const bool few = all.size() <= 16;
     if (few) within_reach.clear();
@@ -169,7 +170,7 @@ void find_membrane_pairs(World& world, double skin) {
     const MembraneSurface surface(membrane, element_radius.data());
     const auto position = bodies.column<Position>();
     const auto radius = bodies.column<BoundingRadius>();
-    // of the whole height: a body may be longer than a ring is high
+    // least radius over the whole height, because a body may be longer than a ring is high
     std::vector<double> least(membrane.sectors, std::numeric_limits<double>::infinity());
     for (Row e = 0; e < element_radius.size(); ++e)
         least[e % membrane.sectors] = std::min(least[e % membrane.sectors], element_radius[e]);

@@ -5,11 +5,11 @@
 
 namespace bris::detail {
 
-/// History of a pair table (Spring or Roll) by name, kept while the table is made anew.
+/// History of a pair table (Spring or Roll) by name, kept while the table is rebuilt.
 template <class History>
 class Kept {
 public:
-    /// Takes what is worth keeping; `bodies`: number of body ids.
+    /// Copies the history of pairs that have any. `bodies`: number of body ids.
     Kept(const Table& table, std::size_t bodies) {
         if (!table.has<History>()) return;
         const auto names = table.column<PairKey>();
@@ -20,13 +20,13 @@ public:
         for (std::size_t b = 0; b < bodies; ++b) first_[b + 1] += first_[b];
         kept_.resize(first_.back());
         std::vector<Row> next(first_.begin(), first_.end());
-        // pairs of one owner stand together and in order, so each owner's run stays in order
+        // the pairs of one owner are contiguous and sorted, so each owner's run stays sorted
         for (std::size_t r = 0; r < table.size(); ++r)
             if (History::keep(values[r])) kept_[next[names[r].owner]++] = {names[r], values[r]};
     }
 
-    /// History of the pair of that name, or zero. `cursor` starts at first(owner) and is moved on
-    /// by calls in ascending order.
+    /// History of the pair of that name, or zero. `cursor` starts at first(owner); each call
+    /// advances it, so names must be asked for in ascending order.
     typename History::Value find(const PairNames& names, Row& cursor) const {
         const Row end = first_[names.owner + 1];
         while (cursor < end && kept_[cursor].names < names) ++cursor;
@@ -44,7 +44,7 @@ private:
     std::vector<Entry> kept_;
 };
 
-/// Gives the new rows of a table what was kept of the old ones.
+/// Copies the kept history into the new rows of a table.
 template <class History>
 void give_back(Table& table, const Kept<History>& kept, const std::vector<Row>& first) {
     if (!table.has<History>()) return;
@@ -59,7 +59,8 @@ void give_back(Table& table, const Kept<History>& kept, const std::vector<Row>& 
     });
 }
 
-/// Makes the rows of a pair table from candidates collected body by body, springs carried over.
+/// Makes the rows of a pair table from candidates collected body by body, and carries the history
+/// over.
 template <class Pairs>
 void replace_pairs(World& world, const ChunkLists<Candidate>& found,
                    const std::vector<Row>& first) {

@@ -7,15 +7,15 @@
 
 namespace bris::detail {
 
-/// Lists of unknown length made by chunks in parallel, then laid end to end: the same whatever the
-/// number of threads.
+/// Lists of unknown length that chunks of rows fill in parallel and that are then concatenated. The
+/// result does not depend on the number of threads.
 template <class T>
 class ChunkLists {
 public:
     static constexpr std::size_t rows_per_chunk = 128;
 
-    /// Calls body(list, row) for each row, the rows of a chunk in order into the chunk's own list.
-    /// `first[row]` becomes the place of the row's first entry; first[n] is the total.
+    /// Calls body(list, row) for each row; the rows of a chunk append in order to the chunk's own
+    /// list. `first[row]` becomes the index of the row's first entry; first[n] is the total.
     template <class Body>
     void collect(std::size_t n, std::vector<Row>& first, Body&& body) {
         lists_.resize((n + rows_per_chunk - 1) / rows_per_chunk);
@@ -39,7 +39,7 @@ public:
         first[n] = static_cast<Row>(total);
     }
     std::size_t size() const { return starts_.empty() ? 0 : starts_.back() + lists_.back().size(); }
-    /// Calls body(place, entry) for every entry, in parallel.
+    /// Calls body(index, entry) for every entry, in parallel.
     template <class Body>
     void lay_out(Body&& body) const {
         for_chunks(lists_.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {

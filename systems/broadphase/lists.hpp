@@ -10,49 +10,52 @@
 
 namespace bris {
 
-/// True in steps that begin with new lists: some body may have gone half the inner skin since the
-/// last prune, or the scene was changed by hand.
+/// True in steps that begin with new lists: a body may have moved by half the inner skin since the
+/// last prune, or the scene was changed from outside the step.
 bool lists_are_due(const World& world);
 
-/// True in steps that begin with what contacts read placed anew: with new lists, or velocities
-/// changed by hand.
+/// True in steps that begin with an update of the positions and velocities that contacts read: when
+/// the lists are new, or velocities were changed from outside the step.
 bool positions_are_due(const World& world);
+/// Records that contacts read current velocities.
 void note_positions(ListState& state);
 
-/// Rarely: orders rows along a Morton curve, finds the candidate pairs within the outer skin,
-/// carries every spring over. The one place where rows change.
+/// Finds the candidate pairs within the outer skin and carries their springs over; every few
+/// rebuilds it first sorts the rows along a Morton curve. It does nothing more than update the
+/// sphere positions while the candidates are still complete. Only here do rows change.
 void rebuild_pairs(World& world);
 
-/// Now and then: the short lists, pairs within the inner skin; which spheres are listed; who is
-/// near whom. Writes what is Derived, and clears the springs of pairs that are apart.
+/// Makes the short lists of pairs within the inner skin, the list of their spheres and the index of
+/// near pairs. Writes Derived data only, except that it clears the springs of pairs that are apart.
 void prune_pairs(World& world);
 
-/// Adds what the lists need to a scene whose bodies, spheres and boundaries are all there.
-/// The law says which columns pairs have; the same law is to be given to `steps`.
+/// Adds the columns and resources of the lists to a scene that already has all its bodies, spheres
+/// and boundaries. The law determines the columns of the pairs; `steps` must be given the same law.
 void add_lists(World& world, LawName law, ListSettings settings = {});
 
-/// Tells the lists that bodies were moved, added or changed by hand: they are made anew before the
-/// next step.
+/// To be called after bodies were moved, added or changed from outside the step: the lists are made
+/// anew at the beginning of the next step.
 void invalidate_lists(World& world);
 
-/// Tells that velocities were changed by hand: contacts see them in the next step.
+/// To be called after velocities were changed from outside the step: contacts read the new values
+/// in the next step.
 void show_velocities(World& world);
 
-/// For Simulation::on_restore: nothing that was derived from the old state is left, and bodies know
-/// their spheres.
+/// For Simulation::on_restore: discards all data derived from the old state and finds the spheres
+/// of each body.
 void forget_lists(World& world);
 
 namespace detail {
 
 inline Vec3 centre_of(const SphereRow& p) { return {p.x, p.y, p.z}; }
 
-/// Candidate of a pair table before it gets its row.
+/// Candidate pair before it becomes a row of its pair table.
 struct Candidate {
     PairNames names;
     PairRowNumbers rows;
 };
 
-/// Where the candidates of each body row begin.
+/// First candidate of each body row.
 template <class Pairs>
 struct Candidates {
     static constexpr auto name = "candidates";

@@ -11,8 +11,8 @@ namespace bris {
 
 namespace {
 
-// pairs of one kind within the inner skin, body by body; springs of the others are let go.
-// `near_bits` says by bits which of up to lane_count candidates are
+// Lists the pairs of one kind within the inner skin, body by body, and clears the springs of the
+// others. `near_bits` returns bits for up to lane_count candidates: set where the pair is near.
 template <class Pairs, class Near>
 void list_near(World& world, Near&& near_bits) {
     Table& pairs = world.table<Pairs>();
@@ -46,7 +46,7 @@ void list_near(World& world, Near&& near_bits) {
     found.lay_out([&](std::size_t slot, const NearEntry& e) { entry[slot] = e; });
     for (std::size_t k = count; k < padded; ++k)
         entry[k] = entry[0]; // lanes past the end read valid rows
-    // all are taken to have touched, so that the next step clears what does not
+    // all are marked as touching, so that the next step clears those that do not touch
     index.touching.assign((count + index.group - 1) / index.group, index.group == 1 ? 1 : 0xff);
     if (index.group > 1 && count % index.group != 0)
         index.touching.back() = static_cast<std::uint8_t>((1u << (count % index.group)) - 1);
@@ -65,7 +65,7 @@ void make_short_list(World& world, double skin, Gap&& gap) {
     });
 }
 
-// of spheres: the one list that is long enough for lanes
+// only the list of spheres is long enough for lanes to pay off
 void list_near_spheres(World& world, double skin) {
     const auto sphere_row = world.column<Spheres, SpherePosition>();
     list_near<SpherePairs>(world, [&](const PairRowNumbers* rows, unsigned count) {
@@ -79,8 +79,8 @@ void list_near_spheres(World& world, double skin) {
     });
 }
 
-// who is a partner in which near rows; owners come by row, so each list is put in order of their
-// ids
+// Lists the near rows in which each body is the partner. Owners are found in the order of their
+// rows, so each list is then sorted by their ids.
 template <class Pairs>
 void make_incidence(World& world) {
     auto& index = world.resource<NearIndex<Pairs>>();
@@ -98,11 +98,11 @@ void make_incidence(World& world) {
     for (std::size_t k = 0; k < count; ++k)
         index.incident[next[rows[entry[k].pair].partner_body]++] = static_cast<Row>(k);
     index.contact.resize(2 * count + index.look_ahead);
-    index.contact_end.resize(bodies); // of nobody yet
+    index.contact_end.resize(bodies); // no contacts yet
     for (Row b = 0; b < bodies; ++b) index.contact_end[b] = index.first_contact(b);
     for_chunks(bodies, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
-        std::vector<std::uint64_t>
-            keys; // id of the owner, then row: those of one owner are in order already
+        // id of the owner, then row: the rows of one owner are sorted already
+        std::vector<std::uint64_t> keys;
         for (std::size_t b = begin; b < end; ++b) {
             const std::span<Row> mine(index.incident.data() + index.incident_first[b],
                                       index.incident_first[b + 1] - index.incident_first[b]);
@@ -123,7 +123,7 @@ void mark_owners(World& world, std::span<Row> slot) {
     for (std::size_t k = 0; k < count; ++k) slot[entry[k].owner] = 0;
 }
 
-// single spheres are all listed, in the rows of their bodies: contacts need not look those up
+// single spheres are all listed, in the rows of their bodies, so contacts need no lookup
 void list_single_spheres(World& world) {
     const auto slot = world.column<Spheres, ListedSlot>();
     const auto ball = world.column<Spheres, LocalBall>();
@@ -212,7 +212,7 @@ void prune_pairs(World& world) {
             for (const Vec3& corner : c) boxes[e].extend(Eigen::Vector3d(corner));
             normal[e] = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
         }
-        // the distance to the facet's box and to its plane are both lower bounds
+        // the distances to the facet's box and to its plane are both lower bounds
         make_short_list<FacetPairs>(world, skin, [&](const PairRowNumbers& p) {
             const Vec3 x = detail::centre_of(sphere_row[p.sphere]) - position[p.partner_body];
             const double height = std::abs((x - shape[p.other].corners[0]).dot(normal[p.other]));
@@ -231,7 +231,7 @@ void prune_pairs(World& world) {
             const auto sector = static_cast<int>(p.other);
             const double reach = sphere_row[p.sphere].radius + skin;
             if (out + reach <= surface.least_radius(sector, x.z()))
-                return skin; // most, and dearer to know exactly
+                return skin; // most pairs; their exact distance would be costly
             return surface.nearest(sector, out, x.z()).distance - sphere_row[p.sphere].radius;
         });
         make_incidence<MembranePairs>(world);

@@ -14,7 +14,7 @@ namespace bris {
 
 namespace {
 
-// spheres of a body stand together, bodies' runs in the order of the bodies' rows
+// the spheres of a body are contiguous, and the runs are in the order of the bodies' rows
 void find_runs(World& world) {
     Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
     const auto run = bodies.column<SpheresOf>();
@@ -39,7 +39,7 @@ void find_runs(World& world) {
         world.resource<Membrane>().body_row = row_of[world.resource<Membrane>().body];
 }
 
-// bodies along a Morton curve, spheres with them; driven bodies too, they are few
+// sorts bodies along a Morton curve, and spheres with them; driven bodies too, because they are few
 void sort_rows(World& world) {
     Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
     const auto radius = bodies.column<BoundingRadius>();
@@ -109,8 +109,8 @@ void choose_skins(World& world, ListSettings& settings) {
             ++count;
         }
     const double mean = count > 0 ? sum / count : 1;
-    // beyond it the candidates grow faster than their life: of clumps, whose bounds hold many
-    // spheres, sooner
+    // with a larger skin the number of candidates grows faster than the time for which they serve;
+    // for clumps this limit is lower, because their bounding spheres contain many spheres
     const double most = world.table<Bodies>().has<SphereInertia>() ? 1.2 : 0.3;
     if (!(settings.largest_skin > 0))
         settings.largest_skin = std::max(most * mean, settings.outer_skin);
@@ -118,16 +118,17 @@ void choose_skins(World& world, ListSettings& settings) {
     if (!(settings.outer_skin > 0)) settings.outer_skin = 5 * settings.inner_skin;
 }
 
-/// By which a skin is to change where making its list costs a/skin and carrying it b*skin: these
-/// are equal at the least of their sum. Bounded, since counts scatter from one list to the next.
+/// Factor by which to change a skin. Making its list costs a/skin per step and carrying the list
+/// costs b*skin; the sum is least where the two are equal. Bounded, because the counts scatter from
+/// one list to the next.
 double change_of_skin(double making, double carrying) {
     constexpr double most = 1.5;
     if (!(carrying > 0)) return making > 0 ? most : 1;
     return std::clamp(std::sqrt(making / carrying), 1 / most, most);
 }
 
-// Skins follow the counts of work, in units of one near pair's test; measured on beds of spheres
-// and of clumps. Any skin gives the same bits.
+// The skins are adapted to counts of work in units of the test of one near pair, measured on beds
+// of spheres and of clumps. Any skin gives the same bits.
 
 void tune_inner_skin(const World& world, ListSettings& settings, const ListState& state) {
     const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_prune);
@@ -147,14 +148,14 @@ void tune_inner_skin(const World& world, ListSettings& settings, const ListState
         std::clamp(settings.outer_skin, 2 * settings.inner_skin, settings.largest_skin);
 }
 
-/// When the candidates have served.
+/// To be called when the candidates are no longer complete.
 void tune_outer_skin(const World& world, ListSettings& settings, const ListState& state) {
     const auto near = world.resource<NearIndex<SpherePairs>>().size();
     const auto prunes = static_cast<double>(state.prunes - state.prunes_at_rebuild);
     if (!settings.tune || near == 0 || prunes == 0) return;
     const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
     const double rebuilding = 60 * pairs, pruning = 8 * (pairs - static_cast<double>(near)) *
-                                                    prunes; // in the life of the candidates
+                                                    prunes; // while the candidates served
     settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(rebuilding, pruning),
                                      2 * settings.inner_skin, settings.largest_skin);
 }
@@ -205,7 +206,7 @@ void rebuild_pairs(World& world) {
         tune_inner_skin(world, settings, state);
         const double gone = 2 * largest_displacement(world);
         if (gone + settings.inner_skin <= state.candidate_skin)
-            return locate_spheres(world); // the candidates still serve
+            return locate_spheres(world); // the candidates are still complete
         tune_outer_skin(world, settings, state);
     }
     find_runs(world);
@@ -286,8 +287,8 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     if (world.has<Planes>()) add_pair_tables<PlanePairs>(world, law);
     if (world.has<Facets>()) add_pair_tables<FacetPairs>(world, law);
     if (world.has<Elements>()) {
-        add_pair_tables<MembranePairs>(
-            world, LawName::linear_frictionless); // whatever the law between grains
+        add_pair_tables<MembranePairs>(world,
+                                       LawName::linear_frictionless); // for any law between grains
         world.table<NearMembrane>().add<FootOf>();
         world.add_resource<MembraneBands>();
     }

@@ -15,8 +15,8 @@ public:
         Vec3 high = Vec3::Zero();
         bool first = true;
         for (const Row r : rows) {
-            // what is not a finite number stands in some cell: the guard stops the run after this
-            // step
+            // a position that is not finite goes into any cell: the guard stops the run after
+            // this step
             if (!positions[r].allFinite()) continue;
             if (first) low_ = high = positions[r];
             first = false;
@@ -24,7 +24,7 @@ public:
             high = high.cwiseMax(positions[r]);
         }
         side_ = side;
-        // no more cells than a few a body, however far one of them has gone
+        // at most a few cells per body, however far away one of them is
         for (;; side_ *= 1.5) {
             double cells = 1;
             for (int a = 0; a < 3; ++a) {
@@ -45,8 +45,8 @@ public:
         for (const Row r : rows) items_[next[cell(at(positions[r]))]++] = r;
     }
 
-    /// Calls body(row) for everything in the cells that a cube of half side `reach` around a point
-    /// meets.
+    /// Calls body(row) for all bodies in the cells that intersect a cube of half side `reach` (m)
+    /// around a point.
     template <class Body>
     void around(const Vec3& x, double reach, Body&& body) const {
         const Vec3 half = Vec3::Constant(reach);
@@ -77,8 +77,9 @@ private:
     std::vector<Row> first_, items_;
 };
 
-/// Bodies in grids by size, each with cells for its own: one large body among small ones does not
-/// widen their cells, or the pairs to look at would grow as the cube of the ratio.
+/// Bodies in several grids by size, each with cells that suit its bodies. With one grid a large
+/// body among small ones would widen all cells, and the number of pairs to test would grow as the
+/// cube of the size ratio.
 class SizeGrids {
 public:
     SizeGrids(std::span<const Vec3> positions, std::span<const double> radii, std::vector<Row> rows,
@@ -95,7 +96,7 @@ public:
             rows.erase(rows.begin(), smaller);
         }
     }
-    /// Calls body(row) for everything that may be within the skin of a sphere, and more.
+    /// Calls body(row) for all bodies that may be within the skin of a sphere, and for some others.
     template <class Body>
     void around(const Vec3& x, double radius, Body&& body) const {
         for (const Sized& g : grids_) g.grid.around(x, radius + g.largest + skin_, body);
@@ -110,7 +111,7 @@ private:
     double skin_;
 };
 
-/// What the search reads of the scene.
+/// Data of the scene that the search reads.
 struct Scene {
     std::span<const Vec3> position;
     std::span<const double> radius;
@@ -122,13 +123,13 @@ struct Scene {
     double skin;
 };
 
-/// Spheres of one body, their places side by side.
+/// Spheres of one body, with contiguous positions.
 struct Cluster {
     std::vector<Row> row;
     std::vector<SphereRow> sphere_row;
 };
 
-// calls visit(k) for those of `count` places that are within the skin of `one`
+// calls visit(k) for those of `count` spheres that are within the skin of `one`
 template <class Visit>
 void visit_near(const SphereRow& one, const SphereRow* sphere_row, Row count, double skin,
                 Visit&& visit) {

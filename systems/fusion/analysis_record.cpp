@@ -31,7 +31,7 @@ void write_records(const std::filesystem::path& csv, const std::vector<AnalysisR
     names.front() = time;
     std::vector<std::vector<double>> rows;
     for (AnalysisRecord r : records) {
-        ++r.sensor; // from 1, as the files of sensors are
+        ++r.sensor; // numbered from 1, as the sensor files are
         rows.emplace_back();
         AnalysisRecord::visit(r,
                               [&](const char*, double number) { rows.back().push_back(number); });

@@ -8,24 +8,24 @@
 
 namespace bris {
 
-/// One analysis of a sensor: how far its rock was from where it was expected, what weight that got,
-/// and what came of it. Of place and attitude; NaN: not measured.
+/// Record of one analysis of a sensor: innovations of position and attitude, their gains, and the
+/// correction that was applied. NaN: not measured.
 struct AnalysisRecord {
     static constexpr double none = std::numeric_limits<double>::quiet_NaN();
     double time = 0;                                               ///< s, or axial strain
-    double sensor = 0;                                             ///< its row, from 0
-    double position_innovation = none, attitude_innovation = none; ///< innovations, m and rad
+    double sensor = 0;                                             ///< row of the sensor, from 0
+    double position_innovation = none, attitude_innovation = none; ///< m and rad, magnitudes
+    /// Chi-squared with three degrees of freedom.
     double position_normalised_innovation_squared = none,
-           attitude_normalised_innovation_squared =
-               none; ///< squared, of these: chi square of three degrees
-    double position_gain = none, attitude_gain = none; ///< mean of the three axes; 0: refused
-    double position_deviation = none,
-           attitude_deviation = none; ///< after it, of an axis: m and rad
-    double share = 1;                 ///< of the correction, that was given
-    double work = 0;                  ///< J, that corrections had put into this rock before it
-    double work_allowed = none,
-           work_expected = none; ///< J, of all rocks together until the next one, and of
-                                 ///< corrections given whole (WorkBudget); NaN: no limit
+           attitude_normalised_innovation_squared = none;
+    double position_gain = none, attitude_gain = none; ///< mean of the three axes; 0: rejected
+    /// m and rad: standard deviation per axis after the analysis.
+    double position_deviation = none, attitude_deviation = none;
+    double share = 1; ///< fraction of the correction that was applied
+    double work = 0;  ///< J, work of all earlier corrections on this rock
+    /// J, for all rocks together until the next analysis: the work allowed, and the work expected
+    /// of corrections applied in full (WorkBudget). NaN: no limit.
+    double work_allowed = none, work_expected = none;
 
     static void visit(auto& self, auto&& visit_one) {
         visit_one("time", self.time);
@@ -51,7 +51,7 @@ void save_records(Archive& archive, const std::string& path,
                   const std::vector<AnalysisRecord>& records);
 std::vector<AnalysisRecord> load_records(const Archive& archive, const std::string& path);
 
-/// Writes them, a line for each; `time`: what it is. Throws OutputError.
+/// Writes the records as CSV, one line each. `time`: name of the time column. Throws OutputError.
 void write_records(const std::filesystem::path& csv, const std::vector<AnalysisRecord>& records,
                    const std::string& time);
 

@@ -17,10 +17,10 @@ namespace {
 struct Contact {
     Row partner;
     Vec3 point, normal;
-    double kn, ks; ///< ks is 0 where it slips
+    double kn, ks; ///< N/m; ks is 0 if the contact slips
 };
 
-/// All of one kind.
+/// All touching contacts of one kind of pair.
 template <class Pairs>
 class ContactsOf {
 public:
@@ -33,7 +33,7 @@ public:
         sphere_row_ = world.column<Listed, ListedPosition>();
         body_ = world.column<Listed, ListedBody>();
     }
-    /// In the order of the force sums: whatever the rows, the same.
+    /// Calls visit(contact) in the order of the force sums, which does not depend on the rows.
     template <class Visit>
     void visit(Row body, Visit&& visit) const {
         if (index_ == nullptr) return;

@@ -7,12 +7,14 @@
 
 namespace bris {
 
-/// What bodies do that touch those of a network and are not of it.
+/// Treatment of bodies that touch a network without being part of it: they join it, or they stay
+/// where they are.
 enum class Others { join, stay };
 
-/// The present contacts of `bodies` (rows) as springs, numbered as they stand there: normal ones,
-/// and tangential ones of contacts that stick. `join`: adds to `bodies` all free ones that can be
-/// reached from them, contact by contact; the first are the nearest. What is driven stays.
+/// The present contacts of `bodies` (rows) as springs: normal springs, and tangential springs of
+/// contacts that stick. Bodies are numbered by their index in `bodies`. `join`: appends to `bodies`
+/// all free bodies that can be reached from them contact by contact, the nearest first. Driven
+/// bodies stay.
 std::vector<Joint> joints_of(const World& world, std::vector<Row>& bodies, Others others);
 
 } // namespace bris

@@ -21,7 +21,8 @@ double end_of_step(const Clock& clock) { return clock.time() + clock.dt; }
 double now_of(const Fusion& fusion, const Clock& clock) {
     return fusion.by_strain ? fusion.strain : end_of_step(clock);
 }
-// times are sums of steps: a sample within a millionth of a step of its end has come
+// times are sums of steps, so a sample has arrived if it is at most a millionth of a step past the
+// end of the step
 bool has_arrived(double time, const Fusion& fusion, const Clock& clock) {
     return fusion.by_strain ? time <= fusion.strain * (1 + 1e-9)
                             : time <= end_of_step(clock) + 1e-6 * clock.dt;
@@ -30,7 +31,7 @@ bool note_is_due(const Fusion& fusion, const Clock& clock) {
     return fusion.note_every > 0 &&
            has_arrived(static_cast<double>(fusion.notes) * fusion.note_every, fusion, clock);
 }
-/// Of a time before this step, or passed by another analysis.
+/// True if the sample was taken before this step, or there was an analysis after its time.
 bool is_late(const TimedMeasurement& m, const SensorFilter& filter, const Fusion& fusion,
              const Clock& clock) {
     const double since = fusion.by_strain ? m.arrives * (1 - 1e-9) : clock.time() - 1e-6 * clock.dt;
@@ -50,7 +51,8 @@ Row row_of(const BodyRows& bodies, EntityId body) {
     return static_cast<Row>(std::find(id, id + bodies.size(), body) - id);
 }
 
-Analysis sum_of(const Analysis& a, const Analysis& b) { // turns: small ones
+// rotation vectors may be added because they are small
+Analysis sum_of(const Analysis& a, const Analysis& b) {
     return {a.shift + b.shift,
             a.velocity + b.velocity,
             a.turn + b.turn,
@@ -67,7 +69,7 @@ Analysis scaled(double share, const Analysis& a) {
             .angular_velocity = share * a.angular_velocity};
 }
 
-/// Where a body is to be pulled. In a test by stages it rests there.
+/// Target to which a body is nudged. In a staged test the target is at rest.
 NudgingTarget target_of(const RigidState& now, const Analysis& wanted, const Fusion& fusion) {
     NudgingTarget t{now.position + wanted.shift, Vec3::Zero(),
                     exponential_map(wanted.turn) * now.orientation, Vec3::Zero()};
@@ -77,7 +79,8 @@ NudgingTarget target_of(const RigidState& now, const Analysis& wanted, const Fus
     return t;
 }
 
-/// Where the body would be at a time of the past step, corrections to come included.
+/// State of the body at a time within the past step (`earlier`: s before its end), pending
+/// corrections included.
 RigidState state_at(double earlier, const RigidState& now, const Analysis& to_come) {
     RigidState s = now;
     s.velocity += to_come.velocity;
@@ -94,7 +97,7 @@ bool is_same(const Measured& a, const Measured& b) {
            is_same(a.attitude.coeffs(), b.attitude.coeffs());
 }
 
-/// Marks samples that have come before: a second time they tell nothing new.
+/// Marks samples that repeat an earlier one, which contain no new information.
 void mark_repeated(std::vector<TimedMeasurement>& samples) {
     std::map<double, std::vector<std::size_t>> at_time;
     for (std::size_t k = 0; k < samples.size(); ++k) {
@@ -105,8 +108,9 @@ void mark_repeated(std::vector<TimedMeasurement>& samples) {
     }
 }
 
-/// What a sensor tells of its body. At the end of a stage all is at rest: so says the test, and
-/// only beside a sensor that is let in.
+/// Measurement to assimilate. At the end of a stage all bodies are at rest, so zero velocities are
+/// part of the measurement; they are assimilated only together with a vector of the sensor itself
+/// that the gate accepts.
 template <class Update>
 Measured observation_of(const Measured& what, const Fusion& fusion, Update&& update) {
     if (!fusion.by_strain) return what;
@@ -116,8 +120,8 @@ Measured observation_of(const Measured& what, const Fusion& fusion, Update&& upd
     return own.is_empty() || (assimilated.accepted == 0 && assimilated.refused > 0) ? own : what;
 }
 
-/// Takes the samples of a sensor that have come: adds what they say to the correction to come.
-/// False: there were none, or they came too late.
+/// Assimilates the samples of a sensor that have arrived and adds their corrections to `to_come`.
+/// Returns false if no sample arrived, or all that did were repetitions or too late.
 bool assimilate_samples(SensorFilter& filter, const std::vector<TimedMeasurement>& samples,
                         std::uint64_t& next, std::uint64_t& too_late, const RigidState& now,
                         Analysis& to_come, const Fusion& fusion, const Clock& clock) {
@@ -160,7 +164,8 @@ Analysis pending_of(const CorrectionRow& c) {
     return {.shift = c.steps * c.shift, .turn = c.steps * c.turn};
 }
 
-/// Whether a sample that has come is let in, by what its body does now.
+/// True if the gate accepts a sample of sensor `s` that has arrived, given the present state of its
+/// body.
 bool is_assimilated(const World& world, Row s) {
     const Fusion& fusion = world.resource<Fusion>();
     const Clock& clock = world.resource<Clock>();
@@ -179,10 +184,11 @@ bool is_assimilated(const World& world, Row s) {
     return to_come.accepted > 0;
 }
 
-/// Share of a correction that keeps within the limit of a step; 0: it is too small to be given.
+/// Fraction of a correction that is within the limit of a step; 0 if it would be below least_share.
 double share_in_step(const Analysis& wanted, double radius, const Fusion& fusion,
                      const Clock& clock) {
-    // no point of the body goes farther in a step, and so changes no overlap by more
+    // upper bound on the displacement of any point of the body in a step, and so on the change of
+    // any overlap
     const double distance =
         (wanted.shift.norm() + radius * wanted.turn.norm()) / fusion.injection_steps +
         clock.dt * (wanted.velocity.norm() + radius * wanted.angular_velocity.norm());
@@ -211,7 +217,8 @@ AnalysisRecord record_of(const SensorFilter& filter, double time, Row sensor, do
             .work_expected = budget.expected};
 }
 
-/// Gives a body the velocity and spin of a correction at once, and books what that does.
+/// Adds the velocity and angular velocity of a correction to a body at once, and accumulates the
+/// work.
 template <class BodyRows>
 void change_motion(const BodyRows& bodies, Row b, const RigidState& now, const Analysis& given,
                    const Vec3& dL, double dt) {
@@ -220,10 +227,9 @@ void change_motion(const BodyRows& bodies, Row b, const RigidState& now, const A
     double& work = bodies.template column<FusionWork>()[b];
     work += bodies.template column<InertialMass>()[b] * dv.dot(now.velocity + 0.5 * dv) +
             dL.dot(now.angular_velocity + 0.5 * dw);
-    work -= 0.5 * dt *
-            (nudging.force.dot(dv) +
-             nudging.torque.dot(
-                 dw)); // of the step that is over, to be booked with the velocity that it had
+    // the nudging work of the past step is accumulated in the next step and belongs to the velocity
+    // before this change
+    work -= 0.5 * dt * (nudging.force.dot(dv) + nudging.torque.dot(dw));
     bodies.template column<Velocity>()[b] += dv;
     bodies.template column<AngularVelocity>()[b] += dw;
     bodies.template column<StepAngularVelocity>()[b] += dw;
@@ -258,8 +264,8 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
         sensors.column<Refused>()[s] += to_come.refused;
         double& largest = sensors.column<LargestInnovation>()[s];
         largest = std::max(largest, to_come.largest_distance);
-        if (taken &&
-            !assimilated) { // what is refused moves nothing, nor does it stretch what is under way
+        // refused samples move nothing and do not prolong a pending correction
+        if (taken && !assimilated) {
             if (filter.remembers()) filter.withhold(sum_of(to_come, scaled(-1, pending)));
             to_come = pending;
             fusion.records.push_back(record_of(filter, now_of(fusion, clock), s, 0,
@@ -278,7 +284,7 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
         if (nudged && share < 1) ++(share > 0 ? fusion.budget.reduced : fusion.budget.withheld);
         if (!nudged && share < 1)
             ++(share > 0 ? sensors.column<Reduced>() : sensors.column<Withheld>())[s];
-        if (share == 0) { // nothing is given, and the filter knows it
+        if (share == 0) { // nothing is applied, and the filter is informed of it
             filter.withhold(sum_of(to_come, scaled(-1, pending)));
             if (nudged) release_nudging(bodies.template column<Nudging>()[b]);
             continue;
@@ -289,10 +295,10 @@ void fuse(FusedSensors sensors, const BodyRows& bodies, Fusion& fusion, ListStat
             to_come = given;
         }
         change_motion(bodies, b, now, to_come, momentum(b, to_come.angular_velocity), clock.dt);
-        lists.velocities_changed = true; // what contacts read of this body was placed before
+        lists.velocities_changed = true; // contacts would read the old velocity
         std::uint32_t& guided = bodies.template column<Guided>()[b];
         if (nudged) {
-            // the body may follow or not: what it does is seen as the simulation's motion
+            // the body may follow or not: what it does enters the next forecast
             if (filter.remembers()) filter.withhold({.shift = to_come.shift, .turn = to_come.turn});
             NudgingTarget target = target_of(now, to_come, fusion);
             count_last_turn(b, target);
@@ -332,8 +338,8 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts,
             fmt::format("sensors: expected a recording for each of {} hosts, found {}",
                         hosts.size(), samples.size()));
     require(std::set(hosts.begin(), hosts.end()).size() == hosts.size(),
-            "sensors: expected one for each host, found two");
-    require(injection_steps > 0, "sensors: expected one step or more for a correction, found 0");
+            "sensors: expected one for each host, found two for one host");
+    require(injection_steps > 0, "sensors: expected at least one step per correction, found 0");
     Table& table = world.table<Sensors>();
     table.add<SensorId>();
     table.add<SensorHost>();
@@ -347,10 +353,13 @@ void add_sensors(World& world, const std::vector<EntityId>& hosts,
     table.resize(hosts.size());
     for (Row s = 0; s < hosts.size(); ++s) {
         require(std::ranges::is_sorted(samples[s], {}, &TimedMeasurement::arrives),
-                fmt::format("sensor {}: expected samples in the order of arrival", s));
+                fmt::format(
+                    "sensor {}: expected samples in the order of arrival, found another order", s));
         const bool causal = std::ranges::all_of(
             samples[s], [](const TimedMeasurement& m) { return m.arrives >= m.time; });
-        require(causal, fmt::format("sensor {}: expected samples to arrive after their time", s));
+        require(causal,
+                fmt::format(
+                    "sensor {}: expected samples to arrive after their time, found one before", s));
         mark_repeated(samples[s]);
         table.column<SensorId>()[s] = s;
         table.column<SensorHost>()[s] = hosts[s];

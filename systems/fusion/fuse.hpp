@@ -13,50 +13,53 @@
 
 namespace bris {
 
-/// What was measured, and when: s by the clock of the simulation, or axial strain
-/// (Fusion::by_strain).
+/// A measurement and its time: s on the simulation clock, or axial strain (Fusion::by_strain).
 struct TimedMeasurement {
     double time;
     Measured what;
-    double arrives = time; ///< not before: late
-    bool again = false;    ///< has come before, as add_sensors finds: tells nothing new
+    double arrives = time; ///< time of arrival, >= time; later than `time`: a late measurement
+    bool again = false;    ///< repeats an earlier sample (set by add_sensors): no new information
 };
 
-/// The recordings of a scene's sensors, by their rows, each in the order of arrival.
+/// The recordings of a scene's sensors, by sensor row, each in the order of arrival.
 struct Replay {
     static constexpr auto name = "replay";
     std::vector<std::vector<TimedMeasurement>> samples;
 };
 
-/// The filters of a scene's sensors, by their rows.
+/// The filters of a scene's sensors, by sensor row, and how their corrections are applied.
 struct Fusion {
     static constexpr auto name = "fusion";
     static constexpr bool is_state = true;
     std::vector<SensorFilter> filters;
-    unsigned injection_steps =
-        1; ///< in which a correction of position enters; 1: it jumps (set_correction)
+    /// Steps over which a correction of the pose is applied; 1: direct insertion (set_correction).
+    unsigned injection_steps = 1;
     NudgingSettings nudging;
-    /// m: a correction may change no overlap of its body by more in a step (twice that between two
-    /// such bodies). What is over it is corrected by less; by a hundred times, not at all. 0: any
-    /// is given whole. Pulls have their own limit.
+    /// m: largest displacement of any point of a body by its correction in a step, so that no
+    /// overlap of the body changes by more (by twice that between two corrected bodies). A larger
+    /// correction is reduced to this limit; one a hundred times larger is withheld. 0: no limit.
+    /// Nudging has its own limit.
     double largest_shift = 0;
-    double note_every = 0; ///< s or strain between notes of the motion, beside those of analyses:
-                           ///< for samples that come late; 0: none
-    bool spread = false;   ///< corrections are spread over the contact network (spread_corrections)
-    bool by_strain = false;  ///< in a test by stages time means nothing: samples are taken by axial
-                             ///< strain, and all rests then
-    double strain = 0;       ///< to which they have been
-    std::uint64_t notes = 0; ///< intervals of note_every that have been begun
-    WorkBudget budget;       ///< what corrections may cost, in a test by stages
+    /// s or strain: interval at which the filters store the simulated motion, besides at analyses,
+    /// for samples that arrive late; 0: only at analyses.
+    double note_every = 0;
+    bool spread = false; ///< spread corrections over the contact network (spread_corrections)
+    /// True in a staged test, where time has no meaning: samples are indexed by axial strain, and
+    /// all bodies are at rest when samples are assimilated.
+    bool by_strain = false;
+    double strain = 0;                   ///< axial strain up to which samples have arrived
+    std::uint64_t notes = 0;             ///< number of intervals note_every that have begun
+    WorkBudget budget;                   ///< limit on the work of corrections, in a staged test
     std::vector<AnalysisRecord> records; ///< of all analyses
 
     void save(Archive& archive) const;
     void load(const Archive& archive);
 };
 
-/// Makes sensors of bodies: their table, filters and recordings, and the columns by which
-/// corrections enter. One for each host; throws InputError if samples are not in the order of
-/// arrival, arrive before they are taken, or a host is twice among them.
+/// Turns bodies into sensor rocks: adds the table of sensors, their filters and recordings, and the
+/// columns of corrections. `samples`: one recording per host. Throws InputError if samples are not
+/// in the order of arrival or arrive before they are taken, if a host occurs twice, or if
+/// injection_steps is 0.
 void add_sensors(World& world, const std::vector<EntityId>& hosts,
                  std::vector<std::vector<TimedMeasurement>> samples, const FilterSettings& settings,
                  unsigned injection_steps = 1);
@@ -69,24 +72,24 @@ using FusedBodies =
          const InertialMass, Velocity, AngularVelocity, StepAngularVelocity, AngularMomentum,
          Guided, Correction, Nudging, FusionWork, Shape...>;
 
-/// Whether a sample has come by the end of this step, or the motion is to be noted.
+/// True if a sample arrives by the end of this step, or the motion is to be stored.
 bool fusion_is_due(const World& world);
 
-/// In a test by stages, between steps: where none of the samples that have come is let in, counts
-/// them and notes the motion, which takes no step and moves nothing. False: one is; the next step
-/// takes them all.
+/// For a staged test, between steps. If the gate accepts none of the samples that have arrived,
+/// counts them and stores the motion without a step, moves nothing and returns true. Otherwise
+/// returns false, and the next step assimilates all samples.
 bool dismiss_samples(World& world);
 
-/// Corrects the bodies of sensors by the samples that have come by now, each in the place of its
-/// time: velocity and spin at once, position and attitude in the steps to come. What velocities
-/// gain in energy is booked; contacts see it in the next step, whether there are new lists in it or
-/// not.
+/// Corrects the bodies of sensors by the samples that have arrived, each at its own time: velocity
+/// and angular velocity at once, position and attitude over the next steps. The change of kinetic
+/// energy is accumulated in FusionWork. Contacts see the new velocities in the next step, whether
+/// or not it begins with new lists.
 void fuse_spheres(FusedSensors sensors, FusedBodies<const SphereInertia> bodies, Fusion& fusion,
                   ListState& lists, const Replay& replay, const Clock& clock);
 void fuse_clumps(FusedSensors sensors, FusedBodies<const Orientation, const InertialInertia> bodies,
                  Fusion& fusion, ListState& lists, const Replay& replay, const Clock& clock);
 
-/// J, put into the scene by all corrections.
+/// Work of all corrections and nudging on the scene, J.
 double fusion_work(const World& world);
 
 } // namespace bris

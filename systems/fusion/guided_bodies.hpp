@@ -5,7 +5,7 @@
 
 namespace bris {
 
-/// Calls visit(row) for each body that is corrected or pulled.
+/// Calls visit(row) for each body that is corrected or nudged.
 template <class BodyRows, class Visit>
 void for_guided(const BodyRows& bodies, Visit&& visit) {
     const std::uint32_t* guided = bodies.template column<Guided>();

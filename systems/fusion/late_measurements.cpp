@@ -7,7 +7,7 @@ namespace bris {
 
 namespace {
 
-constexpr double same_time = 1e-9; // times and strains are sums of steps
+constexpr double same_time = 1e-9; // relative: times and strains are sums of steps
 
 RigidState between(const RigidState& a, const RigidState& b, double share) {
     return {
@@ -19,7 +19,7 @@ RigidState between(const RigidState& a, const RigidState& b, double share) {
         .angular_velocity = a.angular_velocity + share * (b.angular_velocity - a.angular_velocity)};
 }
 
-/// Calls visit(number) for all numbers of a part of a snapshot, to read or to write.
+/// Calls visit(number) for all numbers of a part of a snapshot, to read or write them.
 void visit_numbers(auto& s, auto&& visit) requires requires {
     s.angular_velocity;
     s.orientation;
@@ -56,8 +56,8 @@ bool is_same(const RigidState& a, const RigidState& b) {
 
 } // namespace
 
-// Where a body is `later`, had it gone on from `estimate` and not from `given`: what it went
-// meanwhile is known.
+// State of a body at the time of `later` if it had continued from `estimate` instead of `given`,
+// with the motion that was simulated in between.
 RigidState SensorFilter::carried(const RigidState& estimate, const RigidState& given,
                                  const RigidState& later, double dt) {
     if (is_same(estimate, given)) return later;
@@ -82,7 +82,7 @@ void SensorFilter::remember(const Snapshot& snapshot) {
 void SensorFilter::note(const BodyForecast& now) {
     if (!remembers() || (begun_ && now.time <= last_time_ + same_time * std::abs(now.time))) return;
     (void)update(now, {});
-    window_.back().given = now.state; // nobody corrects it
+    window_.back().given = now.state; // no correction is applied
 }
 
 void SensorFilter::go_back_to(const Snapshot& snapshot) {
@@ -113,8 +113,8 @@ std::optional<Analysis> SensorFilter::update_late(double time, const Measured& m
     auto k = static_cast<std::size_t>(after - window_.begin());
     Snapshot& before = window_[k - 1];
     Analysis a;
-    if (before.measured.is_empty() &&
-        before.forecast.time >= time - same) { // the motion was noted at this very time
+    // the motion was stored at this same time
+    if (before.measured.is_empty() && before.forecast.time >= time - same) {
         before.measured = measured;
         go_back_to(before);
         a = observe(measured);
@@ -132,7 +132,7 @@ std::optional<Analysis> SensorFilter::update_late(double time, const Measured& m
         window_.insert(after, late);
         a = update_again(k++);
     }
-    const AnalysisStatistics position = position_, attitude = attitude_; // of the late one
+    const AnalysisStatistics position = position_, attitude = attitude_; // of the late measurement
     for (; k < window_.size(); ++k) (void)update_again(k);
     position_ = position;
     attitude_ = attitude;
@@ -146,7 +146,7 @@ std::optional<Analysis> SensorFilter::update_late(double time, const Measured& m
     return correction;
 }
 
-// Transition and noise that move_on() has put into the covariance.
+// Transition and noise that move_on() has applied to the covariance.
 Transition SensorFilter::transition(double dt, const Vec3& angular_velocity) const {
     Transition t{Matrix::Identity(12, 12), Matrix::Zero(12, 12)};
     if (dt > 0) {
@@ -160,7 +160,7 @@ Transition SensorFilter::transition(double dt, const Vec3& angular_velocity) con
     return t;
 }
 
-// The smoother works on errors of the forecasts, which are 0 by themselves.
+// The smoother works on errors of the forecasts, whose predicted mean is 0.
 std::vector<SmoothedPose> SensorFilter::smoothed() const {
     std::vector<FilterStep> steps;
     std::vector<RigidState> forecasts;
@@ -179,8 +179,8 @@ std::vector<SmoothedPose> SensorFilter::smoothed() const {
         const Analysis known = difference(s.estimate, forecasts.back());
         step.corrected = Gaussian(12);
         step.corrected.mean << known.shift, known.velocity, known.turn, known.angular_velocity;
-        step.corrected.root =
-            s.root.topLeftCorner<12, 12>(); // of a lower triangle: that of the first twelve
+        // the corner of a lower triangle is the root of the corner of its covariance
+        step.corrected.root = s.root.topLeftCorner<12, 12>();
         steps.push_back(std::move(step));
     }
     const std::vector<Gaussian> errors = smooth(steps);

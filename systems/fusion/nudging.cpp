@@ -10,18 +10,18 @@ namespace bris {
 
 namespace {
 
-constexpr double largest_angle = 0.5; // w dt of a spring
+constexpr double largest_angle = 0.5; // rad, w dt of a spring
 
 Vec3 at_most(const Vec3& v, double largest) {
     return v.norm() > largest ? Vec3(largest / v.norm() * v) : v;
 }
 
-/// What a step of critically damped motion begins with, in axes along which masses (kg or kg m2)
-/// are known.
+/// State at the beginning of a step of critically damped motion, in axes along which the masses
+/// (kg) or moments of inertia (kg m2) are known.
 struct Approach {
-    Vec3 displacement; ///< m or rad, to go
-    Vec3 momentum;     ///< half a step back, beside that of where it should be
-    Vec3 others;       ///< N or N m, that act in this step too
+    Vec3 displacement; ///< m or rad, from the body to the target
+    Vec3 momentum;     ///< relative to the target, half a step back
+    Vec3 others;       ///< N or N m, other forces or torques of this step
     Vec3 mass;
 };
 
@@ -35,7 +35,8 @@ Vec3 critically_damped(const Approach& a, double stiffness, double largest, doub
     return at_most(spring - dashpot.cwiseProduct(velocity), largest);
 }
 
-/// All that spheres and clumps have in common; `torque` of a row is all that differs.
+/// Nudging of spheres and clumps, which differ only in the torque. `torque_of`: called with a
+/// body's row and its NudgingRow.
 template <class BodyRows, class TorqueOf>
 void nudge_guided(const BodyRows& bodies, const Clock& clock, TorqueOf&& torque_of) {
     const Vec3 *position = bodies.template column<Position>(),
@@ -78,9 +79,10 @@ void nudge_spheres(Rows<Bodies, const Guided, const Position, const Velocity, co
                *torque = bodies.column<Torque>();
     const double* inertia = bodies.column<SphereInertia>();
     nudge_guided(bodies, clock, [&](Row b, NudgingRow& p) -> Vec3 {
-        // What is to go is known by how it has turned in the step before. It leads, in the world's
-        // axes, from where it is to where it should be: target = attitude * body, so exp(dt s)
-        // target = (exp(dt s) attitude exp(-dt w)) exp(dt w) body.
+        // The remaining rotation is updated by how the sphere has rotated in the last step, and the
+        // target by its angular velocity s. In global axes it leads from the sphere to the target:
+        // target = attitude * body, so
+        // exp(dt s) target = (exp(dt s) attitude exp(-dt w)) exp(dt w) body.
         p.attitude = (exponential_map(clock.dt * p.angular_velocity) * p.attitude *
                       exponential_map(-clock.dt * angular_velocity[b]))
                          .normalized();

@@ -9,29 +9,31 @@
 
 namespace bris {
 
-/// Pulling instead of putting: a spring to where the body should be, up to a force at which
-/// contacts yield, with a dashpot that makes it critically damped (Den Hartog, Mechanical
+/// Nudging instead of direct insertion: a spring towards the target pose, up to a force at which
+/// contacts yield, and a dashpot that makes the motion critically damped (Den Hartog, Mechanical
 /// Vibrations, 1956, chapter 2).
 struct NudgingSettings {
-    double stiffness =
-        0; ///< N/m; 0: bodies are put. At most m (0.5 / dt)^2, where a step still follows it
-    double largest_force = 0; ///< N, of the spring alone and of both together
-    double arm = 0.01;        ///< m: torques are as forces at this arm
+    /// N/m; 0: direct insertion instead of nudging. Larger values than m (0.5 / dt)^2, which the
+    /// time step still resolves, act as that value.
+    double stiffness = 0;
+    double largest_force = 0; ///< N, limit of the spring force and of the sum with the dashpot
+    double arm = 0.01; ///< m, lever arm that converts stiffness and force to those of rotation
 };
 
-// The force on a body of mass m that is `way` from where it should be, and moves by v beside how
-// that moves on, is
-//     F = S - c v,   S = k way, |S| <= F_max,   c = 2 sqrt(k m),   |F| <= F_max,
-// with m its inertial mass, scaled or not: alone and from rest it arrives by (1 + w t) exp(-w t), w
-// = sqrt(k / m), and never goes beyond. Since S has the limit by itself, it comes from afar no
-// faster than F_max / c, from which the dashpot can stop it in time; with a limit on the sum alone
-// it would not. v is of the time of the place, with the dashpot's own part of the kick: of second
-// order in dt, roots of a step 1 - w dt and 1 / (1 + w dt), so without overshoot for w dt up to 1.
-// Torques likewise, about each principal axis by its own moment of inertia. Neighbours add mass and
-// springs of their own: in contact it is damped by less or more.
+// The nudging force on a body of inertial mass m (scaled or not), at a displacement d from its
+// target and with a velocity v relative to the target, is
+//     F = S - c v,   S = k d, |S| <= F_max,   c = 2 sqrt(k m),   |F| <= F_max.
+// The distance of a free body from its target decays from rest as (1 + w t) exp(-w t), with
+// w = sqrt(k / m), without overshoot. Because S has a limit of its own, a distant body approaches
+// no faster than F_max / c, and from that speed the dashpot can stop it in time; a limit on the sum
+// alone would not ensure this. v is the velocity at the time of the position and includes the
+// dashpot's own contribution to the kick. This is of second order in dt; the roots of a step are
+// 1 - w dt and 1 / (1 + w dt), so there is no overshoot for w dt up to 1. Torques follow the same
+// formula about each principal axis, with its moment of inertia. In contact, neighbours add mass
+// and stiffness, so the motion is damped more or less than critically.
 
-/// Adds the pulls to the forces, and books their work, spring and dashpot, over the last step
-/// (trapezoidal rule, as that of boundaries).
+/// Adds the nudging forces and torques, and accumulates the work of spring and dashpot over the
+/// last step (trapezoidal rule, as for boundaries).
 void nudge_spheres(Rows<Bodies, const Guided, const Position, const Velocity, const InertialMass,
                         const AngularMomentum, const StepAngularVelocity, const SphereInertia,
                         Nudging, Force, Torque, FusionWork>
@@ -43,23 +45,24 @@ void nudge_clumps(Rows<Bodies, const Guided, const Position, const Velocity, con
                       bodies,
                   const Clock& clock);
 
-/// Where a body should be, and how it should move on there.
+/// Target pose of a body and the velocities of the target.
 struct NudgingTarget {
     Vec3 position, velocity; ///< m, m/s
-    Quat attitude; ///< of a sphere: the rotation to go a step before, which nudge_spheres carries
-                   ///< over that step
+    /// Of a sphere: the remaining rotation one step ago, which nudge_spheres advances over that
+    /// step.
+    Quat attitude;
     Vec3 angular_velocity; ///< rad/s
 };
 
-/// Pulls a body there from now on. `gain`: of stiffness and largest force, 0 to 1; 0: nothing pulls
-/// any more.
+/// Nudges a body towards the target from now on. `gain`: factor of stiffness and largest force,
+/// from 0 to 1; 0 ends the nudging.
 void set_nudging(NudgingRow& row, std::uint32_t& guided, const NudgingTarget& target,
                  const NudgingSettings& settings, double gain);
 
-/// From now on force and torque stay as they are: where the body should be is not known any more.
+/// Keeps force and torque constant from now on, because the target is no longer known.
 void hold_nudging(NudgingRow& row);
 
-/// Nothing pulls any more.
+/// Ends the nudging.
 void release_nudging(NudgingRow& row);
 
 } // namespace bris

@@ -13,7 +13,7 @@ constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 Mat3 square(double deviation) { return deviation * deviation * Mat3::Identity(); }
 
-/// One that is not, such as all zeros, tells no direction.
+/// A vector or quaternion that is not of unit length, such as all zeros, has no direction.
 bool is_unit(const auto& v) { return std::abs(v.norm() - 1) < 1e-3; }
 
 } // namespace
@@ -32,15 +32,15 @@ bool Measured::is_empty() const {
 }
 
 SensorFilter::SensorFilter(const FilterSettings& settings) : settings_(settings) {
-    if (settings.kind == FilterKind::printed) settings_.lag = 0; // it knows of no time but now
+    if (settings.kind == FilterKind::printed) settings_.lag = 0; // it cannot go back in time
     filter_.begin(settings.position, settings.velocity, settings.attitude,
                   settings.angular_velocity, 0, 0);
     filter_.gate = settings.gate < 1 ? chi_squared_quantile(settings.gate, 3) : 0;
 }
 
 Analysis SensorFilter::update(const BodyForecast& forecast, const Measured& measured) {
-    const double dt = begun_ ? forecast.time - last_time_
-                             : 0; // deviations at the start are those at the first sample
+    // the initial deviations are those at the first sample
+    const double dt = begun_ ? forecast.time - last_time_ : 0;
     begun_ = true;
     last_time_ = forecast.time;
     if (settings_.kind == FilterKind::printed) return update_as_printed(forecast, measured, dt);
@@ -64,8 +64,7 @@ Analysis SensorFilter::difference(const RigidState& a, const RigidState& b) {
             .angular_velocity = a.angular_velocity - b.angular_velocity};
 }
 
-// The simulation has moved the body on; what it may have missed meanwhile adds to what was not
-// known before.
+// The simulation has moved the body; the model error of that motion adds to the covariance.
 void SensorFilter::move_on(double dt, const RigidState& forecast) {
     if (dt > 0)
         filter_.advance(dt, settings_.acceleration_density, settings_.angular_acceleration_density);
@@ -80,7 +79,8 @@ Mat3 SensorFilter::covariance_of(InertialFilter::Part part) const {
     return root * root.transpose();
 }
 
-// `before`: covariance of what was observed. One that was refused weighs nothing.
+// `before`: covariance of the observed quantity before the analysis. A rejected observation has
+// gain 0.
 AnalysisStatistics SensorFilter::analysis_statistics(const Verdict& verdict,
                                                      InertialFilter::Part part, const Mat3& before,
                                                      double noise) const {
@@ -93,7 +93,7 @@ AnalysisStatistics SensorFilter::analysis_statistics(const Verdict& verdict,
     return w;
 }
 
-// Only counts.
+// The returned Analysis holds only the counts and the largest normalised innovation squared.
 Analysis SensorFilter::observe(const Measured& measured) {
     Analysis a;
     position_ = attitude_ = {};
@@ -121,7 +121,8 @@ Analysis SensorFilter::observe(const Measured& measured) {
     };
     if (measured.attitude.coeffs().allFinite())
         take_attitude(measured.attitude, is_unit(measured.attitude));
-    if (measured.up.allFinite()) { // turned no further than upwards is off: yaw stays the model's
+    // the shortest rotation that aligns the upward vector leaves yaw to the model
+    if (measured.up.allFinite()) {
         const Quat now = filter_.state.orientation;
         take_attitude(Quat::FromTwoVectors(now * measured.up, Vec3::UnitZ()) * now,
                       is_unit(measured.up));
@@ -149,7 +150,7 @@ void SensorFilter::withhold(const Analysis& part) {
     filter_.restore(error);
 }
 
-// Steps 3 to 6 of the report. It needs all six numbers at once, and knows no gate.
+// Steps 3 to 6 of the SmartRock report. It needs position and velocity together, and has no gate.
 Analysis SensorFilter::update_as_printed(const BodyForecast& forecast, const Measured& measured,
                                          double dt) {
     Analysis a;
@@ -179,8 +180,8 @@ Analysis SensorFilter::update_as_printed(const BodyForecast& forecast, const Mea
         printed_.fuse_angular_velocity(forecast.state.angular_velocity, measured.angular_velocity) -
         Vector(forecast.state.angular_velocity);
     ++a.accepted;
-    attitude_.gain = printed_.angular_velocity_gain
-                         .diagonal(); // it corrects spin, by which attitude is to follow
+    // it corrects the angular velocity, and the attitude is to follow from that
+    attitude_.gain = printed_.angular_velocity_gain.diagonal();
     return a;
 }
 
@@ -192,8 +193,8 @@ void SensorFilter::save(Archive& archive, const std::string& path) const {
     put("/root", filter_.error().root);
     put("/COV", printed_.COV);
     put("/cov", printed_.cov);
-    const Vec3& angular_velocity =
-        filter_.state.angular_velocity; // by which the next forecast is turned
+    // the next forecast is rotated with this angular velocity
+    const Vec3& angular_velocity = filter_.state.angular_velocity;
     put_fields(archive, path + "/time",
                std::tie(last_time_, begun_, angular_velocity.x(), angular_velocity.y(),
                         angular_velocity.z()));

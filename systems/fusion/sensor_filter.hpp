@@ -10,116 +10,126 @@
 
 namespace bris {
 
-/// Which mathematics turns a forecast and a measurement into an estimate.
+/// Filter that turns a forecast and a measurement into an estimate.
 enum class FilterKind : std::uint32_t {
-    printed,  ///< as the report prints it, errors and all
-    corrected ///< the same with them mended, as an error state: displacement and velocity,
-              ///< attitude, spin (InertialFilter)
+    /// Exactly as printed in the SmartRock report, including its errors.
+    printed,
+    /// The same with the errors corrected, as an error-state filter of displacement, velocity,
+    /// attitude and angular velocity (InertialFilter).
+    corrected
 };
 inline const std::vector<std::string> filter_names{"printed", "corrected"};
 
 struct FilterSettings {
     FilterKind kind = FilterKind::corrected;
-    // deviations at the first sample: of placement, of levelling, and of what came since
+    // Standard deviations at the first sample: of the placement and levelling of the sensor rock
+    // and of its motion since then.
     double position = 3e-3, velocity = 1e-3;         ///< m, m/s
     double attitude = 0.03, angular_velocity = 1e-2; ///< rad, rad/s
-    // what the model may miss: white noise of acceleration, where inertia matters; random walks,
-    // where it does not
+    // Model errors: white noise of acceleration, where inertia matters; random walks of position
+    // and attitude, where it does not.
     double acceleration_density = 1e-4;         ///< (m/s2)2/Hz
     double angular_acceleration_density = 1e-2; ///< (rad/s2)2/Hz
-    double drift = 0;                           ///< m2 in a unit of time, or of what stands for it
-    double turning = 0;                         ///< rad2, likewise
-    double gate = 0.99; ///< probability with which a right measurement is let in; 1: all are
-    unsigned lag =
-        0; ///< analyses that a late measurement may have been passed by; 0: late ones are refused
+    double drift = 0;                           ///< m2 per unit of time, or of strain
+    double turning = 0;                         ///< rad2 per unit of time, or of strain
+    /// Probability with which the gate accepts a consistent measurement; 1: it accepts all.
+    double gate = 0.99;
+    /// Number of past analyses to which a late measurement can go back; 0: late measurements are
+    /// refused.
+    unsigned lag = 0;
 };
 
-/// What the simulation says of a body, at the time of a measurement: s, or strain in a test that
-/// knows no time.
+/// Forecast of a body's state by the simulation at the time of a measurement: s, or strain in a
+/// staged test.
 struct BodyForecast {
     double time = 0;
     RigidState state;
 };
 
-/// What was measured of it. NaN: not measured. Deviations hold for each axis.
+/// Measurement of a body. NaN: not measured. Standard deviations are per axis.
 struct Measured {
     Vec3 position, velocity, angular_velocity;
-    Vec3 up; ///< unit vector upwards, in the body's axes: tilt without yaw
+    Vec3 up; ///< upward unit vector in the body's axes: measures tilt but not yaw
     Quat attitude;
     double position_deviation = 1e-4, velocity_deviation = 1e-3, angular_velocity_deviation = 1e-2,
            attitude_deviation = 0.01;
     Measured();
-    bool is_empty() const; ///< nothing was
+    bool is_empty() const; ///< true if nothing was measured
 };
 
-/// What a body's motion is to be corrected by.
+/// Result of an analysis: the correction of a body's motion.
 struct Analysis {
+    /// m, m/s, rad, rad/s
     Vec3 shift = Vec3::Zero(), velocity = Vec3::Zero(), turn = Vec3::Zero(),
-         angular_velocity = Vec3::Zero(); ///< m, m/s, rad, rad/s
-    unsigned accepted = 0, refused = 0;   ///< vectors measured
-    double largest_distance = 0; ///< squared, of an innovation: chi square of three degrees
+         angular_velocity = Vec3::Zero();
+    unsigned accepted = 0, refused = 0; ///< number of measured vectors
+    /// Largest normalised innovation squared: chi-squared with three degrees of freedom.
+    double largest_distance = 0;
 };
 
-/// What an analysis made of a vector measured, axis by axis. NaN: not measured.
+/// Statistics of the analysis of one measured vector, axis by axis. NaN: not measured.
 struct AnalysisStatistics {
-    Vec3 innovation, gain, deviation;     ///< m or rad; 1; m or rad, after it
-    double normalised_innovation_squared; ///< of the innovation: chi square of three degrees
+    /// m or rad; dimensionless; m or rad, standard deviation after the analysis.
+    Vec3 innovation, gain, deviation;
+    double normalised_innovation_squared; ///< chi-squared with three degrees of freedom
     AnalysisStatistics();
 };
 
-/// Where a body was, by all that was measured of it before and since.
+/// Pose of a body estimated from all its measurements, earlier and later.
 struct SmoothedPose {
     double time = 0; ///< s, or strain
     Vec3 position = Vec3::Zero();
     Quat attitude = Quat::Identity();
-    Vec3 position_deviation = Vec3::Zero(),
-         attitude_deviation = Vec3::Zero(); ///< m and rad, along the world's axes
+    /// m and rad, standard deviations along the global axes.
+    Vec3 position_deviation = Vec3::Zero(), attitude_deviation = Vec3::Zero();
 };
 
-/// The filter of one sensor: a forecast and a measurement in, a correction out. It remembers its
-/// last analyses (FilterSettings::lag), and goes back to them for measurements that come late.
+/// The filter of one sensor, which computes a correction from a forecast and a measurement. It
+/// stores its last analyses (FilterSettings::lag) and goes back to them for late measurements.
 class SensorFilter {
 public:
     SensorFilter() = default;
     explicit SensorFilter(const FilterSettings& settings);
 
     Analysis update(const BodyForecast& forecast, const Measured& measured);
-    /// Part of the last correction that the body is not given. A filter that remembers goes on from
-    /// its own estimate; any other takes the body's motion for its estimate, and knows so much less
-    /// of it. `printed` knows of nothing.
+    /// Informs the filter that this part of its last correction is not applied to the body. A
+    /// filter that stores its analyses continues from its own estimate. Any other continues from
+    /// the motion of the body and increases its covariance by the withheld part. The filter
+    /// `printed` ignores the call.
     void withhold(const Analysis& part);
+    /// True if the filter stores its analyses.
     bool remembers() const { return settings_.lag > 0; }
 
-    /// Remembers the simulated motion, without a measurement: late ones of about this time will ask
-    /// for it.
+    /// Stores the simulated motion without a measurement, for late measurements of about this time.
     void note(const BodyForecast& now);
-    /// Whether an analysis has passed this time.
+    /// True if there was an analysis after this time.
     bool has_passed(double time) const { return begun_ && time < last_time_; }
-    /// Takes a measurement in its place: goes back to the analysis before it, and forward again
-    /// over what has been simulated and measured since. The correction is that of the newest
-    /// analysis (note() where the body is now). Between two analyses the body is taken to have
-    /// moved straight. Nothing: it is later than the filter looks back.
+    /// Assimilates a late measurement at its own time: goes back to the analysis before it, and
+    /// repeats all later analyses. Returns the correction at the newest analysis (call note()
+    /// first, with the present state of the body), or nothing if the measurement is older than the
+    /// stored analyses. The body is assumed to have moved uniformly between two analyses.
     std::optional<Analysis> update_late(double time, const Measured& measured);
-    /// The poses at the analyses that it remembers, by what came after them too (fixed-lag
+    /// The poses at the stored analyses, estimated from later measurements as well (fixed-lag
     /// smoothing).
     std::vector<SmoothedPose> smoothed() const;
-    /// What the last analysis made of place and attitude.
+    /// Statistics of the last analysis of position and attitude.
     const AnalysisStatistics& position() const { return position_; }
     const AnalysisStatistics& attitude() const { return attitude_; }
-    /// Of the error of position, velocity, rotation and spin (12 x 12), after the last analysis.
+    /// Error covariance of position, velocity, rotation and angular velocity (12 x 12) after the
+    /// last analysis.
     Matrix covariance() const { return filter_.covariance().topLeftCorner<12, 12>(); }
 
     void save(Archive& archive, const std::string& path) const;
     void load(const Archive& archive, const std::string& path);
 
 private:
-    /// An analysis, with what it takes to do it again.
+    /// An analysis, with the data needed to repeat it.
     struct Snapshot {
         BodyForecast forecast;
         Measured measured;
-        RigidState estimate; // by all that has come since, as far as it is of this time or before
-        RigidState given;    // what the simulation went on from
-        Matrix root;         // of the error's covariance
+        RigidState estimate; // from all measurements of this time or before, late ones included
+        RigidState given;    // state from which the simulation continued
+        Matrix root;         // square root of the error covariance
     };
 
     Analysis update_as_printed(const BodyForecast& forecast, const Measured& measured, double dt);
@@ -139,12 +149,12 @@ private:
     void load_window(const Archive& archive, const std::string& path);
 
     FilterSettings settings_;
-    InertialFilter filter_; // `corrected` uses its first four parts only
+    InertialFilter filter_; // `corrected` uses only its first four parts
     PrintedFilter printed_;
     AnalysisStatistics position_, attitude_;
     double last_time_ = 0;
     bool begun_ = false;
-    std::vector<Snapshot> window_; // in order of time: one more than `lag`
+    std::vector<Snapshot> window_; // in the order of time: at most lag + 1
 };
 
 } // namespace bris

@@ -14,7 +14,7 @@ namespace bris {
 
 namespace {
 
-/// Free bodies that corrections have been given to, by id.
+/// Free sensor bodies with a pending correction, by id.
 std::vector<Row> corrected_bodies(const World& world) {
     const auto row = rows_by_id(world.column<Bodies, BodyId>());
     const auto motion = world.column<Bodies, MotionOf>();
@@ -40,19 +40,19 @@ double spread_corrections(World& world, const SpreadSettings& settings) {
     double mean_stiffness = 0;
     for (const Joint& j : network.joints)
         mean_stiffness += j.kn / static_cast<double>(network.joints.size());
-    if (network.joints.empty()) mean_stiffness = 1; // any will do
+    if (network.joints.empty()) mean_stiffness = 1; // any value will do
 
     const auto correction = world.column<Bodies, Correction>();
     const auto guided = world.column<Bodies, Guided>();
     const auto radius = world.column<Bodies, BoundingRadius>();
     double steps = 0;
     for (std::size_t i = 0; i < bodies.size(); ++i) {
-        const double arm2 = radius[bodies[i]] * radius[bodies[i]]; // makes a turn a length
+        const double arm2 = radius[bodies[i]] * radius[bodies[i]]; // converts rotations to lengths
         const CorrectionRow& c = correction[bodies[i]];
         Hold& hold = network.holds.emplace_back();
         hold.stiffness << Vec3::Constant(mean_stiffness), Vec3::Constant(mean_stiffness * arm2);
         if (i < corrected) {
-            // both hold it: to where it is, and to where it should be
+            // two springs hold it: at its present pose and at its correction
             const double both = settings.float_free + settings.hold;
             hold.wanted << c.steps * c.shift, c.steps * c.turn;
             hold.wanted *= settings.hold / both;

@@ -4,27 +4,31 @@
 
 namespace bris {
 
-/// How a correction is spread over bodies without a sensor.
+/// Settings for spreading corrections over bodies without a sensor.
 struct SpreadSettings {
-    double hold = 1e3; ///< stiffness with which sensors are held to their corrections, of the mean
-                       ///< contact stiffness
-    double float_free =
-        1e-3; ///< with which everybody is held to where it is, likewise: what hinges stays
-    double tolerance = 1e-3; ///< of the solution (motion_of_least_energy): ways are then off by
-                             ///< half a percent in the mean
+    /// Stiffness that holds sensor bodies at their corrections, relative to the mean contact
+    /// stiffness.
+    double hold = 1e3;
+    /// Stiffness that holds every body at its present pose, relative to the mean contact stiffness:
+    /// keeps bodies in place that the contacts alone would leave free to move.
+    double float_free = 1e-3;
+    /// Tolerance of the solution (motion_of_least_energy). With the default the displacements have
+    /// a mean error of half a percent.
+    double tolerance = 1e-3;
 };
 
-/// Spreads the corrections that sensors' bodies have been given (Correction, not yet begun) over
-/// the free bodies that can be reached from them contact by contact, such that the springs of the
-/// present contacts store the least energy: minimises u K u / 2 + w |u_s - d|^2 / 2 over shifts and
-/// turns u, with K the stiffness of the contact network (normal springs, and tangential ones of
-/// contacts that stick). To first order nobody without a sensor gets a net force. Contacts with
-/// driven bodies and boundaries hold; what touches nobody stays. Linear laws. Nothing is kept for
-/// the next time, when contacts are others. Returns the energy u K u / 2, J.
+/// Spreads the corrections of sensor bodies (Correction, not yet begun) over the free bodies that
+/// can be reached from them contact by contact, so that the springs of the present contacts store
+/// the least energy. Minimises u K u / 2 + w |u_s - d|^2 / 2 over the shifts and rotations u, where
+/// K is the stiffness of the contact network (normal springs, and tangential springs of contacts
+/// that stick), d the corrections and w the stiffness that holds the sensor bodies at them. To
+/// first order no body without a sensor receives a net force. Driven bodies and boundaries stay
+/// where they are, and so do bodies without contacts. For linear contact laws. Nothing is stored
+/// for the next analysis, whose contacts differ. Returns the energy u K u / 2, J.
 double spread_corrections(World& world, const SpreadSettings& settings = {});
 
-/// J, that the springs of the present contacts store if sensors' bodies go as they are to, and all
-/// others stay.
+/// Energy (J) that the springs of the present contacts store if the sensor bodies follow their
+/// corrections and all other bodies stay.
 double energy_of_corrections(const World& world);
 
 } // namespace bris

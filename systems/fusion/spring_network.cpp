@@ -15,9 +15,11 @@ using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;
 using Rows3x6 = Eigen::Matrix<double, 3, 6, Eigen::DontAlign>;
 using Motions = std::vector<Vector6>;
 
-constexpr auto no_motion = "fusion: the contact network has no motion of least energy";
+constexpr auto no_motion =
+    "fusion: expected a motion of least energy of the contact network, found none";
 
-/// Shifts and turns of a body move its point by [1, -r x].
+/// Matrix [1, -r x] that maps the shift and rotation of a body to the displacement of its point at
+/// r.
 Rows3x6 motion_at(const Vec3& r) {
     Rows3x6 m;
     m << Mat3::Identity(), -cross_matrix(r);
@@ -34,7 +36,7 @@ Vec3 stretch_of(const Joint& j, const Motions& motion) {
     return stretch;
 }
 
-/// What joints do to bodies that have moved so.
+/// Forces and torques of the joints on bodies after a motion.
 Motions forces_of_joints(const SpringNetwork& network, const Motions& motion) {
     Motions forces(motion.size(), Vector6::Zero());
     for (const Joint& j : network.joints) {
@@ -45,8 +47,8 @@ Motions forces_of_joints(const SpringNetwork& network, const Motions& motion) {
     return forces;
 }
 
-// v -= m x and v -= m^T x, column by column: as Eigen's products, which are not vectorised here,
-// they take twice as long
+// v -= m x and v -= m^T x, column by column: Eigen's own products are not vectorised here and take
+// twice as long
 void subtract_product(Vector6& v, const Mat6& m, const Vector6& x) {
     Vector6 remainder = v;
     for (Eigen::Index k = 0; k < 6; ++k) remainder -= m.col(k) * x[k];
@@ -64,11 +66,12 @@ double dot(const Motions& a, const Motions& b) {
     return sum.sum();
 }
 
-/// The stiffness A of joints and holds in blocks of 6 x 6: D_i of each body, B_ik of each two that
-/// are joined (k < i). They are kept divided by an incomplete factor of A that has no more blocks
-/// than A: E_i = D_i - sum B_ik E_k^-1 B_ik^T = G_i G_i^T. E is positive, since what is taken from
-/// D_i for a body joined before is never more than the joint gave it. In v = G^T u the matrix is W
-/// + W^T - R, with W = 1 + L, L_ik = G_i^-1 B_ik G_k^-T and R_i = 1 - sum L_ik L_ik^T.
+/// The stiffness A of joints and holds in blocks of 6 x 6: D_i for each body, and B_ik for each two
+/// bodies that are joined (k < i). The blocks are stored divided by an incomplete factor of A that
+/// has no more blocks than A: E_i = D_i - sum B_ik E_k^-1 B_ik^T = G_i G_i^T. E_i is positive
+/// definite, because what is subtracted from D_i for a body k is never more than the joint has
+/// added to it. In terms of v = G^T u the matrix is W + W^T - R, with W = 1 + L, L_ik = G_i^-1 B_ik
+/// G_k^-T and R_i = 1 - sum L_ik L_ik^T.
 class DividedStiffness {
 public:
     explicit DividedStiffness(const SpringNetwork& network) : back_(network.holds.size()) {
@@ -76,8 +79,8 @@ public:
     }
     Motions divided(Motions forces) const; ///< W^-1 G^-1 f
     Motions undivided(Motions y) const;    ///< G^-T W^-T y
-    /// product = W^-1 (W + W^T - R) W^-T y = W^-T y + W^-1 (y - R W^-T y): the factor alone is gone
-    /// through (Eisenstat 1981).
+    /// product = W^-1 (W + W^T - R) W^-T y = W^-T y + W^-1 (y - R W^-T y), which needs only
+    /// solutions with the factor (Eisenstat 1981).
     void multiply(const Motions& y, Motions& product);
 
 private:
@@ -91,13 +94,13 @@ private:
     void solve_backward(Motions& v) const; ///< v := W^-T v
 
     std::vector<Block> blocks_;
-    std::vector<std::size_t> first_; ///< of each body's blocks
+    std::vector<std::size_t> first_; ///< index of each body's first block
     std::vector<Mat6> inverse_root_; ///< G^-1
     std::vector<Mat6> rest_;         ///< R
     Motions back_;                   ///< W^-T y
 };
 
-/// B into the blocks; returns D.
+/// Stores B in the blocks and returns D.
 std::vector<Mat6> DividedStiffness::assemble(const SpringNetwork& network) {
     std::vector<Mat6> diagonal;
     for (const Hold& h : network.holds) diagonal.emplace_back(h.stiffness.asDiagonal());
@@ -180,8 +183,8 @@ void DividedStiffness::multiply(const Motions& y, Motions& product) {
 std::vector<Vector6> motion_of_least_energy(const SpringNetwork& network, double tolerance) {
     const std::size_t n = network.holds.size();
     Motions motion;
-    for (const Hold& h : network.holds)
-        motion.push_back(h.wanted); // from there on only joints resist
+    // start at the wanted displacements, where the holds exert no force
+    for (const Hold& h : network.holds) motion.push_back(h.wanted);
     DividedStiffness stiffness(network);
     Motions y(n, Vector6::Zero()), missing = stiffness.divided(forces_of_joints(network, motion)),
                                    direction = missing, product(n);

@@ -17,7 +17,8 @@ namespace bris {
 
 namespace {
 
-/// Of all boundaries: platens and membrane, which does less than none where it is pushed outwards.
+/// Work of all boundaries, J: platens and membrane. That of a membrane that is pushed outwards is
+/// negative.
 double work_of_boundaries(const World& world) {
     return sum_by_id(rows_by_id(world.column<Bodies, BodyId>()),
                      world.column<Bodies, BoundaryWork>());
@@ -33,18 +34,18 @@ std::vector<double> work_of_corrections(const World& world) {
     return all;
 }
 
-/// Sums sizes: what one rock gets is not made good by what is taken from another.
+/// Sum of magnitudes (J): work on one rock is not offset by negative work on another.
 double spent(const std::vector<double>& now, const WorkBudget& budget) {
     double sum = 0;
     for (std::size_t k = 0; k < now.size(); ++k) sum += std::abs(now[k] - budget.work_done[k]);
     return sum;
 }
 
-// A share of 0.005, the default of twin, over a ratio of a half is just the least share: roundings
-// do not decide.
+// A share of 0.005 (the default of the scenario twin) over a ratio of a half is exactly
+// least_share: the tolerance keeps rounding from deciding.
 double if_enough(double share) { return share < least_share * (1 - 1e-9) ? 0 : share; }
 
-/// Of a correction, such that all keep within what is allowed.
+/// Fraction of each correction such that all together do the allowed work.
 double share_to_give(const WorkBudget& budget) {
     if (budget.expected <= budget.allowed) return 1;
     return if_enough(std::sqrt(budget.allowed / budget.expected));
@@ -53,11 +54,10 @@ double share_to_give(const WorkBudget& budget) {
 } // namespace
 
 void set_work_budget(World& world, double largest_share) {
-    require(
-        largest_share >= 0 && largest_share <= 1,
-        fmt::format(
-            "work of the fusion: expected a share of 0 to 1 of that of the boundaries, found {}",
-            largest_share));
+    require(largest_share >= 0 && largest_share <= 1,
+            fmt::format("work budget of the fusion: expected a share from 0 to 1 of the "
+                        "boundaries' work, found {}",
+                        largest_share));
     WorkBudget& budget = world.resource<Fusion>().budget;
     budget.largest_share = largest_share;
     if (largest_share == 0) return;
@@ -78,8 +78,9 @@ void begin_analysis(World& world) {
     if (basis > 0)
         a.ratio = std::max(cost / basis, 0.5 * a.ratio);
     else if (a.allowed > 0)
-        a.ratio *= 0.5; // they were too dear, and will be tried again; while something is owed
-                        // nothing is tried, nor forgotten
+        // corrections were too costly and are tried again; while there is a deficit, nothing is
+        // tried and the ratio is kept
+        a.ratio *= 0.5;
     a.deficit = std::max(0.0, a.deficit + cost - a.allowance);
     a.allowance = a.largest_share * done;
     a.allowed = std::max(0.0, a.allowance - a.deficit);
@@ -107,7 +108,7 @@ void limit_corrections(World& world, std::size_t first_record, double energy) {
     for (std::size_t k = first_record; k < fusion.records.size(); ++k) {
         AnalysisRecord& r = fusion.records[k];
         r.work_expected = budget.expected;
-        if (share == 1 || r.share == 0) continue; // r: refused, or withheld before
+        if (share == 1 || r.share == 0) continue; // r: rejected, or already withheld
         ++(share > 0 ? budget.reduced : budget.withheld);
         const auto s = static_cast<Row>(r.sensor);
         const CorrectionRow& c = correction[row[world.column<Sensors, SensorHost>()[s]]];

@@ -8,7 +8,7 @@ namespace {
 
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
 
-// Angular momentum in the body's axes of a free body: dL/dt = L x w, w = L / I.
+// Rate of the angular momentum in the body's axes without torque: dL/dt = L x w, w = L / I.
 Vec3Lanes rate(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia) {
     return cross(momentum, scaled(momentum, inverse_inertia));
 }
@@ -22,7 +22,7 @@ Vec3Lanes advance(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia,
     return momentum + dt / 6 * (a + 2 * b + 2 * c + d);
 }
 
-/// Rotation vector, in the body's axes, of the free motion over dt.
+/// Rotation vector of the torque-free motion over dt, in the body's axes.
 Vec3Lanes rotation_of_step(const Vec3Lanes& momentum, const Vec3Lanes& inverse_inertia, double dt) {
     const Vec3Lanes omega = scaled(momentum, inverse_inertia);
     const Vec3Lanes midpoint =
@@ -37,7 +37,7 @@ Vec3Lanes rotation_of_step(const Vec3Lanes& momentum, const Vec3Lanes& inverse_i
     return select(large, magnus, midpoint);
 }
 
-// one step of Newton towards norm 1: rounding leaves it within 1e-15
+// one Newton step towards norm 1, after which the norm is within 1e-15 of 1
 QuatLanes renormalised(const QuatLanes& q) {
     const Lane scale = 0.5 * (3.0 - squared_norm(q));
     return {scale * q.x, scale * q.y, scale * q.z, scale * q.w};
@@ -82,7 +82,7 @@ void rotate_clumps(Rows<Bodies, const MotionOf, const Torque, const InertialIner
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const LaneMask free = equal(motion, rows, free_motion);
         if (bits(free) == 0) return;
-        // driven bodies may have no inertia, and do not turn
+        // driven bodies may have no inertia, and do not rotate
         const Vec3Lanes inverse_inertia = select(free, inverse(load(inertia, rows)), Vec3Lanes{});
         const Vec3Lanes before = load(momentum, rows), t = load(torque, rows),
                         after = before + dt * t;
@@ -93,7 +93,7 @@ void rotate_clumps(Rows<Bodies, const MotionOf, const Torque, const InertialIner
         const AxesLanes turned = axes_of(to);
         const Vec3Lanes now = scaled(to_body(turned, after + 0.5 * dt * t), inverse_inertia);
         store(momentum, rows, select(free, after, before));
-        // a rotation's axis is the same in both frames
+        // the axis of a rotation is the same in both frames
         store(step_omega, rows,
               select(free, to_world(axes, per_second * rotation), load(step_omega, rows)));
         store(omega, rows, select(free, to_world(turned, now), load(omega, rows)));
@@ -103,8 +103,8 @@ void rotate_clumps(Rows<Bodies, const MotionOf, const Torque, const InertialIner
 
 namespace {
 
-/// The place of a body's sphere is centre + x along_x + y along_y + z along_z, with (x, y, z) its
-/// place in the body's axes, and its radius added.
+/// The position of a sphere is centre + x along_x + y along_y + z along_z, where (x, y, z) is its
+/// position in the body's axes. The fourth component is 0, to which the radius is added.
 struct PositionedFrame {
     Quad centre, along_x, along_y, along_z;
 };
@@ -185,7 +185,7 @@ void bound_displacement_and_rotation(Rows<Bodies, const Position, const Orientat
     const double* radius = bodies.column<BoundingRadius>();
     double* displacement = bodies.column<DisplacementBound>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        // displacement_bound of each body
+        // as displacement_bound
         const PoseLanes was = load(from, rows);
         const Vec3Lanes gone = load(position, rows) - was.position;
         const QuatLanes q = load(orientation, rows);

@@ -5,7 +5,8 @@
 
 namespace bris {
 
-/// Writes the rows of motion of lane_count bodies: m/s, 1/kg (0 if driven), rad/s.
+/// Writes the motion rows of lane_count bodies: velocity (m/s), inverse mass (1/kg, 0 if driven)
+/// and angular velocity (rad/s).
 inline void store_motion(MotionRow* motion, LaneRows rows, const Vec3Lanes& v,
                          const Lane& inverse_mass, const Vec3Lanes& omega) {
     const ByRow at(rows);

@@ -82,7 +82,8 @@ void damp_and_accumulate_work(
         const Vec3Lanes f_before = load(force, rows), t_before = load(torque, rows);
         const Vec3Lanes f = damped(f_before, now, damping.fraction);
         const Vec3Lanes t = damped(t_before, load(omega, rows), damping.fraction);
-        // means of before and after the kick: the work that the leapfrog itself does
+        // with the means of the velocities before and after the kick this is the work that the
+        // leapfrog itself does
         const Vec3Lanes mean_velocity = v + (half_step / load(mass, rows)) * f;
         const AxesLanes axes = axes_of(load(orientation, rows));
         const Vec3Lanes mean_momentum = to_body(axes, load(momentum, rows) + half_step * t);

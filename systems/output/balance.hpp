@@ -5,16 +5,17 @@
 
 namespace bris {
 
-/// How far a world is from equilibrium, from the records of the last step.
+/// Deviation of a world from equilibrium, from the contact forces of the last step.
 struct Balance {
-    double unbalanced_ratio =
-        1;                    ///< mean |resultant| of free bodies / mean sum of |forces|; 1 if none
+    /// Mean magnitude of the resultant on free bodies / mean sum of the magnitudes of the forces on
+    /// them; 1 if there are no forces.
+    double unbalanced_ratio = 1;
     std::size_t contacts = 0; ///< touching pairs
     std::size_t free_bodies = 0;
-    std::size_t idle_bodies = 0; ///< free bodies that nothing touches
+    std::size_t idle_bodies = 0; ///< free bodies without contacts
 };
 
-/// Measures the balance; the same bits for any order of the rows.
+/// Computes the balance. The bits do not depend on the order of the rows.
 Balance compute_balance(const World& world);
 
 } // namespace bris

@@ -10,15 +10,15 @@
 
 namespace bris {
 
-/// A touching pair: its names, what it does to its owner, and its coefficients.
+/// A touching pair: its names, its force on the owner, its springs and its coefficients.
 struct TouchingPair {
     PairNames names;
     ForceRow force;
     SpringRow spring;
     RollRow roll;
     std::uint32_t law;
-    double radius; ///< m, effective
-    double share;  ///< of the stiffness of its patch
+    double radius; ///< m, effective radius
+    double share;  ///< share of the stiffness of its contact patch
 };
 
 /// All touching pairs of one kind, in the order of their names.

@@ -16,7 +16,7 @@ namespace bris {
 
 namespace {
 
-/// Bodies touched by each body id; a partner that touches in many places counts once.
+/// Counts the bodies that each body touches, by id. A partner with several contacts counts once.
 template <class Pairs>
 void count_partners(const World& world, std::vector<float>& count) {
     PairNames last{nobody, nobody, 0, 0};
@@ -39,7 +39,8 @@ void append(std::vector<float>& list, const Vec3& v) {
     for (int k = 0; k < 3; ++k) list.push_back(static_cast<float>(v[k]));
 }
 
-// Places from the State alone: they hold before the first step and after a restore, too.
+// Positions are computed from State alone, so they are valid before the first step and after a
+// restore.
 
 void add_facet_corners(const World& world, const std::vector<Row>& rows,
                        std::vector<Vec3>& corners) {
@@ -54,12 +55,12 @@ void add_facet_corners(const World& world, const std::vector<Row>& rows,
             corners[4 * id[f] + k] = position[rows[host[f]]] + shape[f].corners[k];
 }
 
-// strips of the membrane from middle to middle of the rings, with half a ring at each end
+// strips of the membrane between the middles of adjacent rings, and half a ring at each end
 void add_membrane_corners(const World& world, std::vector<Vec3>& corners) {
     if (!world.has<Elements>()) return;
     const auto& membrane = world.resource<Membrane>();
     const MembraneSurface surface(membrane, world.column<Elements, ElementRadius>().data());
-    // where the planes of a sector and of the next one meet
+    // intersection of the planes of a sector and of the next one
     const auto corner = [&](int ring, int sector) {
         const int next = (sector + 1) % surface.sectors;
         const Vec3 &a = surface.outward[sector], &b = surface.outward[next];

@@ -12,45 +12,44 @@
 
 namespace bris {
 
-/// Bodies that carry spheres, and all facets, as a run file shows them: in the order of their ids,
-/// whatever their rows. n bodies.
+/// State of all bodies with spheres and of all facets, as written to a run file. Bodies are in the
+/// order of their ids, regardless of their rows. n: number of bodies.
 struct BodyFrame {
-    double time = 0;               ///< s
-    std::vector<std::int64_t> ids; ///< n
-    std::vector<std::int64_t>
-        shapes;                    ///< n, number in the clump library; empty in scenes of spheres
-    std::vector<Vec3> positions;   ///< n, m
-    std::vector<float> radii;      ///< n, m, bounding radius
-    std::vector<float> velocities; ///< n x 3, m/s, at the time of the positions
+    double time = 0;                  ///< s
+    std::vector<std::int64_t> ids;    ///< n
+    std::vector<std::int64_t> shapes; ///< n, index in the clump library; empty in scenes of spheres
+    std::vector<Vec3> positions;      ///< n, m
+    std::vector<float> radii;         ///< n, m, bounding radius
+    std::vector<float> velocities;    ///< n x 3, m/s, at the time of the positions
     std::vector<float> angular_velocities; ///< n x 3, rad/s
-    std::vector<float> orientations;       ///< n x 4: w, x, y, z; empty in scenes of spheres
-    std::vector<float> coordination;       ///< n, bodies that touch it (boundaries count)
+    std::vector<float> orientations;       ///< n x 4 (w, x, y, z); empty in scenes of spheres
+    std::vector<float> coordination;       ///< n, touching bodies (boundaries count)
     std::vector<Vec3> corners;             ///< 4 per facet, m
     std::size_t quads() const { return corners.size() / 4; }
 };
 
-/// Gathers a frame from the world as the last step left it. Reads only.
+/// Gathers a frame from the world after the last step. Reads only.
 BodyFrame frame_of_bodies(const World& world);
 
-/// The bodies of a frame as a view to be drawn, sphere by sphere, as they stand in the world;
-/// `colour` takes the place of a body in the frame. Facets become outlines.
+/// The bodies of a frame as a view to be drawn, sphere by sphere, at their present positions in the
+/// world. `colour` is called with the index of a body in the frame. Facets become outlines.
 View view_of_bodies(const World& world, const BodyFrame& frame,
                     const std::function<Colour(std::size_t index)>& colour);
 
-/// Writes frames of a world to NAME.vtkhdf: id, shape, radius, velocity, spin, orientation and
-/// coordination of every body, facets as quads. Throws OutputError.
+/// Writes frames of a world to NAME.vtkhdf: id, shape, radius, velocity, angular velocity,
+/// orientation and coordination number of every body; facets as quads. Throws OutputError.
 class FrameWriter {
 public:
     FrameWriter(const std::filesystem::path& path, const std::vector<NamedValue>& meta);
     void add(const World& world) { add(frame_of_bodies(world)); }
     void add(const BodyFrame& frame);
     std::size_t frames() const { return file_.frames(); }
-    /// For tracks and whatever else belongs to the run.
+    /// The file, for tracks and other data of the run.
     RunFile& file() { return file_; }
 
 private:
     RunFile file_;
-    std::vector<std::int64_t> ids_; // of the cells announced last
+    std::vector<std::int64_t> ids_; // of the part begun last
     std::vector<float> radii_;
     std::size_t quads_ = 0;
 };

@@ -8,8 +8,8 @@
 
 namespace bris {
 
-/// What acts on bodies from elsewhere than contacts: weight, and what pulls sensors. For as long as
-/// the world's tables stay as they are.
+/// Forces on bodies other than contact forces: weight, and the nudging of sensor rocks. Valid as
+/// long as the world's tables are not changed.
 class OuterForces {
 public:
     explicit OuterForces(const World& world)
@@ -20,7 +20,7 @@ public:
                                                  : Vec3(Vec3::Zero())),
           any_(nudging_ != nullptr || world.has_resource<Gravity>()) {}
     bool any() const { return any_; }
-    /// N, on the body of a row.
+    /// Force (N) on the body of a row.
     Vec3 operator()(Row row) const {
         const Vec3 weight = mass_[row] * gravity_;
         return nudging_ != nullptr ? Vec3(weight + nudging_[row].force) : weight;

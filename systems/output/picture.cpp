@@ -53,7 +53,7 @@ bool draw_picture(const std::filesystem::path& png, std::span<const View> views,
         paste(image, left, top, whole);
         left += image.width + gap;
     }
-    // the canvas is the image, pixel by pixel; rows run downwards in both
+    // one unit of the plot is one pixel of the image; rows run downwards in both
     const std::string commands =
         fmt::format("set margins 0,0,0,0\nunset border\nunset tics\nunset key\n{}"
                     "plot [-0.5:{}-0.5] [{}-0.5:-0.5] '-' binary array=({},{}) format='%uchar' "

@@ -66,14 +66,14 @@ double solid_volume(const World& world, const CylinderRegion& region, int column
                 }
         }
     }
-    // lengths are rounded to sums in the fixed order of the columns
+    // the sum over the columns has a fixed order
     double length = 0;
     for (auto& list : column) length += union_length(list);
     return length * pitch * pitch;
 }
 
 double porosity(const World& world, const CylinderRegion& region, int columns) {
-    // the same midpoints decide what is inside, so that a full region has porosity 0
+    // the region's volume is counted with the same midpoints, so that a full region has porosity 0
     double inside = 0;
     for (int j = 0; j < columns; ++j)
         for (int i = 0; i < columns; ++i) {

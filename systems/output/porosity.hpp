@@ -11,12 +11,13 @@ struct CylinderRegion {
     double volume() const { return pi * radius * radius * (high - low); }
 };
 
-/// Volume (m3) of the union of all spheres of free and held rocks inside the region: exact along z
-/// (union of intervals), `columns` x `columns` midpoints across the diameter. Error about
-/// 1/columns^1.5 of the volume of one rock's boundary; 3e-4 of the total at 200.
+/// Volume (m3) of the union of all spheres inside the region, those of fixed rocks included. The
+/// integration is exact along z (union of intervals) and uses `columns` x `columns` midpoints
+/// across the diameter. Error: about 1/columns^1.5 of the volume of one rock's boundary; 3e-4 of
+/// the total with 200 columns.
 double solid_volume(const World& world, const CylinderRegion& region, int columns = 200);
 
-/// 1 - solid volume / volume.
+/// Porosity of the region: 1 - solid volume / volume.
 double porosity(const World& world, const CylinderRegion& region, int columns = 200);
 
 } // namespace bris

@@ -6,29 +6,29 @@
 
 namespace bris {
 
-/// What a scene looks like mechanically, summed over bodies and contacts in id order. Contacts are
-/// those of the last step, from before bodies moved in it: kinetic and elastic energy are a step
-/// apart.
+/// Mechanical quantities of a scene, summed over bodies and contacts in the order of their ids. The
+/// contacts are those at the beginning of the last step, so elastic energy is one step older than
+/// kinetic energy.
 struct Quantities {
-    double kinetic_energy = 0;     ///< J, at the time of the positions, inertial masses
-    double elastic_energy = 0;     ///< J, normal, tangential and rolling springs
+    double kinetic_energy = 0;     ///< J, at the time of the positions, with inertial masses
+    double elastic_energy = 0;     ///< J, of normal, tangential and rolling springs
     double coordination = 0;       ///< touching partners per free body (boundaries count)
     std::size_t contacts = 0;      ///< touching pairs of spheres or of sphere and boundary
     std::size_t body_contacts = 0; ///< touching pairs of bodies
     double mean_overlap = 0;       ///< m, of touching pairs
     double largest_overlap = 0;    ///< m
     double mean_normal_force = 0;  ///< N
-    double unbalanced_ratio =
-        0; ///< mean unbalanced force / mean sum of contact and applied forces; 1 if nothing carries
+    /// Mean unbalanced force / mean sum of contact and applied forces; 1 if there are no forces.
+    double unbalanced_ratio = 0;
     Vec3 boundary_force = Vec3::Zero(); ///< N, of all grains on all driven bodies
     Vec3 weight = Vec3::Zero();         ///< N, of all free bodies
 };
 
-/// Measures the world as the last step left it. Reads only.
+/// Computes the quantities of the world after the last step. Reads only.
 Quantities compute_quantities(const World& world);
 
-/// The usual keys of a mechanical scene: energies, contacts, coordination, overlaps, unbalanced
-/// ratio.
+/// Adds the usual quantities of a mechanical scene to a summary: energies, contacts, coordination
+/// number, overlaps and unbalanced force ratio.
 void add_quantities(Summary& summary, const Quantities& quantities);
 
 } // namespace bris

@@ -12,7 +12,7 @@ constexpr unsigned samples = 2; // per pixel and direction
 constexpr float infinitely_far = std::numeric_limits<float>::max();
 constexpr std::uint32_t nothing = std::numeric_limits<std::uint32_t>::max();
 
-/// Coordinates in the picture: right, up, and away from the viewer.
+/// Axes of the picture: right, up, and away from the viewer.
 struct Axes {
     explicit Axes(const Camera& camera) {
         const double c = std::cos(camera.azimuth), s = std::sin(camera.azimuth);
@@ -24,7 +24,7 @@ struct Axes {
     Vec3 right, up, away;
 };
 
-/// Nearest surface at every sample: how far, and which ball.
+/// Nearest surface at every sample: its depth and its ball.
 struct Depths {
     unsigned width, height;
     double scale;     // samples per m
@@ -33,7 +33,7 @@ struct Depths {
     std::vector<std::uint32_t> ball;
 };
 
-/// A ball in samples.
+/// A ball in units of samples.
 struct Disc {
     float x, y, depth, radius;
 };
@@ -45,7 +45,7 @@ Disc disc_of(const DrawnBall& ball, const Axes& axes, const Depths& target) {
             .radius = static_cast<float>(ball.radius * target.scale)};
 }
 
-/// First sample whose middle is at or beyond x, kept inside the picture.
+/// First sample whose middle is at or beyond x, clamped to the picture.
 unsigned first_sample(float x, unsigned size) {
     return static_cast<unsigned>(std::clamp(std::ceil(x - 0.5f), 0.0f, static_cast<float>(size)));
 }
@@ -74,7 +74,8 @@ bool same(const Colour& a, const Colour& b) {
     return a.red == b.red && a.green == b.green && a.blue == b.blue;
 }
 
-/// 1, or less where another body begins beside the sample and lies farther away.
+/// Factor of brightness: 1, or less at the edge of a body, where an adjacent sample shows another
+/// body or none.
 float edge_light(const Depths& depths, const std::vector<DrawnBall>& balls, std::size_t at,
                  unsigned x, unsigned y) {
     const std::uint32_t here = depths.ball[at];
@@ -90,7 +91,7 @@ float edge_light(const Depths& depths, const std::vector<DrawnBall>& balls, std:
     return edge ? 0.45f : 1.0f;
 }
 
-/// How bright the surface is at a sample: ambient and diffuse light, darker at the rim and with
+/// Brightness of the surface at a sample: ambient and diffuse light, darker at the rim and with
 /// distance.
 float brightness(const Disc& disc, const Depths& depths, std::size_t at, unsigned x, unsigned y,
                  float nearest, float farthest) {
@@ -104,7 +105,7 @@ float brightness(const Disc& disc, const Depths& depths, std::size_t at, unsigne
     return (0.34f + 0.72f * diffuse) * rim * haze;
 }
 
-/// Light of every sample, 3 numbers each; white where nothing is.
+/// Colour of every sample, three numbers each; white where there is no ball.
 std::vector<float> shade(const Depths& depths, const std::vector<DrawnBall>& balls,
                          const std::vector<Disc>& discs) {
     float nearest = infinitely_far, farthest = -infinitely_far;
@@ -129,11 +130,11 @@ std::vector<float> shade(const Depths& depths, const std::vector<DrawnBall>& bal
     return light;
 }
 
-/// Turns a sample dark blue, unless a ball stands in front of it.
+/// Colours a sample dark blue unless a ball is in front of it.
 void stain(unsigned x, unsigned y, double depth, const Depths& depths, std::vector<float>& light) {
     if (x >= depths.width || y >= depths.height) return;
     const std::size_t at = std::size_t{y} * depths.width + x;
-    // a bead that touches the membrane from inside does not hide its line
+    // a ball that touches the membrane from inside does not hide its line
     const double slack = 0.004 * depths.height;
     if (depth > static_cast<double>(depths.depth[at]) + slack) return;
     constexpr float line[3] = {20, 60, 120};
@@ -153,7 +154,7 @@ void draw_line(const Vec3& from, const Vec3& to, const Axes& axes, const Depths&
         if (!(x >= 0 && y >= 0 && x < depths.width && y < depths.height)) continue;
         const auto column = static_cast<unsigned>(x), row = static_cast<unsigned>(y);
         const double depth = at.dot(axes.away) * depths.scale;
-        for (unsigned k = 0; k < samples * samples; ++k) // as wide as a pixel
+        for (unsigned k = 0; k < samples * samples; ++k) // the line is one pixel wide
             stain(column + k % samples, row + k / samples, depth, depths, light);
     }
 }

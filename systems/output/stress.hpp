@@ -4,17 +4,19 @@
 
 namespace bris {
 
-/// Axial (z) and mean radial (x, y) part of a stress times the volume, J; compression is positive.
+/// Axial (z) and mean radial (x, y) components of a stress times the volume, J. Compression is
+/// positive.
 struct AxisymmetricStress {
     double axial = 0, radial = 0;
 };
 
-/// The stress of a specimen, twice: contact forces times branch vectors (Love 1927, Weber 1966),
-/// and the forces on the grains from outside, of boundaries and weight, times their places. In
-/// equilibrium both are the same.
+/// The stress of a specimen, computed twice: from contact forces times branch vectors (Love 1927,
+/// Weber 1966), and from the external forces on the grains (boundaries, weight, nudging) times the
+/// positions where they act. In equilibrium the two are equal.
 struct Stresses {
     AxisymmetricStress contact, boundary;
-    /// The larger relative difference of the two parts; infinite where a boundary carries nothing.
+    /// Stress mismatch: the larger relative difference of the axial and the radial component.
+    /// Infinite where a boundary carries no load.
     double mismatch() const;
 };
 Stresses compute_stresses(const World& world);

@@ -8,7 +8,8 @@ namespace bris {
 
 namespace {
 
-constexpr double least_area = 1e-3; // of a ring's height: below it the platen has passed the ring
+// Relative to ring height times radius: with a smaller area the platen has passed the ring.
+constexpr double least_area = 1e-3;
 
 double area_at(const MembraneSurface& s, int ring, double share) {
     double area = 0;
@@ -17,8 +18,8 @@ double area_at(const MembraneSurface& s, int ring, double share) {
     return area;
 }
 
-/// The part between the middles of two rings that lies between z = 0 and `top`, in rings' heights
-/// from the lower middle; the ends reach down to 0 and up to any top.
+/// The part of the strip between the middles of two rings that lies between z = 0 and `top`, in
+/// ring heights above the lower middle. The end strips reach down to 0 and up to any top.
 struct Part {
     double from, to;
     Part(const MembraneSurface& s, int ring, double top) {
@@ -66,12 +67,12 @@ double membrane_volume(const Membrane& membrane, const double* radius, double to
 }
 
 double ServoMotion::next(double speed, double force, double touching) {
-    constexpr double safety = 0.9; // mass = stiffness * (dt / safety)^2, as of scaled bodies
+    constexpr double safety = 0.9; // mass = stiffness * (dt / safety)^2, as for scaled bodies
     if (touching > stiffness) {
-        speed *= stiffness / touching; // momentum stays
+        speed *= stiffness / touching; // momentum is conserved
         stiffness = touching;
     }
-    // damping at the time of the force: half a step on from the speed
+    // the damping needs the speed at the time of the force, half a step later
     const double kick = safety * safety * force / stiffness, now = speed * dt + 0.5 * kick;
     const double driven = force * now > 0 ? 1 - damping : force * now < 0 ? 1 + damping : 1;
     return std::clamp(speed * dt + driven * kick, -largest_step, largest_step) / dt;
@@ -127,7 +128,8 @@ void servo_membrane(
             if (area[e] < 0 && !health.bad) {
                 health.bad = true;
                 health.what = "membrane element " + std::to_string(e) +
-                              " is hidden by its neighbours: exposed area " +
+                              " is hidden by its neighbours: expected an exposed area of at least "
+                              "0 m2, found " +
                               std::to_string(area[e]) + " m2; try the servo per ring";
             }
             force += push[e];
@@ -137,7 +139,7 @@ void servo_membrane(
         const bool passed = on < least_area * membrane.ring_height * radius[g * group] &&
                             g * group >= membrane.sectors;
         membrane.pressure[g] = passed ? aim : force / on;
-        // one contact an element is the floor
+        // the stiffness is at least that of one contact per element
         ServoMotion servo{membrane.stiffness[g], membrane.damping, membrane.largest_step, clock.dt};
         const double next = servo.next(
             speed[g * group], force - aim * on,
@@ -146,11 +148,11 @@ void servo_membrane(
             if (membrane.active) speed[e] = passed ? speed[e - membrane.sectors] : next;
             radius[e] += speed[e] * clock.dt;
             if (radius[e] > membrane.largest_step || health.bad)
-                continue; // nor where it is not a number
+                continue; // a radius that is not a number does not continue
             health.bad = true;
             health.what =
                 "membrane element " + std::to_string(e) +
-                " has closed upon the axis: expected grains that bear the target pressure of " +
+                " has reached the axis: expected grains that carry the target pressure of " +
                 std::to_string(membrane.target_pressure) + " Pa, found none";
         }
     }

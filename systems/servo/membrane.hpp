@@ -13,46 +13,47 @@
 
 namespace bris {
 
-/// Gives each element its share of the contact forces: the two elements between which a contact
-/// stands take its radial part as a lever would, so that push times speed is the power of the
+/// Distributes the contact forces to the elements: the radial part of a contact is divided between
+/// the two nearest elements by the lever rule, so that push times speed is the power of the
 /// contacts.
 void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
                    Rows<NearMembrane, const NearPair, const PairForce, const FootOf> near,
                    const NearIndex<MembranePairs>& index, const Membrane& membrane);
 
-/// Books half a step's work of the elements on the grains: once at the speed of the last step, once
-/// at that of the next (trapezoidal rule).
+/// Accumulates the work of the elements on the grains over half a step. It runs twice a step, at
+/// the speed of the last step and at the speed of the next (trapezoidal rule).
 void accumulate_membrane_work(Rows<Bodies, BoundaryWork> bodies,
                               Rows<Elements, const ElementPush, const ElementSpeed> elements,
                               const Membrane& membrane, const Clock& clock);
 
-/// Moves the groups of a membrane (rings or elements) by their balance of forces (ServoMotion): the
-/// grains' push against the target pressure (PressureAim) on the area dV/dr of the current surface
-/// below the platen (inventory E3). A group that the platen has passed follows the ring below it.
-/// An element that its neighbours hide has no area to press on, and one that reaches the axis has
-/// found no grains: that is noted in Health and stops the run.
+/// Moves the groups of a membrane (rings or elements) by their force balance (ServoMotion): the
+/// force of the grains against the set point of the pressure (PressureAim) on the area dV/dr of the
+/// current surface below the platen. A group that the platen has passed follows the ring below it.
+/// An element that its neighbours hide has no area for the pressure to act on, and an element that
+/// reaches the axis has met no grains: either is recorded in Health and stops the run.
 void servo_membrane(
     Rows<Elements, ElementRadius, ElementSpeed, ElementArea, const ElementPush, const ElementHold>
         elements,
     Rows<Planes, const PlanePosition> planes, Membrane& membrane, const Platen& platen,
     const Clock& clock, Health& health);
 
-/// How a boundary answers a force: as a body with local damping that is as heavy as the step needs
-/// for the stiffness (N/m) that it touches. A wall that only follows its error answers the soft
-/// modes of a specimen a hundred times slower.
+/// Response of a boundary to a force: that of a body with local damping and with the mass that the
+/// time step requires for the stiffness (N/m) of its contacts. A wall whose speed is proportional
+/// to the pressure error responds a hundred times more slowly to the soft modes of a specimen.
 struct ServoMotion {
-    double&
-        stiffness; ///< N/m, the largest so far: a wall must not get lighter where it loses contacts
+    /// N/m, the largest so far: a wall must not become lighter when it loses contacts.
+    double& stiffness;
     double damping, largest_step, dt;
-    /// Speed (m/s) one step on, for a resultant force (N) and the stiffness that touches now.
+    /// Speed (m/s) after one step, for a resultant force (N) and the present contact stiffness
+    /// (N/m).
     double next(double speed, double force, double touching);
 };
 
-/// Area (m2) on which each element presses below the height `top`: the derivative of the volume
-/// with respect to its radius. Both by element.
+/// Area (m2) of each element below the height `top` (m) on which the pressure acts: the derivative
+/// of the volume with respect to the element's radius. `radius` and `area`: one number per element.
 void compute_areas(const Membrane& membrane, const double* radius, double top, double* area);
 
-/// Volume (m3) inside a membrane between z = 0 and `top`.
+/// Volume (m3) inside a membrane between z = 0 and z = `top` (m).
 double membrane_volume(const Membrane& membrane, const double* radius, double top);
 
 /// Area (m2) of the polygon of a ring.

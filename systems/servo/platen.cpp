@@ -30,11 +30,11 @@ void servo_platen(
     position.z() -= platen.speed * clock.dt;
     bodies.column<DisplacementBound>()[host] =
         (position - bodies.column<PrunedAt>()[host].position).norm();
-    if (position.z() > 0 || health.bad) return; // nor where it is not a number
+    if (position.z() > 0 || health.bad) return; // a height that is not a number does not return
     health.bad = true;
-    health.what =
-        "the platen has come to the bottom: expected grains that bear it, found none; at " +
-        std::to_string(platen.pressure) + " Pa";
+    health.what = "the platen has reached the bottom: expected grains that carry it, found none; "
+                  "its pressure is " +
+                  std::to_string(platen.pressure) + " Pa";
 }
 
 void accumulate_platen_work(Rows<Planes, const HostRow> planes,

@@ -13,7 +13,7 @@ namespace bris {
 
 namespace {
 
-/// Who sleeps, by row; those that stand still for good always do.
+/// Which bodies sleep, by row. Fixed bodies always do.
 class WhoSleeps {
 public:
     WhoSleeps(const World& world, const Sleep& sleep)
@@ -57,9 +57,9 @@ private:
     std::span<const Row> body_;
 };
 
-/// Pairs with somebody awake, by the bits of their group. Those that fall asleep are looked at once
-/// more, as all are after lists were made anew: their forces are from then on those of bodies that
-/// do not move.
+/// Marks the pairs with a body that is awake, by the bits of their group. Pairs that fall asleep
+/// are computed once more, and so are all pairs after the lists were made anew: from then on their
+/// forces are those of bodies that do not move.
 template <class Pairs>
 void mark_awake(World& world, const std::vector<std::uint8_t>& sleeps) {
     if (!world.has<Pairs>()) return;
@@ -79,7 +79,7 @@ void mark_awake(World& world, const std::vector<std::uint8_t>& sleeps) {
     for (std::size_t g = 0; g < index.look.size(); ++g) index.look[g] |= index.awake[g];
 }
 
-/// Bodies with a pair that is looked at.
+/// Marks the bodies with a pair that is computed in this step.
 template <class Pairs>
 void mark_busy(const World& world, std::vector<std::uint8_t>& busy) {
     if (!world.has<Pairs>()) return;
@@ -95,7 +95,7 @@ void mark_busy(const World& world, std::vector<std::uint8_t>& busy) {
         }
 }
 
-/// Rows of bodies that sleep, and of whose contacts none is looked at.
+/// Lets row-local systems skip the rows of sleeping bodies without a contact that is computed.
 void leave_idle_rows(World& world, const Sleep& sleep) {
     std::vector<std::uint8_t> busy(sleep.sleeps.size());
     std::ranges::transform(sleep.sleeps, busy.begin(),
@@ -112,28 +112,32 @@ void leave_idle_rows(World& world, const Sleep& sleep) {
 
 void add_sleep(World& world, const Sleep& settings) {
     require(settings.acceleration > 0 && settings.speed > 0 && settings.steps > 0,
-            "sleep: expected an acceleration, a speed and steps above 0");
-    require(!world.has<Facets>() && !world.has<Elements>(),
-            "sleep: expected planes as boundaries, found facets or a membrane: bodies do not sleep "
-            "on these");
+            "sleep: expected an acceleration, a speed and a number of steps above 0");
+    require(
+        !world.has<Facets>() && !world.has<Elements>(),
+        "sleep: expected planes as boundaries, found facets or a membrane, on which bodies cannot "
+        "sleep");
     const auto motion = world.column<Bodies, MotionOf>();
     const auto stands = [](std::uint32_t m) {
         return m == static_cast<std::uint32_t>(Motion::free) ||
                m == static_cast<std::uint32_t>(Motion::fixed);
     };
     require(std::ranges::all_of(motion, stands),
-            "sleep: expected boundaries that stand still, found one that is driven");
+            "sleep: expected fixed boundaries, found one that is driven");
     require(!world.has<Sensors>(),
-            "sleep: expected no sensors: their corrections would be lost on sleepers");
+            "sleep: expected no sensors, found some: corrections would be lost on sleeping bodies");
     Table& bodies = world.table<Bodies>();
     const auto velocity = bodies.column<Velocity>(),
                angular_velocity = bodies.column<AngularVelocity>();
     for (Row b = 0; b < motion.size(); ++b)
-        require(motion[b] == static_cast<std::uint32_t>(Motion::free) ||
-                    (velocity[b] == Vec3::Zero() && angular_velocity[b] == Vec3::Zero()),
-                "sleep: expected fixed bodies without motion, found one with");
+        require(
+            motion[b] == static_cast<std::uint32_t>(Motion::free) ||
+                (velocity[b] == Vec3::Zero() && angular_velocity[b] == Vec3::Zero()),
+            "sleep: expected fixed bodies with velocities of 0, found one with another velocity");
     require(!bodies.has<FrictionWork>() && !bodies.has<BoundaryWork>(),
-            "sleep: expected no energy budget: it would miss what sleepers had");
+            "sleep: expected no energy budget, found one: it would miss the energy that bodies "
+            "lose when "
+            "they fall asleep");
     bodies.add<Resting>();
     bodies.add<HeldPose>();
     world.add_resource<Sleep>(settings);
@@ -161,7 +165,7 @@ bool sleep_is_due(const World& world) {
 void review_sleep(World& world, Sleep& sleep) {
     const WhoSleeps who(world, sleep);
     const bool listed =
-        world.resource<NearIndex<SpherePairs>>().awake.empty(); // anew: no marks are left
+        world.resource<NearIndex<SpherePairs>>().awake.empty(); // new lists have no marks
     const bool changed = listed || who.differs_from(sleep.sleeps);
     if (changed) {
         sleep.sleeps = who.all();

@@ -6,24 +6,26 @@
 
 namespace bris {
 
-// Sleeping: who rests, what of him is left out of the step. Scenes without the resource Sleep have
-// none of this.
+// Sleeping: which bodies are at rest, and which parts of the step skip them. Scenes without the
+// resource Sleep have none of these systems.
 
-/// Lets the bodies of a scene sleep; before its schedule is made. Throws InputError unless its
-/// boundaries are planes that stand still, and where an energy ledger is kept, which would miss
-/// what little sleepers had.
+/// Lets the bodies of a scene sleep. To be called before its schedule is made. Throws InputError
+/// unless all boundaries are fixed planes; where there are sensors, whose corrections would be lost
+/// on sleeping bodies; and where there is an energy budget, which would miss the energy that bodies
+/// lose when they fall asleep.
 void add_sleep(World& world, const Sleep& settings);
 
-/// Wakes all, as whoever changes weight, materials, boundaries or bodies by hand has to.
+/// Wakes all bodies. To be called after a change of gravity, materials, boundaries or bodies from
+/// outside the step.
 void wake_all(World& world);
 
-/// Bodies that sleep now.
+/// Number of sleeping bodies.
 std::size_t sleepers(const World& world);
 
-/// Whether somebody has fallen asleep or woken.
+/// True if a body has fallen asleep or woken since the last review.
 bool sleep_is_due(const World& world);
-/// Tells contacts and row-local systems which pairs and bodies to leave out; then, and where lists
-/// are made anew.
+/// Determines which pairs and bodies the contact kernels and row-local systems skip. Runs when
+/// sleep_is_due, and when the lists are made anew.
 void review_sleep(World& world, Sleep& sleep);
 
 template <class... Shape>
@@ -31,7 +33,8 @@ using RestingBodies = Rows<Bodies, const MotionOf, const Mass, const BoundingRad
                            const Torque, Resting, HeldPose, Position, Velocity, Acceleration,
                            AngularVelocity, StepAngularVelocity, AngularMomentum, Shape...>;
 
-/// After the motion of a step: counts who was at rest, holds who sleeps, lets go who is pushed.
+/// After the motion of a step: counts the steps at rest of each body, holds the sleeping bodies in
+/// place and wakes those whose forces are out of balance.
 void hold_spheres(RestingBodies<const SphereInertia> bodies, const Sleep& sleep);
 void hold_clumps(RestingBodies<Orientation> bodies, const Sleep& sleep);
 

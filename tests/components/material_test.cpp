@@ -9,18 +9,19 @@
 using namespace bris;
 
 TEST_SUITE("components/material") {
-    TEST_CASE("two spheres of glass have the moduli of Hertz and Mindlin") {
+    TEST_CASE("two glass spheres have the stiffnesses of Hertz and Mindlin") {
         Materials m;
         m.add({.name = "glass", .density = 2800, .young_modulus = 4.8e10, .poisson_ratio = 0.2});
         const LawRow& k = m.hertz_pairs[0];
         CHECK(k.kn == about(4.8e10 / (2 * (1 - 0.04))).epsilon(1e-14));
-        // 2 (1 - nu) / (2 - nu), accuracy.md 4.1
+        // 2 (1 - nu) / (2 - nu), Mindlin (1949)
         CHECK(k.ks / k.kn == about(0.8 * 2 / 1.8).epsilon(1e-14));
     }
 
-    TEST_CASE("a force that is cut at zero gives the restitution of the closed form, and a "
-              "calibrated dashpot undoes it") {
-        // accuracy.md 1b: restitution asked for, found when cut, ratio that restores it
+    TEST_CASE("a normal force without tension gives the restitution of the closed form, and a "
+              "calibrated dashpot restores the restitution that was asked for") {
+        // Schwager and Poeschel (2007): restitution asked for, restitution without tension, damping
+        // ratio that restores it
         const std::array<std::array<double, 3>, 5> rows{{{0.1, 0.25273, 1.24318},
                                                          {0.3, 0.39714, 0.49724},
                                                          {0.5, 0.55028, 0.25528},
@@ -38,7 +39,7 @@ TEST_SUITE("components/material") {
         CHECK(damping_ratio(0, Tension::allowed) == 1);
     }
 
-    TEST_CASE("a calibrated dashpot reaches every restitution above 0, and none reaches 0") {
+    TEST_CASE("a calibrated dashpot reaches every restitution above 0, but not 0") {
         for (const double e : {1e-2, 1e-4, 1e-8, 1e-100}) {
             const double ratio = damping_ratio(e, Tension::calibrated);
             CHECK(restitution_of(ratio, Tension::calibrated) == about(e).epsilon(1e-12));
@@ -48,8 +49,8 @@ TEST_SUITE("components/material") {
         CHECK(std::isinf(damping_ratio(0, Tension::calibrated)));
     }
 
-    TEST_CASE("a pair's own properties replace the mixing rules, in both orders, and survive a "
-              "checkpoint") {
+    TEST_CASE("the properties of a pair of materials replace the mixing rules in both orders of "
+              "the pair, and survive a checkpoint") {
         Materials m;
         const auto ball = m.add({.name = "ball", .friction = 0.3, .restitution = 0.81});
         const auto wall = m.add({.name = "wall", .friction = 0.2, .restitution = 1});

@@ -5,12 +5,14 @@
 using namespace bris;
 
 TEST_SUITE("components/pressure_aim") {
-    TEST_CASE("the first target is taken at once, and held to the bit while it does not change") {
+    TEST_CASE("the set point takes the first target at once and keeps its bits while the target "
+              "does not change") {
         PressureAim aim;
         for (int k = 0; k < 10; ++k) CHECK(aim.next(55e3) == 55e3);
     }
 
-    TEST_CASE("a new target is reached without haste or return, and then held to the bit") {
+    TEST_CASE("the set point approaches a new target monotonically with a bounded rate, and then "
+              "keeps its bits") {
         for (const double target : {80e3, 0.0}) {
             PressureAim aim;
             const double start = aim.next(50e3);
@@ -22,15 +24,16 @@ TEST_SUITE("components/pressure_aim") {
                 before = now;
             }
             CHECK(before != target);
-            // the steepest of half a cosine is pi / 2 of the mean
+            // the largest slope of half a cosine is pi / 2 times the mean slope
             CHECK(largest <= 0.5 * pi * std::abs(target - start) / PressureAim::ramp_steps);
             CHECK(std::abs(target - before) <
-                  1e-3 * std::abs(target - start)); // arrives gently: (pi / ramp)^2 / 4
+                  1e-3 * std::abs(target - start)); // last step: (pi / ramp)^2 / 4
             for (int k = 0; k < 3; ++k) CHECK(aim.next(target) == target);
         }
     }
 
-    TEST_CASE("a target that changes on the way is aimed at from where the aim stands") {
+    TEST_CASE(
+        "when the target changes during the ramp, the new ramp starts from the present set point") {
         PressureAim aim;
         aim.next(1e4);
         double now = 0;

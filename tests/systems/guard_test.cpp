@@ -45,7 +45,7 @@ bool has(const std::string& text, const std::string& part) {
 } // namespace
 
 TEST_SUITE("guard") {
-    TEST_CASE("a healthy run is not disturbed") {
+    TEST_CASE("a valid run is not stopped") {
         Simulation sim = five(Grains::spheres, false);
         CHECK(message_of(sim, 200) == "no error");
     }
@@ -72,7 +72,7 @@ TEST_SUITE("guard") {
             }
     }
 
-    TEST_CASE("a spin that is not a number stops a clump's run") {
+    TEST_CASE("an angular velocity that is not a number stops a run of clumps") {
         Simulation sim = five(Grains::clumps, false);
         sim.advance(10);
         value_of<AngularMomentum>(sim, 1).z() = not_a_number;
@@ -102,7 +102,7 @@ TEST_SUITE("guard") {
         CHECK(has(text, "1500"));
     }
 
-    TEST_CASE("a free body that leaves the box of the scene stops the run; a driven one may be "
+    TEST_CASE("a free body that leaves the box of the scene stops the run; a driven body may be "
               "anywhere") {
         Simulation sim = five(Grains::spheres, false, [](World& w) {
             w.resource<Limits>().low = Vec3(-0.1, -0.1, 0);
@@ -119,8 +119,8 @@ TEST_SUITE("guard") {
         CHECK(sim.world().resource<Clock>().step < 510);
     }
 
-    TEST_CASE(
-        "a spin that is not a number stops a single sphere's run before it touches anything") {
+    TEST_CASE("an angular velocity that is not a number stops a run of single spheres before the "
+              "sphere has contacts") {
         Simulation sim = five(Grains::spheres, false);
         sim.advance(10);
         value_of<AngularMomentum>(sim, 1).z() = not_a_number;
@@ -130,20 +130,20 @@ TEST_SUITE("guard") {
         CHECK(has(text, "step 11"));
     }
 
-    TEST_CASE("a body that goes farther in a step than a surface may go unseen stops the run") {
+    TEST_CASE("a body that could pass through a surface undetected in one step stops the run") {
         // a quarter of 0.01 m in 1e-5 s: 250 m/s
         Simulation sim = five(Grains::spheres, false,
                               [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 260, 0); });
         const std::string text = message_of(sim, 100);
         CAPTURE(text);
         CHECK(has(text, "body 4"));
-        CHECK(has(text, "a way up to 0.0025 m in a step, found 0.0026 m"));
+        CHECK(has(text, "a displacement up to 0.0025 m in a step, found 0.0026 m"));
         Simulation slower = five(Grains::spheres, false,
                                  [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 240, 0); });
         CHECK(message_of(slower, 3) == "no error");
     }
 
-    TEST_CASE("a wall that goes farther in a step than its smallest grain allows stops the run") {
+    TEST_CASE("a wall that moves farther in a step than the smallest grain allows stops the run") {
         Simulation sim = five(Grains::spheres, true, [](World& w) {
             value_of<MotionOf>(w, 5) = static_cast<std::uint32_t>(Motion::prescribed);
             value_of<DriveVelocity>(w, 5) = Vec3(260, 0, 0);
@@ -151,7 +151,7 @@ TEST_SUITE("guard") {
         CHECK(has(message_of(sim, 100), "body 5"));
     }
 
-    TEST_CASE("two spheres too deep in each other are named") {
+    TEST_CASE("the message names two spheres that overlap too deeply") {
         Simulation sim = five(Grains::spheres, false, [](World& w) {
             value_of<Position>(w, 2) = value_of<Position>(w, 1) + Vec3(0.0, 0, 0.016);
         });
@@ -162,7 +162,7 @@ TEST_SUITE("guard") {
         CHECK(has(text, "0.004")); // m of overlap
     }
 
-    TEST_CASE("a sphere too deep in a plane or a facet is named, and so is the boundary") {
+    TEST_CASE("the message names a sphere that is too deep in a plane or facet, and the boundary") {
         for (const bool facets : {false, true}) {
             Simulation sim = five(Grains::spheres, facets,
                                   [](World& w) { value_of<Position>(w, 3).z() = 0.0074; });
@@ -175,7 +175,7 @@ TEST_SUITE("guard") {
         }
     }
 
-    TEST_CASE("the run stays stopped") {
+    TEST_CASE("a stopped run cannot be continued") {
         Simulation sim = five(Grains::spheres, false,
                               [](World& w) { value_of<Velocity>(w, 4) = Vec3(0, 1500, 0); });
         CHECK_THROWS_AS(sim.advance(100), SimulationError);

@@ -21,7 +21,7 @@ constexpr unsigned count = 60;
 Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {},
                     unsigned bodies = count) {
     run.dt = 2e-5;
-    run.law = LawName::linear_rolling; // else a sphere on one point spins for ever
+    run.law = LawName::linear_rolling; // otherwise a sphere on one contact spins for ever
     World world = stress::tumbling({.grains = grains, .bodies = bodies});
     auto& materials = world.resource<Materials>();
     for (Material& m : materials.list) m.rolling_friction = m.twisting_friction = 0.1;
@@ -34,8 +34,8 @@ Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {}
 
 enum class Which { highest, lowest };
 
-/// A grain is lifted by hand: the highest falls on those that sleep, and the lowest is missed by
-/// those that lay on it.
+/// Lifts a grain: the highest then falls on sleeping grains, and the lowest no longer supports
+/// those above it.
 EntityId lift_one(Simulation& sim, double up = 0.02, Which which = Which::highest) {
     World& world = sim.world();
     const auto position = world.column<Bodies, Position>();
@@ -59,8 +59,8 @@ bool idle(const World& world) {
 } // namespace
 
 TEST_SUITE("sleep") {
-    TEST_CASE("grains at rest sleep, nothing is computed of them, and their forces are those of "
-              "grains that do not") {
+    TEST_CASE("grains at rest fall asleep and are no longer computed, and their forces are those "
+              "of a run without sleep") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             Simulation sim = tumbling(grains, true), waking = tumbling(grains, false);
             CHECK(sleepers(sim.world()) == 0);
@@ -88,7 +88,7 @@ TEST_SUITE("sleep") {
                     std::max(farthest,
                              (value_of<Position>(sim, id) - value_of<Position>(waking, id)).norm());
             CHECK(farthest < 10 * full.mean_overlap);
-            // a state at rest is left as it is
+            // a state at rest does not change
             const auto before = fingerprint(sim.snapshot(), "bodies/position");
             sim.advance(500);
             CHECK(fingerprint(sim.snapshot(), "bodies/position") == before);
@@ -96,7 +96,8 @@ TEST_SUITE("sleep") {
         }
     }
 
-    TEST_CASE("who is pushed wakes, and those he pushes, and all sleep again") {
+    TEST_CASE(
+        "a grain that is hit wakes, wakes the grains that it pushes, and all fall asleep again") {
         Simulation sim = tumbling(Grains::spheres, true);
         for (unsigned k = 0; k < 400 && !idle(sim.world()); ++k) sim.advance(250);
         REQUIRE(sleepers(sim.world()) == count);
@@ -112,20 +113,21 @@ TEST_SUITE("sleep") {
         const Quantities q = compute_quantities(sim.world());
         CHECK(std::abs(q.boundary_force.z() / q.weight.z() - 1) < 0.01);
         CHECK(q.largest_overlap < 0.01);
-        // told that something has changed, all look again
+        // after a change from outside all bodies are awake
         wake_all(sim.world());
         sim.advance(1);
         CHECK(sleepers(sim.world()) == 0);
         CHECK_FALSE(idle(sim.world()));
     }
 
-    TEST_CASE("no sleeper lacks more than twice the acceleration that he may sleep with") {
+    TEST_CASE("the unbalanced acceleration of a sleeping grain is at most twice the limit for "
+              "falling asleep") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             Simulation sim = tumbling(grains, true);
             for (unsigned k = 0; k < 400 && !idle(sim.world()); ++k) sim.advance(250);
             REQUIRE(sleepers(sim.world()) == count);
             wake_all(sim.world());
-            sim.advance(1); // all contacts and forces, of bodies that stand where they slept
+            sim.advance(1); // all contacts and forces of the bodies in the pose in which they slept
             const World& world = sim.world();
             const auto force = world.column<Bodies, Force>();
             const auto mass = world.column<Bodies, Mass>();
@@ -135,12 +137,11 @@ TEST_SUITE("sleep") {
                 if (motion[b] == static_cast<std::uint32_t>(Motion::free))
                     most = std::max(most, force[b].norm() / mass[b]);
             CHECK(most <= 2 * Sleep{}.acceleration);
-            CHECK(most >
-                  0.01 * Sleep{}.acceleration); // something was left out, or this would say nothing
+            CHECK(most > 0.01 * Sleep{}.acceleration); // otherwise the check above would be trivial
         }
     }
 
-    TEST_CASE("those whose support is taken away wake and fall") {
+    TEST_CASE("grains that lose their support wake and fall") {
         Simulation sim = tumbling(Grains::spheres, true);
         for (unsigned k = 0; k < 400 && !idle(sim.world()); ++k) sim.advance(250);
         REQUIRE(sleepers(sim.world()) == count);
@@ -164,10 +165,9 @@ TEST_SUITE("sleep") {
         CHECK(std::abs(q.boundary_force.z() / q.weight.z() - 1) < 0.01);
     }
 
-    TEST_CASE("sleeping gives the same bits on any number of threads, in any order, with any lists "
-              "and after a restart") {
-        constexpr unsigned many =
-            300; // blocks of rows that are left alone beside others that are not
+    TEST_CASE("sleeping gives the same bits on any number of threads, in any order of rows, with "
+              "any lists and after a restart") {
+        constexpr unsigned many = 300; // enough for idle blocks of rows beside others
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             const auto settled = [&](const testing::RunSettings& settings) {
                 Simulation sim = tumbling(grains, true, settings, many);
@@ -195,7 +195,7 @@ TEST_SUITE("sleep") {
             CAPTURE(least);
             CAPTURE(most);
             CAPTURE(some);
-            CHECK(most > least); // somebody falls asleep or wakes
+            CHECK(most > least); // a grain falls asleep or wakes
             CHECK(most > many / 4);
             if (grains == Grains::spheres) CHECK(some > 0);
             const auto whole = fingerprint(sim.snapshot());
@@ -213,7 +213,7 @@ TEST_SUITE("sleep") {
             CHECK(run({.lists = {.outer_skin = 0.001, .inner_skin = 0.0001, .tune = false}}) ==
                   whole);
             Simulation again = tumbling(grains, true, {}, many);
-            for (const int used : {0, 1}) { // a new one, and one that has run
+            for (const int used : {0, 1}) { // a new simulation, and one that has run
                 CAPTURE(used);
                 again.restore(middle);
                 again.advance(1500);
@@ -222,8 +222,8 @@ TEST_SUITE("sleep") {
         }
     }
 
-    TEST_CASE(
-        "a scene that does not ask for sleep has nothing of it, and one that cannot is refused") {
+    TEST_CASE("a scene without sleep has no systems of sleep, and a scene that does not allow "
+              "sleep is refused") {
         CHECK(tumbling(Grains::spheres, false).schedule().explain().find("hold_spheres: absent") !=
               std::string::npos);
         const auto refusal = [](auto&& change) {
@@ -240,11 +240,11 @@ TEST_SUITE("sleep") {
               }).find("sleep: expected planes") == 0);
         CHECK(refusal([](World& w, Sleep&) {
                   (void)add_boundary(w, Vec3::Zero(), 0, Motion::prescribed);
-              }).find("sleep: expected boundaries that stand still") == 0);
+              }).find("sleep: expected fixed boundaries") == 0);
         CHECK(refusal([](World& w, Sleep&) {
                   value_of<AngularVelocity>(w, add_boundary(w, Vec3::Zero(), 0, Motion::fixed)) =
                       Vec3(0, 0, 1);
-              }).find("sleep: expected fixed bodies without motion") == 0);
+              }).find("sleep: expected fixed bodies with velocities of 0") == 0);
         CHECK(refusal([](World& w, Sleep&) {
                   w.table<Bodies>().add<BoundaryWork>();
               }).find("sleep: expected no energy budget") == 0);

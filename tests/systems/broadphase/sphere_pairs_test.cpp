@@ -21,8 +21,8 @@ Partners touching_now(const World& world) {
 } // namespace
 
 TEST_SUITE("broadphase/sphere_pairs") {
-    TEST_CASE("of spheres of very different sizes all touching pairs are found, each once, "
-              "whichever has the lower id") {
+    TEST_CASE("every touching pair of spheres of very different sizes is found once, whichever "
+              "sphere has the lower id") {
         std::vector<Vec3> position;
         std::vector<double> size;
         for (unsigned k = 0; k < 600; ++k) {
@@ -37,10 +37,11 @@ TEST_SUITE("broadphase/sphere_pairs") {
                 if ((position[a] - position[b]).norm() < size[a] + size[b])
                     expected.push_back({a, b});
         REQUIRE(expected.size() > 1000);
-        for (const double ratio : {3.0, 1e9}) { // of sizes in a grid: four grids, and one for all
+        for (const double ratio :
+             {3.0, 1e9}) { // of sizes in a grid: four grids, or one grid for all
             World world = make_world(Grains::spheres);
             const auto material =
-                add_material(world, linear_material(1, 0, 0)); // soft: they overlap as they like
+                add_material(world, linear_material(1, 0, 0)); // soft, so overlaps do not matter
             world.resource<Limits>().overlap = 1e9;
             for (std::size_t k = 0; k < position.size(); ++k)
                 add_sphere(world, position[k], size[k], material);
@@ -52,7 +53,7 @@ TEST_SUITE("broadphase/sphere_pairs") {
         }
     }
 
-    TEST_CASE("two bodies that both stand still are no pair, however deep they overlap") {
+    TEST_CASE("two fixed bodies form no pair, however deep they overlap") {
         for (const Motion second : {Motion::fixed, Motion::free}) {
             World world = make_world(Grains::spheres);
             const auto material = add_material(world, linear_material(1, 0, 0));

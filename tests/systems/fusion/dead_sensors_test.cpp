@@ -1,5 +1,4 @@
-// Sensors that die in the middle of a run, or never say anything of use: the bodies go on as if
-// nobody had spoken.
+// Sensors that fail during a run, or whose samples are all rejected, must not change the motion.
 
 #include "engine/random.hpp"
 #include "scenarios/stability/observed.hpp"
@@ -17,10 +16,10 @@ using namespace bris;
 namespace {
 
 constexpr double dt = 2e-5, interval = 1e-3;         // s
-constexpr unsigned steps_each = 50;                  // of an interval
+constexpr unsigned steps_each = 50;                  // per interval
 constexpr unsigned good_ones = 20, all_of_them = 40; // samples of each sensor
 constexpr std::array<EntityId, 2> hosts{3, 17};
-constexpr EntityId another = 39; // two or three layers above them
+constexpr EntityId another = 39; // two or three layers above the hosts
 
 using Samples = std::vector<std::vector<TimedMeasurement>>;
 
@@ -30,7 +29,7 @@ Simulation start(World world) {
     return stress::begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
 }
 
-/// What sensors record of a bed that tumbles; and what one of another rock says.
+/// Samples of the sensors of a tumbling bed, and those that a sensor in another rock would record.
 struct Recorded {
     Samples of_hosts{hosts.size()};
     std::vector<TimedMeasurement> of_another;
@@ -49,7 +48,7 @@ Recorded record() {
     return r;
 }
 
-/// What no filter lets in, of one kind after the other.
+/// Samples that every filter rejects, of eight kinds in turn.
 Measured refused(unsigned kind, const Measured& good, const Measured& of_another) {
     constexpr double infinite = std::numeric_limits<double>::infinity();
     Measured bad; // nothing but NaN
@@ -81,8 +80,9 @@ Measured refused(unsigned kind, const Measured& good, const Measured& of_another
     return bad;
 }
 
-/// The recordings up to the k-th sample; then they end, or only what is refused comes, thrice as
-/// often: some of it while the last good sample is being followed.
+/// The recordings up to the k-th sample. Then they end or, if `goes_on`, only samples that are
+/// rejected follow, three times as often: some arrive while the last good correction is still being
+/// applied.
 Samples up_to(const Recorded& recorded, unsigned k, bool goes_on) {
     Samples samples(hosts.size());
     for (std::size_t s = 0; s < hosts.size(); ++s) {
@@ -121,7 +121,8 @@ Simulation with_sensors(Samples samples, const Method& method = {}) {
     return start(std::move(world));
 }
 
-/// All State but that of sensors and filters; `bare`: nor the columns that hosts have.
+/// Fingerprint of all State except that of sensors and filters; `bare`: also without the columns
+/// that only sensor hosts use.
 std::uint64_t mechanics(const Simulation& sim, bool bare = false) {
     constexpr std::array of_hosts{"bodies/guided", "bodies/correction", "bodies/nudging",
                                   "bodies/fusion_work"};
@@ -148,8 +149,8 @@ constexpr unsigned all_steps = steps_each * all_of_them + 1;
 } // namespace
 
 TEST_SUITE("systems/fusion/dead_sensors") {
-    TEST_CASE("clumps whose sensors say only what is refused from some time on move as if the "
-              "recordings had ended there, to the last bit") {
+    TEST_CASE("if all samples after some time are rejected, clumps move as if the recordings had "
+              "ended there, to the last bit") {
         const Recorded recorded = record();
         const std::array methods{Method{},
                                  Method{.injection_steps = 1},
@@ -168,16 +169,14 @@ TEST_SUITE("systems/fusion/dead_sensors") {
                 goes_on.advance(steps);
                 CHECK(mechanics(goes_on) == mechanics(ended));
             }
-            CHECK(counted<Accepted>(ended) >
-                  hosts.size() * good_ones); // it was told, and it followed
+            CHECK(counted<Accepted>(ended) > hosts.size() * good_ones); // samples were assimilated
             CHECK(counted<Accepted>(goes_on) == counted<Accepted>(ended));
             CHECK(counted<Refused>(goes_on) >= counted<Refused>(ended) + 85);
             CHECK(fusion_work(ended.world()) != 0);
         }
     }
 
-    TEST_CASE("clumps whose sensors never say anything but what is refused move as without "
-              "sensors, to the last bit") {
+    TEST_CASE("if all samples are rejected, clumps move as without sensors, to the last bit") {
         const Recorded recorded = record();
         Simulation alone = start(stress::tumbling(bed())),
                    dead = with_sensors(up_to(recorded, 0, true)),
@@ -193,8 +192,7 @@ TEST_SUITE("systems/fusion/dead_sensors") {
         CHECK(fusion_work(dead.world()) == 0);
     }
 
-    TEST_CASE("samples that come again, at once or later, move nothing, and nothing is known the "
-              "better for them") {
+    TEST_CASE("repeated samples, at once or later, move nothing and do not change the covariance") {
         const Recorded recorded = record();
         const Samples once = up_to(recorded, good_ones, false);
         Samples again = once;

@@ -30,14 +30,15 @@ Collide game() {
     return c;
 }
 
-/// Few samples of the velocity alone: an error is left, and nothing jumps.
+/// Few samples, of the velocity only: an error remains, and no position is corrected.
 Collide game_with_error_left() {
     Collide c = game();
     c.sampling_rate = 30;
     c.velocity_noise = 0.02;
     c.position_noise = -1;
-    c.steps_per_contact =
-        400; // where in a step contact begins shows in the rebound: by a tenth of that error at 50
+    // the rebound depends on where in a step the contact begins: with 50 steps by a tenth of the
+    // error
+    c.steps_per_contact = 400;
     return c;
 }
 
@@ -48,12 +49,12 @@ TimedMeasurement at(double time, const Vec3& position) {
     return m;
 }
 
-/// Of a place that is not known at all, and a velocity that is.
+/// For a position that is unknown and a velocity that is known.
 FilterSettings certain_motion() {
     return {.position = 1, .velocity = 1e-12, .acceleration_density = 1e-20};
 }
 
-/// Two balls that rest against each other, without weight; the first has a sensor.
+/// Two balls at rest in contact, without weight; the first has a sensor.
 Simulation pair(std::vector<TimedMeasurement> samples, unsigned injection_steps,
                 FilterSettings settings = {}, double distance = 0.0199) {
     World world = make_world(Grains::spheres);
@@ -67,8 +68,8 @@ Simulation pair(std::vector<TimedMeasurement> samples, unsigned injection_steps,
 
 Fusion& fusion_of(Simulation& sim) { return sim.world().resource<Fusion>(); }
 
-/// A ball that flies otherwise than the model believes, seen every millisecond; samples of the
-/// named times (ms) come late.
+/// A ball whose true flight differs from the model's and is observed every millisecond. The samples
+/// of the times in `late` (ms) arrive late by `lateness` (s).
 Simulation flight(const std::vector<unsigned>& late, double lateness, unsigned lag,
                   double note_every) {
     std::vector<TimedMeasurement> samples;
@@ -95,8 +96,8 @@ std::uint64_t counted(Simulation& sim, auto component) {
 } // namespace
 
 TEST_SUITE("systems/fusion/fuse") {
-    TEST_CASE("what the sensor of one ball tells, contact carries to the other, as momentum "
-              "conservation says") {
+    TEST_CASE("contact transfers the correction of one ball to the other as momentum conservation "
+              "requires") {
         for (const double offset : {0.0, 0.7}) {
             Collide c = game_with_error_left();
             c.offset = offset;
@@ -109,8 +110,8 @@ TEST_SUITE("systems/fusion/fuse") {
         }
     }
 
-    TEST_CASE("off centre, all components of the other ball's error are as momentum conservation "
-              "says, where balls touch for no time") {
+    TEST_CASE("in an oblique collision of vanishing duration all components of the other ball's "
+              "error are those of momentum conservation") {
         const auto collide = [](double offset, double young_modulus) {
             Collide c = game_with_error_left();
             c.offset = offset;
@@ -118,8 +119,8 @@ TEST_SUITE("systems/fusion/fuse") {
             return run_experiment(c);
         };
         for (const double offset : {0.7, 1.2}) {
-            // the line of centres turns while they touch, a time that goes as the modulus to the
-            // -2/5
+            // the line of centres rotates during the contact, whose duration scales as the modulus
+            // to the power -2/5
             const CollideResult soft = collide(offset, 1e8), stiff = collide(offset, 1e9);
             const double shorter = std::pow(10, 0.4);
             const Vec3 instantaneous = (shorter * stiff.carried - soft.carried) / (shorter - 1);
@@ -133,19 +134,20 @@ TEST_SUITE("systems/fusion/fuse") {
         }
     }
 
-    TEST_CASE("of many balls hit at once, each one's error is in proportion to its own velocity, "
-              "as the first ball's is") {
-        // Centre to centre: contacts of Hertz with dashpots of a given restitution are the same at
-        // any speed, with overlaps that go as its power 4/5. So balls that touch all start off in
-        // proportion to it. How momentum is shared among them no closed form says.
+    TEST_CASE(
+        "when one ball hits many, the relative velocity error of each equals that of the first") {
+        // Central impact: Hertz contacts with dashpots of a given restitution are similar at all
+        // speeds, with overlaps that scale as the speed to the power 4/5. So the velocities of
+        // balls in contact are all proportional to it. There is no closed form for how they share
+        // the momentum.
         Collide c = game();
         c.balls = 7;
-        c.material.young_modulus =
-            1e7; // the gaps between them, which do not go along, are 1 % of the overlaps
+        // the gaps between the balls, which do not scale with the speed, are 1 % of the overlaps
+        c.material.young_modulus = 1e7;
         c.sampling_rate = 33;
         c.position_noise = -1;
-        c.velocity_noise = c.filter.velocity = 1e-9; // a model as sure of its speed as the sensor
-                                                     // of its own goes there a part of the way
+        // a model as certain of its speed as the sensor follows the sensor only in part
+        c.velocity_noise = c.filter.velocity = 1e-9;
         c.filter.acceleration_density = 0;
         c.filter.gate = 1;
         c.steps_per_contact = 400;
@@ -165,7 +167,7 @@ TEST_SUITE("systems/fusion/fuse") {
                   0.01 * share * r.truth[outer].norm());
     }
 
-    TEST_CASE("with a good sensor hardly any error is left, of one ball or of many") {
+    TEST_CASE("a precise sensor removes nearly all of the error, of one other ball or of many") {
         for (const unsigned balls : {2u, 7u}) {
             Collide c = game();
             c.balls = balls;
@@ -179,8 +181,8 @@ TEST_SUITE("systems/fusion/fuse") {
         }
     }
 
-    TEST_CASE("what happens within a touch a sensor cannot mend: another restitution leaves its "
-              "error in the other ball") {
+    TEST_CASE("a sensor cannot correct what happens during a contact: a wrong restitution leaves "
+              "its error in the other ball") {
         Collide c = game();
         c.model_speed = 1;
         c.model_restitution = 0.5;
@@ -189,29 +191,31 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(r.free_error == about(0.5 * (0.9 - 0.5)).epsilon(0.02));
     }
 
-    TEST_CASE("a correction arrives whole, at once or in steps, and leaves no velocity behind") {
+    TEST_CASE(
+        "a correction is applied in full, at once or over several steps, and leaves no velocity") {
         for (const unsigned steps : {1u, 50u}) {
             Simulation sim = pair({at(3e-4, Vec3(-1e-3, 2e-4, 0))}, steps, certain_motion(), 0.03);
             sim.advance(30);
             CHECK(value_of<Position>(sim, 0).norm() ==
-                  0); // the sample is taken at the end of this step
+                  0); // the sample is assimilated at the end of this step
             sim.advance(steps / 2);
             CHECK(std::abs(value_of<Position>(sim, 0).x() - (steps == 1 ? 0 : -0.5e-3)) < 1e-6);
             sim.advance(steps - steps / 2);
             CAPTURE(steps);
             CHECK((value_of<Position>(sim, 0) - Vec3(-1e-3, 2e-4, 0)).norm() < 1e-6);
             CHECK(value_of<Velocity>(sim, 0).norm() < 1e-9);
-            CHECK(fusion_work(sim.world()) == 0); // against nothing
+            CHECK(fusion_work(sim.world()) == 0); // no force opposes it
         }
     }
 
-    TEST_CASE("what a correction stores in a contact is booked as work of fusion") {
-        // a ball is pushed deeper into a fixed one, which pushes back meanwhile
+    TEST_CASE(
+        "the energy that a correction stores in a contact is accumulated as work of the fusion") {
+        // a ball is moved deeper into a fixed one, whose contact force opposes it
         Simulation sim = pair({at(1e-5, Vec3(5e-5, 0, 0))}, 40, certain_motion());
         const double kn = 1e5, before = 0.5 * kn * 1e-8;
-        sim.advance(43); // the correction and one step more, which books its end
+        sim.advance(43); // the correction and one more step, which accumulates its end
         const double overlap = value_of<Position>(sim, 0).x() + 0.0001;
-        // velocity of the time of the position, from the middle of the step
+        // velocity at the time of the position, from that in the middle of the step
         const Vec3 now = value_of<Velocity>(sim, 0) -
                          Vec3(0.5e-5 * kn * overlap / value_of<InertialMass>(sim, 0), 0, 0);
         const double energy =
@@ -220,7 +224,8 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(energy - before == about(fusion_work(sim.world())).epsilon(0.01));
     }
 
-    TEST_CASE("with all sensors dead the bodies move as without any, to the last bit") {
+    TEST_CASE(
+        "with sensors that record nothing the bodies move as without sensors, to the last bit") {
         const auto positions = [](bool with_sensors) {
             World world = make_world(Grains::spheres);
             const auto m = world.resource<Materials>().add(linear_material(1e5, 8e4, 0.5));
@@ -240,8 +245,8 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(positions(true) == positions(false));
     }
 
-    TEST_CASE("new lists right after a sample change no bit: contacts see what it did to "
-              "velocities all the same") {
+    TEST_CASE("new lists directly after a sample change no bit: contacts see the corrected "
+              "velocities with or without them") {
         const auto after = [](bool anew) {
             TimedMeasurement m = at(1e-4, Vec3(-1e-5, 0, 0));
             m.what.velocity = Vec3(0.01, 0.002, 0);
@@ -256,7 +261,7 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(after(true) == after(false));
     }
 
-    TEST_CASE("a run resumed between a sample and the end of its correction has the same bits") {
+    TEST_CASE("a run resumed while a correction is being applied has the same bits") {
         const std::vector<TimedMeasurement> samples{at(3e-4, Vec3(5e-5, 1e-5, 0)),
                                                     at(8e-4, Vec3(4e-5, 2e-5, 0))};
         Simulation whole = pair(samples, 60), resumed = pair(samples, 60);
@@ -267,7 +272,7 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(fingerprint(whole.snapshot()) == fingerprint(resumed.snapshot()));
     }
 
-    TEST_CASE("a scene without sensors has none of fusion in its schedule, and says so") {
+    TEST_CASE("the schedule of a scene without sensors has no systems of the fusion, and says so") {
         World world = make_world(Grains::spheres);
         (void)add_sphere(world, Vec3::Zero(), 0.01,
                          world.resource<Materials>().add(linear_material(1e5)));
@@ -289,20 +294,20 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(runs(fused, "apply_correction_displacement"));
     }
 
-    TEST_CASE("a sensor that says what cannot be is refused, counted, and moves nothing") {
+    TEST_CASE("an impossible measurement is rejected and counted, and moves nothing") {
         Simulation sim = pair({at(1e-4, Vec3(1, 0, 0)),
                                at(2e-4, Vec3(std::numeric_limits<double>::infinity(), 0, 0))},
                               1, {.position = 1e-4});
         sim.advance(40);
         CHECK(sim.world().column<Sensors, Refused>()[0] ==
-              1); // what is not a number was not measured
+              1); // a vector that is not finite counts as not measured
         CHECK(sim.world().column<Sensors, Accepted>()[0] == 0);
         CHECK(sim.world().column<Sensors, LargestInnovation>()[0] > 1e6);
         CHECK(fusion_work(sim.world()) == 0);
     }
 
-    TEST_CASE("each analysis is kept with its innovation, gain, deviation, share and work, through "
-              "a checkpoint too") {
+    TEST_CASE("each analysis is recorded with its innovation, gain, deviation, share and work, and "
+              "the records survive a checkpoint") {
         const double noise = 1e-3, expected = 2e-3;
         std::vector<TimedMeasurement> samples{at(1e-4, Vec3(-1e-3, 0, 0)),
                                               at(2e-4, Vec3(-1e-3, 0, 0))};
@@ -326,10 +331,10 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(std::isnan(records[0].attitude_gain)); // not measured
         CHECK(records[0].share == 1);
         CHECK(records[1].position_innovation ==
-              about((1 - gain) * 1e-3).epsilon(1e-3)); // what the first has left
+              about((1 - gain) * 1e-3).epsilon(1e-3)); // the remainder after the first
         CHECK(records[1].position_gain ==
               about(after * after / (after * after + noise * noise)).epsilon(1e-3));
-        // one that is refused weighs nothing
+        // a rejected measurement has gain 0
         settings.gate = 0.99;
         samples[1].what.position.x() = 1;
         Simulation refusing = pair(samples, 1, settings, 0.03);
@@ -337,7 +342,8 @@ TEST_SUITE("systems/fusion/fuse") {
         REQUIRE(fusion_of(refusing).records.size() == 2);
         CHECK(fusion_of(refusing).records[1].position_gain == 0);
         CHECK(fusion_of(refusing).records[1].position_deviation == about(after).epsilon(1e-3));
-        // and of the report's filter, to the letter, the gain of rotation is nothing for ever
+        // the filter exactly as printed in the SmartRock report never has a gain of rotation above
+        // 0
         settings.kind = FilterKind::printed;
         for (TimedMeasurement& m : samples)
             m.what.velocity = m.what.angular_velocity = Vec3::Zero();
@@ -347,8 +353,8 @@ TEST_SUITE("systems/fusion/fuse") {
         for (const AnalysisRecord& r : fusion_of(printed).records) CHECK(r.attitude_gain == 0);
     }
 
-    TEST_CASE("a correction over the limit of a step goes no farther than that, and the filter "
-              "knows what is left") {
+    TEST_CASE("a correction beyond the limit of a step is reduced to it, and the covariance "
+              "includes the remainder") {
         const Vec3 seen(-1e-3, 2e-4, 1e-4);
         for (const unsigned steps : {1u, 4u}) {
             Simulation sim = pair({at(3e-4, seen)}, steps, certain_motion(), 0.03);
@@ -365,7 +371,7 @@ TEST_SUITE("systems/fusion/fuse") {
             CHECK((before - steps * limit * seen.normalized()).norm() < 1e-9 * limit);
             CHECK(counted(sim, Reduced{}) == 1);
             CHECK(counted(sim, Withheld{}) == 0);
-            // what was measured is known to 1e-9 m: all that is not known is what is left
+            // the measurement has a deviation of 1e-9 m, so the covariance is that of the remainder
             const Vec3 left = seen - before;
             const Matrix covariance = fusion_of(sim).filters[0].covariance();
             CHECK((covariance.topLeftCorner<3, 3>() - left * left.transpose()).norm() <
@@ -373,15 +379,15 @@ TEST_SUITE("systems/fusion/fuse") {
         }
     }
 
-    TEST_CASE("a correction a hundred times over the limit is withheld: the body does not know of "
-              "it, and the filter does") {
+    TEST_CASE("a correction a hundred times beyond the limit is withheld: it does not affect the "
+              "body, and the covariance includes it") {
         const Vec3 seen(-1e-3, 2e-4, 0);
         Simulation sim = pair({at(3e-4, seen)}, 1, certain_motion()),
                    alone = pair({}, 1, certain_motion());
         fusion_of(sim).largest_shift = 9e-6;
         sim.advance(60);
         alone.advance(30);
-        const Vec3 left = seen - value_of<Position>(alone, 0); // then and there
+        const Vec3 left = seen - value_of<Position>(alone, 0); // at the time of the sample
         alone.advance(30);
         CHECK(counted(sim, Withheld{}) == 1);
         CHECK(counted(sim, Reduced{}) == 0);
@@ -392,8 +398,8 @@ TEST_SUITE("systems/fusion/fuse") {
                 .norm() < 1e-6 * left.squaredNorm());
     }
 
-    TEST_CASE("a pull of no gain is withheld: a moving ball goes on as without it, one that was "
-              "pulled is let go, and the filter knows what is left") {
+    TEST_CASE("nudging with gain 0 is withheld: a moving ball continues as without it, a nudged "
+              "ball is released, and the covariance includes the remainder") {
         for (const bool before : {false, true}) {
             std::vector<TimedMeasurement> samples;
             if (before) samples.push_back(at(1e-4, Vec3(1e-3, 0, 0)));
@@ -421,8 +427,8 @@ TEST_SUITE("systems/fusion/fuse") {
             CHECK(fusion_of(sim).records.back().share == 0);
             CHECK(fusion_of(sim).budget.withheld == 1);
             if (!before) {
-                // it takes the motion as simulated for its own, and knows it as badly as what was
-                // left says
+                // the filter continues from the simulated motion, with a deviation of the size of
+                // the withheld correction
                 const Matrix covariance = fusion_of(sim).filters[0].covariance();
                 CHECK(std::sqrt(covariance(0, 0)) ==
                       about(std::abs(-1e-3 - value_of<Position>(sim, 0).x())).epsilon(1e-3));
@@ -437,7 +443,7 @@ TEST_SUITE("systems/fusion/fuse") {
                 CHECK(value_of<Velocity>(sim, 0) == velocity);
                 CHECK(velocity.x() > 0.1);
                 CHECK(value_of<Guided>(sim, 0) == 0);
-                // all that it has gained was booked, to the end of the last step with a force
+                // all energy gained is accumulated, up to the end of the last step with a force
                 CHECK(fusion_work(sim.world()) ==
                       about(0.5 * value_of<InertialMass>(sim, 0) * (velocity.squaredNorm() - 0.01))
                           .epsilon(1e-3));
@@ -445,7 +451,7 @@ TEST_SUITE("systems/fusion/fuse") {
         }
     }
 
-    TEST_CASE("a spinning ball that is told its turn is pulled by that turn, which spins with it") {
+    TEST_CASE("a spinning ball is nudged by the measured rotation, which spins with the ball") {
         const Vec3 turn(0.1, 0, 0), angular_velocity(0, 0, 200);
         TimedMeasurement m{3e-4, {}};
         m.what.attitude = exponential_map(turn);
@@ -457,7 +463,7 @@ TEST_SUITE("systems/fusion/fuse") {
                                .gate = 1},
                               0.06);
         set_angular_velocity(sim.world(), 0, angular_velocity);
-        fusion_of(sim).nudging = {1e-12, 0, 0.01}; // of no force
+        fusion_of(sim).nudging = {1e-12, 0, 0.01}; // without force
         sim.advance(30);
         REQUIRE(value_of<Nudging>(sim, 0).is_active());
         for (int n = 0; n < 1000; ++n) {
@@ -467,7 +473,7 @@ TEST_SUITE("systems/fusion/fuse") {
         }
     }
 
-    TEST_CASE("what is left of a correction comes with the samples after it") {
+    TEST_CASE("the remainder of a reduced correction is applied with the next samples") {
         std::vector<TimedMeasurement> samples;
         for (const double time : {1e-4, 2e-4, 3e-4, 4e-4, 5e-4})
             samples.push_back(at(time, Vec3(-1e-3, 0, 0)));
@@ -479,8 +485,8 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK((value_of<Position>(sim, 0) - Vec3(-1e-3, 0, 0)).norm() < 1e-9);
     }
 
-    TEST_CASE("two spheres that touch, told to be a radius inside each other, stop the run without "
-              "a limit and not with one") {
+    TEST_CASE("observations that place two touching spheres a radius inside each other stop a run "
+              "without a limit of corrections, but not one with a limit") {
         std::vector<TimedMeasurement> samples;
         for (const double time : {1e-4, 2e-4, 3e-4}) samples.push_back(at(time, Vec3(0.01, 0, 0)));
         Simulation inserted = pair(samples, 1, certain_motion(), 0.02);
@@ -497,14 +503,14 @@ TEST_SUITE("systems/fusion/fuse") {
         CHECK(counted(limited, Reduced{}) == 3);
         CHECK(deepest > 2e-4);
         CHECK(deepest < 6.1e-4);
-        // it was pushed back out, with no more than was put in
+        // the contact pushes it out again, with no more energy than the corrections put in
         CHECK(value_of<Position>(limited, 0).x() < 0);
         CHECK(0.5 * value_of<InertialMass>(limited, 0) *
                   value_of<Velocity>(limited, 0).squaredNorm() <
               1.01 * fusion_work(limited.world()));
     }
 
-    TEST_CASE("a limit that is not met and a memory that is not asked leave all bits as they are") {
+    TEST_CASE("a limit that is not reached and stored analyses that are not used change no bit") {
         const std::vector<TimedMeasurement> samples{at(3e-4, Vec3(5e-5, 1e-5, 0)),
                                                     at(8e-4, Vec3(4e-5, 2e-5, 0))};
         Simulation plain = pair(samples, 60), other = pair(samples, 60, {.lag = 5});
@@ -517,13 +523,13 @@ TEST_SUITE("systems/fusion/fuse") {
     }
 
     TEST_CASE(
-        "samples that come late within the lag leave a flying ball where they leave it on time") {
+        "late samples within the lag leave a flying ball where the same samples on time leave it") {
         Simulation on_time = flight({}, 0, 0, 0);
         on_time.advance(1200);
         for (const double note_every : {0.0, 1e-3, 0.7e-3}) {
             Simulation late = flight({3, 4, 6}, 3.4e-3, 20, note_every),
                        lost = flight({3, 4, 6}, 1, 20, note_every);
-            // without notes the start of what the filter knows is the first sample
+            // without stored motion the filter can go back to the first sample at most
             Simulation same = flight({}, 0, 20, note_every);
             late.advance(1200);
             lost.advance(1200);
@@ -532,7 +538,7 @@ TEST_SUITE("systems/fusion/fuse") {
             CHECK(counted(late, TooLate{}) == 0);
             CHECK(counted(late, Accepted{}) == 10);
             CHECK((value_of<Position>(late, 0) - value_of<Position>(same, 0)).norm() <
-                  1e-13); // of 1e-3: sums in another order
+                  1e-13); // relative to 1e-3: sums in another order
             CHECK((value_of<Velocity>(late, 0) - value_of<Velocity>(same, 0)).norm() < 1e-11);
             CHECK(
                 (fusion_of(late).filters[0].covariance() - fusion_of(same).filters[0].covariance())
@@ -543,8 +549,8 @@ TEST_SUITE("systems/fusion/fuse") {
         }
     }
 
-    TEST_CASE("a filter that remembers knows that a pulled body was given its velocity, though not "
-              "its place") {
+    TEST_CASE("a filter that stores its analyses knows that a nudged body was given the velocity "
+              "of the correction but not its position") {
         std::vector<TimedMeasurement> samples;
         for (const double time : {1e-4, 2e-4, 3e-4}) {
             samples.push_back(at(time, Vec3(0.001, 0, 0)));
@@ -554,15 +560,14 @@ TEST_SUITE("systems/fusion/fuse") {
         samples[0].what.velocity_deviation = 1e-6;
         Simulation sim =
             pair(samples, 1, {.position = 1, .velocity = 1, .gate = 1, .lag = 5}, 0.06);
-        fusion_of(sim).nudging = {1, 0, 0.01}; // of no force
+        fusion_of(sim).nudging = {1, 0, 0.01}; // without force
         sim.advance(60);
         CHECK(counted(sim, Accepted{}) == 4);
         CHECK((value_of<Velocity>(sim, 0) - Vec3(0.1, 0, 0)).norm() < 1e-4);
-        CHECK(value_of<Position>(sim, 0).x() == about(5e-5).epsilon(0.05)); // flown, from 1e-4 on
+        CHECK(value_of<Position>(sim, 0).x() == about(5e-5).epsilon(0.05)); // moved since 1e-4 s
     }
 
-    TEST_CASE(
-        "samples that come later than the lag, or late without one, are counted and move nothing") {
+    TEST_CASE("samples later than the lag, or late without a lag, are counted and move nothing") {
         for (const unsigned lag : {0u, 1u}) {
             Simulation late = flight({3, 4, 6}, 3.4e-3, lag, 0),
                        lost = flight({3, 4, 6}, 1, lag, 0);
@@ -578,7 +583,7 @@ TEST_SUITE("systems/fusion/fuse") {
         }
     }
 
-    TEST_CASE("a run resumed with samples that are late still to come has the same bits") {
+    TEST_CASE("a run resumed before late samples arrive has the same bits") {
         for (const std::uint64_t steps : {350u, 500u, 660u}) {
             const auto make = [] {
                 Simulation sim = flight({3, 4, 6}, 3.4e-3, 20, 0.7e-3);
@@ -597,7 +602,7 @@ TEST_SUITE("systems/fusion/fuse") {
         }
     }
 
-    TEST_CASE("sensors need hosts of their own, and samples in order") {
+    TEST_CASE("each sensor needs a host of its own and samples in the order of arrival") {
         World world = make_world(Grains::spheres);
         CHECK_THROWS_WITH_AS(add_sensors(world, {1, 1}, {{}, {}}, {}),
                              doctest::Contains("one for each host"), InputError);

@@ -11,7 +11,7 @@ using namespace bris;
 
 namespace {
 
-/// A body that a simulation moves freely, and puts where it is told.
+/// A body that a simulation moves freely and to which corrections are applied.
 struct Model {
     RigidState state{.position = Vec3(0.1, 0, 0),
                      .velocity = Vec3(0.3, -0.1, 0.2),
@@ -47,7 +47,7 @@ FilterSettings settings_with(unsigned lag) {
             .lag = lag};
 }
 
-/// What a sensor measures at a time: place and attitude, and every other time spin.
+/// Measurement k of a sensor: position and attitude, and every second time angular velocity.
 Measured measured_at(unsigned k) {
     Random random(4, k);
     const auto noise = [&](double deviation) -> Vec3 {
@@ -73,8 +73,8 @@ struct End {
 
 constexpr unsigned last = 12;
 
-/// Steps of 0.05 s, a measurement at each; those named come `delay` steps later. `notes`: the
-/// motion is noted in their place.
+/// Steps of 0.05 s with a measurement each; those in `late_ones` arrive `delay` steps later.
+/// `notes`: the motion is stored at the times of late measurements.
 End fused(const std::vector<unsigned>& late_ones, unsigned delay, unsigned lag, bool notes) {
     Model model;
     SensorFilter filter(settings_with(lag));
@@ -148,12 +148,11 @@ struct RandomWalk {
 } // namespace
 
 TEST_SUITE("systems/fusion/late_measurements") {
-    TEST_CASE("late measurements within the lag leave the estimate and covariance that they leave "
-              "on time") {
+    TEST_CASE("late measurements within the lag give the same estimate and covariance as on time") {
         const End on_time = fused({}, 0, 0, false);
         REQUIRE(on_time.covariance(0, 0) > 1e-8);
-        CHECK(difference(fused({}, 0, 8, false), on_time) == 0);    // remembering changes nothing
-        CHECK(difference(fused({6}, 0, 0, false), on_time) > 1e-6); // one that never comes does
+        CHECK(difference(fused({}, 0, 8, false), on_time) == 0); // stored analyses change nothing
+        CHECK(difference(fused({6}, 0, 0, false), on_time) > 1e-6); // a missing measurement does
         for (const bool notes : {true, false})
             for (const auto& late : std::vector<std::vector<unsigned>>{
                      {6}, {5, 6}, {4, 5, 7, 8}, {2, 3, 4, 5, 6, 7, 8}}) {
@@ -161,19 +160,19 @@ TEST_SUITE("systems/fusion/late_measurements") {
                 CAPTURE(late.size());
                 CAPTURE(notes);
                 CHECK(end.too_late == 0);
-                // free motion is straight: nothing is lost between two analyses; sums of numbers up
-                // to 2 in another order
+                // free motion is uniform, so the interpolation between two analyses is exact; the
+                // tolerance is for sums of numbers up to 2 in another order
                 CHECK(difference(end, on_time) < 1e-12);
             }
     }
 
-    TEST_CASE("later than the lag a measurement is refused, and changes nothing") {
+    TEST_CASE("a measurement later than the lag is refused and changes nothing") {
         const End without = fused({6}, 100, 3, true);
         CHECK(difference(fused({6}, 4, 3, true), without) == 0);
         CHECK(fused({6}, 4, 3, true).too_late == 1);
         CHECK(fused({6}, 4, 4, true).too_late == 0);
         CHECK(fused({6}, 4, 0, true).too_late == 1);  // no lag: all are too late
-        CHECK(fused({1}, 2, 8, false).too_late == 1); // of a time before the first analysis
+        CHECK(fused({1}, 2, 8, false).too_late == 1); // time before the first analysis
         FilterSettings printed = settings_with(8);
         printed.kind = FilterKind::printed;
         SensorFilter filter(printed);
@@ -181,8 +180,7 @@ TEST_SUITE("systems/fusion/late_measurements") {
         CHECK_FALSE(filter.update_late(0.5, measured_at(1)).has_value());
     }
 
-    TEST_CASE(
-        "a late measurement that cannot be right is refused by the gate, and the body stays") {
+    TEST_CASE("the gate rejects an inconsistent late measurement, and the body stays") {
         FilterSettings settings = settings_with(8);
         settings.gate = 0.999;
         SensorFilter filter(settings);
@@ -207,8 +205,8 @@ TEST_SUITE("systems/fusion/late_measurements") {
         CHECK((filter.covariance() - before).norm() < 1e-14);
     }
 
-    TEST_CASE("a filter loaded from an archive goes on with the same bits, back over what it "
-              "remembers too") {
+    TEST_CASE("a filter loaded from an archive continues with the same bits, for late measurements "
+              "as well") {
         Model model;
         SensorFilter filter(settings_with(5));
         for (unsigned k = 1; k <= 6; ++k) {
@@ -237,8 +235,8 @@ TEST_SUITE("systems/fusion/late_measurements") {
         CHECK(filter.smoothed().front().position == loaded.smoothed().front().position);
     }
 
-    TEST_CASE("what is left of a correction makes the next one as large as it should be") {
-        // the first measurement is all but certain; half of what it says is done
+    TEST_CASE("after a withheld part of a correction the next correction has the right size") {
+        // the first measurement is almost exact; half of its correction is applied
         SensorFilter filter({.position = 1,
                              .velocity = 0,
                              .attitude = 0,
@@ -251,7 +249,7 @@ TEST_SUITE("systems/fusion/late_measurements") {
         m.position_deviation = 1e-5;
         const Analysis a = filter.update({0, {}}, m);
         const Vec3 left = 0.5 * a.shift;
-        const double known = 1 / (1 + 1e10); // of 1 and 1e-10: their harmonic sum
+        const double known = 1 / (1 + 1e10); // harmonic sum of 1 and 1e-10
         filter.withhold({.shift = left});
         CHECK(filter.covariance()(0, 0) == about(known + left.x() * left.x()).epsilon(1e-12));
         CHECK(filter.covariance()(1, 1) == about(known).epsilon(1e-9));
@@ -261,14 +259,14 @@ TEST_SUITE("systems/fusion/late_measurements") {
         CHECK(next.shift.x() == about(left.x() * variance / (variance + 1e-10)).epsilon(1e-9));
     }
 
-    TEST_CASE("a filter that remembers goes on from its own estimate: what is left of a correction "
-              "is asked for again, and no less is known") {
+    TEST_CASE("a filter that stores its analyses continues from its own estimate: the withheld "
+              "part is corrected next time, and the covariance does not grow") {
         Model model;
         SensorFilter filter(settings_with(3)), followed(settings_with(3));
         Model other = model;
         model.give(filter.update(model.go_to(0.05), measured_at(1)));
         const Analysis a = followed.update(other.go_to(0.05), measured_at(1));
-        followed.withhold(a); // nothing is given
+        followed.withhold(a); // nothing is applied
         const Analysis next = filter.update(model.go_to(0.1), measured_at(2)),
                        all = followed.update(other.go_to(0.1), measured_at(2));
         model.give(next);
@@ -280,12 +278,12 @@ TEST_SUITE("systems/fusion/late_measurements") {
         CHECK((filter.covariance() - followed.covariance()).norm() < 1e-14);
     }
 
-    TEST_CASE("smoothed poses and deviations are those of all measurements taken at once") {
+    TEST_CASE("smoothed poses and deviations are those of one estimate from all measurements") {
         const RandomWalk walk(3);
         const auto smoothed = walk.filtered().smoothed();
         constexpr Eigen::Index n = RandomWalk::steps;
         REQUIRE(smoothed.size() == RandomWalk::steps);
-        // information of the start, of the steps and of the measurements
+        // information of the initial state, of the steps and of the measurements
         Matrix information = Matrix::Zero(n, n), sum = Matrix::Zero(n, 3);
         information(0, 0) += 1 / (RandomWalk::start * RandomWalk::start);
         for (Eigen::Index k = 0; k < n; ++k) {
@@ -308,8 +306,8 @@ TEST_SUITE("systems/fusion/late_measurements") {
         }
     }
 
-    TEST_CASE("smoothed poses are as far off as they say, nearer than without what came later, and "
-              "not if the drift is taken for another") {
+    TEST_CASE("smoothed poses have the errors that their deviations predict, unless a wrong drift "
+              "is assumed, and smaller errors than without later measurements") {
         constexpr unsigned runs = 150;
         double honest = 0, light = 0, heavy = 0, error = 0, error_before = 0;
         for (unsigned run = 0; run < runs; ++run) {
@@ -327,7 +325,7 @@ TEST_SUITE("systems/fusion/late_measurements") {
             error += (walk.filtered().smoothed()[0].position - walk.truth[0]).squaredNorm();
             error_before += (walk.seen[0] - walk.truth[0]).squaredNorm();
         }
-        // a mean of 450 chi squares of one degree: 1 +- 0.13 in 95 %
+        // mean of 450 chi-squared numbers with one degree of freedom: 1 +- 0.13 with 95 %
         CHECK(std::abs(honest - 1) < 0.15);
         CHECK(light > 1.3);
         CHECK(heavy < 0.85);

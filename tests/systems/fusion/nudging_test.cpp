@@ -18,8 +18,8 @@ namespace {
 constexpr double w = 1000; // rad/s, of the springs below
 constexpr double boundless = 1e9;
 
-/// A ball of 1 cm at the origin with a sensor that says nothing, and another far away or in touch,
-/// which is held.
+/// A ball of radius 1 cm at the origin with a sensor without samples, and a fixed ball at distance
+/// `other` (m).
 Simulation ball(double dt, double other = 1, bool energy_budget = false) {
     World world = make_world(Grains::spheres);
     const auto m = world.resource<Materials>().add(linear_material(1e5, 8e4, 0.5));
@@ -47,7 +47,7 @@ void nudge_to(Simulation& sim, const NudgingTarget& target, const NudgingSetting
     set_nudging(nudging_of(sim), value_of<Guided>(sim, 0), target, settings, 1);
 }
 
-/// To a place `displacement` off, from rest: the velocity is kept half a step back.
+/// Nudges from rest to a target at `displacement`; the stored velocity is that of half a step back.
 void nudge_from_rest(Simulation& sim, const Vec3& displacement, double largest_force) {
     const double m = mass_of(sim), k = m * w * w;
     nudge_to(
@@ -61,7 +61,7 @@ void nudge_from_rest(Simulation& sim, const Vec3& displacement, double largest_f
 
 double still_to_go(double t) { return (1 + w * t) * std::exp(-w * t); }
 
-/// Largest error of the way that a ball makes to a place 1 mm off, of that way.
+/// Largest error of the displacement of a ball to a target at 1 mm, relative to 1 mm.
 double error_of_way(double dt) {
     Simulation sim = ball(dt);
     const Vec3 displacement = 1e-3 * Vec3(0.6, 0, -0.8);
@@ -71,7 +71,7 @@ double error_of_way(double dt) {
         sim.advance();
         const Vec3 x = value_of<Position>(sim, 0);
         const double made = x.dot(displacement) / displacement.squaredNorm();
-        CHECK(made <= 1); // never beyond
+        CHECK(made <= 1); // no overshoot
         CHECK(made >= last);
         CHECK((x - made * displacement).norm() < 1e-12);
         worst = std::max(worst, std::abs(1 - made - still_to_go(n * dt)));
@@ -81,8 +81,8 @@ double error_of_way(double dt) {
     return worst;
 }
 
-/// The same of a turn by 0.4 rad about a principal axis of a rock; `arm`: such that it goes by w
-/// too.
+/// The same for a rotation by 0.4 rad about a principal axis of a rock. The lever arm is 1 m, with
+/// a stiffness for which the angular frequency is w too.
 double error_of_turn(int axis, double dt) {
     Simulation sim = rock(dt);
     const double inertia = value_of<InertialInertia>(sim, 0)[axis], angle = 0.4,
@@ -96,7 +96,7 @@ double error_of_turn(int axis, double dt) {
     for (int n = 1; n * dt < 0.015; ++n) {
         sim.advance();
         const Vec3 left = attitude_error(goal, value_of<Orientation>(sim, 0));
-        CHECK(left.dot(about_axis) >= -1e-12); // never beyond
+        CHECK(left.dot(about_axis) >= -1e-12); // no overshoot
         CHECK((left - left.dot(about_axis) * about_axis).norm() < 1e-9);
         worst = std::max(worst, std::abs(left.dot(about_axis) / angle - still_to_go(n * dt)));
     }
@@ -106,8 +106,8 @@ double error_of_turn(int axis, double dt) {
 } // namespace
 
 TEST_SUITE("systems/fusion/nudging") {
-    TEST_CASE("a free ball that is pulled goes to its place as critical damping says, without "
-              "overshoot, to the second order of the step") {
+    TEST_CASE("a nudged free ball approaches its target as a critically damped body does, without "
+              "overshoot and with an error of second order in the step") {
         const double coarse = error_of_way(1e-4), fine = error_of_way(5e-5),
                      finer = error_of_way(2.5e-5);
         CHECK(coarse < 0.2 * std::pow(w * 1e-4, 2));
@@ -115,7 +115,7 @@ TEST_SUITE("systems/fusion/nudging") {
         CHECK(fine / finer == about(4).epsilon(0.05));
     }
 
-    TEST_CASE("a free rock turns so about each of its principal axes") {
+    TEST_CASE("a free rock rotates in this way about each of its principal axes") {
         for (int axis = 0; axis < 3; ++axis) {
             CAPTURE(axis);
             const double coarse = error_of_turn(axis, 1e-4), fine = error_of_turn(axis, 5e-5);
@@ -124,7 +124,7 @@ TEST_SUITE("systems/fusion/nudging") {
         }
     }
 
-    TEST_CASE("a ball, which has no attitude, is turned by as much as it is told") {
+    TEST_CASE("a sphere, which has no attitude, is rotated by the given angle") {
         const double dt = 2e-5, angle = 0.3;
         Simulation sim = ball(dt);
         const double inertia = value_of<SphereInertia>(sim, 0), k = inertia * w * w;
@@ -142,10 +142,9 @@ TEST_SUITE("systems/fusion/nudging") {
         CHECK((turned - angle * axis).norm() < 1e-4);
     }
 
-    TEST_CASE("a ball is turned to an attitude that turns on about another axis, as a rock is that "
-              "knows its own") {
-        // where it should be is ahead by a turn about x and spins about z; the ball's own turns are
-        // followed here
+    TEST_CASE("a sphere is rotated to a target attitude that itself rotates about another axis") {
+        // the target is ahead by a rotation about x and rotates about z; the rotation of the ball
+        // itself is integrated here
         const double dt = 1e-5;
         const Vec3 angular_velocity(0, 0, 100);
         const Quat start = exponential_map(Vec3(0.3, 0, 0));
@@ -160,7 +159,7 @@ TEST_SUITE("systems/fusion/nudging") {
         double worst = 0;
         for (int n = 1; n <= 2000; ++n) {
             sim.advance();
-            // of the pull in this step, before it turned the ball
+            // the torque of this step was computed before it rotated the ball
             worst = std::max(
                 worst, attitude_error(goal(n - 1) * attitude.conjugate(), nudging_of(sim).attitude)
                            .norm());
@@ -171,8 +170,8 @@ TEST_SUITE("systems/fusion/nudging") {
         CHECK((value_of<StepAngularVelocity>(sim, 0) - angular_velocity).norm() < 1e-3);
     }
 
-    TEST_CASE("with scaled mass and inertia it is as critically damped, in the time that goes with "
-              "them") {
+    TEST_CASE("with scaled mass and inertia the motion is as critically damped, on the time scale "
+              "of the scaled mass") {
         const double dt = 1e-4, scale = 9;
         Simulation light = ball(dt / 3), heavy = ball(dt);
         value_of<InertialMass>(heavy, 0) *= scale;
@@ -188,8 +187,8 @@ TEST_SUITE("systems/fusion/nudging") {
         }
     }
 
-    TEST_CASE("a spring stiffer than the step allows is taken for one that it follows: no "
-              "overshoot at any stiffness") {
+    TEST_CASE("a spring stiffer than the step allows is reduced to one that the step resolves, so "
+              "there is no overshoot at any stiffness") {
         for (const double stiffness : {1e2, 1e5, 1e9, 1e13}) {
             Simulation sim = ball(1e-4);
             nudge_to(
@@ -208,8 +207,8 @@ TEST_SUITE("systems/fusion/nudging") {
         }
     }
 
-    TEST_CASE("with a largest force it comes from afar at the speed that the dashpot allows, as "
-              "the closed form says, and stops where it should") {
+    TEST_CASE("with a limited force a distant ball approaches at the speed that the dashpot "
+              "allows, as in the closed form, and stops at its target") {
         const double dt = 1e-5, largest = 0.02;
         Simulation sim = ball(dt);
         const double m = mass_of(sim), reach = largest / (m * w * w), speed = 0.5 * w * reach,
@@ -231,8 +230,8 @@ TEST_SUITE("systems/fusion/nudging") {
         CHECK(value_of<Position>(sim, 0).x() == about(displacement).epsilon(1e-9));
     }
 
-    TEST_CASE("force and torque never exceed their limits, however fast a rock comes and wherever "
-              "it should be") {
+    TEST_CASE(
+        "force and torque never exceed their limits, for any velocity and any target of a rock") {
         Simulation sim = rock(2e-5);
         value_of<Velocity>(sim, 0) = Vec3(-30, 10, 5);
         set_angular_velocity(sim.world(), 0, Vec3(300, -100, 200));
@@ -254,7 +253,7 @@ TEST_SUITE("systems/fusion/nudging") {
         CHECK(largest_torque == about(settings.largest_force * settings.arm).epsilon(1e-12));
     }
 
-    TEST_CASE("a ball is pulled to where it should be while that moves on") {
+    TEST_CASE("a ball follows a moving target") {
         Simulation sim = ball(1e-5);
         const Vec3 goal_position(1e-4, 0, 0), velocity(0.05, 0.02, 0);
         nudge_to(sim, {goal_position, velocity, Quat::Identity(), Vec3::Zero()},
@@ -263,10 +262,10 @@ TEST_SUITE("systems/fusion/nudging") {
         CHECK((value_of<Position>(sim, 0) - (goal_position + 0.03 * velocity)).norm() < 1e-9);
     }
 
-    TEST_CASE("what spring and dashpot do is booked, and the energy balance closes the better the "
-              "finer the step") {
-        // two balls side by side, one of them held: the other is pressed against it and along it,
-        // held with a constant force, let go, and flies off
+    TEST_CASE("the work of spring and dashpot is accumulated, and the error of the energy balance "
+              "decreases with the step") {
+        // two balls in contact, one of them fixed: the other is nudged against it and along it,
+        // held with a constant force, released, and flies off
         const auto open = [](double dt) {
             Simulation sim = ball(dt, 0.02, true);
             nudge_to(sim,
@@ -290,12 +289,12 @@ TEST_SUITE("systems/fusion/nudging") {
             return std::abs(compute_quantities(sim.world()).kinetic_energy + friction - work) /
                    work;
         };
-        // between the first order and the second: when friction begins to slip shows
+        // between first and second order, because the error depends on when friction begins to slip
         CHECK(open(1.6e-5) < 1e-4);
         CHECK(open(5e-7) < 2e-6);
     }
 
-    TEST_CASE("a run resumed while a rock is pulled, held or just let go has the same bits") {
+    TEST_CASE("a run resumed while a rock is nudged, held or just released has the same bits") {
         const auto make = [] {
             Simulation sim = rock(2e-5);
             nudge_to(sim,

@@ -18,7 +18,8 @@ namespace {
 
 constexpr double radius = 0.01, kn = 1e5, ks = 4e4, overlap = 1e-5, apart = 2 * radius - overlap;
 
-/// Balls in a row along x, every two of them in touch, the last one held; the first is to go `d`.
+/// Balls in a row along x, each in contact with the next. The last one is fixed; the first has a
+/// correction `d` (m).
 struct Chain {
     Simulation sim;
     unsigned balls;
@@ -52,7 +53,7 @@ struct Grain {
     bool free;
 };
 
-/// Balls with friction; those with sensors are to go and turn. By step 1 all forces are known.
+/// Balls with friction, some of them with sensors. After one step all contact forces are known.
 Simulation with_sensors(const std::vector<Grain>& balls, const std::vector<EntityId>& sensors,
                         const bris::testing::RunSettings& settings = {.dt = 1e-6}) {
     World world = make_world(Grains::spheres);
@@ -75,7 +76,7 @@ Vector6 motion(Simulation& sim, EntityId ball) {
     return m;
 }
 
-/// A cube of `side` balls a side, the outer ones held.
+/// A cube with `side` balls along each edge, the outer ones fixed.
 std::vector<Grain> lattice(int side) {
     std::vector<Grain> balls;
     const auto outer = [&](int i) { return i == 0 || i == side - 1; };
@@ -86,7 +87,7 @@ std::vector<Grain> lattice(int side) {
     return balls;
 }
 
-/// Shifts and turns of all balls by the whole equations, summed spring by spring.
+/// Shifts and rotations of all balls from the dense equations, assembled spring by spring.
 Eigen::VectorXd dense_solution(const std::vector<Grain>& balls,
                                const std::vector<std::pair<EntityId, Vector6>>& wanted,
                                const SpreadSettings& settings) {
@@ -109,7 +110,8 @@ Eigen::VectorXd dense_solution(const std::vector<Grain>& balls,
             const Vec3 normal = between.normalized(), across = normal.unitOrthogonal();
             for (const auto& [axis, stiffness] :
                  {std::pair<Vec3, double>{normal, kn}, {across, ks}, {normal.cross(across), ks}}) {
-                Eigen::VectorXd spring = Eigen::VectorXd::Zero(n); // its stretch, of all motions
+                Eigen::VectorXd spring =
+                    Eigen::VectorXd::Zero(n); // its elongation as a function of all motions
                 spring.segment<6>(static_cast<Eigen::Index>(6 * i)) << axis,
                     Vec3(-0.5 * between).cross(axis);
                 spring.segment<6>(static_cast<Eigen::Index>(6 * k)) << -axis,
@@ -123,8 +125,8 @@ Eigen::VectorXd dense_solution(const std::vector<Grain>& balls,
 } // namespace
 
 TEST_SUITE("systems/fusion/spread") {
-    TEST_CASE("a correction fades along a chain as its springs share the way, and stores the "
-              "energy of springs in series") {
+    TEST_CASE("a correction decreases linearly along a chain and stores the energy of springs in "
+              "series") {
         Chain chain(6, Vec3(1e-6, 0, 0)); // five springs
         const double energy =
             spread_corrections(chain.sim.world(), {.hold = 1e9, .float_free = 1e-9});
@@ -134,8 +136,10 @@ TEST_SUITE("systems/fusion/spread") {
         CHECK(energy == about(0.5 * kn / 5 * 1e-12).epsilon(1e-6));
     }
 
-    TEST_CASE("along a chain it fades as Green's function says, held to where everybody is") {
-        constexpr unsigned n = 40; // springs: u(k - 1) - (2 + f) u(k) + u(k + 1) = 0, u(n) = 0
+    TEST_CASE("with springs that hold all balls in place, a correction decreases along a chain as "
+              "Green's function") {
+        constexpr unsigned n =
+            40; // number of springs: u(k - 1) - (2 + f) u(k) + u(k + 1) = 0, u(n) = 0
         for (const double f : {1e-3, 0.3}) {
             Chain chain(n + 1, Vec3(1e-6, 0, 0));
             const SpreadSettings settings{.float_free = f, .tolerance = 1e-13};
@@ -149,8 +153,8 @@ TEST_SUITE("systems/fusion/spread") {
         }
     }
 
-    TEST_CASE(
-        "through a lattice that resists shifts and turns it spreads as the whole equations say") {
+    TEST_CASE("in a lattice that resists shifts and rotations a correction spreads as in the dense "
+              "solution") {
         const auto balls = lattice(5);
         const EntityId centre = 62, beside = 63, corner = 31;
         std::vector<std::pair<EntityId, Vector6>> wanted(2);
@@ -161,7 +165,7 @@ TEST_SUITE("systems/fusion/spread") {
         SpreadSettings settings{.tolerance = 1e-13};
         const Eigen::VectorXd whole = dense_solution(balls, wanted, settings);
         for (const double tolerance :
-             {1e-10, 1e-2}) { // as exact as can be asked for, and by default
+             {1e-10, 1e-2}) { // with the smallest tolerance, and with the default
             Simulation sim = with_sensors(balls, {corner, centre});
             sim.advance();
             for (const auto& [ball, displacement] : wanted)
@@ -174,11 +178,11 @@ TEST_SUITE("systems/fusion/spread") {
                 CHECK(error.head<3>().norm() < tolerance * wanted[0].second.head<3>().norm());
                 CHECK(error.tail<3>().norm() < tolerance * wanted[0].second.tail<3>().norm());
             }
-            CHECK(motion(sim, beside).head<3>().norm() > 3e-7); // they do go along
+            CHECK(motion(sim, beside).head<3>().norm() > 3e-7); // neighbours do move
         }
     }
 
-    TEST_CASE("nobody but the sensor's ball gets a net force from it") {
+    TEST_CASE("a spread correction exerts a net force only on the sensor's ball") {
         Chain chain(6, Vec3(1e-6, 0, 0));
         (void)spread_corrections(chain.sim.world(), {.hold = 1e9, .float_free = 1e-9});
         for (EntityId k = 1; k < 5; ++k) {
@@ -188,10 +192,10 @@ TEST_SUITE("systems/fusion/spread") {
         }
     }
 
-    TEST_CASE("across a chain whose contacts slip the sensor's ball moves alone; where they stick "
-              "it takes the next one along") {
+    TEST_CASE("transverse to a chain the sensor's ball moves alone if contacts slip, and moves its "
+              "neighbour if they stick") {
         for (const double before :
-             {0.0, 1e-7, 4e-5}) { // m; beyond friction kn overlap / ks they slip
+             {0.0, 1e-7, 4e-5}) { // m; contacts slip beyond friction kn overlap / ks
             CAPTURE(before);
             const bool sticks = before == 1e-7;
             Chain chain(6, Vec3(0, before, 0), before > 0 ? 0.5 : 0);
@@ -206,8 +210,9 @@ TEST_SUITE("systems/fusion/spread") {
         }
     }
 
-    TEST_CASE("neighbours that nobody holds shift and turn with the sensor's ball as one body") {
-        std::vector<Grain> balls; // each touches the three others: they cannot roll on each other
+    TEST_CASE("neighbours without other contacts shift and rotate with the sensor's ball as one "
+              "rigid body") {
+        std::vector<Grain> balls; // each touches the other three, so they cannot roll on each other
         for (const Vec3& corner :
              {Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)})
             balls.push_back({apart / std::sqrt(8) * corner, true});
@@ -225,8 +230,8 @@ TEST_SUITE("systems/fusion/spread") {
         CHECK(energy < 1e-9 * kn * shift.squaredNorm());
     }
 
-    TEST_CASE("what rattles stays, and a sensor's ball that rattles moves alone") {
-        std::vector<Grain> balls = lattice(3); // one free ball among held ones
+    TEST_CASE("balls without contacts stay, and a sensor's ball without contacts moves alone") {
+        std::vector<Grain> balls = lattice(3); // one free ball among fixed ones
         const EntityId inside = 13, lonely = 27, pair = 28;
         balls.push_back({Vec3(-3 * apart, 0, 0), true});
         balls.push_back({Vec3(-6 * apart, 0, 0), true});
@@ -249,16 +254,17 @@ TEST_SUITE("systems/fusion/spread") {
         sim.advance();
         correct(sim, pair, Vec3(1e-6, 0, 0), Vec3::Zero());
         (void)spread_corrections(sim.world());
-        CHECK(motion(sim, pair + 1).x() == about(1e-6).epsilon(2e-3)); // it touches this one
+        CHECK(motion(sim, pair + 1).x() ==
+              about(1e-6).epsilon(2e-3)); // the sensor's ball touches this one
         CHECK(motion(sim, inside).norm() == 0);
     }
 
-    TEST_CASE("before and after a restore, in any order of rows, on any number of threads, the "
-              "same bits") {
+    TEST_CASE("spread corrections have the same bits before and after a restore, in any order of "
+              "rows and on any number of threads") {
         std::vector<Grain> balls = lattice(6);
         Random random(5, 1);
         for (Grain& b : balls)
-            b.position += 4e-6 * random.direction(); // some contacts slip, some are open
+            b.position += 4e-6 * random.direction(); // some contacts slip, some pairs do not touch
         for (std::size_t k = balls.size() - 1; k > 0; --k)
             std::swap(balls[k],
                       balls[static_cast<std::size_t>(random.uniform(0, static_cast<double>(k)))]);
@@ -292,7 +298,7 @@ TEST_SUITE("systems/fusion/spread") {
         }
     }
 
-    TEST_CASE("with nothing to correct nothing moves") {
+    TEST_CASE("without a correction nothing moves") {
         Chain chain(4, Vec3::Zero());
         value_of<Correction>(chain.sim, 0) = {};
         CHECK(spread_corrections(chain.sim.world()) == 0);

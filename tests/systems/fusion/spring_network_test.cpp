@@ -13,8 +13,8 @@ using namespace bris;
 
 namespace {
 
-/// Bodies anywhere in a box of 1 m, joined by one to three joints with some before them; some
-/// joints lead to what stays.
+/// Bodies that are joined at random to some bodies of lower number, by one to three joints; some
+/// joints lead to something that stays.
 SpringNetwork random_network(std::uint32_t bodies) {
     Random random(1, bodies);
     SpringNetwork network;
@@ -29,7 +29,7 @@ SpringNetwork random_network(std::uint32_t bodies) {
         for (unsigned k = 0; k < std::min(i, 4u); ++k)
             others.push_back(static_cast<std::uint32_t>(random.uniform(0, i)));
         if (i % 5 == 0) others.push_back(that_stays);
-        std::ranges::sort(others); // the same two may be joined twice or three times
+        std::ranges::sort(others); // two bodies may be joined two or three times
         for (const std::uint32_t other : others)
             network.joints.push_back({i, other, vector(), vector(), random.direction(),
                                       random.uniform(0.5, 2), random.uniform(0, 1)});
@@ -37,7 +37,7 @@ SpringNetwork random_network(std::uint32_t bodies) {
     return network;
 }
 
-/// The equations summed spring by spring, and solved as they are.
+/// Dense solution of the equations, assembled spring by spring.
 Eigen::VectorXd dense_solution(const SpringNetwork& network) {
     const auto n = static_cast<Eigen::Index>(6 * network.holds.size());
     Eigen::MatrixXd A = Eigen::MatrixXd::Zero(n, n);
@@ -50,7 +50,8 @@ Eigen::VectorXd dense_solution(const SpringNetwork& network) {
     for (const Joint& j : network.joints) {
         const Vec3 across = j.normal.unitOrthogonal(), along = j.normal.cross(across);
         for (const auto& [axis, k] : {std::pair{j.normal, j.kn}, {across, j.ks}, {along, j.ks}}) {
-            Eigen::VectorXd spring = Eigen::VectorXd::Zero(n); // its stretch, of all motions
+            Eigen::VectorXd spring =
+                Eigen::VectorXd::Zero(n); // its elongation as a function of all motions
             spring.segment<6>(6 * j.body) << axis, j.arm.cross(axis);
             if (j.other != that_stays)
                 spring.segment<6>(6 * j.other) << -axis, -j.other_arm.cross(axis);
@@ -71,7 +72,7 @@ double difference(const std::vector<Vector6>& motion, const Eigen::VectorXd& oth
 } // namespace
 
 TEST_SUITE("systems/fusion/spring_network") {
-    TEST_CASE("bodies joined at random move as the whole equations say") {
+    TEST_CASE("bodies joined at random move as in the dense solution") {
         for (const std::uint32_t bodies : {1u, 2u, 10u, 60u}) {
             CAPTURE(bodies);
             const SpringNetwork network = random_network(bodies);
@@ -101,7 +102,7 @@ TEST_SUITE("systems/fusion/spring_network") {
                 }
     }
 
-    TEST_CASE("two bodies and a wall share the way as springs in series do") {
+    TEST_CASE("two bodies and a wall share a displacement as springs in series do") {
         SpringNetwork network{
             {{Vector6::Constant(1e6), Vector6::Zero()}, {Vector6::Constant(1e-9), Vector6::Zero()}},
             {}};
@@ -109,15 +110,15 @@ TEST_SUITE("systems/fusion/spring_network") {
         network.joints = {{1, 0, Vec3(-1, 0, 0), Vec3(1, 0, 0), Vec3::UnitX(), 2, 0},
                           {1, that_stays, Vec3(1, 0, 0), Vec3::Zero(), Vec3::UnitX(), 6, 0}};
         const auto motion = motion_of_least_energy(network, 1e-12);
-        const double held =
-            1e6 / (1e6 + 1.5); // two springs in series, 1.5 N/m, pull at what holds the first
+        // two springs in series, 1.5 N/m, act against the spring that holds the first body
+        const double held = 1e6 / (1e6 + 1.5);
         CHECK(motion[0][0] == about(1e-3 * held).epsilon(1e-9));
         CHECK(motion[1][0] == about(0.25e-3 * held).epsilon(1e-9));
         CHECK(energy_of_joints(network, motion) ==
               about(0.5 * 1.5 * 1e-6 * held * held).epsilon(1e-9));
     }
 
-    TEST_CASE("without joints everybody goes where it is wanted") {
+    TEST_CASE("without joints every body moves to its wanted displacement") {
         SpringNetwork network{{{Vector6::Constant(2), Vector6::Constant(1e-3)},
                                {Vector6::Constant(1e-3), Vector6::Zero()}},
                               {}};
@@ -126,7 +127,7 @@ TEST_SUITE("systems/fusion/spring_network") {
         CHECK(motion[1] == Vector6::Zero());
     }
 
-    TEST_CASE("stiffnesses that are not finite, or not positive, are noticed") {
+    TEST_CASE("stiffnesses that are not finite or not positive are an error") {
         SpringNetwork network = random_network(10);
         network.joints[3].kn = std::numeric_limits<double>::quiet_NaN();
         CHECK_THROWS_AS(motion_of_least_energy(network, 1e-3), SimulationError);

@@ -15,8 +15,8 @@ namespace {
 constexpr double kn = 1e5, dt = 1e-6, share = 0.1;
 constexpr unsigned steps = 20;
 
-/// A ball with a sensor between two that are held, touching both: a correction along x stores kn
-/// d^2. The first held one stands for the boundaries.
+/// A ball with a sensor between two fixed balls, touching both: a correction along x stores kn d^2.
+/// The first fixed ball represents the boundaries.
 struct Squeezed {
     Simulation sim;
     Squeezed() : sim(make()) { sim.advance(2); }
@@ -34,8 +34,8 @@ struct Squeezed {
     }
     WorkBudget& budget() { return sim.world().resource<Fusion>().budget; }
     CorrectionRow& correction() { return value_of<Correction>(sim, 0); }
-    /// Boundaries do some work, and an analysis asks for a correction; returns what was given of
-    /// it.
+    /// The boundaries do work (J), and an analysis has a correction d (m) along x. Returns the
+    /// applied part of it (m).
     double analysis(double of_boundaries, double d) {
         value_of<BoundaryWork>(sim, 1) += of_boundaries;
         Fusion& fusion = sim.world().resource<Fusion>();
@@ -54,8 +54,8 @@ struct Squeezed {
 } // namespace
 
 TEST_SUITE("systems/fusion/work_budget") {
-    TEST_CASE("a correction that would store more than it may is cut to what it may, and does that "
-              "much work") {
+    TEST_CASE("a correction that would store more than the allowed energy is reduced to it, and "
+              "does that much work") {
         const double d = 2e-5, stored = kn * d * d, allowed = 0.2 * stored;
         Squeezed balls;
         CHECK(balls.analysis(allowed / share, d) == about(std::sqrt(0.2) * d));
@@ -64,12 +64,12 @@ TEST_SUITE("systems/fusion/work_budget") {
         CHECK(balls.budget().reduced == 1);
         CHECK(balls.budget().withheld == 0);
         balls.sim.advance(steps + 1);
-        // the ball gives way a little while it is put: by (omega t)^2 / 12 of the way, 1 %
+        // the contacts push the ball back a little meanwhile: by (omega t)^2 / 12 of d, 1 %
         CHECK(fusion_work(balls.sim.world()) == about(allowed).epsilon(0.03));
     }
 
-    TEST_CASE(
-        "one that stores less is given whole, and its bits are those of a world without a limit") {
+    TEST_CASE("a correction that stores less is applied in full, with the bits of a world without "
+              "a limit") {
         Squeezed limited, free;
         free.budget() = {};
         for (Squeezed* balls : {&limited, &free}) {
@@ -81,7 +81,7 @@ TEST_SUITE("systems/fusion/work_budget") {
               fingerprint(free.sim.snapshot(), "bodies/"));
     }
 
-    TEST_CASE("what a filter is not given it does not know") {
+    TEST_CASE("the withheld part of a correction increases the covariance of the filter") {
         Squeezed balls;
         const double d = 2e-5;
         const auto deviation = [&] {
@@ -92,8 +92,8 @@ TEST_SUITE("systems/fusion/work_budget") {
               about(before * before + (d - given) * (d - given)).epsilon(1e-9));
     }
 
-    TEST_CASE("one that would have to be cut to less than a hundredth is refused: the ball stays, "
-              "and nothing is spent") {
+    TEST_CASE("a correction that would have to be reduced below a hundredth is withheld: the ball "
+              "stays, and no work is done") {
         Squeezed balls;
         const double d = 2e-5;
         CHECK(balls.analysis(0.9e-4 * kn * d * d / share, d) == 0);
@@ -103,30 +103,30 @@ TEST_SUITE("systems/fusion/work_budget") {
         balls.sim.advance(steps);
         CHECK(value_of<Position>(balls.sim, 0) == before);
         CHECK(fusion_work(balls.sim.world()) == 0);
-        CHECK(balls.analysis(1.1e-4 * kn * d * d / share, d) >
-              0); // asked again: half as dear as it seemed
+        // the next time half the cost is expected
+        CHECK(balls.analysis(1.1e-4 * kn * d * d / share, d) > 0);
     }
 
-    TEST_CASE("corrections that have cost more than was expected are expected to, and what they "
-              "have cost too much is paid back") {
+    TEST_CASE("if corrections cost more than expected, the next are expected to cost as much, and "
+              "the deficit reduces the allowed work") {
         const double d = 2e-5, stored = kn * d * d, allowance = 0.2 * stored;
         Squeezed balls;
         (void)balls.analysis(allowance / share, d);
-        value_of<FusionWork>(balls.sim, 0) += 1.5 * allowance; // half as much again as it might
+        value_of<FusionWork>(balls.sim, 0) += 1.5 * allowance; // 1.5 times the allowance
         const double given = balls.analysis(allowance / share, d);
         CHECK(balls.budget().ratio == about(1.5));
         CHECK(balls.budget().allowed == about(0.5 * allowance));
         CHECK(given == about(d * std::sqrt(0.5 * 0.2 / 1.5)));
-        value_of<FusionWork>(balls.sim, 1) -=
-            3 * allowance; // taken out, and elsewhere, it counts as well
+        // negative work, and work on another body, count as well
+        value_of<FusionWork>(balls.sim, 1) -= 3 * allowance;
         CHECK(balls.analysis(allowance / share, d) == 0);
         CHECK(balls.budget().deficit == about(2.5 * allowance));
         (void)balls.analysis(2 * allowance / share, d);
         CHECK(balls.budget().deficit == about(1.5 * allowance));
     }
 
-    TEST_CASE(
-        "what pulls is given the gain that it may cost, and is let go once it has cost that") {
+    TEST_CASE("nudging gets the gain that is expected to cost the allowed work, and is released "
+              "once it has cost that much") {
         Squeezed balls;
         Fusion& fusion = balls.sim.world().resource<Fusion>();
         fusion.nudging = {1e4, 1, 0.01};
@@ -139,16 +139,16 @@ TEST_SUITE("systems/fusion/work_budget") {
                         fusion.nudging, fusion.budget.gain);
         };
         begin_with(1);
-        CHECK(fusion.budget.gain ==
-              about(share)); // as if at full strength it cost what the boundaries do
+        // the initial ratio assumes that at full gain nudging costs the work of the boundaries
+        CHECK(fusion.budget.gain == about(share));
         CHECK(nudging.largest_force == about(share));
-        value_of<FusionWork>(balls.sim, 0) += 0.02; // a fifth of what it might
+        value_of<FusionWork>(balls.sim, 0) += 0.02; // a fifth of the allowed work
         hold_nudging_forces(balls.sim.world());
         CHECK(nudging.is_active());
         CHECK(nudging.held == 1);
         begin_with(1);
         CHECK(fusion.budget.ratio == about(0.5));
-        CHECK(fusion.budget.gain == about(2 * share)); // it grows by two at most
+        CHECK(fusion.budget.gain == about(2 * share)); // it grows by a factor of 2 at most
         CHECK(nudging.held == 0);
         value_of<FusionWork>(balls.sim, 0) += 0.11;
         hold_nudging_forces(balls.sim.world());
@@ -158,8 +158,8 @@ TEST_SUITE("systems/fusion/work_budget") {
         CHECK(value_of<Guided>(balls.sim, 0) == 0);
     }
 
-    TEST_CASE("pulls that would have to be a hundred times weaker are not given, and are tried "
-              "again with what is believed to be half as dear") {
+    TEST_CASE("nudging that would have to be a hundred times weaker is withheld, and tried again "
+              "with half the expected cost") {
         Squeezed balls;
         Fusion& fusion = balls.sim.world().resource<Fusion>();
         fusion.nudging = {1e4, 1, 0.01};
@@ -173,7 +173,7 @@ TEST_SUITE("systems/fusion/work_budget") {
         CHECK(gain() == about(share / 5.5));
     }
 
-    TEST_CASE("an account is kept through a checkpoint") {
+    TEST_CASE("the work budget survives a checkpoint") {
         Squeezed balls, resumed;
         (void)balls.analysis(1e-7 / share, 2e-5);
         balls.sim.advance(steps / 2);
@@ -187,7 +187,7 @@ TEST_SUITE("systems/fusion/work_budget") {
         CHECK(fingerprint(balls.sim.snapshot()) == fingerprint(resumed.sim.snapshot()));
     }
 
-    TEST_CASE("a share below none or above all is refused") {
+    TEST_CASE("a share below 0 or above 1 is an error") {
         Squeezed balls;
         CHECK_THROWS_WITH_AS(set_work_budget(balls.sim.world(), 1.5),
                              doctest::Contains("found 1.5"), InputError);

@@ -20,7 +20,7 @@ Rgb pixel(const Image& image, unsigned x, unsigned y) {
     return {image.rgb[at], image.rgb[at + 1], image.rgb[at + 2]};
 }
 
-/// Part of the picture that is not white.
+/// Fraction of the picture that is not white.
 double covered(const Image& image) {
     std::size_t count = 0;
     for (unsigned y = 0; y < image.height; ++y)
@@ -52,7 +52,7 @@ TEST_SUITE("systems/picture") {
         }
     }
 
-    TEST_CASE("the nearer ball hides the farther one, whatever their order") {
+    TEST_CASE("the nearer ball hides the farther one in any order of the balls") {
         const DrawnBall near{.centre = Vec3(0, -1, 0), .radius = 0.3, .colour = {255, 0, 0}};
         const DrawnBall far{.centre = Vec3(0, 1, 0), .radius = 0.6, .colour = {0, 0, 255}};
         for (const auto& balls :
@@ -75,7 +75,7 @@ TEST_SUITE("systems/picture") {
         CHECK(pixel(image, 50, 150).green == 255);
     }
 
-    TEST_CASE("a quad is drawn as its outline, behind what stands before it") {
+    TEST_CASE("a quad is drawn as an outline, which balls in front of it hide") {
         const std::array<Vec3, 4> quad{Vec3(-0.8, 0, -0.8), Vec3(0.8, 0, -0.8), Vec3(0.8, 0, 0.8),
                                        Vec3(-0.8, 0, 0.8)};
         const DrawnBall ball{.centre = Vec3(-0.8, -1, 0), .radius = 0.15, .colour = {255, 255, 0}};
@@ -92,7 +92,7 @@ TEST_SUITE("systems/picture") {
         CHECK(covered(render(view, level, window_around(std::vector<View>{view}, level), 50)) == 0);
     }
 
-    TEST_CASE("views stand side by side in one picture file") {
+    TEST_CASE("views are drawn side by side in one picture file") {
         if (gnuplot_missing()) {
             MESSAGE("skipped: gnuplot is not installed");
             return;

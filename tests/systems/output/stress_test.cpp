@@ -9,7 +9,7 @@ using namespace bris;
 using namespace bris::testing;
 
 TEST_SUITE("systems/output/stress") {
-    TEST_CASE("the stress of a standing column of three spheres is the one of its weights") {
+    TEST_CASE("the stress of a column of three spheres at rest follows from their weights") {
         constexpr double radius = 0.01, kn = 1e6, g = 9.81;
         World world = make_world(Grains::spheres);
         const auto material = add_material(world, linear_material(kn, 0, 0));
@@ -19,7 +19,7 @@ TEST_SUITE("systems/output/stress") {
         for (int k = 0; k < 3; ++k) {
             ball = add_sphere(world, Vec3::Zero(), radius, material);
             mass = value_of<Mass>(world, ball);
-            // each contact carries the weight of what is above
+            // each contact carries the weight of the spheres above it
             top += (k == 0 ? 1 : 2) * radius - (3 - k) * mass * g / kn;
             value_of<Position>(world, ball) = Vec3(0, 0, top);
         }
@@ -37,7 +37,7 @@ TEST_SUITE("systems/output/stress") {
         CHECK(s.contact.radial == 0);
     }
 
-    TEST_CASE("a falling sphere carries a stress that nothing outside balances") {
+    TEST_CASE("the weight of a falling sphere is not balanced by contact stress") {
         World world = make_world(Grains::spheres);
         const auto material = add_material(world, linear_material(1e6, 0, 0));
         add_sphere(world, Vec3(0, 0, 1), 0.01, material);
