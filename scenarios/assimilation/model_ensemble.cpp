@@ -49,7 +49,7 @@ std::vector<ModelVariant> variants_of(const std::vector<RockParameters>& paramet
 void remove_stopped(Ensemble& members) {
     for (std::size_t j = members.runs.size(); j-- > 0;) {
         if (members.runs[j].stopped.empty()) continue;
-        fmt::print("left out: {}\n", members.runs[j].stopped);
+        fmt::print("ensemble member left out: {}\n", members.runs[j].stopped);
         if (members.runs.size() <= ParameterEstimate::fewest_members)
             throw SimulationError(members.runs[j].stopped);
         members.runs.erase(members.runs.begin() + static_cast<std::ptrdiff_t>(j));

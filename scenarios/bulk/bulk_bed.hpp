@@ -113,7 +113,7 @@ void BedSettings::describe(auto& option) {
     option("fill_softness", softness, "",
            "Factor on all Young's moduli of the paper while the bed is poured.", within(1e-4, 1));
     option("longest_rest", longest_rest, "s",
-           "Longest time for which the bed may come to rest with the contact properties of the "
+           "Longest time that the bed is given to come to rest with the contact properties of the "
            "run.",
            at_least(0));
     option("rest_kinetic_ratio", kinetic_ratio, "",
