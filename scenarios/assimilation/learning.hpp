@@ -80,7 +80,8 @@ void Learning::describe(auto& option) {
     option("specimen_scatter", specimen_scatter, "",
            std::string("Standard deviation of ln q by which the real specimen may be stronger or "
                        "weaker than that of the model for other reasons than its parameters.") +
-               (by_model ? " Below 0: the value for the differences given by --model-... ." : ""),
+               (by_model ? " Below 0: the value for the differences set by the --model-... options."
+                         : ""),
            at_least(by_model ? -1 : 0));
     option("force_noise", force_noise, "", "Relative standard deviation of q as measured.",
            at_least(0));
