@@ -22,7 +22,7 @@ namespace {
 
 using Motions = std::vector<std::vector<Vec3>> ModelRun::*; // displacement or rotation
 
-/// What the worlds leave beyond their regression at one stage: worlds x (3 rocks).
+/// Residuals of the members beyond their regression at one stage: members x (3 rocks).
 Matrix residuals_at(const Ensemble& members, const Matrix& residual_projection, Motions motion,
                     std::size_t stage) {
     const auto n = static_cast<Eigen::Index>(members.runs.size());
@@ -36,9 +36,10 @@ Matrix residuals_at(const Ensemble& members, const Matrix& residual_projection, 
     return residual_projection * all;
 }
 
-constexpr double most_alike = 0.95; // of two rocks
+constexpr double most_alike = 0.95; // largest correlation of two rocks
 
-/// Of one direction, of each rock: worlds are few, so rocks tell of each other.
+/// Standard deviation of each rock along one axis. Members are few, so the variances of all rocks
+/// are moderated towards each other.
 std::vector<double> deviations_of(const Matrix& left, double freedom) {
     std::vector<double> deviations(static_cast<std::size_t>(left.cols() / 3));
     for (std::size_t r = 0; r < deviations.size(); ++r)
@@ -49,7 +50,7 @@ std::vector<double> deviations_of(const Matrix& left, double freedom) {
     return deviations;
 }
 
-/// All pairs of rocks at one stage.
+/// Adds the products of all pairs of rocks at one stage.
 void add_pairs(CorrelationSums& sums, const ModelRun& like, Matrix left,
                const std::vector<double>& deviation) {
     const std::size_t rocks = like.rocks.size();
@@ -64,8 +65,8 @@ void add_pairs(CorrelationSums& sums, const ModelRun& like, Matrix left,
     for (std::size_t a = 0; a < rocks; ++a)
         for (std::size_t b = a + 1; b < rocks; ++b) {
             const double d = (like.start[a].position - like.start[b].position).norm();
-            const auto bin = static_cast<std::size_t>(2 * CorrelationSums::bins * d /
-                                                      reach); // of half the reach
+            // the bins cover half of the largest distance
+            const auto bin = static_cast<std::size_t>(2 * CorrelationSums::bins * d / reach);
             if (bin >= CorrelationSums::bins) continue;
             const auto ca = static_cast<Eigen::Index>(3 * a), cb = static_cast<Eigen::Index>(3 * b);
             sums.products[bin] +=
@@ -75,7 +76,8 @@ void add_pairs(CorrelationSums& sums, const ModelRun& like, Matrix left,
         }
 }
 
-/// Weighted line: log likeness = log near - distance / length, as far as it is above a twentieth.
+/// Fits log correlation = log near - distance / length by weighted least squares, up to the
+/// distance at which the correlation falls below 0.05.
 CorrelationFunction correlation_of(const CorrelationSums& sums) {
     double n = 0, x = 0, y = 0, xx = 0, xy = 0;
     for (std::size_t k = 0; k < CorrelationSums::bins; ++k) {
@@ -90,17 +92,17 @@ CorrelationFunction correlation_of(const CorrelationSums& sums) {
         xx += w * d * d;
         xy += w * d * std::log(value);
     }
-    const bool one_distance =
-        !(n * xx - x * x > 1e-9 * n * xx); // then the line begins at perfect likeness
+    // with a single distance the line starts at correlation 1
+    const bool one_distance = !(n * xx - x * x > 1e-9 * n * xx);
     const double slope = one_distance ? xy / xx : (n * xy - x * y) / (n * xx - x * x);
     if (!(slope < 0)) return {};
     return {std::min(std::exp((y - slope * x) / n), most_alike), -1 / slope};
 }
 
-constexpr double gate = 4; // deviations, in each direction
+constexpr double gate = 4; // standard deviations, along each axis
 
-/// Gross errors stand alone: what is far from the forecast but like the sample before is a rock
-/// that went its own way.
+/// Outliers are isolated: a sample that is far from the forecast but like the one before it shows
+/// that the rock itself departs from the forecast.
 bool is_outlier(const Vec3& innovation, const std::optional<Vec3>& innovation_before,
                 double deviation) {
     if (innovation.squaredNorm() <= 3 * gate * gate * deviation * deviation) return false;
@@ -108,8 +110,8 @@ bool is_outlier(const Vec3& innovation, const std::optional<Vec3>& innovation_be
            (innovation - *innovation_before).squaredNorm() > 0.25 * innovation.squaredNorm();
 }
 
-/// By how far a rock of the forecast would have to turn, about a level axis, for upwards to be
-/// where gravity says: yaw stays its own.
+/// Rotation about a horizontal axis that brings the vertical of a forecast rock to that given by
+/// gravity; the yaw of the forecast is kept.
 Vec3 tilt_innovation(const Vec3& tilt, const Quat& start, const Vec3& turned) {
     const Vec3 up = (start.conjugate() * Vec3::UnitZ() - tilt).normalized(); // in the body's axes
     return attitude_error(
@@ -117,7 +119,7 @@ Vec3 tilt_innovation(const Vec3& tilt, const Quat& start, const Vec3& turned) {
         Quat::Identity());
 }
 
-/// What a sample is off the forecast by; nothing: not measured.
+/// Innovation of a sample, observation minus forecast; nothing if not measured.
 std::optional<Vec3> innovation_of(const SensorTrajectory& trajectory, std::ptrdiff_t sample,
                                   const ModelRun& forecast, Motions motion, std::size_t host) {
     if (sample < 0) return {};
@@ -140,12 +142,12 @@ std::ptrdiff_t last_sample(const SensorTrajectory& trajectory, double strain) {
            trajectory.strain.begin() - 1;
 }
 
-/// What the last sample of a sensor up to a strain was off by; nothing: none yet, or refused.
+/// Innovation of the last sample of a sensor up to a strain that is not an outlier; nothing if
+/// there is none.
 std::optional<Vec3> innovation_at(const SensorTrajectory& trajectory, const ModelRun& forecast,
                                   Motions motion, std::size_t host, double strain,
                                   double deviation) {
-    for (auto k = last_sample(trajectory, strain); k >= 0;
-         --k) { // one that was refused leaves the one before
+    for (auto k = last_sample(trajectory, strain); k >= 0; --k) {
         const auto innovation = innovation_of(trajectory, k, forecast, motion, host);
         if (innovation &&
             !is_outlier(*innovation, innovation_of(trajectory, k - 1, forecast, motion, host),
@@ -155,13 +157,13 @@ std::optional<Vec3> innovation_at(const SensorTrajectory& trajectory, const Mode
     return {};
 }
 
-/// How far a rock is from its forecast, as its sensor says.
+/// Innovation of the sensor on rock `host`.
 struct Innovation {
     std::size_t host;
     Vec3 innovation;
 };
 
-/// Carries those of one stage to all rocks.
+/// Corrects all rocks at one stage by the innovations of the sensors.
 void interpolate_innovations(ModelRun& run, Motions motion, std::size_t stage,
                              const std::vector<Innovation>& innovations,
                              const MotionScatter& scatter, double noise) {
@@ -187,19 +189,20 @@ void interpolate_innovations(ModelRun& run, Motions motion, std::size_t stage,
             (run.*motion)[stage][rock] += covariance(rock, at(i).host) * weights.row(i).transpose();
 }
 
-// Recordings of another specimen are far from the forecast in most of their rocks and stay so; one
-// rock that went its own way is no reason.
-constexpr unsigned times_running = 3; // samples
-constexpr std::size_t fewest_sensors =
-    6; // that tell of all: three rocks that go their own way are soon chosen for just that
+// Recordings of another specimen are far from the forecast for most rocks, and stay so; a single
+// rock that departs from the forecast is no reason to reject them.
+constexpr unsigned times_running = 3; // successive samples
+// Sensors needed for a verdict: three rocks may all depart from the forecast by chance, or may have
+// been chosen for it.
+constexpr std::size_t fewest_sensors = 6;
 
-/// What one sample says of its rock, beside the forecast.
+/// The observation of one sample compared with the forecast.
 struct Assessment {
     double innovation, distance, gain, deviation; // as in AnalysisRecord
     bool outlier;
 };
 
-/// Nothing: not measured. The gain is that of the rock's own sample alone.
+/// Nothing if not measured. The gain is that of the rock's own sample alone.
 std::optional<Assessment> assess(const SensorTrajectory& trajectory, std::ptrdiff_t sample,
                                  const ModelRun& forecast, Motions motion, std::size_t host,
                                  double deviation, double noise) {
@@ -214,20 +217,22 @@ std::optional<Assessment> assess(const SensorTrajectory& trajectory, std::ptrdif
                       deviation * std::sqrt(1 - gain), outlier};
 }
 
-/// Whether most sensors are farther off than those of the right specimen; nothing: too few to tell.
+/// Whether most innovations are larger than those of the same specimen would be; nothing if there
+/// are too few to tell.
 std::optional<bool> are_inconsistent(std::vector<double> squared_distances) {
     if (squared_distances.size() < fewest_sensors) return {};
     return median(std::move(squared_distances)) > chi_squared_quantile(0.99, 3);
 }
 
-/// Counts and keeps what came since the stage before. Whether most of it is far from the forecast,
-/// in displacements or in rotations; nothing: too little came to tell.
+/// Counts and records the samples that arrived since the previous stage. Returns whether most of
+/// them are far from the forecast, in displacement or in rotation; nothing if too few arrived to
+/// tell.
 std::optional<bool> record_innovations(ModelRun& run, const ModelRun& forecast,
                                        const RockScatter& scatter,
                                        const AssimilatedSensors& sensors, std::size_t stage) {
     const double arrived = run.points[stage].axial_strain - sensors.lateness,
                  before = run.points[stage - 1].axial_strain - sensors.lateness;
-    std::vector<double> shifts, turns; // squared distances
+    std::vector<double> shifts, turns; // normalised innovations squared
     for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
         const std::size_t host = sensors.hosts[s];
         const SensorTrajectory& trajectory = sensors.trajectories[s];
@@ -265,7 +270,7 @@ std::optional<bool> record_innovations(ModelRun& run, const ModelRun& forecast,
 } // namespace
 
 RockScatter scatter_of(const Ensemble& members) {
-    require(!members.runs.empty(), "analysis: expected worlds, found none");
+    require(!members.runs.empty(), "analysis: expected ensemble members, found none");
     const Matrix residual_projection =
         EnsembleRegression(logarithms_of(members.parameters)).residual_projection();
     const ModelRun& like = members.runs.front();
@@ -288,7 +293,7 @@ RockScatter scatter_of(const Ensemble& members) {
 }
 
 void GrowingScatter::add(const Ensemble& members) {
-    require(!members.runs.empty(), "analysis: expected worlds, found none");
+    require(!members.runs.empty(), "analysis: expected ensemble members, found none");
     const Matrix residual_projection =
         EnsembleRegression(logarithms_of(members.parameters)).residual_projection();
     const ModelRun& like = members.runs.front();
@@ -309,10 +314,10 @@ void GrowingScatter::add(const Ensemble& members) {
 void compute_analysis_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter,
                             const AssimilatedSensors& sensors, std::size_t stage) {
     require(sensors.hosts.size() == sensors.trajectories.size(),
-            "analysis: expected a way for each host");
+            "analysis: expected a trajectory for each host");
     const double arrived = run.points[stage].axial_strain - sensors.lateness;
     const auto correct = [&](Motions motion, const MotionScatter& of, double noise) {
-        std::vector<Innovation> innovations; // held from one sample to the next
+        std::vector<Innovation> innovations; // each held until the next sample of its sensor
         for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
             const std::size_t host = sensors.hosts[s];
             const auto innovation =
@@ -329,7 +334,7 @@ void compute_analysis_stage(ModelRun& run, const ModelRun& forecast, const RockS
 ModelRun compute_analysis(const ModelRun& forecast, const RockScatter& scatter,
                           const AssimilatedSensors& sensors) {
     ModelRun run = forecast;
-    unsigned inconsistent = 0; // times running
+    unsigned inconsistent = 0; // successive samples
     for (std::size_t stage = 1;
          stage < std::min(forecast.points.size(), scatter.displacement.deviation.size()); ++stage) {
         const auto far = record_innovations(run, forecast, scatter, sensors, stage);

@@ -6,8 +6,8 @@
 
 namespace bris {
 
-/// How alike rocks at a distance err: near * exp(-distance / length) for two, 1 for one and the
-/// same.
+/// Spatial correlation of the forecast errors of two rocks: near * exp(-distance / length); 1 at
+/// distance 0, for a rock and itself.
 struct CorrelationFunction {
     double near = 0, length = 0; ///< -, m
     double operator()(double distance) const {
@@ -15,31 +15,36 @@ struct CorrelationFunction {
     }
 };
 
-/// What a likeness over distance is taken from: sums over pairs of rocks, in bins of their
-/// distance.
+/// Sums over pairs of rocks, in bins of their distance, from which the correlation function is
+/// fitted.
 struct CorrelationSums {
     static constexpr std::size_t bins = 24;
     std::array<double, bins> products{}, count{}, distance{};
 };
 
-/// How one kind of rocks' motions scatters over worlds, beyond the regression on their beliefs.
+/// Ensemble spread of one kind of rock motion: the residuals of the members beyond the regression
+/// on their parameters.
 struct MotionScatter {
     CorrelationFunction correlation;
-    std::vector<std::vector<double>> deviation; ///< m or rad, of one direction, by stage and rock
+    /// m or rad, standard deviation along one axis, by stage and rock.
+    std::vector<std::vector<double>> deviation;
 };
 
 struct RockScatter {
     MotionScatter displacement, rotation;
 };
+/// The ensemble spread at all stages; the correlation function is fitted to ten of them. Throws
+/// InputError for an empty ensemble.
 RockScatter scatter_of(const Ensemble& members);
 
-/// The same while worlds go on: deviations stage by stage, likeness over distance from stages so
-/// far.
+/// The ensemble spread of members that are still running: deviations stage by stage, the
+/// correlation function from the stages so far.
 class GrowingScatter {
 public:
-    /// Likeness is taken at every so many stages.
+    /// `every`: number of stages between those that the correlation function is fitted to.
     explicit GrowingScatter(std::size_t every) : every_(every) {}
-    /// The stages that worlds have and this has not, and of each what it says of all.
+    /// Adds the stages that the members have reached since the last call. Throws InputError for an
+    /// empty ensemble.
     void add(const Ensemble& members);
     const RockScatter& scatter() const { return scatter_; }
 
@@ -49,27 +54,30 @@ private:
     CorrelationSums displacement_, rotation_;
 };
 
-/// What sensors told, and of which rocks of a run.
+/// Observations of sensors, and the rocks of a run that carry them.
 struct AssimilatedSensors {
     std::vector<std::size_t> hosts;
     const std::vector<SensorTrajectory>& trajectories; ///< one for each host
-    double position_noise, attitude_noise;             ///< m and rad, of the ways
-    double lateness = 0;                               ///< axial strain by which samples come late
+    double position_noise, attitude_noise; ///< m and rad, standard deviations of the trajectories
+    double lateness = 0; ///< axial strain between the time of a sample and its arrival
 };
 
-/// Corrects what the worlds foretold by what the rocks did that carry sensors: optimal
-/// interpolation (Gandin 1963). What is left of each world beyond the regression on its beliefs
-/// shows how far each rock scatters at each stage, and how alike at which distance; the innovations
-/// of the sensors are carried to all others by it. The worlds themselves are not touched, so
-/// nothing is put off its equilibrium. No sample is used before its strain, nor before it has come;
-/// one far off, and unlike the one before it, is refused. Of a way without rotations gravity's tilt
-/// is used. The worlds are packed as the specimen is, or so it is believed: where most sensors, of
-/// six or more, are far off the forecast for several samples running, they are of another specimen,
-/// and left out from then on (inconsistent_from). Samples are counted and kept (analyses).
+/// The analysis of rock motions: corrects the forecast by the observations of the rocks that carry
+/// sensors, by optimal interpolation (Gandin 1963). The residuals of the ensemble members beyond
+/// the regression on their parameters give the forecast error covariance: a deviation for each rock
+/// and stage, and a correlation that decreases with distance. It carries the innovations of the
+/// sensors to all other rocks. The members themselves are not changed, so none is moved out of
+/// equilibrium. No sample is used before its strain or before it has arrived. An outlier, far from
+/// the forecast and unlike the sample before it, is rejected. Where a trajectory has no rotations,
+/// the tilt that gravity gives is used. The analysis assumes that the members are packed like the
+/// specimen: where most of at least six sensors are far from the forecast for several successive
+/// samples, the sensors are taken to be of another specimen and are left out from then on
+/// (inconsistent_from). Samples are counted and recorded (analyses). Throws InputError unless there
+/// is one trajectory for each host.
 ModelRun compute_analysis(const ModelRun& forecast, const RockScatter& scatter,
                           const AssimilatedSensors& sensors);
-/// The same for one stage of `run`, which holds the forecast there, whatever specimen the sensors
-/// are of.
+/// The analysis of one stage of `run`, which holds the forecast there; without the check whether
+/// the sensors are of the same specimen.
 void compute_analysis_stage(ModelRun& run, const ModelRun& forecast, const RockScatter& scatter,
                             const AssimilatedSensors& sensors, std::size_t stage);
 

@@ -36,7 +36,7 @@ std::vector<std::vector<Vec3>> get_stages(const Archive& archive, const std::str
     return all;
 }
 
-/// All numbers that a run depends on, but for the specimen's.
+/// All numbers on which a run depends, except those of the specimen.
 void put_variant(Archive& archive, const TriaxialSettings& s, const ModelVariant& variant) {
     const Corrections& c = variant.corrections;
     std::vector<double> numbers{s.confining_pressure,
@@ -161,8 +161,8 @@ CheckpointedRun::CheckpointedRun(const Common& common, const TriaxialSettings& s
     : name_(variant.name) {
     Archive all;
     put_variant(all, settings, variant);
-    all.put("name",
-            std::span<const char>(variant.name)); // equal arms of several names run side by side
+    // equal variants with different names may run at the same time
+    all.put("name", std::span<const char>(variant.name));
     const std::array parts{fingerprint(all), fingerprint(specimen), common.seed};
     Archive whole;
     whole.put("parts", std::span<const std::uint64_t>(parts));

@@ -14,21 +14,21 @@ std::vector<RockPose> load_poses(const Archive& archive, const std::string& path
 void save_run(Archive& archive, const ModelRun& run);
 ModelRun load_run(const Archive& archive);
 
-/// Where the run of an arm is kept, while it goes on and when it is done: a stopped campaign of
-/// runs goes on where it was. Files are named by all that the run depends on, so another run is
-/// never taken for it.
+/// The checkpoint file of one model run, written while it runs and when it is done, so that an
+/// interrupted campaign of runs resumes where it was. The file name is a fingerprint of everything
+/// that the run depends on, so no other run is mistaken for it.
 class CheckpointedRun {
 public:
-    CheckpointedRun() = default; ///< keeps nothing
-    /// In the folder `runs` of the results; `--resume FOLDER` looks there too.
+    CheckpointedRun() = default; ///< saves nothing
+    /// The file is in the folder `runs` of the results; with `--resume FOLDER` a checkpoint is read
+    /// from there.
     CheckpointedRun(const Common& common, const TriaxialSettings& settings, const Archive& specimen,
                     const ModelVariant& variant);
-    void checkpoint_every(double interval) {
-        timer_ = CheckpointTimer(interval);
-    } ///< s, of wall time
+    /// Sets the wall time (s) between checkpoints.
+    void checkpoint_every(double interval) { timer_ = CheckpointTimer(interval); }
     CheckpointTimer& timer() { return timer_; }
 
-    /// What was kept of it; nothing: nothing was, or this is no run that goes on.
+    /// The last checkpoint of this run; nothing if there is none or the run does not resume.
     std::optional<Archive> resume() const;
     void save(const Archive& archive);
 
@@ -38,7 +38,7 @@ private:
     CheckpointTimer timer_;
 };
 
-/// Runs that are kept are of no use when all is done.
+/// Removes the checkpoints of all runs, which are of no use once a campaign is complete.
 void remove_checkpoints(const Common& common);
 
 } // namespace bris

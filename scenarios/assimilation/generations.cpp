@@ -27,9 +27,9 @@ Learned learn_on(const Gaussian& prior, Ensemble first, const MeasuredTest& meas
     learned.estimates = learn(prior, learned.first, measured, settings, settings.first_strain);
     learned.second = run_members(spread_around(prior, learned.estimates), settings.members,
                                  "second", strain, run);
-    const auto later = learn(
-        prior, learned.second, measured, settings,
-        std::min(settings.final_strain, strain)); // what the first generation saw is seen anew
+    // the second generation assimilates all measurements from the beginning
+    const auto later =
+        learn(prior, learned.second, measured, settings, std::min(settings.final_strain, strain));
     std::erase_if(learned.estimates,
                   [&](const EstimateAt& k) { return k.strain >= settings.first_strain - 1e-9; });
     for (const EstimateAt& k : later)

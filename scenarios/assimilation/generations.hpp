@@ -6,31 +6,34 @@
 
 namespace bris {
 
-/// What the second generation is drawn from: around what was learned, wide enough to show slopes
-/// through the chaos.
+/// The distribution that the second generation is drawn from: centred on the posterior of the
+/// first, but wide enough for the regression to resolve slopes in spite of the divergence of single
+/// runs.
 Gaussian spread_around(const Gaussian& prior, const std::vector<EstimateAt>& estimates);
 
-/// Two generations of worlds, and what is known at the end of each window.
+/// Two generations of ensemble members, and the parameter estimate at the end of each window.
 struct Learned {
     Ensemble first, second;
     std::vector<EstimateAt> estimates;
 };
-/// Goes on from a first generation, which is the same whatever is learned; the second one runs to
-/// `strain`.
+/// Estimates the parameters from a given first generation, which is the same whatever is measured;
+/// the second generation runs to `strain`.
 Learned learn_on(const Gaussian& prior, Ensemble first, const MeasuredTest& measured,
                  const Learning& settings, double strain, const RunModels& run);
-/// From the beginning.
+/// Runs both generations and estimates the parameters.
 Learned learn_in_two_generations(const Gaussian& prior, const MeasuredTest& measured,
                                  const Learning& settings, double strain, const RunModels& run);
 
-/// What a model is told of it: its beliefs after windows in which one of them changed by more than
-/// `change`, relative, and than its deviation.
+/// The parameters that a single model run is given in the course of a test: the estimates after
+/// windows in which one of the parameters changed by more than `change`, relative, and by more than
+/// its deviation.
 std::vector<LearnedParameters> schedule_of(const std::vector<EstimateAt>& estimates,
                                            const RockParameters& first, double change);
 
-/// What the worlds foretell together for the parameters as they are known at each strain: their
-/// regression on their beliefs. Chaos of single worlds averages out; a run cannot know better where
-/// its rocks go. Curves and motions only.
+/// The ensemble forecast at each strain, for the parameters as estimated by then: the regression of
+/// the members on their parameters. The divergence of single runs averages out, while a single run
+/// cannot predict more than its own realisation of the rock motions. Contains curves and motions
+/// only.
 ModelRun ensemble_forecast(const Learned& learned, const Gaussian& prior);
 
 } // namespace bris

@@ -17,8 +17,8 @@ namespace bris {
 
 namespace {
 
-/// m, as far as the centres of rocks that touch: 1.5 times the distance to the nearest, in the
-/// median.
+/// Distance (m) up to which rocks count as near, about that of the centres of touching rocks: 1.5
+/// times the median of the distances to the nearest rock.
 double reach_of_neighbours(const std::vector<RockPose>& rocks) {
     std::vector<double> nearest;
     for (const RockPose& a : rocks) {
@@ -57,7 +57,7 @@ double squared_turn(const ModelRun& run, const ModelRun& truth, std::size_t stag
         .squaredNorm();
 }
 
-/// Sum over all stages, for the rocks that `counts` accepts.
+/// Sum over all stages, over the rocks that `counts` accepts.
 template <class Squared, class Counts>
 double error_of(const ModelRun& run, const ModelRun& truth, Squared&& squared, Counts&& counts) {
     double sum = 0;
@@ -184,7 +184,7 @@ void write_layouts(const std::filesystem::path& path, const std::vector<LayoutRe
         "layout,sensors,interval,sensor_rocks_error_ratio,near_error_ratio,others_error_ratio,near_"
         "rotation_left,seconds_per_stage\n";
     fmt::print("{:10}{:>8}{:>10}{:>14}{:>12}{:>14}{:>16}{:>14}\n", "layout", "sensors", "interval",
-               "sensor rocks", "near them", "all without", "near, rotation", "us a stage");
+               "sensor rocks", "near rocks", "all others", "near, rotation", "us per stage");
     for (const LayoutResult& r : results) {
         fmt::print("{:10}{:8}{:10.1e}{:14.3f}{:12.3f}{:14.3f}{:16.3f}{:14.1f}\n", r.layout,
                    r.sensors, r.interval, r.hosts_error_ratio, r.near_error_ratio,

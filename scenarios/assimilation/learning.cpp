@@ -14,35 +14,35 @@ namespace bris {
 
 namespace {
 
-constexpr double no_stress = 1e3;     // Pa, below which a logarithm of q says nothing
-constexpr double compaction = 1e-3;   // volumetric strain that grains take up before they dilate
-constexpr double volume_noise = 0.02; // of volumetric strain as measured, relative
-constexpr double slip = 0.35;         // of ln q: worlds slip, too, but not when the specimen does
-constexpr double outlier_limit =
-    6; // deviations of q; no world of the twin campaign is 3 from the others
-// What makes a specimen strong makes it dilate and widen too: among eleven of friction 0.7 ln q and
-// dilation go together with a correlation of 0.6 to 0.9, and each goes on as it began with about
-// this memory (tests/performance/packing_campaign).
-constexpr SpecimenCorrelation specimen_correlation{.memory = 4,
-                                                   .channels = 0.6}; // the former of ln strain
+constexpr double no_stress = 1e3;     // Pa, below which the logarithm of q is meaningless
+constexpr double compaction = 1e-3;   // volumetric strain of a specimen before it dilates
+constexpr double volume_noise = 0.02; // relative, of volumetric strain as measured
+// deviation of ln q by slips: members slip like the specimen, but at other strains
+constexpr double slip = 0.35;
+// in standard deviations of ln q; no member of the twin campaign is 3 away from the others
+constexpr double outlier_limit = 6;
+// A strong specimen also dilates and widens more: among eleven specimens of friction 0.7 ln q and
+// dilation have a correlation of 0.6 to 0.9, and each persists with about this memory
+// (tests/performance/packing_campaign). The memory is in units of ln strain.
+constexpr SpecimenCorrelation specimen_correlation{.memory = 4, .channels = 0.6};
 
-/// What is measured of a test and foretold by worlds: channels of the estimate.
+/// Channels of the estimate: quantities that are measured in a test and forecast by the members.
 enum Channel : std::size_t { strength, widening, dilation, channels };
 
 using Measured = std::vector<double> MeasuredTest::*;
 
-/// A sample of a sensor, and the stage of the worlds at its strain.
+/// A sample of a sensor, and the stage of the members at its strain.
 struct Observation {
     std::size_t sensor, sample, stage;
 };
 
-/// Whether a sensor rock tells of widening: one in the middle does not.
+/// Whether a sensor rock moves outwards as the specimen widens: one near the axis does not.
 bool stands_off_axis(const ModelRun& run, std::size_t sensor) {
     constexpr double middle = 0.02; // m
     return run.start[sensor].position.head<2>().norm() >= middle;
 }
 
-/// Mean displacement away from the axis of the sensor rocks heard of.
+/// Mean displacement away from the axis of the observed sensor rocks.
 double outwards(const ModelRun& run, const std::vector<Observation>& observations,
                 const std::function<Vec3(const Observation&)>& displacement) {
     double sum = 0;
@@ -54,27 +54,27 @@ double outwards(const ModelRun& run, const std::vector<Observation>& observation
     return observations.empty() ? 0 : sum / static_cast<double>(observations.size());
 }
 
-/// Worlds to learn from, or some of them.
+/// All members of an ensemble, or some of them.
 struct MemberSubset {
     std::vector<RockParameters> parameters;
     std::vector<const ModelRun*> runs;
 };
 
-/// Means over a window of strain: of what was measured, and of what each world foretold at the same
-/// strains.
+/// Means over a window of strain: of the measurements, and of the forecast of each member at the
+/// same strains.
 struct Means {
     double measured = 0;
     Vector forecast;
 };
 
-/// What every world foretold of a stage.
+/// One quantity at a stage, as forecast by each member.
 Vector forecast_at(const MemberSubset& members, std::size_t stage, double TriaxialPoint::*what) {
     return Vector::NullaryExpr(static_cast<Eigen::Index>(members.runs.size()), [&](Eigen::Index j) {
         return members.runs[static_cast<std::size_t>(j)]->points[stage].*what;
     });
 }
 
-/// Nothing: not measured there.
+/// Nothing if the quantity was not measured in the window.
 std::optional<Means> means_of(const MemberSubset& members, const MeasuredTest& measured,
                               Measured what, double TriaxialPoint::*forecast, double from,
                               double to) {
@@ -96,7 +96,7 @@ std::optional<Means> means_of(const MemberSubset& members, const MeasuredTest& m
     return m;
 }
 
-/// Whether no world comes near ln q, whatever specimens differ by.
+/// Whether ln q is an outlier to the whole ensemble, even if specimens differ.
 bool is_outlier(double found, const Vector& forecast, double specimen_scatter) {
     const double mean = forecast.mean(), scatter = std::max(specimen_scatter, slip);
     const double variance =
@@ -105,7 +105,7 @@ bool is_outlier(double found, const Vector& forecast, double specimen_scatter) {
     return std::pow(found - mean, 2) > outlier_limit * outlier_limit * variance;
 }
 
-/// The test without what is gross of q.
+/// The test without the outliers of q.
 MeasuredTest cleaned(const MemberSubset& members, const MeasuredTest& measured,
                      const Learning& settings) {
     MeasuredTest m = measured;
@@ -122,7 +122,8 @@ MeasuredTest cleaned(const MemberSubset& members, const MeasuredTest& measured,
     return m;
 }
 
-/// A displacement that no world comes near: ten deviations of the worlds and of the noise.
+/// Whether a displacement is an outlier to the whole ensemble: farther from its mean than ten
+/// standard deviations of members and noise.
 bool is_outlier(const MemberSubset& members, const Observation& h, const Vec3& found,
                 double noise) {
     Vec3 mean = Vec3::Zero();
@@ -136,8 +137,8 @@ bool is_outlier(const MemberSubset& members, const Observation& h, const Vec3& f
     return (found - mean).squaredNorm() > 100 * variance;
 }
 
-/// The last sample of each sensor that has come by the end of a window and was taken in it; fewer
-/// than half of the sensors: none.
+/// The last sample of each sensor that was taken in a window, allowing for lateness. None if fewer
+/// than half of the sensors have one.
 std::vector<Observation> observations_in(const MemberSubset& members, const MeasuredTest& measured,
                                          double from, double to) {
     const ModelRun& like = *members.runs.front();
@@ -166,7 +167,7 @@ std::vector<Observation> observations_in(const MemberSubset& members, const Meas
     return observations;
 }
 
-/// ln q.
+/// Assimilates ln q.
 bool observe_strength(ParameterEstimate& estimate, const MemberSubset& members,
                       const MeasuredTest& measured, const Learning& settings, double from,
                       double to) {
@@ -179,7 +180,8 @@ bool observe_strength(ParameterEstimate& estimate, const MemberSubset& members,
     return true;
 }
 
-/// How far the sensor rocks have come outwards. Specimens differ by a share of it.
+/// Assimilates the mean outward displacement of the sensor rocks. Specimens differ by a fraction of
+/// it.
 bool observe_sensor_displacements(ParameterEstimate& estimate, const MemberSubset& members,
                                   const MeasuredTest& measured, const Learning& settings,
                                   double from, double to) {
@@ -202,7 +204,7 @@ bool observe_sensor_displacements(ParameterEstimate& estimate, const MemberSubse
     return true;
 }
 
-/// Dilation, in units that grow with strain as what specimens differ by does.
+/// Assimilates dilation, in units that grow with strain as the differences between specimens do.
 bool observe_volume(ParameterEstimate& estimate, const MemberSubset& members,
                     const MeasuredTest& measured, const Learning& settings, double from,
                     double to) {
@@ -211,9 +213,9 @@ bool observe_volume(ParameterEstimate& estimate, const MemberSubset& members,
     if (!volume) return false;
     const double size = std::abs(volume->forecast.mean()),
                  unit = -(size + compaction); // compression is positive
-    if (!(size > compaction))
-        return false; // all specimens begin alike: that would seem to say that this one goes on
-                      // like the worlds
+    // before dilation all specimens are alike, which would suggest that this one continues like the
+    // members
+    if (!(size > compaction)) return false;
     estimate.observe(
         dilation, volume->forecast / unit,
         {volume->measured / unit, volume_noise, settings.specimen_scatter, std::log(to)});
@@ -222,7 +224,7 @@ bool observe_volume(ParameterEstimate& estimate, const MemberSubset& members,
 
 enum class ReportAt { every_window, final_strain_only };
 
-/// `excluded_members`: worlds that the panel lacks.
+/// `excluded_members`: number of members that are left out of the ensemble.
 std::vector<EstimateAt> learn_tempered(const Gaussian& prior, const MemberSubset& members,
                                        const MeasuredTest& measured, const Learning& settings,
                                        double final_strain, double tempering, ReportAt report_at,
@@ -254,7 +256,7 @@ std::vector<EstimateAt> learn_tempered(const Gaussian& prior, const MemberSubset
     return estimates;
 }
 
-/// What would have been measured of a world, at the strains of a real test.
+/// Synthetic measurements of a member, at the strains of a real test.
 MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
     MeasuredTest m = like;
     for (std::size_t k = 0; k < m.strain.size(); ++k) {
@@ -273,10 +275,11 @@ MeasuredTest as_measured(const ModelRun& run, const MeasuredTest& like) {
     return m;
 }
 
-/// How far the worlds themselves can be trusted: each in turn is taken for the truth and its
-/// parameters learned from the others. Where they come out farther off than they should, chaos
-/// lasts longer than a correlation from one time to the next tells, and measurements count for
-/// less. With no world to spare that is not tried.
+/// Likelihood tempering by leave-one-out cross-validation: each member in turn is taken as the
+/// truth, and its parameters are estimated from the others. Where the errors are larger than the
+/// estimates claim, the divergence of single runs persists longer than its correlation at
+/// successive times accounts for, and the measurements are given less weight. Returns 1 if the
+/// ensemble has no more than the fewest members.
 double tempering_for(const Gaussian& prior, const MemberSubset& members,
                      const MeasuredTest& measured, const Learning& settings, double final_strain) {
     if (members.runs.size() <= ParameterEstimate::fewest_members) return 1;
@@ -297,7 +300,7 @@ double tempering_for(const Gaussian& prior, const MemberSubset& members,
 
 MemberSubset all_members(const Ensemble& members) {
     require(members.runs.size() == members.parameters.size(),
-            fmt::format("worlds: expected {} runs, found {}", members.parameters.size(),
+            fmt::format("ensemble members: expected {} runs, found {}", members.parameters.size(),
                         members.runs.size()));
     MemberSubset subset{members.parameters, {}};
     for (const ModelRun& run : members.runs) subset.runs.push_back(&run);
@@ -315,7 +318,7 @@ Gaussian prior_of(const RockParameters& middle, const Learning& settings) {
 
 std::vector<double> window_ends(const Learning& settings, double final_strain) {
     std::vector<double> ends;
-    // narrow windows at first, where stiffness shows, then wide ones
+    // narrow windows at first, where q depends on stiffness, then wide ones
     for (double from = 0; from < final_strain - 1e-9; from = ends.back())
         ends.push_back(std::min(
             from + std::clamp(0.5 * from, settings.first_window, settings.window), final_strain));

@@ -9,75 +9,87 @@
 
 namespace bris {
 
-/// How friction and stiffness are learned while a test goes on.
+/// Settings of the sequential estimation of friction and stiffness from a test.
 struct Learning {
-    unsigned members = 8; ///< in each of two generations: drawn from what is known before the test,
-                          ///< and after its beginning
-    double first_strain = 2e-3; ///< to which the first generation runs
-    double final_strain = 0.01; ///< to which learning goes on
-    double first_window = 1e-4,
-           window = 1e-3; ///< of axial strain, over which q is averaged: half of it, within these
-    double friction_deviation = 0.3,
-           stiffness_deviation = 0.4; ///< of their logarithms, before anything is measured
-    double specimen_scatter = 0; ///< by which the real specimen may be stronger or weaker than the
-                                 ///< model's, of ln q; and by the same share dilate and widen
-    double force_noise = 0.01;   ///< of ln q as measured
-    bool by_force = true;        ///< q
-    bool by_sensors = true;      ///< how far sensor rocks move outwards
-    bool by_volume = false;      ///< volumetric strain
+    /// Ensemble members in each of two generations; the first is drawn from the prior, the second
+    /// from the estimate after the beginning of the test.
+    unsigned members = 8;
+    double first_strain = 2e-3; ///< axial strain to which the first generation runs
+    double final_strain = 0.01; ///< axial strain up to which measurements are assimilated
+    /// Axial strain over which q is averaged: half of the strain reached, within these limits.
+    double first_window = 1e-4, window = 1e-3;
+    /// Prior standard deviations of the logarithms of friction and stiffness.
+    double friction_deviation = 0.3, stiffness_deviation = 0.4;
+    /// Standard deviation of ln q by which the real specimen may be stronger or weaker than that of
+    /// the model; dilation and widening differ by the same fraction.
+    double specimen_scatter = 0;
+    double force_noise = 0.01; ///< standard deviation of ln q as measured
+    bool by_force = true;      ///< assimilate q
+    bool by_sensors = true;    ///< assimilate the outward displacement of the sensor rocks
+    bool by_volume = false;    ///< assimilate the volumetric strain
 
     void describe(auto& option);
 };
 
-/// What is known of them before a test.
+/// The prior distribution of the logarithms of friction and stiffness.
 Gaussian prior_of(const RockParameters& middle, const Learning& settings);
 
-/// What is known at an axial strain.
+/// The parameter estimate at an axial strain.
 struct EstimateAt {
     double strain;
     Gaussian estimate;
-    double normalised_innovation_squared; ///< of the last measurement of q from what was expected:
-                                          ///< chi square of one degree; -1: none in this window
-    unsigned rejected =
-        0; ///< numbers of q in this window that no world comes near: not learned from
+    /// Of the last measurement of q against its predictive distribution: chi squared with one
+    /// degree of freedom; -1: no q in this window.
+    double normalised_innovation_squared;
+    /// Values of q in this window that are outliers to the whole ensemble and are not assimilated.
+    unsigned rejected = 0;
 };
 
-/// Learns window by window up to `final_strain`, from no measurement before its time: from the
-/// logarithm of q, from how far the sensor rocks have moved outwards in the mean, and from the
-/// volumetric strain, each as far as it is measured and asked for. A q that no world comes near is
-/// left out.
+/// Estimates the parameters window by window up to `final_strain`, using no measurement before its
+/// strain: from the logarithm of q, from the mean outward displacement of the sensor rocks, and
+/// from the volumetric strain, each as far as it is measured and requested. Values of q that are
+/// outliers to the whole ensemble are left out.
 std::vector<EstimateAt> learn(const Gaussian& prior, const Ensemble& members,
                               const MeasuredTest& measured, const Learning& settings,
                               double final_strain);
 
-/// Displacements of sensor rocks that no world comes near: learning leaves them out.
+/// Number of displacements of sensor rocks that are outliers to the whole ensemble; `learn` leaves
+/// them out.
 std::size_t outlying_displacements(const Ensemble& members, const MeasuredTest& measured);
 
-/// Where windows end, up to `final_strain`.
+/// Axial strains at which windows end, up to `final_strain`.
 std::vector<double> window_ends(const Learning& settings, double final_strain);
 
 void Learning::describe(auto& option) {
     option("members", members, "",
-           "in each of two generations, that friction and stiffness are learned from",
+           "Number of ensemble members in each of the two generations from which friction and "
+           "stiffness are estimated.",
            within(6, 1000));
-    option("first_strain", first_strain, "", "to which the first generation runs", above(0));
-    option("learning_strain", final_strain, "", "to which learning goes on", above(0));
-    option("learning_window", window, "", "axial strain over which q is averaged", above(0));
+    option("first_strain", first_strain, "", "Axial strain to which the first generation runs.",
+           above(0));
+    option("learning_strain", final_strain, "",
+           "Axial strain up to which measurements are assimilated.", above(0));
+    option("learning_window", window, "", "Largest axial strain over which q is averaged.",
+           above(0));
     option("friction_deviation", friction_deviation, "",
-           "of its logarithm, before anything is measured", above(0));
-    option("stiffness_deviation", stiffness_deviation, "", "likewise", above(0));
-    const bool by_model =
-        specimen_scatter < 0; // a scenario that knows by what its model's specimen differs
+           "Prior standard deviation of the logarithm of friction.", above(0));
+    option("stiffness_deviation", stiffness_deviation, "",
+           "Prior standard deviation of the logarithm of stiffness.", above(0));
+    // a scenario that knows how the specimen of its model differs sets it below 0
+    const bool by_model = specimen_scatter < 0;
     option("specimen_scatter", specimen_scatter, "",
-           std::string("by which the real specimen may be stronger than the model's for other "
-                       "reasons, of ln q") +
-               (by_model ? "; below 0: by what --model-... differ in" : ""),
+           std::string("Standard deviation of ln q by which the real specimen may be stronger or "
+                       "weaker than that of the model for other reasons than its parameters.") +
+               (by_model ? " Below 0: the value for the differences set by the --model-... options."
+                         : ""),
            at_least(by_model ? -1 : 0));
-    option("force_noise", force_noise, "", "of q as measured, relative", at_least(0));
-    option("learn_by_force", by_force, "", "that is, by q");
+    option("force_noise", force_noise, "", "Relative standard deviation of q as measured.",
+           at_least(0));
+    option("learn_by_force", by_force, "", "Estimate the parameters from q.");
     option("learn_by_sensors", by_sensors, "",
-           "by how far they move outwards, where that was recorded");
-    option("learn_by_volume", by_volume, "", "by the volumetric strain");
+           "Estimate the parameters from the outward displacement of the sensor rocks, where it "
+           "was recorded.");
+    option("learn_by_volume", by_volume, "", "Estimate the parameters from the volumetric strain.");
 }
 
 } // namespace bris

@@ -8,13 +8,14 @@
 
 namespace bris {
 
-/// Friction and stiffness with their deviations, flat keys for summary.json.
+/// The estimate of friction and stiffness with standard deviations, as flat keys for summary.json.
 std::vector<NamedValue> describe(const Gaussian& estimate);
 
-/// A line for each window: what was known at its end. Throws OutputError.
+/// Writes a CSV file with the parameter estimate at the end of each window. Throws OutputError.
 void write_estimates(const std::filesystem::path& csv, const std::vector<EstimateAt>& estimates);
 
-/// What each world foretold of q, stage by stage. Throws OutputError.
+/// Writes a CSV file with the q that each ensemble member forecasts, stage by stage. Throws
+/// OutputError.
 void write_members(const std::filesystem::path& csv, const Ensemble& members);
 
 } // namespace bris

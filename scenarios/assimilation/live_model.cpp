@@ -41,8 +41,8 @@ LiveModel::LiveModel(const LiveModelSettings& settings, BeginRuns begin)
     forecast_ = state_ = empty_run_like(answering_->ensemble.members().runs.front());
 }
 
-/// Once for each window that ends with this stage, from all that has come of it and of those
-/// before: what came late counts from now on.
+/// Updates the estimate once for each window that ends with this stage, from all records of this
+/// window and of earlier ones that have arrived: late records are included from then on.
 void LiveModel::learn_at(double strain, const RecordedTest& so_far, Due due) {
     const auto ends = window_ends(settings_.learning, settings_.learning.final_strain);
     const auto passed = std::ranges::find_if(ends.rbegin(), ends.rend(), [&](double end) {
@@ -94,7 +94,7 @@ void LiveModel::next_stage(const RecordedTest& so_far) {
 
 void LiveModel::advance_members() {
     if (done()) return;
-    if (retired_) { // not before the answer
+    if (retired_) { // saved only now, so as not to delay the answer
         retired_->ensemble.save_checkpoint();
         retired_.reset();
     }
@@ -104,14 +104,14 @@ void LiveModel::advance_members() {
         catch_up_to(std::min(needed, settings_.catch_up * (state_.points.size() - second_begun_)));
 }
 
-/// Too few worlds are no end of the test while those of the first generation answer it.
+/// If too few members remain, the test goes on with the first generation.
 void LiveModel::catch_up_to(std::size_t points) {
     try {
         catching_up_->advance_to(points);
-    } catch (const SimulationError&) { // it has said which worlds
+    } catch (const SimulationError&) { // the members that were stopped are reported already
         lost_second_at_ = next_strain();
-        fmt::print("too few worlds of the second generation are left at {:.2f} % of axial strain: "
-                   "the first one goes on answering\n",
+        fmt::print("too few members of the second generation are left at {:.2f} % of axial strain: "
+                   "the first generation continues to provide the forecast\n",
                    100 * lost_second_at_);
         retired_ = std::exchange(catching_up_, {});
     }

@@ -8,56 +8,58 @@
 
 namespace bris {
 
-/// How a model follows a test.
+/// Settings of a model that follows a test.
 struct LiveModelSettings {
-    RockParameters before; ///< what is believed before anything is measured
+    RockParameters before; ///< mean of the prior
     Learning learning = {};
     double stage_strain = 1e-4;
     double final_strain = 0.025;
-    unsigned catch_up = 3; ///< stages that the second generation goes on for each one of the test,
-                           ///< until it has caught up; at least 2
+    /// Stages that the second generation advances for each stage of the test until it has caught
+    /// up; at least 2.
+    unsigned catch_up = 3;
 };
 
-/// What is known of a specimen while its test goes on: worlds of other frictions and stiffnesses go
-/// along with it, what is measured says which of them to believe, and the sensors' records correct
-/// where the rocks are. Worlds never run beyond the stage that the test is in, but for the first of
-/// the first generation. All of it follows from the worlds and the records, whenever they came, and
-/// from counts of stages, never from time.
+/// Forecast and analysis of a specimen while its test goes on. An ensemble with different friction
+/// and stiffness runs along with the test, the measurements update the parameter estimate, and the
+/// observations of the sensors correct the rock motions. Members never run ahead of the stage that
+/// the test is in, except for the beginning of the first generation. The results depend only on the
+/// members, the records and counts of stages, never on the time at which a record arrives.
 class LiveModel {
 public:
-    /// Runs the first generation of worlds to the first strain of the learning: no record is needed
-    /// for it. Throws as run_members does.
+    /// Runs the first generation to the first strain of the learning, which needs no record.
+    /// Throws as run_members does.
     LiveModel(const LiveModelSettings& settings, BeginRuns begin);
 
-    /// The next stage, by a test's records so far; the first call is for the start. At the first
-    /// strain of the learning a second generation begins, which answers from the stage on to which
-    /// it has caught up. Should guards stop too many of its worlds before, that is said once, and
-    /// the first one goes on answering; later, that ends the test: SimulationError.
+    /// Computes the next stage from the records of the test so far; the first call is for the
+    /// start. At the first strain of the learning a second generation begins, which replaces the
+    /// first from the stage at which it has caught up. If guards stop too many of its members
+    /// before, this is reported once and the first generation continues to provide the forecast.
+    /// Throws SimulationError if that happens later.
     void next_stage(const RecordedTest& so_far);
-    /// What the next stage needs of the worlds, so that its records find it done; else next_stage
-    /// does it.
+    /// Advances the members to the next stage before its records arrive; otherwise next_stage does
+    /// it.
     void advance_members();
-    /// All worlds, where they are now.
+    /// Saves checkpoints of all members at their present states.
     void save_checkpoint() const;
 
-    /// Stage by stage: motions of all rocks, corrected by the sensors; curves as foretold with what
-    /// was known then.
+    /// The analysis, stage by stage: motions of all rocks, corrected by the sensors; curves as
+    /// forecast with the parameter estimate of that stage.
     const ModelRun& state() const { return state_; }
-    /// What the worlds alone said.
+    /// The forecast of the ensemble alone.
     const ModelRun& forecast() const { return forecast_; }
     const std::vector<EstimateAt>& estimates() const { return estimates_; }
     Gaussian estimate() const { return estimates_.empty() ? prior_ : estimates_.back().estimate; }
     double strain() const { return state_.points.back().axial_strain; }
-    /// Axial strain of the stage that next_stage will be for.
+    /// Axial strain of the stage that next_stage will compute.
     double next_strain() const {
         return static_cast<double>(state_.points.size()) * settings_.stage_strain;
     }
     bool done() const {
         return next_strain() > settings_.final_strain + 0.5 * settings_.stage_strain;
     }
-    /// From which on the second generation answers; 0: not yet.
+    /// Axial strain from which the second generation provides the forecast; 0: not yet.
     double caught_up_at() const { return caught_up_at_; }
-    /// At which too few of its worlds were left; 0: never.
+    /// Axial strain at which too few members of the second generation were left; 0: never.
     double lost_second_at() const { return lost_second_at_; }
 
 private:
@@ -77,8 +79,8 @@ private:
     BeginRuns begin_;
     Gaussian prior_;
     std::optional<Generation> answering_, catching_up_;
-    std::optional<Generation> retired_; // until it is kept
-    std::size_t second_begun_ = 0;      // stages answered then
+    std::optional<Generation> retired_; // until its checkpoints are saved
+    std::size_t second_begun_ = 0;      // stages computed by then
     double caught_up_at_ = 0, lost_second_at_ = 0;
     std::vector<EstimateAt> estimates_;
     ModelRun forecast_, state_;

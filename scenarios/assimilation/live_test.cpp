@@ -17,17 +17,18 @@ namespace bris {
 
 namespace {
 
-constexpr auto silence_mark =
-    "{\"end\": 1, \"by_silence\": 1}\n"; // in a log: who goes on from it goes on listening
-constexpr double largest_jump = 2e-3; // of axial strain, from one record of the machine to the next
-constexpr std::size_t agreeing = 3;   // records over it, near each other, by which the machine is
-                                      // believed: what was between is lost
-constexpr std::string_view cut_off =
-    "# cut off: ";                      // before a line that lacks its end: it stays one
-constexpr double same_strain = 1e-9;    // of what was asked for and what has come
-constexpr std::size_t fewest_times = 3; // by which a clock is judged
+// the last line of a log after a timeout: a run that resumes from the log listens again
+constexpr auto silence_mark = "{\"end\": 1, \"by_silence\": 1}\n";
+constexpr double largest_jump = 2e-3; // axial strain, from one record of the machine to the next
+// Number of successive records beyond that jump, near each other, after which they are accepted:
+// the records between are lost.
+constexpr std::size_t agreeing = 3;
+// prefix in the log of a line that lacks its end, so that it is read as such again
+constexpr std::string_view cut_off = "# cut off: ";
+constexpr double same_strain = 1e-9;    // tolerance of comparisons of axial strain
+constexpr std::size_t fewest_times = 3; // number of differences from which a clock is judged
 
-// of a sample
+// names of the numbers of a sample
 constexpr std::array sample_names{"strain", "seq", "ax",   "ay",   "az",    "gx",   "gy", "gz",
                                   "ux",     "uy",  "uz",   "qw",   "qx",    "qy",   "qz", "mx",
                                   "my",     "mz",  "temp", "batt", "flags", "phase"};
@@ -50,13 +51,11 @@ std::string logged(const LineSource::Line& line) {
 LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path log,
                    std::vector<SensorInfo> infos, const LiveSettings& settings)
     : lines_(stream), infos_(std::move(infos)), settings_(settings) {
-    require(!infos_.empty(), "stream: expected SmartRocks that send, found none");
+    require(!infos_.empty(), "stream: expected at least one SmartRock, found none");
     for (const SensorInfo& info : infos_) sensors_[info.id].clock_offset = info.clock_offset;
     std::string kept = std::filesystem::exists(log) ? read_whole(log) : "";
-    kept.resize(kept.find_last_of('\n') == std::string::npos
-                    ? 0
-                    : kept.find_last_of('\n') +
-                          1); // a line that was being written is sent again, or lost as others are
+    // a last line that was being written is dropped: it is sent again, or lost like others
+    kept.resize(kept.find_last_of('\n') == std::string::npos ? 0 : kept.find_last_of('\n') + 1);
     if (kept.ends_with(silence_mark))
         kept.resize(kept.size() - std::string_view(silence_mark).size());
     write_whole(log, kept);
@@ -66,7 +65,7 @@ LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path lo
     if (log_ == nullptr) throw OutputError(fmt::format("cannot write '{}'", log.string()));
 }
 
-// What has come and was not taken yet would be lost.
+// Lines that arrived but are not processed yet would be lost, so they are logged.
 LiveTest::~LiveTest() {
     std::string remaining;
     if (!over_)
@@ -91,7 +90,7 @@ void LiveTest::write_to_log(std::string_view text) {
 void LiveTest::end(const std::string& why, bool by_sender) {
     over_ = true;
     note("end", why);
-    if (by_sender) return; // its own line says so
+    if (by_sender) return; // the sender's own line is in the log
     write_to_log(silence_mark);
 }
 
@@ -111,8 +110,8 @@ bool LiveTest::follow_to(double strain) {
     while (!over_ && (machine_.empty() ||
                       machine_.rbegin()->first < strain + settings_.lateness - same_strain)) {
         if (interrupted())
-            throw Interrupted("interrupted; what has come is logged: go on with --resume and the "
-                              "folder of the results");
+            throw Interrupted("interrupted; all lines so far are logged: continue with --resume "
+                              "and the folder of the results");
         if (const auto before = next_of_log()) {
             take_line(*before, true);
             continue;
@@ -126,8 +125,8 @@ bool LiveTest::follow_to(double strain) {
         else if (lines_.over())
             end(fmt::format("the stream ended after {} lines", taken_), false);
         else
-            end(fmt::format("nothing {} for {:g} s after {} lines",
-                            machine_.empty() ? "came" : "of the test machine came",
+            end(fmt::format("no {} arrived for {:g} s after {} lines",
+                            machine_.empty() ? "line" : "record of the test machine",
                             settings_.timeout, taken_),
                 false);
     }
@@ -136,9 +135,9 @@ bool LiveTest::follow_to(double strain) {
 }
 
 void LiveTest::take_line(LineSource::Line line, bool from_log) {
-    line.number = ++taken_; // a sender that is listened to again counts from 1
-    if (machine_.empty())
-        waiting_since_ = this_instant(); // before the test it is enough that anything comes
+    line.number = ++taken_; // lines of a resumed stream count from 1 again
+    // before the first record of the machine any line keeps the stream alive
+    if (machine_.empty()) waiting_since_ = this_instant();
     std::optional<StreamRecord> record;
     try {
         record = parser_.parse(line);
@@ -146,17 +145,18 @@ void LiveTest::take_line(LineSource::Line line, bool from_log) {
         note("unreadable", e.what());
     }
     if (record && !from_log) wait_for_its_time(*record);
-    if (!from_log) write_to_log(logged(line)); // before it is used: what was used can be used again
+    // logged before it is used, so that everything used can be replayed
+    if (!from_log) write_to_log(logged(line));
     if (!record) return;
     if (record->has("end"))
-        return end(fmt::format("the sender ended it after {} lines", taken_), true);
+        return end(fmt::format("the sender ended the test after {} lines", taken_), true);
     if (!from_log) arrivals_.push_back(record->arrived);
     take(*record);
 }
 
-/// In a replay a record arrives when it would have.
+/// Delays a record of a replay until it is due.
 void LiveTest::wait_for_its_time(StreamRecord& record) {
-    constexpr double longest = 600; // s: no record waits for a t that is wrong
+    constexpr double longest = 600; // s; a record whose t is wrong does not wait longer
     if (settings_.speed <= 0 || !std::isfinite(record.number("t"))) return;
     if (!begun_) {
         begun_ = true;
@@ -212,14 +212,15 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
     ++sensor.twice;
     if (entry->second.sent != sample.sent ||
         !std::ranges::equal(entry->second.numbers, sample.numbers, same_number))
-        note("contradicts",
-             fmt::format(
-                 "line {}: sensor {}: t = {} was sent before with other numbers; the first stand",
-                 record.line, id, t));
+        note(
+            "contradicts",
+            fmt::format(
+                "line {}: sensor {}: t = {} was sent before with other numbers; the first are used",
+                record.line, id, t));
 }
 
-/// They are kept as they are, and the intake judges them; strain, phase, seq and flags as if they
-/// had not been sent.
+/// Reports entries that are not valid numbers. They are stored as they are and left to quality
+/// control, but strain, phase, seq and flags are treated as if they had not been sent.
 void LiveTest::look_for_numbers(const StreamRecord& record) {
     for (const char* name : sample_names) {
         const double number = record.number(name);
@@ -232,7 +233,8 @@ void LiveTest::look_for_numbers(const StreamRecord& record) {
     }
 }
 
-/// One wrong strain would pass for the end of the test.
+/// Whether a strain is too far ahead of the machine's last: one wrong strain would be taken for the
+/// end of the test.
 bool LiveTest::is_far_off(const StreamRecord& record, const char* who, double strain) {
     const double reached = machine_.empty() ? 0 : machine_.rbegin()->first;
     if (!(strain > reached + largest_jump)) return false;
@@ -257,8 +259,8 @@ void LiveTest::take_of_machine(const StreamRecord& record) {
             inconsistent_.clear();
         inconsistent_.push_back(record);
         if (inconsistent_.size() < agreeing) return;
-        note("gap", fmt::format("line {}: the machine goes on at {:.4g} of axial strain; what came "
-                                "before it is lost",
+        note("gap", fmt::format("line {}: the machine continues at an axial strain of {:.4g}; the "
+                                "records in between are lost",
                                 record.line, inconsistent_.front().number("axial_strain")));
         for (const StreamRecord& r : std::exchange(inconsistent_, {})) accept(r);
         return;
@@ -273,7 +275,8 @@ void LiveTest::accept(const StreamRecord& record) {
     if (!machine_.emplace(strain, record).second)
         return note(
             "twice",
-            fmt::format("line {}: the machine sent axial_strain = {} before; the first stands",
+            fmt::format("line {}: the machine sent axial_strain = {} before; the first record is "
+                        "used",
                         record.line, strain));
     if (std::isfinite(record.number("t"))) clock_.by_time.emplace(record.number("t"), strain);
     const double phase = record.number("phase");
@@ -282,8 +285,8 @@ void LiveTest::accept(const StreamRecord& record) {
     if (last == clock_.by_phase.rend() || phase >= last->first || strain < last->second)
         clock_.by_phase.emplace(phase, strain);
     else
-        note("phase", fmt::format("line {}: the machine's phase: expected numbers that grow, found "
-                                  "{:.4g} after {:.4g}",
+        note("phase", fmt::format("line {}: the machine's phase: expected increasing numbers, "
+                                  "found {:.4g} after {:.4g}",
                                   record.line, phase, last->first));
 }
 
@@ -292,8 +295,8 @@ LiveTest::Sample LiveTest::sample_of(const StreamRecord& record) {
     for (std::size_t k = 0; k < sample_names.size(); ++k) {
         const auto found = record.numbers.find(sample_names[k]);
         sample.numbers[k] = found != record.numbers.end() ? found->second : std::nan("");
-        const bool needs_number =
-            k == in_sample::strain || k == in_sample::phase; // else the machine's is taken
+        // without a valid number the strain comes from the machine
+        const bool needs_number = k == in_sample::strain || k == in_sample::phase;
         if (found != record.numbers.end() && (!needs_number || std::isfinite(found->second)))
             sample.sent |= bits_of(k, 1);
     }
@@ -348,15 +351,15 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
     return r;
 }
 
-/// By the strains of records that have both, where there are enough; beyond the machine's steps
-/// nothing is known better.
+/// How far (s) a sensor's clock is ahead of the machine's, the median over its records with strain;
+/// nothing if there are too few. The interval between the machine's records limits the resolution.
 std::optional<double> LiveTest::clock_ahead(const SensorRecords& sensor) const {
     std::vector<double> ahead;
     for (const auto& [t, one] : sensor.by_time) {
         const double strain = (one.sent & bits_of(in_sample::strain, 1)) != 0
                                   ? one.numbers[in_sample::strain]
                                   : std::nan("");
-        if (!(strain > 0)) continue; // at rest any time will do
+        if (!(strain > 0)) continue; // at rest a strain does not determine a time
         const auto passed = machine_.lower_bound(strain - same_strain);
         if (passed != machine_.end() && std::isfinite(passed->second.number("t")))
             ahead.push_back(t - sensor.clock_offset - passed->second.number("t"));
@@ -365,9 +368,10 @@ std::optional<double> LiveTest::clock_ahead(const SensorRecords& sensor) const {
     return median(std::move(ahead));
 }
 
-/// A clock that is off puts records without strain where the test was not. One that is behind
-/// cannot be told from records that come late, nor can clocks of all from a machine whose records
-/// do: these are told, not refused.
+/// Checks the clocks of the sensors against the machine's: a wrong clock gives records without
+/// strain the wrong strain. A clock that is behind cannot be distinguished from records that arrive
+/// late, and clocks that are all ahead cannot be distinguished from late records of the machine:
+/// these cases are reported, not refused.
 void LiveTest::check_clocks(RecordedTest& test) const {
     std::vector<double> steps, of_all;
     for (auto at = clock_.by_time.begin();
@@ -378,8 +382,8 @@ void LiveTest::check_clocks(RecordedTest& test) const {
     for (std::size_t k = 0; k < test.recordings.size(); ++k) {
         const SensorInfo& info = test.recordings[k].info;
         const SensorRecords& sensor = sensors_.at(info.id);
-        std::vector<double> phases; // by which strain is found
-        bool needed = false;
+        std::vector<double> phases; // of records whose strain is found by phase
+        bool needed = false;        // whether a record's strain is found by t
         for (const auto& [t, one] : sensor.by_time) {
             if ((one.sent & bits_of(in_sample::strain, 1)) != 0) continue;
             if ((one.sent & bits_of(in_sample::phase, 1)) != 0 && !clock_.by_phase.empty())
@@ -390,7 +394,7 @@ void LiveTest::check_clocks(RecordedTest& test) const {
         const auto refuse = [&](const std::string& why) {
             std::erase_if(test.findings, [&](const Finding& f) {
                 return f.sensor == info.id && f.check == "length";
-            }); // the same, less clearly
+            }); // the same fault, described less clearly
             test.findings.push_back({Finding::Kind::refusal, info.id, "clock", why});
             test.trajectories[k] = {};
         };
@@ -409,16 +413,16 @@ void LiveTest::check_clocks(RecordedTest& test) const {
         const double uncertain = 3 * info.clock_offset_deviation + median(steps);
         if (std::abs(ahead) <= uncertain) continue;
         const auto text =
-            fmt::format("its t are {:.3g} s {} the machine's {}, expected {:.2g} s at most",
+            fmt::format("t is {:.3g} s {} the machine's {}, expected {:.2g} s at most",
                         std::abs(ahead), ahead > 0 ? "ahead of" : "behind",
-                        by_strain ? "at the same strain" : "when they come", uncertain);
+                        by_strain ? "at the same strain" : "on arrival", uncertain);
         const bool alone = !of_all.empty() && ahead > 0 && ahead - median(of_all) > uncertain;
         if (none || (needed && (by_strain || alone)))
             refuse(text + ": give clock_offset");
         else
-            test.findings.push_back({Finding::Kind::note, info.id, "clock",
-                                     text + (by_strain ? "; its strains are used"
-                                                       : ": clock, or records that come late")});
+            test.findings.push_back(
+                {Finding::Kind::note, info.id, "clock",
+                 text + (by_strain ? "; its strains are used" : ": wrong clock, or late records")});
     }
 }
 
@@ -450,9 +454,9 @@ std::vector<double> LiveTest::ages() {
 }
 
 std::string LiveTest::report() const {
-    std::string text =
-        fmt::format("{} lines taken, {} records of the test machine to {:.3f} % of axial strain\n",
-                    taken_, machine_.size(), machine_.empty() ? 0 : 100 * machine_.rbegin()->first);
+    std::string text = fmt::format(
+        "{} lines read, {} records of the test machine up to {:.3f} % of axial strain\n", taken_,
+        machine_.size(), machine_.empty() ? 0 : 100 * machine_.rbegin()->first);
     for (const auto& [kind, what] : notes_)
         text += fmt::format("{} time{}: {}\n", what.first, what.first == 1 ? "" : "s", what.second);
     for (const auto& [id, sensor] : sensors_) {

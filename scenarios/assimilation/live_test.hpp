@@ -16,64 +16,68 @@
 
 namespace bris {
 
-/// How a test is followed while it goes on.
+/// Settings of a test that is followed while it goes on.
 struct LiveSettings {
     double pressure = 55e3; ///< Pa
-    double timeout = 60; ///< s without a record of the test machine that can be used, after which
-                         ///< the stream counts as ended; before its first: without any line
-    double lateness = 0; ///< axial strain, by which the model waits for samples that come late
-    double speed = 0;    ///< of a replay, by the records' t: 1 as fast as it was, 0 at once
+    /// s without a usable record of the test machine after which the stream counts as ended; before
+    /// its first record: without any line.
+    double timeout = 60;
+    /// Axial strain for which the model waits for samples that arrive late.
+    double lateness = 0;
+    /// Speed of a replay, by the t of the records: 1: that of the test, 0: as fast as possible.
+    double speed = 0;
     QualityControlSettings quality_control = {};
 };
 
-/// A triaxial test that is going on, as far as its records tell of it. A record with an `id` is a
-/// SmartRock's: t, and of strain, phase, seq, flags, ax ..., gx ..., mx ..., ux ..., qw ..., temp,
-/// batt what there is; without one it is the test machine's: axial_strain, deviatoric_stress_Pa,
-/// and of t, phase, volumetric_strain, ring_1_radius_m ... what there is. A SmartRock's record
-/// without strain gets that of the machine at its phase, or else at its t, less the clock_offset of
-/// its metadata. Records may come late, out of order and twice. What cannot be used is let be,
-/// counted and reported; a sensor, or a channel of the machine, is left out as long as its records
-/// so far do not pass the intake. {"end": 1} ends it.
+/// A triaxial test in progress, as far as its records describe it. A record with an `id` is a
+/// SmartRock's: t, and whichever of strain, phase, seq, flags, ax ..., gx ..., mx ..., ux ...,
+/// qw ..., temp, batt it has. A record without one is the test machine's: axial_strain,
+/// deviatoric_stress_Pa, and whichever of t, phase, volumetric_strain, ring_1_radius_m ... it has.
+/// A SmartRock's record without strain is given the machine's strain at its phase, or else at its t
+/// less the clock_offset of its metadata. Records may arrive late, out of order and twice. Records
+/// that cannot be used are skipped, counted and reported; a sensor, or a channel of the machine, is
+/// left out while its records so far fail quality control. {"end": 1} ends the test.
 ///
-/// All lines that came are kept in a log, in the order in which they are taken: the same lines give
-/// the same test, bit for bit, and a run that was stopped takes those of its log first, one by one
-/// as before. Only a sender ends a test for good; after silence it can be gone on with.
+/// All lines are written to a log in the order in which they are processed: the same lines give the
+/// same test, bit for bit, and a resumed run first processes those of its log, one by one as
+/// before. Only the sender can end a test for good; after a timeout it can be resumed.
 class LiveTest {
 public:
-    /// Lines of a log that is there already come first. Throws OutputError, and InputError where
-    /// there is no sensor.
+    /// Reads the lines of an existing log first. Throws OutputError, and InputError if there is no
+    /// sensor.
     LiveTest(const std::filesystem::path& stream, std::filesystem::path log,
              std::vector<SensorInfo> infos, const LiveSettings& settings);
     ~LiveTest();
     LiveTest(const LiveTest&) = delete;
 
-    /// Takes records until the machine has passed an axial strain, and `lateness` more; waits for
-    /// them. False: the stream has ended before.
+    /// Processes records, and waits for them, until the machine has passed an axial strain plus
+    /// `lateness`. Returns false if the stream ended before that strain.
     bool follow_to(double strain);
-    /// The test by all records taken, checked.
+    /// The test by all records processed, after quality control.
     RecordedTest so_far() const;
     std::uint64_t lines_taken() const { return taken_; }
     /// Whether the stream has ended.
     bool over() const { return over_; }
-    /// s, from the arrival of each record taken since the last call to now; those of an earlier
-    /// run's log are not among them.
+    /// Age (s) of each record processed since the last call, from its arrival to now; records from
+    /// the log of an earlier run are not included.
     std::vector<double> ages();
-    /// What was found in the stream, a line for each kind of thing, and what the intake found.
+    /// Problems found in the stream, one line for each kind, and the report of quality control.
     std::string report() const;
 
 private:
-    /// What a SmartRock sent at one t: the numbers of a record by their places (sample_names), and
-    /// by bits which of them.
+    /// The numbers that a SmartRock sent at one t, in the order of sample_names; the bits of `sent`
+    /// say which of them it sent.
     struct Sample {
         std::array<double, 22> numbers;
         std::uint32_t sent;
     };
     struct SensorRecords {
         std::map<double, Sample> by_time;
-        std::uint32_t sent = 0; ///< in any of them
+        std::uint32_t sent = 0; ///< bits of the numbers sent in any of them
         std::uint64_t late = 0, twice = 0;
-        double clock_offset = 0;   ///< s, as given
-        std::vector<double> ahead; ///< s, of its t when each came, of the machine's last
+        double clock_offset = 0; ///< s, from the metadata
+        /// s, t of each new sample less the machine's last t when the sample arrived.
+        std::vector<double> ahead;
     };
     void take_line(LineSource::Line line, bool from_log);
     std::optional<LineSource::Line> next_of_log();
@@ -97,15 +101,16 @@ private:
     LineSource lines_;
     RecordParser parser_;
     std::FILE* log_ = nullptr;
-    std::deque<std::string> logged_; // not taken yet
+    std::deque<std::string> logged_; // lines of the log that are not processed yet
     std::vector<SensorInfo> infos_;
     LiveSettings settings_;
     std::map<unsigned, SensorRecords> sensors_;
     std::map<double, StreamRecord> machine_; // by axial strain
-    MachineClock clock_;                     // by the machine's t and phase
-    std::map<std::string, std::pair<std::uint64_t, std::string>> notes_; // how often, and the first
-    std::vector<StreamRecord>
-        inconsistent_; // of the machine, far from what it said before, near each other
+    MachineClock clock_;                     // strain by the machine's t and phase
+    // number and first message of each kind of problem
+    std::map<std::string, std::pair<std::uint64_t, std::string>> notes_;
+    // records of the machine, far from the ones before and near each other
+    std::vector<StreamRecord> inconsistent_;
     std::vector<Instant> arrivals_;
     std::uint64_t taken_ = 0;
     double followed_ = 0, first_t_ = 0;

@@ -7,9 +7,9 @@ namespace bris {
 
 namespace {
 
-constexpr double same_strain = 1e-5; // of what was measured and a stage
+constexpr double same_strain = 1e-5; // largest difference between a measurement and its stage
 
-/// At the strains that both curves have, up to one.
+/// Root mean square difference at the strains that both curves have, up to `last_strain`.
 double difference_of(const std::vector<TriaxialPoint>& run,
                      const std::vector<TriaxialPoint>& measured, double last_strain,
                      double TriaxialPoint::*value) {
@@ -25,8 +25,8 @@ double difference_of(const std::vector<TriaxialPoint>& run,
     return std::sqrt(squares / count);
 }
 
-/// Radial strain of the rings at the end of the run, against what was measured there and at the
-/// start.
+/// Root mean square difference of the radial strain of the rings at the end of the run from that
+/// measured at the same axial strain.
 double ring_difference(const std::vector<TriaxialPoint>& run,
                        const std::vector<TriaxialPoint>& measured) {
     const auto at_end = stage_at(measured, run.back().axial_strain, same_strain);
@@ -44,7 +44,7 @@ double ring_difference(const std::vector<TriaxialPoint>& run,
     return std::sqrt(squares / count);
 }
 
-/// Root mean square of what sensor rocks of the model are off by, as far as they were measured.
+/// Root mean square difference of the displacements of the sensor rocks, where they were measured.
 double sensor_difference(const ModelRun& run, const std::vector<SensorTrajectory>& trajectories,
                          double last_strain) {
     double squares = 0, count = 0;

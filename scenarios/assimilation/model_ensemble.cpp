@@ -11,7 +11,7 @@ namespace bris {
 
 namespace {
 
-/// One stage of a run made of those of several: sums with weights.
+/// Adds one stage to `sum`: the weighted sum of that stage of all members.
 void add_blend(ModelRun& sum, const Ensemble& members, const Vector& weights, std::size_t stage) {
     TriaxialPoint point;
     const ModelRun& like = members.runs.front();
@@ -49,7 +49,7 @@ std::vector<ModelVariant> variants_of(const std::vector<RockParameters>& paramet
 void remove_stopped(Ensemble& members) {
     for (std::size_t j = members.runs.size(); j-- > 0;) {
         if (members.runs[j].stopped.empty()) continue;
-        fmt::print("left out: {}\n", members.runs[j].stopped);
+        fmt::print("ensemble member left out: {}\n", members.runs[j].stopped);
         if (members.runs.size() <= ParameterEstimate::fewest_members)
             throw SimulationError(members.runs[j].stopped);
         members.runs.erase(members.runs.begin() + static_cast<std::ptrdiff_t>(j));
@@ -77,8 +77,8 @@ RockParameters mean_of(const Gaussian& estimate) {
 }
 
 std::vector<RockParameters> draw_members(const Gaussian& estimate, unsigned members) {
-    // multiples of two numbers whose fractions fill the square evenly (Roberts 2018), then as Box
-    // and Muller's pairs
+    // a low-discrepancy sequence in the unit square (Roberts 2018), mapped to normal deviates by
+    // the Box-Muller transform
     constexpr double g = 1.32471795724474602596;
     std::vector<RockParameters> parameters;
     for (unsigned k = 1; k <= members; ++k) {

@@ -9,45 +9,47 @@
 
 namespace bris {
 
-/// Logarithms of friction and stiffness, of one or (N x 2) of each of several.
+/// Logarithms of friction and stiffness: of one set of parameters (2), or of N sets (N x 2).
 Vector logarithms_of(const RockParameters& rocks);
 Matrix logarithms_of(const std::vector<RockParameters>& parameters);
+/// The parameters at the mean of the estimate of their logarithms.
 RockParameters mean_of(const Gaussian& estimate);
-/// Beliefs of `members` worlds, spread evenly over a distribution.
+/// Parameters of `members` ensemble members, spread evenly over the distribution.
 std::vector<RockParameters> draw_members(const Gaussian& estimate, unsigned members);
 
-/// Worlds that differ in what they believe, and what they foretold.
+/// Ensemble members: their parameters, and the runs that they forecast.
 struct Ensemble {
     std::vector<RockParameters> parameters;
     std::vector<ModelRun> runs;
 };
 
-/// The runs of some arms to an axial strain.
+/// Runs some variants to an axial strain.
 using RunModels =
     std::function<std::vector<ModelRun>(const std::vector<ModelVariant>&, double strain)>;
 
-/// Runs of some arms that go on together, as far as they are asked to.
+/// Runs of several variants that advance together, step by step as requested.
 struct ConcurrentRuns {
-    /// Adds to each run until it has so many points (one at the start, one for each stage). One
-    /// that a guard stopped says so and is not among those of the next call: the caller drops it,
-    /// too.
+    /// Adds stages to each run until it has `points` points (one at the start, one for each stage).
+    /// A run that a guard stopped has its `stopped` set and is not among the runs of the next call:
+    /// the caller has to remove it, too.
     std::function<void(std::vector<ModelRun>& runs, std::size_t points)> advance;
-    /// Where they are now, to be taken up from there when the same arms begin anew.
+    /// Saves checkpoints, from which the runs resume when the same variants begin again.
     std::function<void()> save_checkpoint = [] {};
 };
 using BeginRuns = std::function<ConcurrentRuns(const std::vector<ModelVariant>&)>;
 
-/// A generation of worlds, drawn from what is known. Those that a guard stopped are left out, and
-/// said so; throws SimulationError if too few to learn from are left.
+/// Runs a generation of `members` ensemble members, drawn from the estimate, to an axial strain.
+/// Members that a guard stopped are reported and left out; throws SimulationError if fewer remain
+/// than the regression needs.
 Ensemble run_members(const Gaussian& estimate, unsigned members, const std::string& name,
                      double strain, const RunModels& run);
 
-/// A generation of worlds that go on while a test does.
+/// A generation of ensemble members that advances along with a test.
 class GrowingEnsemble {
 public:
     GrowingEnsemble(const Gaussian& estimate, unsigned members, const std::string& name,
                     const BeginRuns& begin);
-    /// All of them have so many points then. Throws as run_members does.
+    /// Advances all members until they have so many points. Throws as run_members does.
     void advance_to(std::size_t points);
     std::size_t points() const {
         return ensemble_.runs.empty() ? 0 : ensemble_.runs.front().points.size();
@@ -60,10 +62,10 @@ private:
     ConcurrentRuns runs_;
 };
 
-/// A run without stages, of the rocks of another.
+/// A run without stages, with the rocks and sensors of another.
 ModelRun empty_run_like(const ModelRun& run);
-/// Adds the next stage, as worlds foretell it together for the logarithms `at` of the parameters:
-/// their regression on their beliefs.
+/// Adds the next stage to `sum`: the ensemble forecast for the logarithms `at` of the parameters,
+/// which is the regression of the members on their parameters.
 void forecast_stage(ModelRun& sum, const Ensemble& members, const Vector& at);
 
 } // namespace bris

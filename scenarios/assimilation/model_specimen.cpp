@@ -22,15 +22,15 @@ namespace bris {
 
 namespace {
 
-constexpr std::uint64_t placing_stream =
-    std::uint64_t{1}
-    << 40; // and one more for each body: no id alone, which others take, comes near
-// Deviations of ln q, from 0.1 to 1 % of strain, from a truth of the same friction: of another
-// packing (tests/performance/packing_campaign), of rocks of 8 balls and of rocks 2 mm off their
-// places (four seeds of 400 rocks each).
+// first of the random streams, one for each body: beyond the ids of bodies that other streams use
+constexpr std::uint64_t placing_stream = std::uint64_t{1} << 40;
+// Standard deviations of ln q, from 0.1 to 1 % of strain, from a truth of the same friction: of
+// another packing (tests/performance/packing_campaign), of rocks of 8 spheres, and of rocks
+// displaced by 2 mm (four seeds of 400 rocks each).
 constexpr double scatter_of_packings = 0.35, scatter_of_shapes = 0.3, scatter_of_places = 0.25;
 
-/// Rocks and sensor rocks by other balls; those of one shape alike.
+/// Refills the shapes of rocks and sensor rocks with other spheres; a shape that both have is
+/// refilled only once.
 void refill(TriaxialScene& scene, unsigned spheres, unsigned threads, std::uint64_t seed) {
     if (spheres == 0) return;
     std::vector<Clump> of_sensors;
@@ -49,8 +49,8 @@ void refill(TriaxialScene& scene, unsigned spheres, unsigned threads, std::uint6
     scene.clumps.assign(all.begin(), all.begin() + static_cast<std::ptrdiff_t>(library));
 }
 
-/// Puts the free bodies of a true specimen into a world of the same rocks, a little off their
-/// places.
+/// Places the free bodies of a World as those of a true specimen with the same rocks, displaced and
+/// rotated by the mismatch.
 void put_rocks(World& world, const World& truth, const ModelMismatch& mismatch,
                std::uint64_t seed) {
     const auto from = rows_by_id(truth.column<Bodies, BodyId>()),
@@ -115,7 +115,8 @@ Common common_of_packing(const Common& common, const std::string& folder, std::u
 }
 
 StartDifference start_difference(const ModelRun& a, const ModelRun& b) {
-    require(a.start.size() == b.start.size(), "starts: expected as many rocks");
+    require(a.start.size() == b.start.size(),
+            "starts: expected runs with the same number of rocks");
     StartDifference apart;
     for (std::size_t k = 0; k < a.start.size(); ++k) {
         const double distance = (a.start[k].position - b.start[k].position).squaredNorm();

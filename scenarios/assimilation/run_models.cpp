@@ -20,7 +20,7 @@ std::string stopped_by(const SimulationError& error, const ModelVariant& variant
                        variant.rocks.friction, variant.rocks.stiffness, error.what());
 }
 
-/// What an arm is run on.
+/// The specimen that a variant starts from.
 struct Start {
     const TriaxialScene& scene;
     const Archive& specimen;
@@ -46,7 +46,7 @@ std::vector<ModelRun> try_from(const std::vector<Start>& starts, const TriaxialS
     return runs;
 }
 
-/// Stages of a run that another one does not have yet, up to a number of points.
+/// Adds to `sum` the stages of a run that it does not have yet, up to a number of points.
 void add_stages(ModelRun& sum, const ModelRun& run, std::size_t points) {
     if (sum.points.empty()) sum = empty_run_like(run);
     for (std::size_t k = sum.points.size(); k < std::min(points, run.points.size()); ++k) {
@@ -56,7 +56,7 @@ void add_stages(ModelRun& sum, const ModelRun& run, std::size_t points) {
     }
 }
 
-/// Runs that go on together.
+/// Runs that advance together.
 class RunsTogether {
 public:
     RunsTogether(const TriaxialScene& scene, const TriaxialSettings& settings,
@@ -94,7 +94,7 @@ private:
     struct Member {
         CheckpointedRun checkpoint;
         ModelVariant variant;
-        std::unique_ptr<VariantRun> run; ///< null: not begun
+        std::unique_ptr<VariantRun> run; // null: not begun
     };
     void advance(std::size_t k, std::size_t points) {
         Member& member = *members_[k];
@@ -111,8 +111,8 @@ private:
     const Archive& specimen_;
     const Common& common_;
     Progress& progress_;
-    std::vector<std::unique_ptr<Member>>
-        members_; // each stays where it is: its run refers to what it is kept by
+    // by pointer, since the run of a member refers to its checkpoint
+    std::vector<std::unique_ptr<Member>> members_;
 };
 
 } // namespace
@@ -138,7 +138,7 @@ std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& spe
                                  const std::vector<ModelVariant>& variants, double strain,
                                  const Common& common, Progress& progress) {
     require(specimens.size() == variants.size(),
-            fmt::format("models: expected a specimen for each of {} arms, found {}",
+            fmt::format("models: expected a specimen for each of {} variants, found {}",
                         variants.size(), specimens.size()));
     std::vector<Start> starts;
     for (const PreparedSpecimen* specimen : specimens)

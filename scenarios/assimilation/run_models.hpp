@@ -12,33 +12,36 @@
 
 namespace bris {
 
-/// A specimen where the pressure begins to matter, and the scene it was made from.
+/// A specimen before the confining pressure is applied, and the scene that it was made from.
 struct PreparedSpecimen {
     TriaxialScene scene;
     Archive state;
 };
 
-/// Runs several to an axial strain (no farther than the test goes), `threads` at a time, each kept
-/// in the folder of the results. One that a guard stops says so and leaves the others alone.
+/// Runs several variants to an axial strain (at most to the end of the test), `threads` at a time,
+/// each with its checkpoint in the results folder. A run that a guard stops has its `stopped` set
+/// and does not affect the others.
 std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings,
                                  const Archive& specimen, const std::vector<ModelVariant>& variants,
                                  double strain, const Common& common, Progress& progress);
-/// The same, each arm on a specimen of its own. Throws SimulationError if one was stopped.
+/// The same with a specimen for each variant. Throws InputError unless there is one for each, and
+/// SimulationError if a guard stopped a run.
 std::vector<ModelRun> run_models(const std::vector<const PreparedSpecimen*>& specimens,
                                  const TriaxialSettings& settings,
                                  const std::vector<ModelVariant>& variants, double strain,
                                  const Common& common, Progress& progress);
 
-/// Several that go on together, as far as they are asked to, `threads` at a time; in memory all at
-/// once, and kept in the folder of the results. How far they are asked to at a time changes no bit.
-/// Scene, specimen, `common` and `progress` have to outlive them.
+/// Begins runs of several variants that advance together, step by step as requested, `threads` at a
+/// time; all of them are in memory at once, with checkpoints in the results folder. The sizes of
+/// the steps do not change a bit of the results. Scene, specimen, `common` and `progress` have to
+/// outlive the runs.
 ConcurrentRuns begin_models(const TriaxialScene& scene, const TriaxialSettings& settings,
                             const Archive& specimen, const std::vector<ModelVariant>& variants,
                             const Common& common, Progress& progress);
 
-/// Who watches one of several models on a progress line.
+/// Reports the progress of one of several models.
 ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common);
-/// The line for them.
+/// The progress line of several models.
 Progress progress_of_models(const Common& common);
 
 } // namespace bris

@@ -21,7 +21,8 @@ void disturb(World& world, const std::vector<EntityId>& rocks, double size, std:
         value_of<Position>(world, id) += size * Random(seed, id).direction();
 }
 
-/// Sensors on the first rocks, recorded from where they stand now.
+/// Adds the sensors of a variant to the first rocks, with trajectories relative to the poses
+/// `start`.
 void give_sensors(Simulation& simulation, const ModelVariant& variant,
                   const std::vector<RockPose>& start) {
     const Corrections& c = variant.corrections;
@@ -45,8 +46,8 @@ void give_sensors(Simulation& simulation, const ModelVariant& variant,
                 m.what.up = (start[s].orientation.conjugate() * Vec3::UnitZ() -
                              variant.trajectories[s].tilt[k])
                                 .normalized();
-            m.what.velocity = m.what.angular_velocity =
-                Vec3::Zero(); // at the end of a stage all is at rest
+            // at the end of a stage all rocks are at rest
+            m.what.velocity = m.what.angular_velocity = Vec3::Zero();
             m.what.velocity_deviation = m.what.angular_velocity_deviation = 1e-6;
             m.what.position_deviation = c.position_noise;
             m.what.attitude_deviation = c.attitude_noise;
@@ -70,7 +71,7 @@ TriaxialSettings with_friction(TriaxialSettings settings, double friction) {
     return settings;
 }
 
-/// Rocks that touch each of `rocks`, by their places there.
+/// Neighbours of each of `rocks` in the contact network, as indices into `rocks`.
 std::vector<std::vector<std::size_t>> neighbours_of(const World& world,
                                                     const std::vector<EntityId>& rocks) {
     std::map<EntityId, std::size_t> index_of;

@@ -10,35 +10,35 @@
 
 namespace bris {
 
-/// A model at work: the test it runs, and where its rocks stood when shearing began.
+/// A running model of a triaxial test, with the poses of its rocks when shearing began.
 class TriaxialModel {
 public:
-    /// Stands where the specimen was kept.
+    /// Starts from a prepared specimen.
     TriaxialModel(const TriaxialScene& scene, const TriaxialSettings& settings,
                   const Archive& specimen, const ModelVariant& variant,
                   const RockParameters& parameters, std::uint64_t seed);
 
     void set_parameters(const TriaxialScene& scene, const RockParameters& parameters);
-    /// Masses and step anew for the contacts there are, after that.
+    /// Scales masses and time step anew for the present contacts; required after set_parameters.
     void rescale() { test_.rescale(); }
-    /// One block of steps of the test. False: it is done.
+    /// Runs one block of steps of the test; returns false when the test is done.
     bool advance(const ModelVariant& variant);
 
     const Simulation& simulation() const { return simulation_; }
     World& world() { return simulation_.world(); }
     const TriaxialTest& test() const { return test_; }
-    std::size_t stages() const {
-        return test_.state().points.size();
-    } ///< one at the start of shearing, one for each stage
+    /// Number of points: one at the start of shearing, one for each stage.
+    std::size_t stages() const { return test_.state().points.size(); }
     const std::vector<EntityId>& rocks() const { return rocks_; } ///< sensor rocks first
     std::size_t sensors() const { return sensors_; }
     const std::vector<RockPose>& start() const { return start_; } ///< empty before shearing
     std::vector<RockPose> poses();
-    /// J, that the boundaries have done while shearing.
+    /// Work (J) of the boundaries since shearing began.
     double boundary_work() const {
         return test_.state().points.back().boundary_work - work_before_;
     }
-    /// Contacts from each rock to the nearest sensor rock, now.
+    /// Number of contacts from each rock to the nearest sensor rock, at present; at most
+    /// farthest_shell.
     std::vector<unsigned> shells() const;
 
     Archive save() const;

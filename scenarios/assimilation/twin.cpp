@@ -68,9 +68,9 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
                                       std::uint64_t seed) {
     const double period = settings.interval / 1e-4 * settings.stage_time;
     ImuModel model = imu_preset(settings.imu);
-    model.rate = 1 / period; // of the means that are kept
+    model.rate = 1 / period; // of the means
     model.bandwidth = model.loss = 0;
-    model.bits = 0; // noise lets a mean be finer than a digit
+    model.bits = 0; // noise makes the resolution of a mean finer than a digit
     const auto trajectories =
         recorded_trajectories(truth, sensor_rocks(truth), settings.interval,
                               settings.displacement_noise, settings.attitude_noise, seed);
@@ -89,7 +89,7 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
         r.info.attitude_deviation = settings.levelling_noise * 180 / pi;
         r.info.sampling_rate = model.rate;
         if (model.force_range > 0)
-            r.info.force_range = model.force_range; // of one without limit, the usual
+            r.info.force_range = model.force_range; // without limit the default stays
         if (model.rate_range > 0) r.info.rate_range = model.rate_range;
         r.info.force_noise = model.noise.force;
         r.info.rate_noise = model.noise.rate;
@@ -152,7 +152,8 @@ SensorObservations observe_sensors(const ModelRun& truth, const SensorSettings& 
     observations.refused = test.refused();
     const double duration = truth.points.back().axial_strain / 1e-4 * recording.stage_time;
     for (const Observability& observability :
-         observability_of(test.recordings.front(), duration, 1, 1)) // as declared, alike for all
+         observability_of(test.recordings.front(), duration, 1,
+                          1)) // noise as declared, the same for all sensors
         if (observability.direction == "tilt")
             observations.attitude_noise = observability.deviation;
     return observations;
@@ -198,7 +199,7 @@ SmoothedErrors errors_of_smoothed(const ModelRun& run, const ModelRun& truth) {
         for (const SmoothedPose& pose : run.smoothed[rock]) {
             const auto stage = stage_of_sample(truth, pose.time);
             if (!stage) continue;
-            // both since the start, which need not be the same
+            // displacements since the start, which may differ between run and truth
             const Vec3 error =
                 pose.position - run.start[rock].position - truth.displacement[*stage][rock];
             displacement += error.squaredNorm();

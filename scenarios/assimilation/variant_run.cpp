@@ -39,7 +39,7 @@ void record_stage(TriaxialModel& model, ModelRun& run) {
     }
 }
 
-/// What the filters that look back now know of the ways so far, in place of what they knew before.
+/// Replaces the latest part of the smoothed trajectories by the present estimates of the smoothers.
 void record_smoothed(const World& world, ModelRun& run) {
     if (!world.has_resource<Fusion>()) return;
     const auto host = world.column<Sensors, SensorHost>();
@@ -108,7 +108,7 @@ void VariantRun::save_checkpoint() {
     checkpoint_->save(archive);
 }
 
-/// False: the run is over.
+/// Returns false when the run is over.
 bool VariantRun::advance() {
     if (!model_->advance(variant_)) {
         end();

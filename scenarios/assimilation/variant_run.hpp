@@ -10,23 +10,23 @@
 
 namespace bris {
 
-/// A run of one arm that goes on as far as it is asked to, on one thread at a time; it can be kept
-/// between any two blocks of steps. Scene, settings and specimen have to outlive it, and
-/// `checkpoint`, which may be null.
+/// A run of one variant that advances stage by stage as requested, on one thread at a time; a
+/// checkpoint can be saved between any two blocks of steps. Scene, settings, specimen and
+/// `checkpoint` (may be null) have to outlive it.
 class VariantRun {
 public:
-    /// Takes up what was kept of it; nothing is run yet.
+    /// Resumes from its checkpoint if there is one; runs no step yet.
     VariantRun(const TriaxialScene& scene, const TriaxialSettings& settings,
                const Archive& specimen, ModelVariant variant, std::uint64_t seed,
                ModelWatch watch = {}, CheckpointedRun* checkpoint = nullptr);
 
-    /// Goes on until it has so many points, or to the end of the test; one that was taken up may
-    /// have more. Throws Interrupted, what was done being kept, and SimulationError.
+    /// Advances until the run has so many points, or to the end of the test; a resumed run may have
+    /// more already. Throws SimulationError, and Interrupted after saving a checkpoint.
     void advance_to(std::size_t points);
     const ModelRun& run() const { return run_; }
     ModelRun take() && { return std::move(run_); }
     const ModelVariant& variant() const { return variant_; }
-    /// Where it is now, to be taken up from there. Nothing, if it is kept nowhere.
+    /// Saves the present state as a checkpoint; does nothing without one.
     void save_checkpoint();
 
 private:
@@ -47,7 +47,7 @@ private:
     double wall_before_ = 0;
     ModelRun run_;
     std::unique_ptr<TriaxialModel> model_;
-    std::size_t applied_ = 0; // of what was learned
+    std::size_t applied_ = 0; // number of learned parameters applied so far
     bool done_ = false;
 };
 

@@ -17,16 +17,16 @@ namespace bris {
 namespace {
 
 constexpr std::uint64_t block = 100, look_every = 500; // steps
-constexpr double damped_restitution = 0.1; // while overlaps of soft grains turn into speed
-// a bed swings on its floor once in some thousand steps, whatever its stiffness (the step goes with
-// it): a tenth in 300 steps is slow, while a doubling at once threw beds up
+constexpr double damped_restitution = 0.1; // while hardening turns overlaps into velocities
+// a bed oscillates on its floor with a period of some thousand steps, whatever its stiffness (the
+// time step scales with it): a tenth in 300 steps is slow, while doubling at once threw beds up
 constexpr double stage_factor = 1.1;
 
 struct Pair {
     std::uint32_t a, b;
     double restitution, friction;
 };
-// Table 2 of the paper, as its input files have it
+// Table 2 of Dosta et al. (2024), with the values of their input files
 constexpr std::array pairs{Pair{0, 0, 0.5, 0.3}, Pair{1, 1, 0.4, 0.4}, Pair{0, 1, 0.45, 0.2},
                            Pair{0, 2, 0.4, 0.2}, Pair{1, 2, 0.4, 0.2}, Pair{2, 2, 0.6, 0.5}};
 constexpr std::array young_moduli{1e9, 0.5e9, 210e9};
@@ -43,7 +43,7 @@ double mean_radius(const World& world) {
     return count > 0 ? sum / count : 1;
 }
 
-/// Stiffness while pouring, of the run's.
+/// Stiffness while pouring, as a fraction of that of the run.
 double softest(const BedSettings& s) { return std::min(1.0, s.softness / s.stiffness); }
 
 } // namespace
@@ -59,7 +59,8 @@ BulkMaterials add_bulk_materials(World& world) {
         return materials.add(m);
     };
     const BulkMaterials numbers{add("M1", 2500), add("M2", 2000), add("steel", 7200)};
-    materials.policy.shear_dashpot = true; // the viscoelastic law of the paper damps both springs
+    materials.policy.shear_dashpot =
+        true; // the viscoelastic law of Dosta et al. (2024) damps both springs
     set_bulk_contacts(world, {});
     return numbers;
 }
@@ -116,7 +117,7 @@ const BedState& BedMaker::state() const {
     return std::as_const(simulation_).world().resource<BedState>();
 }
 
-// of the run's; the last stage of hardening is at the run's own
+// as a fraction of the stiffness of the run, which the last stage of hardening reaches
 double BedMaker::stage_stiffness() const {
     switch (state().phase) {
     case BedPhase::pour:
@@ -143,7 +144,7 @@ void BedMaker::enter(BedPhase phase, unsigned stage) {
     state().phase = phase;
     state().stage = stage;
     state().phase_began = clock.time();
-    // at a given load the stiffness of a Hertz contact goes as E^(2/3), its period as E^(-1/3)
+    // at a given load the stiffness of a Hertz contact scales as E^(2/3), its period as E^(-1/3)
     clock.change_step(settings_.step / std::cbrt(stage_stiffness()));
     apply_phase();
 }
@@ -171,7 +172,7 @@ bool BedMaker::advance() {
     if (clock.step % look_every != 0) return true;
     check_state();
     if (state().phase == BedPhase::pour) {
-        // overlaps will grow into speed again: no use in being more patient
+        // hardening turns overlaps into velocities again, so there is no use in waiting for rest
         const bool settled = since > settings_.least_pour &&
                              state().kinetic_ratio < 100 * settings_.kinetic_ratio &&
                              state().coordination > 3;
@@ -190,15 +191,17 @@ bool BedMaker::at_rest() const {
            state().unbalanced_ratio < settings_.unbalanced_ratio;
 }
 
-// how long a bed pours and rests is not known before it does
+// the lengths of pouring and resting are not known in advance
 PhaseProgress BedMaker::progress() const {
     constexpr std::array names{"pour", "harden", "rest", "ready"};
     const double stages = std::ceil(-std::log(softest(settings_)) / std::log(stage_factor)) + 1;
-    return {names[static_cast<std::size_t>(state().phase)],
-            state().phase == BedPhase::harden ? state().stage / stages : -1,
-            fmt::format("{:.4f} s, kinetic ratio {:.2e}, unbalanced {:.3f}, coordination {:.2f}",
-                        std::as_const(simulation_).world().resource<Clock>().time(),
-                        state().kinetic_ratio, state().unbalanced_ratio, state().coordination)};
+    return {
+        names[static_cast<std::size_t>(state().phase)],
+        state().phase == BedPhase::harden ? state().stage / stages : -1,
+        fmt::format(
+            "{:.4f} s, kinetic ratio {:.2e}, unbalanced ratio {:.3f}, coordination number {:.2f}",
+            std::as_const(simulation_).world().resource<Clock>().time(), state().kinetic_ratio,
+            state().unbalanced_ratio, state().coordination)};
 }
 
 } // namespace bris

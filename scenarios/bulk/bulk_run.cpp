@@ -22,7 +22,7 @@ namespace bris {
 
 namespace {
 
-/// Settings that a bed does not know yet.
+/// Settings that have no effect on a bed.
 const std::vector<std::string_view> settings_of_run_only{
     "duration_s", "step_s",    "sample_interval_s", "frames",  "reference",
     "bed",        "fill_only", "friction_factor",   "window_s"};
@@ -77,7 +77,7 @@ std::vector<Curve> BulkRun::reference() const {
 }
 
 bool BulkRun::run() {
-    (void)reference(); // a file that cannot be read is better known now
+    (void)reference(); // fail now if the file cannot be read
     start_from_files();
     std::vector<Phase> phases{bed_phase()};
     if (!settings_.fill_only) phases.push_back(case_phase());
@@ -98,8 +98,8 @@ void BulkRun::start_from_files() {
         resume(simulation_, settings_.bed_file, common_.scenario, common_.settings,
                settings_of_run_only);
         require(bed().phase == BedPhase::ready,
-                fmt::format("--bed: expected a finished bed, found '{}', one in the making; go on "
-                            "with --resume",
+                fmt::format("--bed: expected a finished bed, found '{}', which is unfinished; "
+                            "continue it with --resume",
                             settings_.bed_file.string()));
         maker_.apply_phase();
     }
@@ -120,7 +120,7 @@ void BulkRun::report_bed() {
     run_.save_as("bed");
     progress_.pause();
     fmt::print("bed: {} grains, {} steps, {:.4f} s; kinetic energy / (weight x radius) {:.2e}, "
-               "unbalanced ratio {:.4f}, coordination {:.2f}; in {}\n",
+               "unbalanced ratio {:.4f}, coordination number {:.2f}; in {}\n",
                free_bodies(world()), bed().steps, bed().time, bed().kinetic_ratio,
                bed().unbalanced_ratio, bed().coordination, (common_.out / "bed.ckpt.h5").string());
 }
@@ -162,7 +162,7 @@ bool BulkRun::at_sample(std::uint64_t step) {
     return !(case_.is_over && case_.is_over(world()));
 }
 
-// before the case may edit the scene: contacts are known only until then
+// before the case can edit the scene, which makes the contacts of the last step invalid
 void BulkRun::measure_contacts() {
     last_ = compute_quantities(world());
     deepest_ = std::max(deepest_, last_.largest_overlap);
@@ -174,7 +174,7 @@ void BulkRun::take_sample() {
     simulation_.prepare(); // tables may have become shorter
 }
 
-// what is behind the middle plane, or reaches through it: what goes on inside
+// draws only what is behind the middle plane or reaches through it, to show the inside
 void BulkRun::keep_view() {
     const BodyFrame frame = frame_of_bodies(world());
     const auto rows = rows_by_id(world().column<Bodies, BodyId>());
@@ -182,7 +182,7 @@ void BulkRun::keep_view() {
         return case_.colour(world(), rows[static_cast<std::size_t>(frame.ids[index])]);
     });
     std::erase_if(view.balls, [](const DrawnBall& ball) { return ball.centre.y() > ball.radius; });
-    std::erase_if(view.quads, [](const auto& quad) { // and what was taken away
+    std::erase_if(view.quads, [](const auto& quad) { // and boundaries that were moved away
         return std::ranges::any_of(
             quad, [](const Vec3& corner) { return corner.y() > 1e-9 || corner.norm() > 1; });
     });

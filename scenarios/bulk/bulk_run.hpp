@@ -18,7 +18,7 @@
 
 namespace bris {
 
-/// What the bulk cases share: how long, how finely, from which bed.
+/// Settings that the bulk cases share: duration, sampling and bed.
 struct BulkSettings {
     double duration = 1, sample_interval = 0.01; ///< s
     unsigned frames = 20;
@@ -29,34 +29,36 @@ struct BulkSettings {
     void describe(auto& option);
 };
 
-/// A case: its scene with lists, and what is done to it.
+/// A case: its scene with neighbour lists, and what it does at the samples of a run.
 struct BulkCase {
     World world;
-    std::vector<RunFile::Column> columns; ///< of the curve; time (s) is the first
-    std::function<void(World&)> begin =
-        {}; ///< the bed is at rest, the clock at 0: lets the run begin
-    std::function<void(World&, Series&)> sample = {}; ///< every sample interval; may edit the scene
-    std::function<bool(const World&)> is_over = {}; ///< before the duration is; asked after samples
-    std::function<std::string(const Series&)> description = {}; ///< for the line of progress
+    std::vector<RunFile::Column> columns; ///< of the curve, after the first one, time (s)
+    /// Starts the run; called when the bed is at rest and the clock is at 0.
+    std::function<void(World&)> begin = {};
+    /// Takes a sample, at every sample interval; may edit the scene.
+    std::function<void(World&, Series&)> sample = {};
+    /// Whether the run is over before its duration; called after each sample.
+    std::function<bool(const World&)> is_over = {};
+    std::function<std::string(const Series&)> description = {}; ///< for the progress line
     std::function<Colour(const World&, Row)> colour = {};       ///< of a body in pictures
 };
 
-/// Makes a bed or takes one from a file, then runs the case: samples, frames, pictures,
+/// Makes a bed or reads one from a file, then runs the case with its samples, frames, pictures and
 /// checkpoints.
 class BulkRun {
 public:
     BulkRun(const Common& common, const BulkSettings& settings, BulkCase bulk_case,
             Simulation& simulation);
 
-    /// False if only the bed was asked for.
+    /// Runs everything; returns false if only the bed was requested.
     bool run();
 
     const World& world() const { return std::as_const(simulation_).world(); }
     const Series& series() const { return series_; }
-    /// Writes curve, pictures and summary.json, and prints the result; `results` stand before what
-    /// all share.
+    /// Writes the curve, the pictures and summary.json, and prints the summary: `results` first,
+    /// then the values that all cases share.
     void report(const Summary& results, std::vector<Plot> plots);
-    /// What --reference names, as a curve; empty if nothing.
+    /// The reference curve that --reference names; empty without one.
     std::vector<Curve> reference() const;
 
 private:
@@ -84,34 +86,35 @@ private:
     Run run_;
     std::unique_ptr<FrameWriter> frames_;
     std::vector<View> views_;
-    double least_stable_step_; ///< s, of all samples
+    double least_stable_step_; // s, of all samples
     Quantities last_;
-    double deepest_ = 0; ///< m, of all samples
+    double deepest_ = 0; // m, largest overlap of all samples
 };
 
-/// The simulation of a case.
+/// Starts the simulation of a case, with the viscous Hertz-Mindlin law.
 Simulation start_case(World world, const Common& common);
 
-/// Runs a case; `report` is called if it ran.
+/// Runs a case; `report` is called afterwards, unless only the bed was requested.
 void run_bulk(const Common& common, const BulkSettings& settings, BulkCase bulk_case,
               const std::function<void(BulkRun&)>& report);
 
-/// Time (s) of an elastic Hertz impact of two like spheres, 2.87 (m*^2 / (R* E*^2 v))^(1/5)
-/// (Johnson 1985, 11.24). radius m, density kg/m3, young_modulus Pa (Poisson's ratio 0.2), speed
-/// m/s.
+/// Duration (s) of an elastic Hertz impact of two equal spheres, 2.87 (m*^2 / (R* E*^2 v))^(1/5)
+/// (Johnson 1985, eq. 11.24). `radius` in m, `density` in kg/m3, `young_modulus` in Pa (with
+/// Poisson's ratio 0.2), `speed` in m/s.
 double hertz_contact_time(double radius, double density, double young_modulus, double speed);
 
 void BulkSettings::describe(auto& option) {
-    option.group("run");
-    option("duration", duration, "s", "simulated, at most", above(0));
-    option("step", bed.step, "s", "time step", above(0));
-    option("sample_interval", sample_interval, "s", "between points of the curve", above(0));
-    option("frames", frames, "", "of the run file", at_least(1));
+    option.group("Run");
+    option("duration", duration, "s", "Longest simulated time.", above(0));
+    option("step", bed.step, "s", "Time step.", above(0));
+    option("sample_interval", sample_interval, "s", "Simulated time between points of the curve.",
+           above(0));
+    option("frames", frames, "", "Number of frames in the run file.", at_least(1));
     option("reference", reference, "",
-           "CSV file of a curve to show beside: two columns, time in s and value");
-    option.group("bed");
-    option("bed", bed_file, "", "file of a bed to begin with, made with --fill-only");
-    option("fill_only", fill_only, "", "make the bed, write bed.ckpt.h5 and end");
+           "CSV file of a curve to show for comparison: two columns, time in s and value.");
+    option.group("Bed");
+    option("bed", bed_file, "", "File of a bed to begin with, made with --fill-only.");
+    option("fill_only", fill_only, "", "Make the bed, write bed.ckpt.h5 and stop.");
     bed.describe(option);
 }
 

@@ -22,13 +22,14 @@ namespace bris {
 namespace {
 
 constexpr double growth_per_step = 2e-4; // relative, of exchanged rocks
-constexpr double squeezing_limit =
-    1e-2; // overlap, of a rock's bounding radius, at which it waits for room
-constexpr std::uint64_t compaction_block = 50; // steps at one energy, and between exchanges
-constexpr std::uint64_t porosity_steps = 250;  // between measurements
-constexpr std::uint64_t exchange_steps =
-    2000;                          // with exchanges, then as many without, in which rocks grow full
-constexpr double swelling = 0.002; // of the core porosity, from the compaction pressure to a test's
+// overlap over bounding radius at which a rock stops growing until it has room
+constexpr double squeezing_limit = 1e-2;
+constexpr std::uint64_t compaction_block = 50; // steps between resets of the energy and exchanges
+constexpr std::uint64_t porosity_steps = 250;  // between measurements of porosity
+// steps with exchanges, followed by as many without, in which rocks grow to full size
+constexpr std::uint64_t exchange_steps = 2000;
+// increase of the core porosity from the compaction pressure to the confining pressure of a test
+constexpr double swelling = 0.002;
 constexpr std::uint64_t vibration_stream = 3001, exchange_stream = 4001;
 
 template <class... Columns>
@@ -36,14 +37,14 @@ void swap_rows(World& world, Row a, Row b) {
     (std::swap(world.column<Bodies, Columns>()[a], world.column<Bodies, Columns>()[b]), ...);
 }
 
-/// A squeezed rock and one of the same shape, a little smaller, that is squeezed less change
-/// places, with all their motion; the larger one starts with the smaller one's size and has to
-/// grow. A rock that finds no room to grow gives its place back in the same way. `tries` pairs are
-/// drawn, `only_stuck`: of which only such rocks are taken. The set of rocks, and so the grading,
-/// stays what it is.
+/// Exchanges a rock and a slightly smaller one of the same shape that has smaller overlaps: they
+/// swap positions and motions, and the larger one starts at the size of the smaller one and has to
+/// grow. A rock without room to grow is exchanged in the same way. `tries` pairs are drawn; with
+/// `only_stuck` only rocks below full size are exchanged. The set of rocks, and so the grading, is
+/// unchanged.
 void exchange_rocks(World& world, std::span<const double> squeezed, std::uint64_t draw,
                     std::size_t tries, bool only_stuck) {
-    constexpr double least_ratio = 0.9; // of sizes
+    constexpr double least_ratio = 0.9; // of the sizes of the two rocks
     const auto& specimen = world.resource<Specimen>();
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto shape = world.column<Bodies, ShapeOf>();
@@ -70,8 +71,7 @@ void exchange_rocks(World& world, std::span<const double> squeezed, std::uint64_
     }
 }
 
-/// The speed (m/s) at which vibrated rocks move: `vibration` of their mean bounding radius in a
-/// step.
+/// Speed (m/s) of vibrated rocks: `vibration` times their mean bounding radius in a step.
 double vibration_speed(const World& world, double vibration) {
     const auto& rocks = world.resource<Specimen>().rocks;
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
@@ -80,8 +80,9 @@ double vibration_speed(const World& world, double vibration) {
     return vibration * radius / static_cast<double>(rocks.size()) / world.resource<Clock>().dt;
 }
 
-/// Gives the rocks, together, the kinetic energy of a speed in each of their six freedoms. Their
-/// velocities keep their directions and ratios: drawn anew they would act as a drag on the whole.
+/// Scales the motion of the rocks to the kinetic energy that corresponds to `speed` in each of
+/// their six degrees of freedom. Velocities keep their directions and ratios: velocities drawn anew
+/// would act as a drag on the specimen as a whole.
 void vibrate(World& world, double speed) {
     const auto& rocks = world.resource<Specimen>().rocks;
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
@@ -103,7 +104,8 @@ void vibrate(World& world, double speed) {
     show_velocities(world);
 }
 
-/// Held sensor rocks sink with the platen: over some steps, to where its height now puts them.
+/// Drives the held sensor rocks down with the platen: within `steps` they reach the positions that
+/// correspond to its present height.
 void lead_sensor_rocks(World& world, std::uint64_t steps) {
     const double time = static_cast<double>(steps) * world.resource<Clock>().dt;
     for (const SensorDrift& d : sensor_drift(world))
@@ -124,7 +126,7 @@ void TriaxialTest::start_compaction() {
     platen.contact_stiffness =
         materials.linear_pairs[materials.pair(specimen.rock_material, specimen.platen_material)].kn;
     platen.largest_step = 2e-5 * specimen.height;
-    world.resource<LocalDamping>().fraction = 0; // the vibration's energy is set block by block
+    world.resource<LocalDamping>().fraction = 0; // vibrate sets the energy block by block
     Random random(specimen.seed, vibration_stream);
     const double speed = vibration_speed(world, settings_.vibration);
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
@@ -136,10 +138,10 @@ void TriaxialTest::start_compaction() {
     state.phase_steps = 0;
 }
 
-// The vibrating table: rocks in a rigid mould, under the surcharge of the top platen, are kept in
-// agitation without friction until the core is dense enough. Agitation alone jams above the
-// porosity of a table that runs for minutes, in which stones find gaps of their size; exchanges
-// stand for that, with spells in which the exchanged rocks grow to their size.
+// Models a vibrating table: rocks in a rigid mould, under the surcharge of the top platen, are
+// vibrated without friction until the core is dense enough. Vibration alone jams above the porosity
+// that a table reaches in minutes, during which rocks find gaps of their size. Exchanges of rocks
+// stand in for that, alternating with periods in which the exchanged rocks grow to full size.
 void TriaxialTest::compact() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
@@ -150,7 +152,7 @@ void TriaxialTest::compact() {
     rescale();
     const bool measured = state.phase_steps % porosity_steps == 0;
     if (measured) state.prepared_porosity = porosity(world, core(world), 120);
-    // an exchange leaves rocks that must grow yet: only when all are full does a porosity count
+    // after an exchange some rocks are below full size, so a porosity counts only when none is
     const bool wanted = std::abs(state.prepared_porosity + swelling - settings_.porosity) <=
                         0.5 * settings_.porosity_tolerance;
     const bool exchanging = state.phase_steps / exchange_steps % 2 == 0;
@@ -161,7 +163,7 @@ void TriaxialTest::compact() {
     if (measured && wanted && full) return start_consolidation();
     if (state.phase_steps < settings_.longest_compaction) return;
     throw SimulationError(
-        fmt::format("compaction: expected a core porosity of {:.3f} +/- {:.3f}, came to {:.4f} at "
+        fmt::format("compaction: expected a core porosity of {:.3f} +/- {:.3f}, found {:.4f} at "
                     "a platen pressure of {:.0f} kPa "
                     "after {} steps; try a lower compaction friction or a higher porosity",
                     settings_.porosity, settings_.porosity_tolerance, state.prepared_porosity,

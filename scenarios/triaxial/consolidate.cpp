@@ -18,7 +18,7 @@ namespace bris {
 
 namespace {
 
-/// Everything that is free stands still.
+/// Sets all velocities to zero.
 void stop_rocks(World& world) {
     const auto stop = [&]<class Column>() {
         for (auto& value : world.column<Bodies, Column>()) value.setZero();
@@ -33,10 +33,10 @@ void stop_rocks(World& world) {
 
 void TriaxialTest::begin_compacted() {
     World& world = simulation_.world();
-    set_friction(world, settings_.compaction_friction); // as of a specimen that was compacted here,
-                                                        // until its own acts
+    // as after compaction; the friction of the test acts from consolidation on
+    set_friction(world, settings_.compaction_friction);
     world.resource<Gravity>().value.setZero();
-    forget_lists(world); // rows of spheres are known from here on
+    forget_lists(world); // bodies know the rows of their spheres from here on
     world.resource<TriaxialState>().prepared_porosity = porosity(world, core(world), 120);
     start_consolidation();
 }
@@ -55,8 +55,8 @@ void TriaxialTest::start_consolidation() {
     stop_rocks(world);
     if (settings_.gravity) world.resource<Gravity>().value = Vec3(0, 0, -9.81);
     membrane.active = platen.controlled = true;
-    membrane.aim =
-        platen.aim = {}; // what follows starts from rest: no pressure is held that could change
+    // the servos take the confining pressure at once, without a ramp from the compaction pressure
+    membrane.aim = platen.aim = {};
     membrane.contact_stiffness = platen.contact_stiffness = wall_contact_stiffness(world);
     membrane.largest_step = platen.largest_step = 2e-6 * top;
     invalidate_lists(world);
@@ -68,7 +68,7 @@ void TriaxialTest::start_consolidation() {
 void TriaxialTest::consolidate() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
-    // set here: one specimen may be taken to several pressures and frictions from the same snapshot
+    // set here because one snapshot of a specimen serves for several pressures and frictions
     if (state.phase_steps == 0) set_friction(world, settings_.friction);
     world.resource<Membrane>().target_pressure = settings_.confining_pressure;
     world.resource<Platen>().target_pressure = settings_.confining_pressure;

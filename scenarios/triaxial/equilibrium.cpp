@@ -22,9 +22,9 @@ std::uint64_t find_equilibrium(Simulation& simulation, const EquilibriumSettings
     const bool loaded = carries_load(balance);
     const auto& clock = simulation.world().resource<Clock>();
     throw SimulationError(
-        fmt::format("step {}, time {:.6g} s: {} after {} steps: unbalanced ratio {:.2e} (wanted "
+        fmt::format("step {}, time {:.6g} s: {} after {} steps: unbalanced ratio {:.2e} (required "
                     "{:.1e}), {} contacts of {} free bodies, {} of "
-                    "which nothing touches",
+                    "which have no contact",
                     clock.step, clock.time(), loaded ? "no equilibrium" : "no load path",
                     settings.longest, balance.unbalanced_ratio, settings.ratio, balance.contacts,
                     balance.free_bodies, balance.idle_bodies));

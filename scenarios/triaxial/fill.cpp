@@ -19,13 +19,14 @@ namespace bris {
 
 namespace {
 
-constexpr double first_scale = 0.45;     // at which rocks are put at random places without touching
-constexpr double growth_per_step = 2e-4; // relative, while nothing resists
-constexpr double squeezing_limit =
-    2e-3; // overlap, of a rock's bounding radius, at which it waits for room
+// fraction of full size at which rocks are placed at random positions without touching
+constexpr double first_scale = 0.45;
+constexpr double growth_per_step = 2e-4; // relative, of rocks that have room
+// overlap over bounding radius at which a rock stops growing until it has room
+constexpr double squeezing_limit = 2e-3;
 constexpr std::uint64_t growth_block = 20; // steps at one size
-constexpr std::uint64_t patience = 20000; // steps, after which rocks that jam may be squeezed by as
-                                          // much again: compaction frees them
+// steps after which the limit rises by its first value, for rocks that jam: compaction frees them
+constexpr std::uint64_t patience = 20000;
 constexpr std::uint64_t placing_stream = 2001;
 
 std::span<const EntityId> rocks_of_lift(const Specimen& specimen, std::uint64_t lift,
@@ -35,8 +36,8 @@ std::span<const EntityId> rocks_of_lift(const Specimen& specimen, std::uint64_t 
     return std::span(specimen.rocks).subspan(first, last - first);
 }
 
-/// Puts the rocks of a lift at random places between two heights, their bounding spheres at
-/// `scale` clear of each other and of the held sensor rocks.
+/// Places the rocks of a lift at random positions between two heights, with their bounding spheres,
+/// at `scale`, clear of each other and of the held sensor rocks.
 void place_lift(World& world, std::span<const EntityId> lift, double low, double high,
                 double scale) {
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
@@ -51,8 +52,8 @@ void place_lift(World& world, std::span<const EntityId> lift, double low, double
         double radius;
     };
     std::vector<Filled> filled;
-    for (Row b = 0; b < motion.size();
-         ++b) // what is already there: held sensor rocks, earlier lifts
+    // held sensor rocks and earlier lifts are already there
+    for (Row b = 0; b < motion.size(); ++b)
         if (run[b].count > 0 && position[b].z() > 0) filled.push_back({position[b], radius[b]});
     std::vector<EntityId> order(lift.begin(), lift.end());
     std::sort(order.begin(), order.end(), [&](EntityId a, EntityId b) {
@@ -63,7 +64,7 @@ void place_lift(World& world, std::span<const EntityId> lift, double low, double
         Random random(specimen.seed, placing_stream + id);
         double size = scale * radius[r];
         for (int attempt = 1;; ++attempt) {
-            if (attempt % 500 == 0) size *= 0.97; // a tight place: bounding spheres may overlap
+            if (attempt % 500 == 0) size *= 0.97; // little room: bounding spheres may overlap
             const double away = (wall - size) * std::sqrt(random.uniform()),
                          angle = 2 * pi * random.uniform();
             const Vec3 x(away * std::cos(angle), away * std::sin(angle),
@@ -82,8 +83,8 @@ void place_lift(World& world, std::span<const EntityId> lift, double low, double
 
 } // namespace
 
-// A lift is grown in place between the lifts below and the top platen, without friction (inventory
-// T8: pouring alone does not reach the porosity).
+// Rocks of a lift grow in place between the lifts below and the top platen, without friction, since
+// pouring alone does not reach the porosity.
 void TriaxialTest::start_lift() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
@@ -93,7 +94,7 @@ void TriaxialTest::start_lift() {
         set_friction(world, settings_.compaction_friction);
         world.resource<Gravity>().value.setZero();
         world.resource<LocalDamping>().fraction = settings_.damping;
-        forget_lists(world); // rows of spheres are known from here on
+        forget_lists(world); // bodies know the rows of their spheres from here on
     }
     const double lid = height * static_cast<double>(state.lift + 1) / settings_.lifts;
     const auto lift = rocks_of_lift(specimen, state.lift, settings_.lifts);
@@ -108,8 +109,8 @@ void TriaxialTest::start_lift() {
     rescale();
 }
 
-// Every block ends with the masses of the next: it begins from State alone, or a resumed run, which
-// has no contacts before its first step, would take other masses.
+// Every block ends by scaling the masses for the next one, which then begins from State alone: a
+// resumed run, which has no contacts before its first step, would scale them differently.
 void TriaxialTest::fill() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();

@@ -7,7 +7,7 @@ namespace bris {
 
 namespace {
 
-/// Settings that a specimen depends on.
+/// The settings on which a specimen depends.
 std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all) {
     constexpr std::array names{"seed",
                                "bodies",

@@ -23,8 +23,8 @@ namespace bris {
 
 namespace {
 
-// strain rate * d * sqrt(density / mean stress), with the masses that move: d of the mean rock by
-// mass
+// strain rate * d * sqrt(density / mean stress), with d the mean size of the rocks weighted by mass
+// and the density of their inertial (scaled) masses
 double inertial_number(const World& world, const std::vector<Row>& rows, double rate,
                        double stress) {
     const Table& bodies = world.table<Bodies>();
@@ -106,7 +106,7 @@ TriaxialPoint TriaxialTest::compute_point() const {
     return p;
 }
 
-// One stage's travel, begun and ended at rest: a sudden start would send a wave through the
+// Moves the platen by one stage, from rest to rest: a sudden start would send a wave through the
 // specimen.
 void TriaxialTest::move_platen() {
     World& world = simulation_.world();
@@ -122,8 +122,8 @@ void TriaxialTest::move_platen() {
     platen.speed = 0;
 }
 
-// Sensors that have recorded this strain correct their rocks; the stage then comes to rest again.
-// False: there are none, none is let in, or it has been done.
+// Assimilates the observations that have arrived by this strain; the stage then has to come to rest
+// again. False: there are none, all are rejected, or they have been assimilated already.
 bool TriaxialTest::analyse() {
     World& world = simulation_.world();
     if (!world.has_resource<Fusion>()) return false;
@@ -168,7 +168,7 @@ void TriaxialTest::shear() {
         const Balance balance = compute_balance(world);
         throw SimulationError(fmt::format(
             "stage {} (axial strain {:.4f}): no equilibrium after {} steps: unbalanced ratio "
-            "{:.2e} (wanted {:.1e}), "
+            "{:.2e} (required {:.1e}), "
             "{} contacts of {} rocks",
             state.stage + 1, static_cast<double>(state.stage + 1) * settings_.stage_strain,
             state.phase_steps, balance.unbalanced_ratio, settings_.tolerance, balance.contacts,

@@ -5,9 +5,9 @@
 
 namespace bris {
 
-// What a specimen is like now.
+// The present state of a specimen: its dimensions, its contact properties, its sensor rocks.
 
-/// Radius (m) of the circle inside the membrane while all its elements stand at one.
+/// Radius (m) of the circle inside the membrane. Valid while all elements have the same radius.
 double membrane_radius(const World& world);
 
 /// Height (m) of the top platen.
@@ -16,20 +16,23 @@ double platen_height(const World& world);
 /// Volume (m3) inside the membrane and the platens.
 double specimen_volume(const World& world);
 
-/// Where porosity is measured: 0.6 of the radius, the middle half of the height.
+/// The core, the region in which porosity is measured: 0.6 of the radius, the middle half of the
+/// height.
 CylinderRegion core(const World& world);
 
-/// Friction of rock on rock and rock on platen. Sensor rocks with shells of their own friction keep
-/// it; on a rock, as on any partner, the lower of both acts (Materials::mix).
+/// Sets the friction coefficient between rocks and between rock and platen. Sensor rocks whose
+/// shells have a friction coefficient of their own keep it; in a contact the lower coefficient of
+/// the two partners acts (Materials::mix).
 void set_friction(World& world, double friction);
-/// And the stiffness of rocks and sensor rocks in contacts, normal and shear, of one partner (N/m);
-/// servos go by it.
+/// Sets the friction coefficient, and the normal and shear contact stiffness of one partner (N/m)
+/// of rocks and sensor rocks; updates the contact stiffness that the servos use.
 void set_rocks(World& world, double friction, double stiffness);
 
-/// Normal stiffness (N/m) of a contact of a rock with the membrane, by which the servos go.
+/// Normal stiffness (N/m) of a contact of a rock with the membrane, which the servos use.
 double wall_contact_stiffness(const World& world);
 
-/// A sensor rock's way from its given pose, in a specimen of the present height, to where it is.
+/// Displacement of a sensor rock from its given pose, with the height scaled to the present height
+/// of the specimen.
 struct SensorDrift {
     EntityId body;
     Vec3 given, now; ///< m

@@ -51,7 +51,7 @@ void TriaxialTest::run(std::uint64_t steps) {
     simulation_.world().resource<TriaxialState>().phase_steps += steps;
 }
 
-// masses, and the step that goes with them, for the contacts of the last step
+// for the contacts of the last step
 void TriaxialTest::rescale() {
     World& world = simulation_.world();
     const bool scaled = settings_.mass_scaling || state().phase < TriaxialPhase::consolidate;
@@ -60,8 +60,8 @@ void TriaxialTest::rescale() {
     world.resource<Clock>().change_step(dt);
 }
 
-// contacts have come since the stage began: where they make the step too long, masses are raised,
-// or it is cut
+// contacts that formed since the stage began may make the time step unstable: masses are raised, or
+// the step is shortened
 void TriaxialTest::keep_stable() {
     World& world = simulation_.world();
     auto& clock = world.resource<Clock>();
@@ -106,11 +106,11 @@ bool TriaxialTest::is_in_equilibrium() const {
     if (std::any_of(membrane.pressure.begin(), membrane.pressure.end(), off)) return false;
     const auto& platen = world.resource<Platen>();
     if (platen.controlled && off(platen.pressure)) return false;
-    // small forces left on many rocks weigh more in the stress of a large specimen
+    // small unbalanced forces on many rocks add up to a larger stress mismatch in a large specimen
     return compute_stresses(world).mismatch() <= settings_.pressure_tolerance;
 }
 
-// how long compaction and consolidation take is not known before they are over
+// the lengths of compaction and consolidation are not known in advance
 PhaseProgress TriaxialTest::progress() const {
     const TriaxialState& s = state();
     const double unknown = -1, stages = settings_.final_axial_strain / settings_.stage_strain;
@@ -121,7 +121,7 @@ PhaseProgress TriaxialTest::progress() const {
                 fmt::format("lift {} of {}", s.lift + 1, settings_.lifts)};
     case TriaxialPhase::compact:
         return {"compaction", unknown,
-                fmt::format("core porosity {:.3f} of {:.3f} wanted, step {}", s.prepared_porosity,
+                fmt::format("core porosity {:.3f}, target {:.3f}, step {}", s.prepared_porosity,
                             settings_.porosity, s.phase_steps)};
     case TriaxialPhase::consolidate:
         return {at + "consolidation", unknown, fmt::format("step {}", s.phase_steps)};

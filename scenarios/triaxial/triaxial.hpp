@@ -11,7 +11,7 @@
 
 namespace bris {
 
-/// Of a stage, in which the platen speeds up and slows down.
+/// Parts of a stage's ramp, over which the platen speeds up and slows down.
 inline constexpr unsigned ramp_parts = 12;
 
 /// How a triaxial test is prepared and run; lengths in m, pressures in Pa.
@@ -21,29 +21,33 @@ struct TriaxialSettings {
     double final_axial_strain = 0.08;
     double porosity = 0.32; ///< of the core
     double porosity_tolerance = 0.005;
-    double friction = 0.7; ///< real one, from consolidation on
+    /// Friction coefficient between rocks and between rock and platen, from consolidation on.
+    double friction = 0.7;
     double compaction_friction = 0.0;
     double compaction_pressure = 1e6; ///< of the top platen on the vibrated rocks
-    double vibration =
-        2.5e-4;              ///< speed of a rock while compacted: of its bounding radius in a step
-    double tolerance = 1e-3; ///< unbalanced force ratio of an equilibrium
-    double pressure_tolerance = 0.01; ///< of each ring's pressure, relative
-    double damping = 0.7;             ///< local, but for compaction
+    /// Displacement of a rock per step during compaction, as a fraction of its bounding radius.
+    double vibration = 2.5e-4;
+    double tolerance = 1e-3;          ///< unbalanced force ratio of an equilibrium
+    double pressure_tolerance = 0.01; ///< relative, of the pressure of each ring
+    double damping = 0.7;             ///< local damping, except during compaction
     unsigned lifts = 4;
-    unsigned move_steps = 60; ///< over which the platen moves in a stage: a multiple of ramp_parts
-    unsigned longest_stage = 100000; ///< steps, beyond which an equilibrium has stalled; a specimen
-                                     ///< that slips takes 20 000
-    unsigned longest_compaction = 400000; ///< steps, beyond which the porosity is not reached; most
-                                          ///< seeds take 30 000 to 100 000, a few twice that
-    double safety = 0.9;                  ///< of the stable step in mass scaling
-    bool mass_scaling =
-        true; ///< from consolidation on; else true masses, and a step that follows the contacts
-    bool gravity = false; ///< keep weight during the test
+    /// Steps over which the platen moves in a stage: a multiple of ramp_parts.
+    unsigned move_steps = 60;
+    /// Steps after which an equilibrium has stalled; a specimen that slips takes 20 000.
+    unsigned longest_stage = 100000;
+    /// Steps after which compaction has failed to reach the porosity; most seeds take 30 000 to
+    /// 100 000, a few twice that.
+    unsigned longest_compaction = 400000;
+    double safety = 0.9; ///< time step as a fraction of the stable step
+    /// Scale masses from consolidation on; otherwise masses are true and the time step follows the
+    /// contacts.
+    bool mass_scaling = true;
+    bool gravity = false; ///< keep gravity during the test
 };
 
 enum class TriaxialPhase : std::uint32_t { fill, compact, consolidate, shear, done };
 
-/// Where the test is: enough to go on in the middle of anything.
+/// The state of a test, sufficient to resume from any block of steps.
 struct TriaxialState {
     static constexpr auto name = "triaxial_state";
     static constexpr bool is_state = true;
@@ -52,14 +56,15 @@ struct TriaxialState {
     std::uint64_t lift = 0, stage = 0;
     std::uint64_t phase_steps = 0; ///< since the phase, lift or stage began
     double height = 0;             ///< m, at the start of shearing
-    double volume = 0;             ///< m3, inside membrane and platens, likewise
-    double drift =
-        0; ///< m, largest of a sensor rock from its given position to the start of shearing
+    double volume = 0;             ///< m3, inside membrane and platens, at the start of shearing
+    /// m, largest displacement of a sensor rock from its given position, at the start of shearing.
+    double drift = 0;
     double core_porosity = 0, global_porosity = 0; ///< at the start of shearing
     double prepared_porosity = 0;                  ///< of the core, at the end of compaction
-    double turn = 0;                               ///< rad, largest of a sensor rock, likewise
-    std::vector<TriaxialPoint>
-        points; ///< one at the start of shearing, one at the end of each stage
+    /// rad, largest rotation of a sensor rock from its given attitude, at the start of shearing.
+    double turn = 0;
+    /// One point at the start of shearing, and one at the end of each stage.
+    std::vector<TriaxialPoint> points;
 
     static auto fields(auto& self) {
         return std::tie(self.height, self.volume, self.drift, self.turn, self.core_porosity,
@@ -69,21 +74,22 @@ struct TriaxialState {
     void load(const Archive& archive);
 };
 
-/// Runs a triaxial test block by block, so that it can be watched, saved and stopped anywhere.
+/// Runs a triaxial test block by block, so that it can be observed, saved and stopped after any
+/// block. The members are defined by phase in fill.cpp, compact.cpp, consolidate.cpp and shear.cpp.
 class TriaxialTest {
 public:
     TriaxialTest(Simulation& simulation, TriaxialSettings settings);
 
-    /// One block of steps (25 to 200); returns false when the test is done. Throws SimulationError
-    /// when an equilibrium stalls or nothing carries load.
+    /// Runs one block of about 20 to 200 steps; returns false when the test is done. Throws
+    /// SimulationError when an equilibrium stalls or nothing carries load.
     bool advance();
 
-    /// Leaves out filling and compaction: the rocks stand in the mould already, free, full-grown
-    /// and at rest.
+    /// Skips filling and compaction: the rocks already stand in the mould, free, at full size and
+    /// at rest.
     void begin_compacted();
 
-    /// Masses and step anew for the contacts there are; after their properties were changed from
-    /// outside.
+    /// Scales masses and time step anew for the present contacts; required after contact properties
+    /// were changed from outside.
     void rescale();
 
     const TriaxialState& state() const;

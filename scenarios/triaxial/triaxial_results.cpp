@@ -47,7 +47,7 @@ double largest_dilation_angle(const std::vector<TriaxialPoint>& points) {
 }
 
 void find_moduli(const std::vector<TriaxialPoint>& points, TriaxialProperties& p) {
-    const double start = points.front().deviatoric_stress; // consolidation leaves a little
+    const double start = points.front().deviatoric_stress; // consolidation leaves a small q
     for (const TriaxialPoint& x : points) {
         if (p.initial_modulus == 0 && x.axial_strain >= 0.000999)
             p.initial_modulus = (x.deviatoric_stress - start) / x.axial_strain;
@@ -127,9 +127,10 @@ void write_curve(const std::filesystem::path& csv, const std::vector<TriaxialPoi
         }
         rows.push_back(std::move(row));
     }
-    write_csv(
-        csv, names, rows,
-        {"a line at the start of shearing and at the end of each stage; compression positive"}, 9);
+    write_csv(csv, names, rows,
+              {"one line at the start of shearing and one at the end of each stage; compression is "
+               "positive"},
+              9);
 }
 
 void write_sensor_drift(const std::filesystem::path& csv, const World& world) {
@@ -141,7 +142,8 @@ void write_sensor_drift(const std::filesystem::path& csv, const World& world) {
     write_csv(
         csv,
         {"id", "given_x_m", "given_y_m", "given_z_m", "x_m", "y_m", "z_m", "drift_m", "turn_deg"},
-        rows, {"sensor rocks at the start of shearing, against the poses they were given"}, 9);
+        rows,
+        {"poses of the sensor rocks at the start of shearing, compared with their given poses"}, 9);
 }
 
 Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& points, double scale,
@@ -170,12 +172,14 @@ bool draw_curves(const std::filesystem::path& png, const std::vector<TestCurve>&
                 "axial strain (%)",
                 "volumetric strain (%)",
                 {}};
-    Plot rings{"Radial strain of the rings at the end",
+    Plot rings{"Radial strain of the rings at the end of the test",
                "radial strain, widening positive (%)",
                "ring, from below",
                {}};
-    Plot energy{
-        "Work of the boundaries; dots: stored + friction + damping", "axial strain (%)", "J", {}};
+    Plot energy{"Work of the boundaries (dots: stored energy + friction + damping)",
+                "axial strain (%)",
+                "J",
+                {}};
     for (const TestCurve& test : tests) {
         Curve work{test.label, {}, {}}, lost{"", {}, {}, Curve::Style::points};
         const TriaxialPoint& first = test.points->front();
@@ -183,7 +187,7 @@ bool draw_curves(const std::filesystem::path& png, const std::vector<TestCurve>&
             work.x.push_back(100 * p.axial_strain);
             work.y.push_back(p.boundary_work + p.scaling_work - first.boundary_work -
                              first.scaling_work);
-            if ((&p - &first) % 20 != 0) continue; // dots on the line
+            if ((&p - &first) % 20 != 0) continue; // as dots on the curve of the work
             lost.x.push_back(100 * p.axial_strain);
             lost.y.push_back(p.stored + p.friction_work + p.damping_work - first.stored -
                              first.friction_work - first.damping_work);

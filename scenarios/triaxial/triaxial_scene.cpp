@@ -17,8 +17,9 @@ namespace bris {
 
 namespace {
 
-/// What the walls add to the porosity of a specimen of fewer rocks than the usual 400: it goes with
-/// the rocks' size over the specimen's. 0.06 was measured: core and whole at 400 and 4 000 rocks.
+/// Porosity that the walls add in a specimen of fewer than the usual 400 rocks: it is proportional
+/// to the size of the rocks over that of the specimen. 0.06 was measured from the porosities of
+/// core and whole specimen with 400 and 4 000 rocks.
 double wall_porosity(std::size_t rocks) {
     return 0.06 * std::max(0.0, std::cbrt(400.0 / static_cast<double>(rocks)) - 1);
 }
@@ -29,14 +30,14 @@ std::vector<Clump> sensor_shapes(const Triaxial& t, const std::vector<Clump>& li
         const auto found = std::ranges::find(library, name, &Clump::name);
         require(found != library.end(),
                 fmt::format(
-                    "--sensor-shape: expected a clump of assets/clumps, or several, found \"{}\"",
+                    "--sensor-shape: expected one or more clumps of assets/clumps, found \"{}\"",
                     name));
         shapes.push_back(scaled(*found, t.specimen.smartrock_size / found->sieve));
     }
     return shapes;
 }
 
-/// How many of the sensor rocks take the k-th shape in turn.
+/// Number of sensor rocks with the k-th shape, when they take the shapes in turn.
 std::size_t share_of(std::size_t k, std::size_t sensors, std::size_t shapes) {
     return sensors / shapes + (k < sensors % shapes ? 1 : 0);
 }
@@ -101,8 +102,8 @@ TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
 
 void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit,
                         double stages_kept) {
-    constexpr double spheres_each = 30;         // of the clump library
-    constexpr double motion = 2 * sizeof(Vec3); // of a rock in a stage: displacement and rotation
+    constexpr double spheres_each = 30;         // per rock of the clump library
+    constexpr double motion = 2 * sizeof(Vec3); // displacement and rotation of a rock in a stage
     require_memory("bodies", t.bodies,
                    bytes_of_rocks(t.bodies, spheres_each, worlds) + motion * stages_kept * t.bodies,
                    limit);

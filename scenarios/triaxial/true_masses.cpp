@@ -22,8 +22,8 @@ double restore_masses(World& world) {
         bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
     for (Row b = 0; b < bodies.size(); ++b) {
         if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
-        const double turning =
-            inertia[b].x() / inertial_inertia[b].x(); // inertias were scaled as a whole
+        // all components of the inertia were scaled by one factor
+        const double turning = inertia[b].x() / inertial_inertia[b].x();
         if (!work.empty())
             work[b] += 0.5 * (mass[b] - inertial[b]) * velocity[b].squaredNorm() +
                        0.5 * (turning - 1) * momentum[b].dot(angular_velocity[b]);

@@ -4,10 +4,10 @@
 
 namespace bris {
 
-/// Gives every free rock its true inertial mass and inertia again, as if they had never been
-/// scaled; velocities and spins stay, what that does to the kinetic energy is booked as work of
-/// scaling. Returns the largest stable step (s): of the contacts of the last step, and of one
-/// contact that may come.
+/// Resets the inertial mass and inertia of every free rock to the true ones, as if they had never
+/// been scaled. Velocities and angular velocities stay; the change in kinetic energy is accumulated
+/// as work of scaling. Returns the largest stable step (s) for the contacts of the last step and
+/// for one contact that may form.
 double restore_masses(World& world);
 
 } // namespace bris

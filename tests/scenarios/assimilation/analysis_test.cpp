@@ -13,16 +13,16 @@ using namespace bris;
 namespace {
 
 constexpr std::size_t rocks = 216, sensors = 8;
-constexpr double length = 0.05; // m, over which displacements are alike
+constexpr double length = 0.05; // m, correlation length of the displacements
 
-/// Rocks on a grid of 30 mm whose displacement is a random field, alike by exp(-distance / length),
-/// times the strain; that of the sensor rocks times `quietness` too.
+/// Rocks on a grid of 30 mm whose displacement is a random field with the correlation
+/// exp(-distance / length), times the strain; for the sensor rocks also times `quietness`.
 ModelRun random_run(std::uint64_t seed, double quietness = 1) {
     ModelRun run;
     run.sensors = sensors;
     for (std::size_t k = 0; k < rocks; ++k) {
-        const std::size_t rank =
-            k < sensors ? 27 * k + 13 : 0; // sensors first: change places with those on the grid
+        // the sensor rocks come first, at positions spread over the grid
+        const std::size_t rank = k < sensors ? 27 * k + 13 : 0;
         run.rocks.push_back(static_cast<EntityId>(k));
         run.start.push_back({0.03 * Vec3(static_cast<double>((k + rank) % 6),
                                          static_cast<double>((k + rank) / 6 % 6),
@@ -30,7 +30,7 @@ ModelRun random_run(std::uint64_t seed, double quietness = 1) {
                              Quat::Identity()});
     }
     for (std::size_t k = 0; k < sensors; ++k)
-        run.start[k].position += Vec3(0.011, 0.012, 0.013); // nobody stands twice
+        run.start[k].position += Vec3(0.011, 0.012, 0.013); // no two rocks at one position
     Matrix alike(rocks, rocks);
     for (std::size_t a = 0; a < rocks; ++a)
         for (std::size_t b = 0; b < rocks; ++b)
@@ -66,7 +66,7 @@ double error(const ModelRun& run, const ModelRun& truth, std::size_t first, std:
     return std::sqrt(sum / static_cast<double>(last - first));
 }
 
-/// Ten worlds of such fields, and their mean.
+/// The spread of ten ensemble members with such fields, and their mean as the forecast.
 struct ForecastOfField {
     RockScatter scatter;
     ModelRun forecast = random_run(1);
@@ -82,8 +82,7 @@ struct ForecastOfField {
 } // namespace
 
 TEST_SUITE("procedure/analysis") {
-    TEST_CASE(
-        "sensors tell of their neighbours as far as the worlds say that neighbours are alike") {
+    TEST_CASE("observations correct neighbouring rocks as far as the ensemble correlates them") {
         Ensemble members{draw_members(prior_of({}, {}), 10), {}};
         for (std::uint64_t j = 0; j < 10; ++j) members.runs.push_back(random_run(j + 1));
         ModelRun forecast = random_run(1);
@@ -109,23 +108,23 @@ TEST_SUITE("procedure/analysis") {
               0.95 * error(forecast, truth, sensors, rocks));
         CHECK(analysis.rotation.back() == forecast.rotation.back()); // not measured
         CHECK(analysis.points.back().axial_strain == forecast.points.back().axial_strain);
-        // sensors that know nothing change nothing
+        // observations with a very large noise change nothing
         const ModelRun vague = compute_analysis(forecast, scatter, {hosts, trajectories, 1e3, 1e3});
         CHECK(error(vague, forecast, 0, rocks) < 1e-9);
-        // a gross error is refused: the sample before it holds
+        // an outlier is rejected, and the sample before it is used
         std::vector<SensorTrajectory> wrong = trajectories;
         wrong[2].displacement[9] += Vec3(1, 0, 0);
         const ModelRun refused = compute_analysis(forecast, scatter, {hosts, wrong, 1e-6, 1e-6});
         CHECK(refused.displacement[9] == analysis.displacement[9]);
         CHECK((refused.displacement[10][2] - analysis.displacement[10][2]).norm() <
               0.2 * analysis.displacement[10][2].norm());
-        // what comes two stages late corrects by what was off then
+        // samples that arrive two stages late correct by the innovation at their own time
         const ModelRun late =
             compute_analysis(forecast, scatter, {hosts, trajectories, 1e-6, 1e-6, 2e-3});
         CHECK(late.displacement[2] == forecast.displacement[2]);
         CHECK((late.displacement[10][0] - analysis.displacement[8][0]).norm() <
               1e-3 * analysis.displacement[8][0].norm());
-        // and a sample is not used before its strain
+        // a sample is not used before its strain
         for (SensorTrajectory& trajectory : trajectories)
             trajectory.strain.assign(1, 1e-2), trajectory.displacement.resize(1),
                 trajectory.rotation.resize(1);
@@ -133,8 +132,9 @@ TEST_SUITE("procedure/analysis") {
                   .displacement[9] == forecast.displacement[9]);
     }
 
-    TEST_CASE("sensors that know tilt alone correct turns about level axes, and leave yaw as it "
-              "was foretold") {
+    TEST_CASE(
+        "sensors that observe only tilt correct rotations about horizontal axes, and leave the "
+        "yaw of the forecast") {
         const ModelRun truth = random_run(99);
         const ForecastOfField field;
         std::vector<SensorTrajectory> trajectories(sensors);
@@ -151,9 +151,8 @@ TEST_SUITE("procedure/analysis") {
         const ModelRun analysis = compute_analysis(field.forecast, field.scatter,
                                                    {sensor_rocks(truth), trajectories, 1e-4, 1e-6});
         for (std::size_t s = 0; s < sensors; ++s) {
-            const Vec3 turn = truth.rotation[1][s],
-                       found =
-                           analysis.rotation[1][s]; // 0.01 rad: second order is the square of that
+            // rotations of 0.01 rad: the second order is the square of that
+            const Vec3 turn = truth.rotation[1][s], found = analysis.rotation[1][s];
             CHECK((found - turn).head<2>().norm() < 2 * turn.squaredNorm());
             CHECK(std::abs(found.z()) < 1e-12);
         }
@@ -161,8 +160,8 @@ TEST_SUITE("procedure/analysis") {
         CHECK(analysis.accepted == 10 * sensors);
     }
 
-    TEST_CASE("sensors of a specimen that goes other ways are noticed and left out, and none of "
-              "forty right ones") {
+    TEST_CASE("sensors of a specimen that departs from the ensemble are detected and left out, and "
+              "none of forty specimens that do not") {
         const ForecastOfField field;
         unsigned inconsistent = 0;
         double distance = 0;
@@ -180,10 +179,10 @@ TEST_SUITE("procedure/analysis") {
             CHECK(analysis.accepted + analysis.refused == 2 * sensors * 10);
         }
         CHECK(inconsistent == 0);
-        CHECK(distance > 2.5); // 3 expected, and up to a tenth more of deviations by ten worlds
+        CHECK(distance > 2.5); // 3 expected; deviations from ten members add up to a tenth
         CHECK(distance < 4);
-        ModelRun other = random_run(
-            77); // whose rocks go four times as far from what worlds foretell as theirs do
+        // a specimen whose rocks depart from the forecast four times as far as those of the members
+        ModelRun other = random_run(77);
         for (auto& stage : other.displacement)
             for (Vec3& u : stage) u *= 4;
         const auto trajectories =
@@ -191,22 +190,23 @@ TEST_SUITE("procedure/analysis") {
         const ModelRun analysis = compute_analysis(field.forecast, field.scatter,
                                                    {sensor_rocks(other), trajectories, 1e-6, 1e-5});
         CHECK(analysis.inconsistent_from == about(3e-3));
-        CHECK(analysis.displacement[2] !=
-              field.forecast.displacement[2]); // two samples are no proof
+        // two samples are not enough for a verdict
+        CHECK(analysis.displacement[2] != field.forecast.displacement[2]);
         CHECK(analysis.displacement[3] == field.forecast.displacement[3]);
         CHECK(analysis.displacement.back() == field.forecast.displacement.back());
         CHECK(analysis.analyses.size() == 3 * sensors);
-        const std::vector<std::size_t> hosts{0, 1,
-                                             2}; // may have been chosen for going their own way
+        // three sensors are too few for a verdict: all of them may depart from the forecast
+        const std::vector<std::size_t> hosts{0, 1, 2};
         const std::vector<SensorTrajectory> of_three(trajectories.begin(),
                                                      trajectories.begin() + 3);
         CHECK(compute_analysis(field.forecast, field.scatter, {hosts, of_three, 1e-6, 1e-5})
                   .inconsistent_from == 0);
     }
 
-    TEST_CASE("a sensor that knows less than the worlds do of its rock does not make it worse") {
-        constexpr double quietness =
-            0.1; // of the sensor rocks: 0.1 mm at the end, where all others scatter by 1 mm
+    TEST_CASE("an observation that is less certain than the forecast of its rock does not increase "
+              "the error") {
+        // the sensor rocks scatter by 0.1 mm at the end, all others by 1 mm
+        constexpr double quietness = 0.1;
         Ensemble members{draw_members(prior_of({}, {}), 10), {}};
         for (std::uint64_t j = 0; j < 10; ++j) members.runs.push_back(random_run(j + 1, quietness));
         ModelRun forecast = random_run(1);
@@ -220,8 +220,8 @@ TEST_SUITE("procedure/analysis") {
                          truth, 0, sensors) /
                    error(forecast, truth, 0, sensors);
         };
-        CHECK(left_with(5e-4) <
-              1.05); // the best weights leave 0.98; those by the mean of all rocks 4
-        CHECK(left_with(5e-5) < 0.6); // 0.45
+        // optimal weights leave 0.98; weights from the mean deviation of all rocks would leave 4
+        CHECK(left_with(5e-4) < 1.05);
+        CHECK(left_with(5e-5) < 0.6); // optimal weights leave 0.45
     }
 }

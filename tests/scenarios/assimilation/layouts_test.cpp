@@ -18,7 +18,7 @@ std::vector<RockPose> rocks_on_a_line(std::size_t count) {
     return rocks;
 }
 
-/// Rocks on a line that all move alike, but for a little of their own; nothing was foretold.
+/// Rocks on a line that all move alike except for a small random part; the forecast is no motion.
 struct Line {
     ModelRun truth, forecast;
     explicit Line(std::size_t count) {
@@ -44,7 +44,8 @@ struct Line {
 } // namespace
 
 TEST_SUITE("procedure/layouts") {
-    TEST_CASE("the most telling rock of a line is its middle, and the next ones stand apart") {
+    TEST_CASE("the most informative rock of a line is the middle one, and the next ones are far "
+              "from it") {
         const auto chosen = most_informative_rocks(
             rocks_on_a_line(21), {{0.9, 0.1}, {std::vector<double>(21, 1)}}, 0.1, 3);
         REQUIRE(chosen.size() == 3);
@@ -54,7 +55,7 @@ TEST_SUITE("procedure/layouts") {
         CHECK(std::set(chosen.begin(), chosen.end()).size() == 3);
     }
 
-    TEST_CASE("sensors that hear nothing leave the whole error, more of them less") {
+    TEST_CASE("sensors without samples leave the whole error, and more sensors leave less of it") {
         const Line line(30);
         const RockScatter scatter{{{0.9, 10}, {6, std::vector<double>(30, 1e-3)}},
                                   {{}, {6, std::vector<double>(30, 0)}}};
@@ -71,6 +72,6 @@ TEST_SUITE("procedure/layouts") {
         CHECK(informed_10.others_error_ratio < informed_1.others_error_ratio);
         CHECK(informed_10.hosts_error_ratio < 0.05);
         for (std::size_t k = 5; k < 10; ++k)
-            CHECK(results[k].others_error_ratio == about(1)); // no sample in this test
+            CHECK(results[k].others_error_ratio == about(1)); // the interval exceeds the test
     }
 }

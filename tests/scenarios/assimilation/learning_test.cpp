@@ -15,7 +15,8 @@ using namespace bris;
 
 namespace {
 
-/// A model of one line: q and a displacement by friction and stiffness, with chaos that grows.
+/// A minimal model: q and a displacement from friction and stiffness, with a random perturbation
+/// that grows.
 ModelRun simple_run(const RockParameters& rocks, double strain, std::uint64_t seed) {
     ModelRun run;
     Random random(seed, 11);
@@ -31,7 +32,7 @@ ModelRun simple_run(const RockParameters& rocks, double strain, std::uint64_t se
     return run;
 }
 
-/// The same, that dilates with its friction.
+/// The same with dilation that increases with friction.
 ModelRun dilating_run(const RockParameters& rocks, std::uint64_t seed) {
     ModelRun run = simple_run(rocks, 0.01, seed);
     for (TriaxialPoint& p : run.points)
@@ -39,7 +40,7 @@ ModelRun dilating_run(const RockParameters& rocks, std::uint64_t seed) {
     return run;
 }
 
-/// One with a sensor rock that friction drives outwards.
+/// The same with a sensor rock whose outward displacement increases with friction.
 ModelRun widening_run(const RockParameters& rocks, std::uint64_t seed) {
     ModelRun run = simple_run(rocks, 0.01, seed);
     run.sensors = 1;
@@ -52,8 +53,9 @@ ModelRun widening_run(const RockParameters& rocks, std::uint64_t seed) {
 } // namespace
 
 TEST_SUITE("procedure/learning") {
-    TEST_CASE("friction and stiffness of a test are learned from its axial force, and what is "
-              "foretold is then right") {
+    TEST_CASE(
+        "friction and stiffness are estimated from the axial force of a test, and the forecast "
+        "is then right") {
         const RockParameters truth{0.7, 1}, wrong{0.5, 1.3};
         Learning learning;
         const ModelRun real = simple_run(truth, 0.02, 77);
@@ -88,7 +90,7 @@ TEST_SUITE("procedure/learning") {
         CHECK(together.displacement.back()[0].z() == about(-0.02 * 1.7).epsilon(0.03));
     }
 
-    TEST_CASE("nothing is learned from a measurement before its time") {
+    TEST_CASE("no measurement is assimilated before its strain") {
         Learning learning;
         const RockParameters middle{0.5, 1};
         const Gaussian prior = prior_of(middle, learning);
@@ -105,8 +107,7 @@ TEST_SUITE("procedure/learning") {
             CHECK((a[k].estimate.mean == b[k].estimate.mean) == (a[k].strain <= 5e-3));
     }
 
-    TEST_CASE("a q that no world comes near is left out and counted, and the rest teaches what it "
-              "would alone") {
+    TEST_CASE("outliers of q are left out and counted, and do not change the estimate") {
         const Learning learning{.specimen_scatter = 0.35};
         const Gaussian prior = prior_of({0.5, 1}, learning);
         Ensemble members{draw_members(prior, 8), {}};
@@ -123,7 +124,7 @@ TEST_SUITE("procedure/learning") {
             CHECK(k.rejected == 0); // far from the prior, but not that far
         for (const EstimateAt& k :
              learned([](double q, std::size_t k) { return k > 40 ? 0.3 * q : q; }))
-            CHECK(k.rejected == 0); // a slip
+            CHECK(k.rejected == 0); // a slip of the specimen is no outlier
         const auto wild = learned([](double q, std::size_t k) { return k == 15 ? 1e12 : q; }),
                    without =
                        learned([](double q, std::size_t k) { return k == 15 ? std::nan("") : q; });
@@ -136,7 +137,7 @@ TEST_SUITE("procedure/learning") {
                                               (k == 0 || wild[k - 1].strain < 1.5e-3 - 1e-9)));
         }
         CHECK(left_out == 1);
-        // all of another gain: as if it were not measured, which is told window by window
+        // q with a wrong gain everywhere counts as not measured, which is reported window by window
         const auto gain = learned([](double q, std::size_t) { return 30 * q; }),
                    none = learned([](double, std::size_t) { return std::nan(""); });
         CHECK(none.empty());
@@ -150,7 +151,8 @@ TEST_SUITE("procedure/learning") {
         CHECK(left_out == 100);
     }
 
-    TEST_CASE("without q the volume alone teaches, and what is foretold stays finite") {
+    TEST_CASE("without q the volumetric strain alone updates the estimate, and the forecast stays "
+              "finite") {
         const Learning learning{.specimen_scatter = 0.25, .by_sensors = false, .by_volume = true};
         const Gaussian prior = prior_of({0.5, 1}, learning);
         MeasuredTest measured = measured_test(dilating_run({0.7, 1}, 50).points);
@@ -168,7 +170,7 @@ TEST_SUITE("procedure/learning") {
         CHECK(estimates.mean[0] > prior.mean[0]);
         CHECK(estimates.root.row(0).norm() < prior.root.row(0).norm());
         CHECK(estimates.root.row(1).norm() ==
-              about(prior.root.row(1).norm()).epsilon(0.05)); // stiffness is not seen
+              about(prior.root.row(1).norm()).epsilon(0.05)); // stiffness is not observable
         for (double& v : measured.volumetric_strain) v = std::nan("");
         const Learned nothing = learn_in_two_generations(prior, measured, learning, 0.01, run);
         CHECK(nothing.estimates.empty());
@@ -176,7 +178,8 @@ TEST_SUITE("procedure/learning") {
             CHECK(std::isfinite(p.deviatoric_stress));
     }
 
-    TEST_CASE("a world that a guard stops is left out, unless too few are left") {
+    TEST_CASE(
+        "an ensemble member that a guard stops is left out, and too few members are an error") {
         const Learning learning;
         const Gaussian prior = prior_of({0.5, 1}, learning);
         const auto ensemble_without = [&](std::size_t stopped) {
@@ -203,9 +206,9 @@ TEST_SUITE("procedure/learning") {
         CHECK_THROWS_AS(ensemble_without(3), SimulationError);
     }
 
-    TEST_CASE("tests of a specimen that may be stronger by itself teach less of friction, and no "
-              "truth lies far outside") {
-        // real specimens that are stronger or weaker by a fifth for other reasons than friction
+    TEST_CASE("with specimen scatter the estimate of friction is less certain, and consistent with "
+              "the truth") {
+        // real specimens are stronger or weaker by a fifth for other reasons than friction
         double outside = 0, deviation = 0;
         constexpr int specimens = 12;
         for (int k = 0; k < specimens; ++k) {
@@ -226,13 +229,14 @@ TEST_SUITE("procedure/learning") {
             outside += squared_distance(after, logarithms_of(truth)) / specimens;
             deviation += after.root.row(0).norm() / specimens;
         }
-        CHECK(outside < 3.4); // 2 expected, of chi square of 24 degrees over 12: 99 %
+        CHECK(outside < 3.4); // 2 expected; 99 % of chi squared with 24 degrees of freedom over 12
         CHECK(deviation > 0.12);
-        CHECK(deviation < 0.27); // 0.3 before
+        CHECK(deviation < 0.27); // the prior has 0.3
     }
 
-    TEST_CASE("what makes a specimen strong and dilating at once is not taken for friction, and no "
-              "truth lies far outside") {
+    TEST_CASE(
+        "strength and dilation that specimens have in common are not attributed to friction, and "
+        "the estimate is consistent with the truth") {
         double outside = 0;
         constexpr int specimens = 40;
         for (int k = 0; k < specimens; ++k) {
@@ -258,11 +262,12 @@ TEST_SUITE("procedure/learning") {
                                  logarithms_of(truth)) /
                 specimens;
         }
-        CHECK(outside < 2.7); // 2 expected: chi square of 80 degrees over 40, 99 %
-        CHECK(outside > 1);   // and not much too careful
+        CHECK(outside < 2.7); // 2 expected; 99 % of chi squared with 80 degrees of freedom over 40
+        CHECK(outside > 1);   // the estimate is not much too uncertain either
     }
 
-    TEST_CASE("volumetric strain tells of friction where it is asked for and measured") {
+    TEST_CASE(
+        "volumetric strain improves the estimate of friction where it is requested and measured") {
         Learning learning{.specimen_scatter = 0.25, .by_sensors = false};
         const Gaussian prior = prior_of({0.5, 1}, learning);
         Ensemble members{draw_members(prior, 8), {}};
@@ -277,9 +282,9 @@ TEST_SUITE("procedure/learning") {
         const Gaussian by_both = learned();
         for (double& v : measured.volumetric_strain) v = std::nan("");
         const Gaussian unmeasured = learned();
-        // at the end ln q is 0.65 ln friction and 0.19 ln stiffness (0.4 of that unknown), dilation
-        // 0.89 ln friction; the specimen's own 0.25 in each, of which what both have in common,
-        // 0.6, counts once
+        // at the end ln q varies as 0.65 ln friction and 0.19 ln stiffness (with a prior deviation
+        // of 0.4), dilation as 0.89 ln friction; specimens scatter by 0.25 in each, with a
+        // correlation of 0.6 between them
         const double q = std::hypot(0.25, 0.19 * 0.4) / 0.65, dilation = 0.25 / 0.89;
         const double both =
             (1 - 0.6 * 0.6) / (1 / (q * q) + 1 / (dilation * dilation) - 2 * 0.6 / (q * dilation));
@@ -287,16 +292,15 @@ TEST_SUITE("procedure/learning") {
               about(1 / std::sqrt(1 / 0.09 + 1 / (q * q))).epsilon(0.15));
         CHECK(by_both.root.row(0).norm() ==
               about(1 / std::sqrt(1 / 0.09 + 1 / both)).epsilon(0.15));
-        const double if_alone =
-            1 / std::sqrt(1 / 0.09 + 1 / (q * q) +
-                          1 / (dilation * dilation)); // each with a difference of its own
+        // if the scatter of the two were independent
+        const double if_alone = 1 / std::sqrt(1 / 0.09 + 1 / (q * q) + 1 / (dilation * dilation));
         CHECK(by_both.root.row(0).norm() > 1.1 * if_alone);
         CHECK(by_both.mean[0] > by_q.mean[0]);
         CHECK(unmeasured.mean == by_q.mean);
     }
 
-    TEST_CASE("sensor rocks that move outwards teach friction without a load cell, and tilt alone "
-              "teaches nothing") {
+    TEST_CASE("friction is estimated from the outward displacement of sensor rocks without a load "
+              "cell, but not from tilt alone") {
         Learning learning;
         const Gaussian prior = prior_of({0.5, 1}, learning);
         Ensemble members{draw_members(prior, 8), {}};
@@ -315,15 +319,16 @@ TEST_SUITE("procedure/learning") {
         CHECK(by_sensors.back().normalised_innovation_squared == -1);
         CHECK(std::abs(mean_of(by_sensors.back().estimate).friction - 0.7) < 0.03);
         CHECK(by_sensors.back().estimate.root.row(0).norm() < 0.1 * prior.root.row(0).norm());
-        CHECK(by_sensors.back().estimate.root.row(1).norm() ==
-              about(prior.root.row(1).norm()).epsilon(0.15)); // stiffness does not widen
+        CHECK(
+            by_sensors.back().estimate.root.row(1).norm() ==
+            about(prior.root.row(1).norm()).epsilon(0.15)); // widening does not depend on stiffness
         learning.by_sensors = false;
         CHECK(learned().empty());
         learning.by_force = true;
         const auto by_force = learned();
         CHECK(by_force.back().estimate.root.row(0).norm() >
               1.5 * by_both.back().estimate.root.row(0).norm());
-        // what nobody measured is not believed of worlds either
+        // displacements that are not measured have no effect
         learning.by_sensors = true;
         SensorTrajectory& trajectory = measured.trajectories.front();
         trajectory.displacement.back() += Vec3(0.1, 0, 0);
@@ -336,7 +341,7 @@ TEST_SUITE("procedure/learning") {
         CHECK(outlying_displacements(members, measured) == 0);
     }
 
-    TEST_CASE("whoever learns from other measurements goes on from the same first generation") {
+    TEST_CASE("a given first generation gives the same estimates as one that is run anew") {
         const Learning learning;
         const Gaussian prior = prior_of({0.5, 1}, learning);
         const MeasuredTest measured = measured_test(simple_run({0.7, 1}, 0.02, 77).points);
@@ -356,7 +361,8 @@ TEST_SUITE("procedure/learning") {
             CHECK(continued.estimates[k].estimate.mean == whole.estimates[k].estimate.mean);
     }
 
-    TEST_CASE("beliefs of worlds are spread as what is known is") {
+    TEST_CASE(
+        "the parameters of the ensemble members have the mean and covariance of the estimate") {
         Gaussian g(2);
         g.mean << -0.5, 0.1;
         g.root << 0.3, 0, 0.1, 0.2;
@@ -370,7 +376,7 @@ TEST_SUITE("procedure/learning") {
         CHECK((covariance - g.covariance()).norm() < 0.01);
     }
 
-    TEST_CASE("a model is told of changes that matter only") {
+    TEST_CASE("a model run is given new parameters only when they change significantly") {
         const auto estimates = [](double strain, double friction, double deviation) {
             Gaussian g(2);
             g.mean = logarithms_of({friction, 1});

@@ -14,7 +14,7 @@ using namespace bris;
 
 namespace {
 
-/// What a test of a specimen records: that of one more world, whose rocks are as given.
+/// The records of a synthetic test, up to a stage of a true run.
 RecordedTest recorded(const ModelRun& truth, std::size_t stage) {
     RecordedTest test;
     for (std::size_t s = 0; s < truth.sensors; ++s) {
@@ -32,7 +32,7 @@ RecordedTest recorded(const ModelRun& truth, std::size_t stage) {
     return test;
 }
 
-/// A specimen, and a model of it that can be made again and again.
+/// A specimen, and a model of it that can be made repeatedly.
 struct Live {
     TriaxialScene scene = testing::small_scene();
     TriaxialSettings settings = testing::short_test();
@@ -86,7 +86,7 @@ std::size_t files_in(const std::filesystem::path& folder) {
 } // namespace
 
 TEST_SUITE("procedure/live_members") {
-    TEST_CASE("a model stopped before, while and after its second generation catches up goes on to "
+    TEST_CASE("a model stopped before, while and after its second generation catches up resumes to "
               "the same bits, on one thread or two") {
         Live live;
         const TemporaryDirectory whole, parts;
@@ -99,9 +99,8 @@ TEST_SUITE("procedure/live_members") {
         Common again = common_in(parts.path(), 1);
         again.resume = again.out;
         std::size_t last = 0;
-        for (const std::size_t stages :
-             {std::size_t{3}, std::size_t{7},
-              std::size_t{16}}) { // stopped there, then begun again from the start
+        // stopped there, then begun again from the start
+        for (const std::size_t stages : {std::size_t{3}, std::size_t{7}, std::size_t{16}}) {
             LiveModel stopped = live.model(again);
             live.follow(stopped, stages);
             stopped.save_checkpoint();
@@ -116,7 +115,8 @@ TEST_SUITE("procedure/live_members") {
         check_same_bits(gone_on, model);
     }
 
-    TEST_CASE("what was kept of worlds is not run again, and none of it is used before its stage") {
+    TEST_CASE("stages of ensemble members that were saved are not run again, and not used before "
+              "their turn") {
         Live live;
         const TemporaryDirectory folder;
         Common common = common_in(folder.path(), 2);

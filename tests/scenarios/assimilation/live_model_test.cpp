@@ -13,8 +13,8 @@ using namespace bris;
 
 namespace {
 
-/// A model of a few lines: q, and ways of a sensor rock and its neighbour by friction and
-/// stiffness; each world goes astray in its own way, and neighbours together.
+/// A minimal model: q, and the displacements of a sensor rock and its neighbour, from friction and
+/// stiffness; the members diverge at random, with neighbouring rocks correlated.
 ModelRun simple_run(const RockParameters& rocks, double strain, std::uint64_t seed) {
     ModelRun run;
     Random random(seed, 11);
@@ -38,7 +38,7 @@ ModelRun simple_run(const RockParameters& rocks, double strain, std::uint64_t se
     return run;
 }
 
-/// What had been recorded of a run at some strain.
+/// The records of a run up to some strain.
 RecordedTest recorded(const ModelRun& run, double strain) {
     RecordedTest test;
     test.recordings.emplace_back().info.displacement_noise = 1e-6;
@@ -55,7 +55,7 @@ RecordedTest recorded(const ModelRun& run, double strain) {
     return test;
 }
 
-/// Stages of a run, up to a number of points.
+/// Adds stages of a whole run, up to a number of points.
 void grow(ModelRun& run, const ModelRun& whole, std::size_t points) {
     const std::size_t had = run.points.size();
     if (had == 0) run = empty_run_like(whole);
@@ -70,9 +70,9 @@ struct Case {
     static constexpr RockParameters rocks{0.7, 1}, assumed{0.5, 1.3};
     ModelRun truth = simple_run(rocks, 0.02, 77);
     unsigned runs = 0, checkpoint = 0;
-    unsigned stopping = 0;                     // worlds of the second generation that a guard stops
-    std::size_t stops_at = 50;                 // points of theirs
-    std::size_t longest = 0, longest_step = 0; // points asked for, and points more than before
+    unsigned stopping = 0;     // number of members of the second generation that a guard stops
+    std::size_t stops_at = 50; // number of points at which it stops them
+    std::size_t longest = 0, longest_step = 0; // most points requested, in all and at a time
     Learning learning;
 
     LiveModel model(double final_strain = 0.02, unsigned catch_up = 4) {
@@ -107,8 +107,9 @@ double error(const ModelRun& run, const ModelRun& truth, std::size_t rock) {
 } // namespace
 
 TEST_SUITE("procedure/live_model") {
-    TEST_CASE("a test is learned from stage by stage, and what its sensors tell corrects their "
-              "neighbours") {
+    TEST_CASE(
+        "the parameters are estimated stage by stage, and the observations of sensors correct "
+        "their neighbours") {
         Case c;
         LiveModel model = c.model();
         CHECK(c.runs == 8); // before any record
@@ -128,8 +129,8 @@ TEST_SUITE("procedure/live_model") {
                        1) < 0.1);
     }
 
-    TEST_CASE("what comes later changes nothing that was said, and without records the model goes "
-              "on alone") {
+    TEST_CASE("later records do not change earlier stages, and without records the model continues "
+              "by itself") {
         Case one, other;
         for (std::size_t k = 51; k < other.truth.points.size(); ++k) {
             other.truth.points[k].deviatoric_stress *= 2;
@@ -154,8 +155,8 @@ TEST_SUITE("procedure/live_model") {
         for (const Vec3& d : quiet.state().displacement.back()) CHECK(d.allFinite());
     }
 
-    TEST_CASE(
-        "worlds go no farther than the stage that the test is in, and a few stages at a time") {
+    TEST_CASE("ensemble members do not run ahead of the stage of the test, and advance only a few "
+              "stages at a time") {
         for (const unsigned catch_up : {2u, 4u, 7u}) {
             CAPTURE(catch_up);
             Case c;
@@ -168,18 +169,17 @@ TEST_SUITE("procedure/live_model") {
                       std::clamp<std::size_t>(model.state().points.size() + 1, 21, 201));
                 CHECK(c.longest_step <= catch_up);
             }
-            // 20 stages, the start and one for each stage of the test meanwhile, so many at a time
+            // 20 stages, the start, and one for each stage of the test meanwhile, at `catch_up`
+            // stages for each stage of the test
             const double needed = std::ceil(21.0 / (catch_up - 1));
             CHECK(model.caught_up_at() == about((20 + needed) * 1e-4));
-            CHECK(c.checkpoint ==
-                  1); // the first generation, when it had answered for the last time
+            CHECK(c.checkpoint == 1); // of the first generation, after its last forecast
             model.save_checkpoint();
             CHECK(c.checkpoint == 2);
         }
     }
 
-    TEST_CASE(
-        "whether worlds go on before the records come or when they have come changes no bit") {
+    TEST_CASE("members advanced before the records arrive or afterwards give the same bits") {
         Case one, other;
         LiveModel a = one.model(), b = other.model();
         while (!a.done()) {
@@ -194,7 +194,8 @@ TEST_SUITE("procedure/live_model") {
         CHECK(a.caught_up_at() == b.caught_up_at());
     }
 
-    TEST_CASE("a world that a guard stops in the middle of the test is left out, too many end it") {
+    TEST_CASE("a member that a guard stops in the middle of the test is left out, and too many end "
+              "the test") {
         Case c;
         c.stopping = 2;
         LiveModel model = c.model();
@@ -212,28 +213,27 @@ TEST_SUITE("procedure/live_model") {
         CHECK(too_few.state().points.size() == 50);
     }
 
-    TEST_CASE("too few worlds left of a second generation that has not caught up do not end the "
-              "test: the first one answers to the end") {
+    TEST_CASE("too few members left of a second generation that has not caught up do not end the "
+              "test: the first generation provides the forecast to the end") {
         Case lost, early;
         lost.stops_at = early.stops_at = 10;
         lost.stopping = early.stopping = 3;
         LiveModel model = lost.model(), other = early.model();
         while (!model.done()) {
             model.next_stage(recorded(lost.truth, model.next_strain()));
-            for (int k = 0; k < 3; ++k) other.advance_members(); // before the records come
+            for (int k = 0; k < 3; ++k) other.advance_members(); // before the records arrive
             other.next_stage(recorded(early.truth, other.next_strain()));
             CHECK(model.state().displacement.back() == other.state().displacement.back());
             CHECK(model.estimate().mean == other.estimate().mean);
         }
-        CHECK(lost.runs == 16); // no other generation begins
+        CHECK(lost.runs == 16); // no further generation begins
         CHECK(lost.stopping == 0);
         CHECK(model.caught_up_at() == 0);
-        CHECK(model.lost_second_at() ==
-              about(23e-4)); // begun with stage 20, four stages for each one since
+        // it began with stage 20, and advances four stages for each one since
+        CHECK(model.lost_second_at() == about(23e-4));
         CHECK(other.lost_second_at() == model.lost_second_at());
         CHECK(model.state().points.size() == 201);
-        CHECK(lost.checkpoint ==
-              1); // so that a run that goes on from there finds its worlds where it lost them
+        CHECK(lost.checkpoint == 1); // so that a resumed run loses its members at the same stage
         CHECK(squared_distance(model.estimate(), logarithms_of({0.7, 1})) < 9.2);
         CHECK(error(model.state(), lost.truth, 0) < 0.05 * error(model.forecast(), lost.truth, 0));
     }

@@ -21,7 +21,7 @@ using namespace bris;
 
 namespace {
 
-/// A steady run, recorded; its folder and its lines.
+/// The recordings of a steady run: their folder, and the lines of their stream.
 struct Recorded {
     TemporaryDirectory folder;
     std::vector<SensorInfo> infos;
@@ -43,7 +43,7 @@ const Recorded& recorded() {
     return one;
 }
 
-/// A file of lines, followed.
+/// Follows a file of lines as a live test.
 struct Followed {
     TemporaryDirectory folder;
     LiveSettings settings{.timeout = 2};
@@ -80,7 +80,7 @@ std::string with(const std::string& line, const std::string& what, const std::st
                                    : line.substr(0, at) + instead + line.substr(at + what.size());
 }
 
-/// A record of the machine at a stage with one of its numbers changed, any other line as it is.
+/// A record of the machine with one of its numbers changed; any other line as it is.
 std::string changed(const std::string& line, const std::string& name, auto&& change) {
     const auto at = line.find("\"" + name + "\": "), strain = line.find("\"axial_strain\": ");
     if (at == std::string::npos || strain == std::string::npos) return line;
@@ -108,8 +108,9 @@ bool of_sensor(const std::string& line, int id) {
 } // namespace
 
 TEST_SUITE("procedure/live_test") {
-    TEST_CASE("a test followed to its end is the test that its files tell of, and no record is "
-              "known before its strain") {
+    TEST_CASE(
+        "a test followed to its end equals the test read from its files, and no record is used "
+        "before its strain") {
         const Followed f;
         const auto test = f.follow(recorded().lines);
         REQUIRE(test->follow_to(0.004));
@@ -122,41 +123,42 @@ TEST_SUITE("procedure/live_test") {
         check_same(test->so_far(), recorded().read());
         CHECK_FALSE(test->follow_to(0.02));
         CHECK(test->over());
-        CHECK(test->report().find("the sender ended it") != std::string::npos);
+        CHECK(test->report().find("the sender ended the test") != std::string::npos);
     }
 
-    TEST_CASE("records may come late, out of order and twice: the test is the same, and the report "
-              "counts them") {
+    TEST_CASE("records may arrive late, out of order and twice: the test is the same, and the "
+              "report counts them") {
         std::vector<std::string> lines;
         std::string held;
         for (const std::string& line : recorded().lines) {
             lines.push_back(line);
             if (!of_sensor(line, 2)) continue;
-            lines.back() = held.empty() ? line : held; // each when the next one is due
-            if (!held.empty()) lines.push_back(held);  // and again
+            lines.back() = held.empty() ? line : held; // each arrives when the next one is due
+            if (!held.empty()) lines.push_back(held);  // and is sent again
             held = line;
         }
         lines.insert(lines.end() - 1, held);
         const Followed f;
         const auto test = f.follow(lines);
         for (int k = 0; k <= 100; ++k) REQUIRE(test->follow_to(1e-4 * k));
-        CHECK(test->so_far().trajectories[1].strain.size() == 9); // the last one comes after all
+        CHECK(test->so_far().trajectories[1].strain.size() ==
+              9); // the last one arrives after the end
         CHECK_FALSE(test->follow_to(0.02));
         check_same(test->so_far(), recorded().read());
         CHECK(test->report().find("sensor 2: 15 records, 10 late, 15 sent again") !=
               std::string::npos);
     }
 
-    TEST_CASE("a run that was stopped goes on from its log to the same test, whether it is sent "
-              "again or not") {
+    TEST_CASE("a run that was stopped resumes from its log to the same test, whether the lines are "
+              "sent again or not") {
         const Followed f;
         {
             const auto test = f.follow(recorded().lines);
             REQUIRE(test->follow_to(0.004));
         }
         std::ofstream(f.folder / "log", std::ios::app)
-            << "{\"id\": 1, \"t\"";         // it was stopped while it wrote
-        std::vector<std::string> remaining; // from a sender that knows what has come
+            << "{\"id\": 1, \"t\"";         // stopped while writing a line
+        std::vector<std::string> remaining; // from a sender that does not repeat lines
         for (std::size_t k = 0; k < recorded().lines.size(); ++k)
             if (k >= 3 * 5 + 3 * 4 + 41) remaining.push_back(recorded().lines[k]);
         std::filesystem::copy_file(f.folder / "log", f.folder / "log2");
@@ -169,15 +171,16 @@ TEST_SUITE("procedure/live_test") {
                                                     recorded().infos, f.settings);
         (void)all->follow_to(1);
         check_same(all->so_far(), recorded().read());
-        // and the log alone is all of it
+        // the log alone contains the whole test
         const auto again =
             std::make_unique<LiveTest>(f.write({}), f.folder / "log", recorded().infos, f.settings);
         CHECK_FALSE(again->follow_to(1));
-        CHECK(again->report().find("the sender ended it") != std::string::npos);
+        CHECK(again->report().find("the sender ended the test") != std::string::npos);
         check_same(again->so_far(), recorded().read());
     }
 
-    TEST_CASE("a sensor that knows no strain gets it from the test machine's clock") {
+    TEST_CASE(
+        "a sensor that does not send strain is given the strain of the test machine by its clock") {
         std::vector<std::string> lines;
         for (const std::string& line : recorded().lines) lines.push_back(without_strain(line));
         const Followed f;
@@ -185,18 +188,18 @@ TEST_SUITE("procedure/live_test") {
         (void)test->follow_to(1);
         const RecordedTest found = test->so_far(), expected = recorded().read();
         for (std::size_t s = 0; s < 3; ++s) {
-            REQUIRE(
-                found.trajectories[s].strain.size() + 1 ==
-                expected.trajectories[s]
-                    .strain.size()); // its clock is fast: the last one is after the machine's last
+            // its clock is fast, so its last record is after the machine's last
+            REQUIRE(found.trajectories[s].strain.size() + 1 ==
+                    expected.trajectories[s].strain.size());
             for (std::size_t k = 0; k < found.trajectories[s].strain.size(); ++k)
                 CHECK(found.trajectories[s].strain[k] ==
                       about(expected.trajectories[s].strain[k]).epsilon(1e-3));
         }
     }
 
-    TEST_CASE("the shipped test, followed, is accepted at every strain, with and without the "
-              "sensors' strains") {
+    TEST_CASE(
+        "the test in assets/smartrock is accepted at every strain when it is followed, with and "
+        "without the sensors' strains") {
         const std::filesystem::path folder = assets_folder() / "smartrock";
         for (const bool strain : {true, false}) {
             std::vector<std::string> lines = stream_of(folder / "55kPa", 1.2, 60);
@@ -216,8 +219,8 @@ TEST_SUITE("procedure/live_test") {
         }
     }
 
-    TEST_CASE("a sensor that knows no strain and whose clock is ahead of the machine's is refused, "
-              "and its clock named") {
+    TEST_CASE("a sensor that does not send strain and whose clock is ahead of the machine's is "
+              "refused because of its clock") {
         for (const double ahead : {10.0, 100.0}) {
             std::vector<std::string> lines;
             for (const std::string& line : recorded().lines)
@@ -228,11 +231,11 @@ TEST_SUITE("procedure/live_test") {
             REQUIRE(test->follow_to(0.01));
             CHECK(test->so_far().refused() == 1);
             CHECK(test->so_far().trajectories[1].strain.empty());
-            CHECK(test->report().find(fmt::format("sensor 2: refused: clock: its t are {:.3g} s "
-                                                  "ahead of the machine's when they come",
-                                                  ahead + 1.2)) !=
-                  std::string::npos); // a sample comes before the machine's of that stage
-            // told beforehand, it is put right
+            // 1.2 s more, since a sample arrives before the machine's record of that stage
+            CHECK(test->report().find(fmt::format("sensor 2: refused: clock: t is {:.3g} s "
+                                                  "ahead of the machine's on arrival",
+                                                  ahead + 1.2)) != std::string::npos);
+            // a clock offset in the metadata corrects it
             auto infos = recorded().infos;
             infos[1].clock_offset = ahead;
             LiveTest replayed(f.write(lines, "again"), f.folder / "log2", infos, f.settings);
@@ -243,18 +246,18 @@ TEST_SUITE("procedure/live_test") {
         }
     }
 
-    TEST_CASE("a sensor whose times are never the machine's is refused for its clock, not for a "
-              "recording that is empty") {
+    TEST_CASE("a sensor whose times are outside the machine's is refused because of its clock, not "
+              "because its recording is empty") {
         std::vector<std::string> lines;
         for (const std::string& line : recorded().lines)
             lines.push_back(of_sensor(line, 3) ? ahead_by(1e6, without_strain(line)) : line);
         const Followed f;
         const auto test = f.follow(lines);
         REQUIRE(test->follow_to(0.01));
-        CHECK(test->report().find("sensor 3: refused: clock: its t are 1e+06 s ahead") !=
+        CHECK(test->report().find("sensor 3: refused: clock: t is 1e+06 s ahead") !=
               std::string::npos);
         CHECK(test->report().find("length") == std::string::npos);
-        std::vector<std::string> timeless; // nor has the machine any
+        std::vector<std::string> timeless; // the machine sends no t either
         for (const std::string& line : lines)
             timeless.push_back(line.find("axial_strain") == std::string::npos
                                    ? line
@@ -266,7 +269,8 @@ TEST_SUITE("procedure/live_test") {
     }
 
     TEST_CASE(
-        "a clock that is off where strain is sent, or may only be late, is told and does no harm") {
+        "a wrong clock is reported, but does no harm if strain is sent or if records may only "
+        "be late") {
         std::vector<std::string> lines;
         for (const std::string& line : recorded().lines)
             lines.push_back(of_sensor(line, 2)   ? ahead_by(100, line)
@@ -278,13 +282,13 @@ TEST_SUITE("procedure/live_test") {
         CHECK(test->so_far().refused() == 0);
         CHECK(test->so_far().trajectories[1].strain.size() == 10);
         CHECK(test->report().find(
-                  "sensor 2: clock: its t are 100 s ahead of the machine's at the same strain") !=
+                  "sensor 2: clock: t is 100 s ahead of the machine's at the same strain") !=
               std::string::npos);
-        CHECK(test->report().find("s behind the machine's when they come, expected 4.2 s at most: "
-                                  "clock, or records that come late") != std::string::npos);
+        CHECK(test->report().find("s behind the machine's on arrival, expected 4.2 s at most: "
+                                  "wrong clock, or late records") != std::string::npos);
     }
 
-    TEST_CASE("what cannot be used is let be and reported, and the test goes on without it") {
+    TEST_CASE("records that cannot be used are reported, and the test continues without them") {
         std::vector<std::string> lines{
             "garbage",
             "{\"id\": 99, \"t\": 1}",
@@ -299,7 +303,7 @@ TEST_SUITE("procedure/live_test") {
                          "\"ax_g\": ", "\"ay\": ")); // other axes
             else if (of_sensor(line, 3))
                 lines.push_back(
-                    with(line, "\"ax\": ", "\"gx_is\": ")); // a vector with a part missing
+                    with(line, "\"ax\": ", "\"gx_is\": ")); // a vector without one component
             else
                 lines.push_back(line);
         }
@@ -324,8 +328,8 @@ TEST_SUITE("procedure/live_test") {
         }
     }
 
-    TEST_CASE("what the machine sends wrongly is left out with its reason as soon as it shows, and "
-              "the test goes on without it") {
+    TEST_CASE("faulty records of the machine are left out with a reason as soon as the fault is "
+              "evident, and the test continues without them") {
         struct Fault {
             const char* channel;
             double (*change)(double number, long stage);
@@ -373,7 +377,7 @@ TEST_SUITE("procedure/live_test") {
             const std::string report = test->report();
             CAPTURE(report);
             CHECK(report.find(fault.says) != std::string::npos);
-            REQUIRE(test->follow_to(0.01)); // not the end of it
+            REQUIRE(test->follow_to(0.01)); // the test does not end there
             const RecordedTest found = test->so_far(), good = recorded().read();
             REQUIRE(found.measured.size() == good.measured.size());
             CHECK(found.refused() == 0);
@@ -391,7 +395,7 @@ TEST_SUITE("procedure/live_test") {
                 compare(a.deviatoric_stress,
                         k == 51 && a.deviatoric_stress == 8e4
                             ? 8e4
-                            : b.deviatoric_stress); // the first that sticks is no fault
+                            : b.deviatoric_stress); // the first record of a constant run is valid
                 compare(a.volumetric_strain, b.volumetric_strain);
                 for (std::size_t r = 0; r < 8; ++r) compare(a.ring_radius[r], b.ring_radius[r]);
             }
@@ -400,7 +404,7 @@ TEST_SUITE("procedure/live_test") {
         }
     }
 
-    TEST_CASE("nothing is found wrong with the machine of the example at any time of the test") {
+    TEST_CASE("the machine of the example passes quality control at any time of the test") {
         const std::filesystem::path example = assets_folder() / "smartrock";
         for (const char* pressure : {"55", "110", "165"}) {
             const auto all = stream_of(example / (std::string(pressure) + "kPa"), 1.2, 60);
@@ -419,7 +423,8 @@ TEST_SUITE("procedure/live_test") {
         }
     }
 
-    TEST_CASE("a stream that falls silent has ended; who goes on from its log listens again") {
+    TEST_CASE("a stream without records for the timeout has ended, and a run resumed from its log "
+              "listens again") {
         std::vector<std::string> half(recorded().lines.begin(), recorded().lines.begin() + 80);
         Followed f;
         f.settings.timeout = 0.1;
@@ -427,9 +432,9 @@ TEST_SUITE("procedure/live_test") {
             const auto test = f.follow(half);
             CHECK_FALSE(test->follow_to(0.01));
             CHECK(test->over());
-            CHECK(
-                test->report().find("nothing of the test machine came for 0.1 s after 80 lines") !=
-                std::string::npos);
+            CHECK(test->report().find(
+                      "no record of the test machine arrived for 0.1 s after 80 lines") !=
+                  std::string::npos);
         }
         f.settings.timeout = 2;
         LiveTest again(f.write(recorded().lines), f.folder / "log", recorded().infos, f.settings);
@@ -437,12 +442,13 @@ TEST_SUITE("procedure/live_test") {
         check_same(again.so_far(), recorded().read());
     }
 
-    TEST_CASE("a run that goes on knows at each strain what it knew then, not what came later") {
+    TEST_CASE(
+        "a resumed run has at each strain the records that had arrived then, not later ones") {
         std::vector<std::string> lines;
         std::vector<std::string> late;
         for (const std::string& line : recorded().lines) {
             if (of_sensor(line, 2) && line.find("strain\": 0.001") != std::string::npos)
-                late.push_back(line); // comes at 0.5 %
+                late.push_back(line); // arrives at 0.5 %
             else
                 lines.push_back(line);
             if (line.find("\"axial_strain\": 0.005,") != std::string::npos)
@@ -468,7 +474,7 @@ TEST_SUITE("procedure/live_test") {
         CHECK(again->ages().empty()); // all from the log
     }
 
-    TEST_CASE("one wrong strain does not pass for the end of the test") {
+    TEST_CASE("a single wrong strain is not taken for the end of the test") {
         std::vector<std::string> lines = recorded().lines;
         lines.insert(lines.begin() + 60, {R"({"axial_strain": 0.5, "deviatoric_stress_Pa": 1e5})",
                                           R"({"id": 1, "t": 70.5, "strain": 0.5})"});
@@ -482,7 +488,7 @@ TEST_SUITE("procedure/live_test") {
               std::string::npos);
     }
 
-    TEST_CASE("a machine that sends per cent does not end the test") {
+    TEST_CASE("a machine that sends its strain in per cent does not end the test") {
         std::vector<std::string> lines;
         for (int k = 0; k < 40; ++k)
             lines.push_back(fmt::format(R"({{"axial_strain": {}, "deviatoric_stress_Pa": {}}})",
@@ -495,14 +501,13 @@ TEST_SUITE("procedure/live_test") {
         CHECK(test->report().find("is it in per cent?") != std::string::npos);
     }
 
-    TEST_CASE(
-        "a test goes on after an outage, once three records of the machine agree where it is") {
+    TEST_CASE("a test continues after an outage, once three records of the machine agree on the "
+              "strain") {
         std::vector<std::string> lines;
         for (const std::string& line : recorded().lines) {
             const auto at = line.find("axial_strain\": ");
             const double strain = at == std::string::npos ? 0 : std::stod(line.substr(at + 15));
-            if (strain > 0.0015 && strain < 0.0055)
-                continue; // and more than 0.2 % of strain is gone
+            if (strain > 0.0015 && strain < 0.0055) continue; // more than 0.2 % of strain is lost
             lines.push_back(line);
         }
         const Followed f;
@@ -512,10 +517,11 @@ TEST_SUITE("procedure/live_test") {
         CHECK(std::ranges::count_if(measured, [](const TriaxialPoint& p) {
                   return p.axial_strain > 0.0055 && p.axial_strain < 0.0065;
               }) > 0);
-        CHECK(test->report().find("the machine goes on at 0.0055") != std::string::npos);
+        CHECK(test->report().find("the machine continues at an axial strain of 0.0055") !=
+              std::string::npos);
     }
 
-    TEST_CASE("a machine that falls silent ends the test, though sensors go on") {
+    TEST_CASE("a machine without records for the timeout ends the test, even if sensors continue") {
         Followed f;
         f.settings.timeout = 0.3;
         const auto path = f.write({R"({"axial_strain": 0, "deviatoric_stress_Pa": 0})"});
@@ -533,12 +539,13 @@ TEST_SUITE("procedure/live_test") {
         over = true;
         sensor.join();
         CHECK(seconds_since(began) < 2);
-        CHECK(test.report().find("nothing of the test machine came for 0.3 s") !=
+        CHECK(test.report().find("no record of the test machine arrived for 0.3 s") !=
               std::string::npos);
     }
 
-    TEST_CASE("lines that came and were not taken are logged when a run stops, and a cut-off line "
-              "stays one") {
+    TEST_CASE(
+        "lines that arrived but were not processed are logged when a run stops, and a cut-off "
+        "line remains one") {
         const Followed f;
         {
             const auto test = f.follow(recorded().lines);
@@ -551,7 +558,7 @@ TEST_SUITE("procedure/live_test") {
         check_same(again->so_far(), recorded().read());
     }
 
-    TEST_CASE("a replay takes its time") {
+    TEST_CASE("a replay runs at the requested speed") {
         Followed f;
         f.settings.speed = 1000; // 180 s of rest and test
         const auto test = f.follow(recorded().lines);
@@ -560,8 +567,9 @@ TEST_SUITE("procedure/live_test") {
         CHECK(seconds_since(began) > 0.1);
     }
 
-    TEST_CASE("a stream has the names of recordings: field, temperature, battery, and flags that "
-              "leave a record out") {
+    TEST_CASE(
+        "a stream has the channels of recordings: field, temperature, battery, and flags that "
+        "reject a record") {
         const Followed f;
         std::vector<std::string> lines;
         int record = 0;
@@ -570,7 +578,7 @@ TEST_SUITE("procedure/live_test") {
             if (!of_sensor(line, 2)) continue;
             const std::string flags = ++record == 9
                                           ? "\"flags\": 4, \"ux\": 77, "
-                                          : "\"flags\": 0, "; // where it is marked, it is wild
+                                          : "\"flags\": 0, "; // the flagged record is an outlier
             std::string clean = record == 9 ? with(line, "\"ux\"", "\"other\"") : line;
             lines.back() =
                 "{" + flags +
@@ -594,8 +602,8 @@ TEST_SUITE("procedure/live_test") {
         CHECK(now.trajectories[0].displacement == recorded().read().trajectories[0].displacement);
     }
 
-    TEST_CASE("numbers of a stream that are none are named with their line; without strain a "
-              "record goes by the clock") {
+    TEST_CASE("entries of a stream that are not numbers are reported with their line, and a record "
+              "without strain is placed by its clock") {
         const Followed f;
         std::vector<std::string> lines;
         int record = 0;

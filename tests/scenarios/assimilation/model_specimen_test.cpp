@@ -20,7 +20,7 @@ namespace {
 
 const auto nobody_watches = [](const PhaseProgress&) {};
 
-// 60 rocks, loosely packed: soon made, and every mechanism is there
+// 60 rocks, loosely packed: quickly made, with every mechanism
 Triaxial small() {
     Triaxial t;
     t.bodies = 60;
@@ -56,7 +56,7 @@ struct Truth {
     }
 };
 
-/// Made once; all cases read it.
+/// Made once, for all test cases.
 const Truth& the_truth() {
     static const Truth truth;
     return truth;
@@ -92,7 +92,7 @@ void check_same_masses(Simulation& simulation, Simulation& before) {
     }
 }
 
-/// The largest overlap (m) in the next step, and the diameter (m) of the largest ball.
+/// The largest overlap (m) in the next step, and the diameter (m) of the largest sphere.
 struct Deepest {
     double overlap, diameter;
 };
@@ -107,8 +107,9 @@ Deepest deepest(Simulation& simulation) {
 } // namespace
 
 TEST_SUITE("procedure/model_specimen") {
-    TEST_CASE("rocks of a model start off their true places, all in one mould, with their masses, "
-              "and overlap by a hundredth of a ball at most") {
+    TEST_CASE(
+        "rocks of a model start displaced from their true positions, in the same mould and with "
+        "the same masses, and overlap by at most a hundredth of a sphere's diameter") {
         const Truth& truth = the_truth();
         Simulation before = restored(truth.specimen);
         for (const ModelMismatch& mismatch : {ModelMismatch{}, ModelMismatch{.placement = 1e-3},
@@ -123,8 +124,8 @@ TEST_SUITE("procedure/model_specimen") {
             const double distance = apart(simulation, before);
             if (mismatch.any()) CHECK(relaxed.first_overlap > 0.02);
             if (mismatch.placement > 0) {
-                CHECK(distance >
-                      0.2 * mismatch.placement); // some fall back to where they came from
+                // some rocks are pushed back to where they came from
+                CHECK(distance > 0.2 * mismatch.placement);
                 CHECK(distance < 1.5 * mismatch.placement);
             }
             if (!mismatch.any()) CHECK(distance < 1e-4);
@@ -133,12 +134,12 @@ TEST_SUITE("procedure/model_specimen") {
             check_same_masses(simulation, before);
             const Deepest d = deepest(simulation);
             CHECK(d.overlap > 0);
-            CHECK(d.overlap <= 0.011 * d.diameter); // a step later
+            CHECK(d.overlap <= 0.011 * d.diameter); // one step after relaxation
         }
     }
 
-    TEST_CASE("a model of another specimen comes to rest at the truth's pressure, about as dense, "
-              "and sensors tell of their own starts") {
+    TEST_CASE("a model of another specimen comes to rest at the same pressure and about the same "
+              "density, and displacements are counted from its own start") {
         const Truth& truth = the_truth();
         const PreparedSpecimen moved = truth.model({.placement = 2e-3}),
                                round = truth.model({.spheres = 8}),
@@ -173,12 +174,12 @@ TEST_SUITE("procedure/model_specimen") {
         CHECK(displaced.distance > 0.4e-3);
         CHECK(displaced.distance < 4e-3);
         CHECK(displaced.angle > 0);
-        CHECK(packed.distance >
-              10 * packed.sensor_distance); // sensor rocks alone are where the truth has them
+        // only the sensor rocks are at the positions of the truth
+        CHECK(packed.distance > 10 * packed.sensor_distance);
     }
 
-    TEST_CASE("a model's specimen is the same each time it is made, another by another seed, and "
-              "is taken up where it was kept") {
+    TEST_CASE("a model's specimen is the same each time it is made, differs with the seed, and is "
+              "read from where it was saved") {
         const Truth& truth = the_truth();
         const ModelMismatch displaced{.placement = 2e-3};
         Common common = truth.common;
@@ -194,7 +195,7 @@ TEST_SUITE("procedure/model_specimen") {
         const auto first = made();
         CHECK(other != first);
         CHECK(made() == first);
-        // from the folder: nothing is made again, so what is wrong there is not mended
+        // read from the folder: nothing is made again, so a wrong file there is an error
         common.resume = common.out;
         CHECK(made() == first);
         std::filesystem::copy_file(common.out / "specimen.ckpt.h5",
@@ -205,7 +206,7 @@ TEST_SUITE("procedure/model_specimen") {
         CHECK(ModelMismatch{.spheres = 8, .packing = 7}.name() == "model_packing_7_8_spheres");
     }
 
-    TEST_CASE("only a specimen that differs is given a scatter, and another packing the largest") {
+    TEST_CASE("the specimen scatter is zero without a mismatch, and largest for another packing") {
         CHECK(ModelMismatch{}.specimen_scatter() == 0);
         CHECK(ModelMismatch{.placement = 1e-3}.specimen_scatter() > 0);
         CHECK(ModelMismatch{.spheres = 8}.specimen_scatter() > 0);

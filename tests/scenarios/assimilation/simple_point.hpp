@@ -7,8 +7,8 @@
 
 namespace bris::testing {
 
-/// A stage of a model of one line: q by friction and stiffness, and by a push of its own that grows
-/// over 0.5 % of strain.
+/// A stage of a minimal model: q from friction and stiffness, and from a perturbation `push` that
+/// grows over 0.5 % of strain.
 inline TriaxialPoint simple_point(const RockParameters& rocks, double strain, double push) {
     TriaxialPoint p;
     p.axial_strain = strain;

@@ -14,7 +14,7 @@ namespace bris::testing {
 
 inline constexpr double pressure = 110e3; // Pa
 
-/// 160 rocks: too few to say anything of ballast, enough for every mechanism of the test
+/// A scene of 160 rocks: too few to represent ballast, enough for every mechanism of the test.
 inline TriaxialScene small_scene(const SpecimenSettings& specimen = {}) {
     const std::filesystem::path assets = assets_folder();
     TriaxialScene s;
@@ -36,14 +36,14 @@ inline TriaxialScene small_scene(const SpecimenSettings& specimen = {}) {
 inline TriaxialSettings short_test() {
     TriaxialSettings settings;
     settings.confining_pressure = pressure;
-    settings.porosity = 0.38; // soon reached: this is not about density
+    settings.porosity = 0.38; // reached quickly; density does not matter here
     settings.porosity_tolerance = 0.04;
     settings.final_axial_strain = 0.002;
     settings.tolerance = 3e-4;
     return settings;
 }
 
-/// A specimen where the pressure begins to matter.
+/// A specimen before the confining pressure is applied.
 inline Archive prepared(const TriaxialScene& scene) {
     Simulation simulation = make_simulation(scene, 1, false);
     TriaxialTest test(simulation, short_test());

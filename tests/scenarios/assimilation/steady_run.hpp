@@ -7,7 +7,7 @@
 
 namespace bris::testing {
 
-/// Three sensor rocks that drift and turn steadily over 1 % of strain.
+/// A run of three sensor rocks that move and turn steadily over 1 % of strain.
 inline ModelRun steady_run() {
     ModelRun run;
     run.sensors = 3;

@@ -9,7 +9,7 @@ using namespace bris;
 using testing::steady_run;
 
 TEST_SUITE("procedure/twin") {
-    TEST_CASE("sensors without error tell where rocks went, tracked ones with their noise") {
+    TEST_CASE("ideal sensors observe the displacements exactly, tracked ones with their noise") {
         const ModelRun truth = steady_run();
         const SensorObservations ideal = observe_sensors(truth, {.mode = "ideal"}, 1),
                                  tracked = observe_sensors(truth, {.position_noise = 1e-3}, 1);
@@ -26,10 +26,10 @@ TEST_SUITE("procedure/twin") {
                     (tracked.trajectories[s].displacement[k] - truth.displacement[10 * (k + 1)][s])
                         .squaredNorm() /
                     90;
-        CHECK(std::sqrt(squares) == about(1e-3).epsilon(0.25)); // of 90 numbers: to 7 %
+        CHECK(std::sqrt(squares) == about(1e-3).epsilon(0.25)); // 90 numbers give 7 %
     }
 
-    TEST_CASE("an inertial sensor tells tilt and nothing else, as well as its preset says") {
+    TEST_CASE("an inertial sensor observes tilt and nothing else, with the noise of its preset") {
         const ModelRun truth = steady_run();
         double before = 0;
         for (const char* imu : {"lab-grade", "smartrock-like"}) {
@@ -51,7 +51,7 @@ TEST_SUITE("procedure/twin") {
             CHECK(observations.attitude_noise > 3 * before);
             before = observations.attitude_noise;
         }
-        CHECK(before == about(1e-3).epsilon(0.05)); // the bias, a thousandth of g: the noise of a
-                                                    // mean over 12 s is a thirtieth of that
+        // the bias, a thousandth of g; the noise of a mean over 12 s is a thirtieth of that
+        CHECK(before == about(1e-3).epsilon(0.05));
     }
 }

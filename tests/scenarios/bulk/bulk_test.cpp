@@ -53,7 +53,7 @@ Simulation filled_silo(double friction) {
 
 struct Discharge {
     std::vector<double> time, above;
-    bool all_there = true; ///< above the lip, below it and retired are all spheres, at every look
+    bool all_there = true; // every sphere is above the lip, below it or retired, at every sample
 };
 
 Discharge discharge(double friction) {
@@ -97,15 +97,16 @@ double rate(const Discharge& d) {
 } // namespace
 
 TEST_SUITE("procedure/bulk") {
-    TEST_CASE("a silo empties, loses no sphere, and does so faster without friction") {
+    TEST_CASE("a silo empties without losing a sphere, and faster without friction") {
         const Discharge rough = discharge(1), smooth = discharge(0);
         for (const Discharge& d : {rough, smooth}) {
             CHECK(d.all_there);
             CHECK(d.above.front() == spheres);
             CHECK(d.above.back() == 0);
         }
-        // Beverloo's law with C = 0.58, k = 1.4 and 0.6 of solids; at 5 diameters, and with a cone
-        // below which nothing rests, codes and experiments are within a third of it
+        // Beverloo's law with C = 0.58, k = 1.4 and a solid fraction of 0.6; with an orifice of 5
+        // diameters, and a conical bottom on which nothing rests, codes and experiments are within
+        // a third
         const double open = 0.032 - 1.4 * diameter,
                      beverloo = 0.58 * 0.6 / (pi / 6 * std::pow(diameter, 3)) * std::sqrt(9.81) *
                                 std::pow(open, 2.5);
@@ -115,7 +116,7 @@ TEST_SUITE("procedure/bulk") {
         CHECK(rate(smooth) > 1.2 * rate(rough)); // a frictionless arch carries nothing
     }
 
-    TEST_CASE("a Hertz impact takes the time that Johnson's formula gives") {
+    TEST_CASE("the duration of a Hertz impact agrees with Johnson's formula") {
         // by hand for R = 1 mm, rho = 2500, E = 1 GPa, 1 m/s: m* = 5.236e-6 kg,
         // E* = 0.5208e9 Pa, R* = 0.5e-3 m: 2.87 (2.742e-11 / (5e-4 * 2.7127e17 * 1))^0.2 = 3.304e-5
         // s

@@ -43,7 +43,8 @@ Frictions frictions(const World& world) {
 } // namespace
 
 TEST_SUITE("procedure/specimen_state") {
-    TEST_CASE("sensor rocks are as the rocks unless they are given shells of their own") {
+    TEST_CASE(
+        "sensor rocks have the material of the rocks unless they are given shells of their own") {
         World plain = world_of(small()), shells = world_of(small(1250, 0.3));
         CHECK(plain.resource<Materials>().list.size() == 3);
         CHECK(plain.resource<Specimen>().sensor_material ==
@@ -65,8 +66,8 @@ TEST_SUITE("procedure/specimen_state") {
         CHECK(f.shell_platen == 0.3);
     }
 
-    TEST_CASE("shells of a friction of their own keep it while the rocks' changes; on a rock the "
-              "lower one acts") {
+    TEST_CASE("shells keep their own friction coefficient when that of the rocks changes; between "
+              "shell and rock the lower one acts") {
         World own = world_of(small(0, 0.3)), heavy = world_of(small(4000));
         for (const double friction : {0.0, 0.2, 0.5}) {
             set_friction(own, friction);
@@ -87,7 +88,7 @@ TEST_SUITE("procedure/specimen_state") {
         CHECK(m.linear_pairs[m.pair(s.sensor_material, s.sensor_material)].ks == 1e7);
     }
 
-    TEST_CASE("sensor rocks take the shapes that are named in turn: angular ones and cubes, of one "
+    TEST_CASE("sensor rocks take the named shapes in turn, angular ones and cubes, all at the same "
               "sieve size") {
         Triaxial t = small();
         t.bodies = 400;
@@ -97,7 +98,7 @@ TEST_SUITE("procedure/specimen_state") {
         World world = make_triaxial_world(scene.specimen, scene.clumps, scene.smart_rocks,
                                           scene.sample.rocks, scene.poses);
         const auto& specimen = world.resource<Specimen>();
-        REQUIRE(specimen.smart_rocks.size() == 7); // cubes are wide: there is no room for ten
+        REQUIRE(specimen.smart_rocks.size() == 7); // cubes are wide, so there is no room for ten
         for (std::size_t k = 0; k < 7; ++k) {
             const Clump& shape = specimen.clumps[value_of<ShapeOf>(world, specimen.smart_rocks[k])];
             CAPTURE(k);

@@ -24,14 +24,13 @@ Simulation small_test(unsigned threads, ListSettings lists = {}, ScheduleSetting
     add_lists(world, LawName::linear, lists);
     add_energy_budget(world);
     world.add_resource<TriaxialState>();
-    schedule.least_rows = 0; // small as the scene is, the threads are what is tested
+    schedule.least_rows = 0; // the scene is small, but the threads are to be tested
     Simulation simulation(std::move(world), steps(LawName::linear, true), threads, schedule);
     simulation.on_restore(forget_lists);
     return simulation;
 }
 
-/// From the k-th sample on sensors say only what is refused: nothing, or that their rocks are 20 mm
-/// and half a radian away.
+/// Makes all samples from the k-th on unusable: empty, or outliers by 20 mm and half a radian.
 void let_die(std::vector<SensorTrajectory>& trajectories, std::size_t k) {
     for (SensorTrajectory& trajectory : trajectories) {
         trajectory.tilt.assign(trajectory.strain.size(), Vec3::Constant(std::nan("")));
@@ -62,8 +61,8 @@ void check_same_bits(const ModelRun& a, const ModelRun& b) {
 } // namespace
 
 TEST_SUITE("procedure/triaxial") {
-    TEST_CASE("a triaxial test keeps its pressure, its stress balance and its energy balance, with "
-              "printed shells on its sensor rocks too") {
+    TEST_CASE("a triaxial test keeps its pressure, its stress balance and its energy balance, also "
+              "with printed shells on its sensor rocks") {
         for (const SpecimenSettings& specimen :
              {SpecimenSettings{},
               SpecimenSettings{.sensor_density = 1200, .sensor_friction = 0.25}}) {
@@ -74,16 +73,15 @@ TEST_SUITE("procedure/triaxial") {
             const auto& points = test.state().points;
             REQUIRE(points.size() == 21);
             const TriaxialProperties p = properties_of(points, pressure);
-            CHECK(p.worst_ring_error <= 0.01); // the criterion itself
-            CHECK(p.worst_stress_mismatch <=
-                  0.01); // a few tens of the unbalanced ratio: branch vectors are long
+            CHECK(p.worst_ring_error <= 0.01); // the criterion of a stage
+
+            // a few tens of the unbalanced ratio, because branch vectors are long
+            CHECK(p.worst_stress_mismatch <= 0.01);
             MESSAGE("energy mismatch ", p.relative_energy_error, ", stress mismatch ",
                     p.worst_stress_mismatch);
             CHECK(p.relative_energy_error <= 0.01);
-            CHECK(
-                p.peak_q >
-                0.1 *
-                    pressure); // at 0.2 % of strain a loose and tiny specimen is far from its peak
+            // at 0.2 % of strain a loose and tiny specimen is far from its peak
+            CHECK(p.peak_q > 0.1 * pressure);
             CHECK(points.back().axial_strain == about(0.002).epsilon(1e-9));
             for (std::size_t k = 1; k < points.size(); ++k) CHECK(points[k].unbalanced <= 1e-3);
             const auto& materials = simulation.world().resource<Materials>();
@@ -93,10 +91,12 @@ TEST_SUITE("procedure/triaxial") {
         }
     }
 
-    TEST_CASE("a test restored from any phase ends with the same bits, whatever runs the steps") {
+    TEST_CASE("a test restored from any phase ends with the same bits, whatever the threads, "
+              "schedule and "
+              "neighbour lists") {
         Simulation simulation = small_test(1);
         TriaxialTest test(simulation, short_test());
-        // at the start of a lift, of compaction, of consolidation and of a stage, and inside a
+        // at the start of a lift, of compaction, of consolidation and of a stage, and within a
         // stage
         std::vector<Archive> saved;
         const auto reached = [&] {
@@ -132,7 +132,7 @@ TEST_SUITE("procedure/triaxial") {
             CAPTURE(k);
             CHECK(end_from(saved[k], small_test(2)) == whole);
         }
-        // one specimen serves for tests of other frictions
+        // one specimen serves for tests with other friction coefficients
         {
             Simulation other = small_test(1);
             other.restore(saved[2]);
@@ -144,7 +144,7 @@ TEST_SUITE("procedure/triaxial") {
                       .list[other.world().resource<Specimen>().rock_material]
                       .friction == 0.9);
         }
-        // and whatever runs the steps: threads, graph, order, sorting, skins
+        // independent of threads, task graph, order of execution, sorting and skins
         const Archive& stage = saved[3];
         for (const unsigned threads : {1u, 2u, 3u, 7u})
             CHECK(end_from(stage, small_test(threads, {}, {.grain = 16})) == whole);
@@ -160,8 +160,9 @@ TEST_SUITE("procedure/triaxial") {
               whole);
     }
 
-    TEST_CASE("a model told what the sensor rocks do is corrected at every stage, and says what "
-              "work that took") {
+    TEST_CASE(
+        "a model that assimilates the motions of the sensor rocks is corrected at every stage, "
+        "and reports the work of the corrections") {
         const TriaxialScene scene = small_scene();
         const Archive specimen = prepared(scene);
         const auto run = [&](const ModelVariant& variant) {
@@ -175,8 +176,9 @@ TEST_SUITE("procedure/triaxial") {
             recorded_trajectories(truth, sensor_rocks(truth), 1e-4, 1e-7, 1e-5, 1);
         variant.corrections.position_noise = 1e-7;
         variant.corrections.attitude_noise = 1e-5;
-        variant.corrections.largest_shift =
-            3e-6; // m: given whole, they may push rocks into each other until a guard stops the run
+        // m; without the limit corrections may push rocks into each other until a guard stops the
+        // run
+        variant.corrections.largest_shift = 3e-6;
         variant.corrections.filter = {.acceleration_density = 1,
                                       .angular_acceleration_density = 100,
                                       .drift = 1e-6,
@@ -188,18 +190,19 @@ TEST_SUITE("procedure/triaxial") {
         CHECK(same.displacement[1] == 0);
         CHECK(without.q > 1e3);
         CHECK(without.displacement[1] > 1e-6);
-        CHECK(fused.accepted == 4 * 10 * 20); // places, attitudes, and that both rest
+        CHECK(fused.accepted == 4 * 10 * 20); // positions, attitudes, and their rates of zero
         CHECK(fused.refused == 0);
         REQUIRE(fused.analyses.size() == 10 * 20);
         CHECK(std::ranges::is_sorted(fused.analyses, {}, &AnalysisRecord::time));
         CHECK(fused.analyses.back().time == about(2e-3));
         for (const AnalysisRecord& r : fused.analyses)
-            CHECK(r.position_deviation < 1.01e-7); // of what is measured to 0.1 micron
+            CHECK(r.position_deviation < 1.01e-7); // observed to 0.1 micron
         CHECK(fused.fusion_work > 0);
         CHECK(fused.steps > free.steps); // the stages come to rest again
         CHECK(*std::max_element(truth.shell.begin(), truth.shell.end()) >= 2);
         CHECK(std::count(truth.shell.begin(), truth.shell.end(), 0u) == 10);
-        // the same two stages late: taken in their places, as far as the filters look back
+        // the same observations two stages late: assimilated at their own times, as far as the
+        // filters look back
         ModelVariant late = variant;
         late.corrections.lateness = 2e-4;
         const ModelRun refused = run(late);
@@ -213,8 +216,9 @@ TEST_SUITE("procedure/triaxial") {
         CHECK(taken.too_late == 0);
         CHECK(taken.accepted == 4 * 10 * 18);
         CHECK(taken.fusion_work > 0);
-        // where the rocks were is known to the noise of three axes, wherever the model has them; of
-        // the last two stages not yet
+        // the smoothed positions are known to the noise of three axes, whatever the model
+        // forecasts;
+        // those of the last two stages are not known yet
         double worst = 0;
         for (std::size_t rock = 0; rock < 10; ++rock)
             for (std::size_t k = 1; k < 19; ++k) {
@@ -224,17 +228,17 @@ TEST_SUITE("procedure/triaxial") {
                                          truth.displacement[k][rock])
                                             .norm());
             }
-        CHECK(worst < 2e-6); // 0.1 micron for each axis, and a thousandth of what the model is off
+        CHECK(worst < 2e-6); // 0.1 micron for each axis, and a thousandth of the model's error
         CHECK(errors_of_smoothed(taken, truth).displacement <
               errors_of(taken, truth).displacement[0]);
-        // without a recording, or with none that was accepted, nothing is different
+        // without recordings, or with empty ones, nothing is different
         variant.trajectories.assign(10, {});
         const ModelRun deaf = run(variant);
         CHECK(errors_of(deaf, free).q == 0);
         CHECK(deaf.fusion_work == 0);
 
-        // told in the middle that friction is another: it goes on from where it is, or as if it had
-        // known from the beginning
+        // given another friction coefficient in the middle, the run continues from its present
+        // state, or catches up as if it had been known from the beginning
         variant = {.rocks = {.friction = 0.3}, .learned = {{1e-3, {.friction = 0.7}}}};
         const ModelRun goes_on = run(variant);
         variant.catch_up = true;
@@ -249,8 +253,9 @@ TEST_SUITE("procedure/triaxial") {
         CHECK(catches_up.steps > truth.steps);
     }
 
-    TEST_CASE("corrections, put, spread or nudged, do no more of the boundaries' work than they "
-              "may, and what they do closes the energy balance") {
+    TEST_CASE(
+        "corrections by insertion, spreading or nudging do no more work than their share of the "
+        "boundaries' work, and their work closes the energy balance") {
         const TriaxialScene scene = small_scene();
         const Archive specimen = prepared(scene);
         const auto run = [&](const ModelVariant& variant) {
@@ -288,7 +293,7 @@ TEST_SUITE("procedure/triaxial") {
                 cut += r.share < 1 && r.share > 0;
                 refused += r.share == 0;
             }
-            CHECK(cut >= limited.too_costly); // those for how far they go among them
+            CHECK(cut >= limited.too_costly); // includes those that exceed the largest shift
             CHECK(refused == limited.withheld + limited.much_too_costly);
             for (const ModelRun* r : {&freely, &limited}) {
                 const TriaxialPoint &first = r->points.front(), &last = r->points.back();
@@ -298,13 +303,14 @@ TEST_SUITE("procedure/triaxial") {
                 const double work = last.boundary_work + last.scaling_work - first.boundary_work -
                                     first.scaling_work;
                 CHECK(std::abs(work + r->fusion_work - checkpoint - lost) <
-                      5e-4 * work); // without corrections 1e-4
+                      5e-4 * work); // 1e-4 without corrections
             }
         }
     }
 
-    TEST_CASE("a model whose sensors die goes on as if their recordings had ended, and one whose "
-              "sensors were never alive as if it had none") {
+    TEST_CASE(
+        "a model whose sensors fail continues as if their recordings had ended, and one whose "
+        "sensors never worked as if it had none") {
         const TriaxialScene scene = small_scene();
         const Archive specimen = prepared(scene);
         TriaxialSettings settings = short_test();
@@ -336,7 +342,7 @@ TEST_SUITE("procedure/triaxial") {
             CHECK(died.accepted == ended.accepted);
             CHECK(died.refused ==
                   ended.refused +
-                      2 * 10 * 4); // places and attitudes; two of six samples say nothing
+                      2 * 10 * 4); // positions and attitudes; two of six samples are empty
             check_same_bits(died, ended);
             let_die(variant.trajectories, 0);
             const ModelRun dead = run(variant);
@@ -346,8 +352,9 @@ TEST_SUITE("procedure/triaxial") {
         }
     }
 
-    TEST_CASE("a model stopped anywhere, with records to come and corrections under way, goes on "
-              "to the same bits") {
+    TEST_CASE(
+        "a model stopped anywhere, with observations to come and corrections under way, resumes "
+        "to the same bits") {
         const TriaxialScene scene = small_scene();
         const Archive specimen = prepared(scene);
         const ModelRun truth = run_model(scene, short_test(), specimen, {}, 1);
@@ -358,7 +365,7 @@ TEST_SUITE("procedure/triaxial") {
         for (const bool catch_up : {false, true}) {
             variant.catch_up = catch_up;
             variant.corrections.nudging = {catch_up ? 0 : 1e6, 50, 0.01};
-            variant.corrections.spread = catch_up; // rocks that are put take others along
+            variant.corrections.spread = catch_up; // inserted rocks take others along
             variant.corrections.filter.lag = 5;
             variant.corrections.lateness = 3e-4;
             variant.corrections.note_every = 1e-4;
@@ -374,8 +381,8 @@ TEST_SUITE("procedure/triaxial") {
             common.out = common.resume = folder.path();
             struct Stop {};
             unsigned block = 0;
-            for (const unsigned last :
-                 {blocks / 7, blocks / 2, blocks - 20}) { // each goes on from the one before
+            // each run resumes from the one before
+            for (const unsigned last : {blocks / 7, blocks / 2, blocks - 20}) {
                 CheckpointedRun checkpoint(common, short_test(), specimen, variant);
                 const ModelWatch watch{.progress = [&](const PhaseProgress&) {
                     ++block;
@@ -385,16 +392,15 @@ TEST_SUITE("procedure/triaxial") {
                 CHECK(checkpoint.resume().has_value() == (block > 0));
                 CHECK_THROWS_AS(
                     run_model(scene, short_test(), specimen, variant, 1, watch, &checkpoint), Stop);
-                --block; // was not kept
+                --block; // it is not in the checkpoint
             }
             CheckpointedRun checkpoint(common, short_test(), specimen, variant);
             save_run(gone_on,
                      run_model(scene, short_test(), specimen, variant, 1, {}, &checkpoint));
             for (const auto& array : whole.arrays()) {
                 CAPTURE(array.path);
-                if (array.path != "run/numbers")
-                    CHECK(array.bytes ==
-                          gone_on.find(array.path)->bytes); // a wall time is among these
+                if (array.path != "run/numbers") // these include a wall time
+                    CHECK(array.bytes == gone_on.find(array.path)->bytes);
             }
             const ModelRun a = load_run(whole), b = load_run(gone_on);
             CHECK(a.steps == b.steps);
@@ -405,11 +411,11 @@ TEST_SUITE("procedure/triaxial") {
             CHECK(a.too_costly + a.much_too_costly > 0);
             CHECK(a.too_costly == b.too_costly);
             CHECK(a.much_too_costly == b.much_too_costly);
-            CHECK((a.reduced > 0) == catch_up); // pulls have a limit of their own
+            CHECK((a.reduced > 0) == catch_up); // nudging has a limit of its own
             CHECK(a.smoothed.size() == 10);
-            CHECK(a.smoothed[0].size() == 21); // noted at the start, and at each stage
+            CHECK(a.smoothed[0].size() == 21); // one at the start, and one for each stage
             CHECK(a.boundary_work == b.boundary_work);
-            // what is done is not run again; another arm is another run
+            // a finished run is not run again; another variant is another run
             unsigned run_again = 0;
             const ModelWatch watch{.progress = [&](const PhaseProgress&) { ++run_again; }};
             CHECK(run_model(scene, short_test(), specimen, variant, 1, watch, &checkpoint)

@@ -9,8 +9,8 @@ using namespace bris;
 using namespace bris::testing;
 
 TEST_SUITE("procedure/true_masses") {
-    TEST_CASE("masses that were scaled and restored are the true ones, and the work booked on both "
-              "ways adds up to none") {
+    TEST_CASE("masses that were scaled and restored are the true ones, and the work of scaling and "
+              "restoring adds up to zero") {
         Simulation sim = start(bed({.grains = Grains::clumps, .bodies = 30}),
                                {.dt = 2e-5, .law = LawName::linear});
         sim.world().table<Bodies>().add<ScalingWork>();
@@ -27,7 +27,7 @@ TEST_SUITE("procedure/true_masses") {
         for (EntityId b = 0; b < 30; ++b) {
             CHECK(value_of<InertialMass>(sim, b) == value_of<Mass>(sim, b));
             CHECK(value_of<InertialInertia>(sim, b) == value_of<Inertia>(sim, b));
-            // there and back are a multiplication and a division of each number: a few roundings
+            // a multiplication and a division of each number: a few roundings
             CHECK((value_of<AngularMomentum>(sim, b) - momentum[b]).norm() <=
                   1e-15 * 4 * momentum[b].norm());
         }
