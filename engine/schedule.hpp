@@ -32,11 +32,6 @@ public:
     Schedule(Schedule&&) noexcept;
     Schedule& operator=(Schedule&&) noexcept;
 
-    /// Derived data that somebody outside the graph reads.
-    template <class T>
-    void want() {
-        wanted_.push_back(typeid(T));
-    }
     /// Binds the systems to a world; again whenever a table, column or resource has appeared.
     /// Throws std::logic_error if a required system lacks a column.
     void prepare(World& world);
@@ -57,7 +52,6 @@ private:
 
     StepList steps_;
     ScheduleSettings settings_;
-    std::vector<std::type_index> wanted_;
     std::vector<std::string> missing_;  // per system, empty if present
     std::vector<System::Call> calls_;   // per system, empty if absent
     std::vector<const Table*> chunked_; // per system, table of a row-local one

@@ -27,13 +27,4 @@ inline Transition white_acceleration(int axes, double T, double q) {
             detail::for_each_axis(axes, q * T * T * T / 3, q * T * T / 2, q * T * T / 2, q * T)};
 }
 
-/// The same where acceleration is constant within T, of variance s2, (m/s2)2, and independent of
-/// what it was before (Kalata 1984).
-inline Transition constant_acceleration(int axes, double T, double s2) {
-    const double T2 = T * T;
-    return {
-        detail::for_each_axis(axes, 1, T, 0, 1),
-        detail::for_each_axis(axes, s2 * T2 * T2 / 4, s2 * T2 * T / 2, s2 * T2 * T / 2, s2 * T2)};
-}
-
 } // namespace bris

@@ -23,9 +23,6 @@ public:
     /// In the folder `runs` of the results; `--resume FOLDER` looks there too.
     CheckpointedRun(const Common& common, const TriaxialSettings& settings, const Archive& specimen,
                     const ModelVariant& variant);
-    void checkpoint_every(double interval) {
-        timer_ = CheckpointTimer(interval);
-    } ///< s, of wall time
     CheckpointTimer& timer() { return timer_; }
 
     /// What was kept of it; nothing: nothing was, or this is no run that goes on.

@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/random.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/impact.hpp"
 
 #include <algorithm>
@@ -77,17 +77,21 @@ Outcome run(const Cluster& s, const Description& d) {
                                        i / s.side / s.side + 0.505);
         const Vec3 x = site + 0.004 * radius * random.direction(),
                    v = speed * (Vec3(0, 0, -1) - 0.3 * site / radius) + 0.2 * random.direction();
-        ids[i] = add_sphere(world, frame.position_difference(x), d.length * radius, material);
+        ids[i] = add_sphere(world, frame.transformed(x), d.length * radius, material);
         value_of<Velocity>(world, ids[i]) = frame.velocity(v);
         set_angular_velocity(world, ids[i], frame.angular_velocity(30 * random.direction()));
     }
     const EntityId host =
-        add_boundary(world, frame.position_difference(Vec3::Zero()), material, Motion::prescribed);
+        add_boundary(world, frame.transformed(Vec3::Zero()), material, Motion::prescribed);
     value_of<DriveVelocity>(world, host) = value_of<Velocity>(world, host) =
         frame.velocity(Vec3::Zero());
     add_plane(world, host, Vec3::Zero(), frame.turn * Vec3::UnitZ());
     if (s.local_damping > 0) world.add_resource(LocalDamping{s.local_damping});
-    Simulation sim = begin(std::move(world), s.law, dt * d.time, false, d.threads);
+    Simulation sim = begin(std::move(world), {.dt = dt * d.time,
+                                              .law = s.law,
+                                              .threads = d.threads,
+                                              .energy_budget = false,
+                                              .unlimited = true});
     Outcome r;
     for (unsigned k = 0; k < s.steps; ++k) {
         sim.advance();

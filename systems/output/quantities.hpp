@@ -27,6 +27,9 @@ struct Quantities {
 /// Measures the world as the last step left it. Reads only.
 Quantities compute_quantities(const World& world);
 
+/// Mean bounding radius (m) of the free bodies; not a number if there are none.
+double mean_radius(const World& world);
+
 /// The usual keys of a mechanical scene: energies, contacts, coordination, overlaps, unbalanced
 /// ratio.
 void add_quantities(Summary& summary, const Quantities& quantities);

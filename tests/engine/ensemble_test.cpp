@@ -53,8 +53,8 @@ TEST_SUITE("engine/ensemble") {
 
     TEST_CASE("a world comes to the same state alone and among others") {
         const auto state = [](std::uint64_t seed) {
-            Simulation sim = testing::start(testing::bed({.bodies = 30, .seed = seed}),
-                                            {.dt = 2e-5, .law = LawName::linear_viscous});
+            Simulation sim = begin(bed({.bodies = 30, .seed = seed}),
+                                   {.dt = 2e-5, .law = LawName::linear_viscous});
             sim.advance(300);
             return fingerprint(sim.snapshot());
         };

@@ -9,8 +9,8 @@ TEST_SUITE("invariance/sparse_state") {
     TEST_CASE(
         "a pair whose rolling spring holds nothing keeps its tangential one through a restart") {
         const auto make = [] {
-            World world = stress::tumbling({.bodies = 30});
-            return testing::start(
+            World world = tumbling({.bodies = 30});
+            return begin(
                 std::move(world),
                 {.dt = 2e-5,
                  .law = LawName::linear_rolling}); // no resistance to rolling: those springs are 0
