@@ -52,18 +52,4 @@ void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
         &context);
 }
 
-/// Sum of term(i) over i < n: partial sums over fixed blocks of 1024 terms, added in order. The
-/// bits are the same for any number of threads.
-template <class Sum, class Term>
-Sum sum_in_order(std::size_t n, Sum zero, Term&& term) {
-    Sum total = zero;
-    for (std::size_t first = 0; first < n; first += 1024) {
-        Sum block = zero;
-        const std::size_t last = first + 1024 < n ? first + 1024 : n;
-        for (std::size_t i = first; i < last; ++i) block += term(i);
-        total += block;
-    }
-    return total;
-}
-
 } // namespace bris

@@ -104,8 +104,6 @@ std::vector<bool> Schedule::live_systems(std::uint64_t due) const {
     std::vector<bool> live(steps_.size(), false);
     const auto is_wanted = [&](const Access& a) {
         if (!a.writes) return false;
-        for (const auto& w : wanted_)
-            if (w == a.component) return true;
         // any reader counts, later in this step or early in the next
         for (std::size_t j = 0; j < steps_.size(); ++j)
             if (live[j])

@@ -35,11 +35,6 @@ public:
     Schedule(Schedule&&) noexcept;
     Schedule& operator=(Schedule&&) noexcept;
 
-    /// Declares that code outside the graph reads derived data of type T.
-    template <class T>
-    void want() {
-        wanted_.push_back(typeid(T));
-    }
     /// Binds the systems to a world; called again whenever a table, column or resource has been
     /// added. Throws std::logic_error if a required system lacks a column.
     void prepare(World& world);
@@ -61,7 +56,6 @@ private:
 
     StepList steps_;
     ScheduleSettings settings_;
-    std::vector<std::type_index> wanted_;
     std::vector<std::string> missing_;  // per system, empty if present
     std::vector<System::Call> calls_;   // per system, empty if absent
     std::vector<const Table*> chunked_; // per system, table of a row-local one

@@ -12,10 +12,4 @@ double chi_squared_quantile(double probability, double degrees) {
     return quantile(boost::math::chi_squared(degrees), probability);
 }
 
-Band chi_squared_band(double probability, int degrees, int count) {
-    const double tail = 0.5 * (1 - probability), n = count;
-    return {chi_squared_quantile(tail, n * degrees) / n,
-            chi_squared_quantile(1 - tail, n * degrees) / n};
-}
-
 } // namespace bris

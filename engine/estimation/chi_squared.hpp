@@ -6,12 +6,4 @@ namespace bris {
 /// probability in (0, 1). Throws InputError outside these ranges.
 double chi_squared_quantile(double probability, double degrees);
 
-/// Interval that contains the mean of `count` independent chi-squared variables, each with
-/// `degrees` degrees of freedom, with the given probability (the tails are equal).
-struct Band {
-    double low, high;
-    bool holds(double x) const { return x >= low && x <= high; }
-};
-Band chi_squared_band(double probability, int degrees, int count);
-
 } // namespace bris

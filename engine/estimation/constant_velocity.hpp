@@ -28,13 +28,4 @@ inline Transition white_acceleration(int axes, double T, double q) {
             detail::for_each_axis(axes, q * T * T * T / 3, q * T * T / 2, q * T * T / 2, q * T)};
 }
 
-/// Transition of position and velocity for an acceleration that is constant within T (s), with the
-/// variance s2, (m/s2)2, and independent from step to step (Kalata 1984).
-inline Transition constant_acceleration(int axes, double T, double s2) {
-    const double T2 = T * T;
-    return {
-        detail::for_each_axis(axes, 1, T, 0, 1),
-        detail::for_each_axis(axes, s2 * T2 * T2 / 4, s2 * T2 * T / 2, s2 * T2 * T / 2, s2 * T2)};
-}
-
 } // namespace bris

@@ -24,8 +24,6 @@ public:
     /// from there.
     CheckpointedRun(const Common& common, const TriaxialSettings& settings, const Archive& specimen,
                     const ModelVariant& variant);
-    /// Sets the wall time (s) between checkpoints.
-    void checkpoint_every(double interval) { timer_ = CheckpointTimer(interval); }
     CheckpointTimer& timer() { return timer_; }
 
     /// The last checkpoint of this run; nothing if there is none or the run does not resume.

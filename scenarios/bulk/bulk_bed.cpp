@@ -31,18 +31,6 @@ constexpr std::array pairs{Pair{0, 0, 0.5, 0.3}, Pair{1, 1, 0.4, 0.4}, Pair{0, 1
                            Pair{0, 2, 0.4, 0.2}, Pair{1, 2, 0.4, 0.2}, Pair{2, 2, 0.6, 0.5}};
 constexpr std::array young_moduli{1e9, 0.5e9, 210e9};
 
-double mean_radius(const World& world) {
-    const auto motion = world.column<Bodies, MotionOf>();
-    const auto radius = world.column<Bodies, BoundingRadius>();
-    double sum = 0, count = 0;
-    for (Row b = 0; b < motion.size(); ++b)
-        if (motion[b] == static_cast<std::uint32_t>(Motion::free)) {
-            sum += radius[b];
-            ++count;
-        }
-    return count > 0 ? sum / count : 1;
-}
-
 /// Stiffness while pouring, as a fraction of that of the run.
 double softest(const BedSettings& s) { return std::min(1.0, s.softness / s.stiffness); }
 

@@ -171,17 +171,6 @@ Grading read_grading(const std::filesystem::path& path) {
     return grading;
 }
 
-RockSample sample_rock_volume(const Grading& grading, std::span<const Clump> clumps,
-                              double solid_volume, std::uint64_t seed, double smallest_size) {
-    const auto [smallest, truncated] = cut(grading, clumps, smallest_size);
-    require(solid_volume > 0 && std::isfinite(solid_volume),
-            "grading: expected a positive volume of solids");
-    constexpr std::size_t most = 100'000'000;
-    std::vector<RockChoice> rocks = lay_out(grading, clumps, solid_volume, seed, truncated, most);
-    require(!rocks.empty(), "grading: the volume is less than one rock; ask for more");
-    return finished(std::move(rocks), clumps, seed, smallest, truncated);
-}
-
 RockSample sample_rocks(const Grading& grading, std::span<const Clump> clumps, std::size_t count,
                         std::uint64_t seed, double smallest_size) {
     const auto [smallest, truncated] = cut(grading, clumps, smallest_size);

@@ -57,10 +57,6 @@ struct RockSample {
 RockSample sample_rocks(const Grading& grading, std::span<const Clump> clumps, std::size_t count,
                         std::uint64_t seed, double smallest_size = 0);
 
-/// The same for a volume of solids (m³) instead of a count; met to within half the finest rock.
-RockSample sample_rock_volume(const Grading& grading, std::span<const Clump> clumps,
-                              double solid_volume, std::uint64_t seed, double smallest_size = 0);
-
 struct SieveResult {
     double size;         ///< m
     double passing;      ///< share of the mass of these rocks

@@ -1,9 +1,9 @@
 // S20: absurd scenes and options are refused before the first step, by name, with the range.
 #include "engine/errors.hpp"
 #include "engine/options.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 
 #include <fmt/format.h>
 
@@ -13,8 +13,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 constexpr double none = std::numeric_limits<double>::quiet_NaN(),
                  infinite = std::numeric_limits<double>::infinity();

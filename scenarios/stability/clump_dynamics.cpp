@@ -1,6 +1,6 @@
 // S27: clumps move as the rigid bodies that they stand for.
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +9,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 StressRow within_tolerance(const std::string& what, double found, double exact, double tolerance) {
     const double error = std::abs(found / exact - 1);

@@ -1,8 +1,8 @@
 // S9: starts that stand deep in each other: refused, or relaxed without a bang.
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/relax.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 #include "systems/broadphase/lists.hpp"
 
 #include <fmt/format.h>
@@ -12,8 +12,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 constexpr double radius = 0.01;
 

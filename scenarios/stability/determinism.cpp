@@ -1,7 +1,7 @@
 // S1: the same bits on any number of threads, with any skin, in any order of the rows.
 #include "engine/random.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 
 #include <fmt/format.h>
 
@@ -12,8 +12,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 /// Bodies in another order in memory, spheres with them.
 void shuffle_rows(World& world, std::uint64_t seed) {
@@ -33,12 +31,13 @@ void shuffle_rows(World& world, std::uint64_t seed) {
 
 struct Variant {
     std::string name;
-    Setup setup;
+    BenchSettings setup;
     bool shuffled = false;
 };
 
 std::vector<Variant> variants(double diameter, unsigned threads) {
-    const Setup plain{.dt = 2e-5, .law = LawName::linear_viscous, .schedule = {.grain = 16}};
+    const BenchSettings plain{
+        .dt = 2e-5, .law = LawName::linear_viscous, .schedule = {.grain = 16}};
     std::vector<Variant> list{{"1 thread, skins that follow the work", plain},
                               {"once more, in another simulation", plain}};
     for (const unsigned n :

@@ -1,8 +1,8 @@
 // S6: energy is booked to the last joule, and friction, dashpots and rolling only ever take.
 #include "components/pair.hpp"
 #include "engine/ordering.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/quantities.hpp"
 
@@ -13,8 +13,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 constexpr std::array laws{
     LawName::linear,        LawName::linear_viscous,        LawName::linear_rolling,

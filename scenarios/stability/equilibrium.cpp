@@ -1,17 +1,15 @@
 // S5: what carries nothing is never in equilibrium.
-#include "scenarios/triaxial/equilibrium.hpp"
+#include "scenarios/specimens/equilibrium.hpp"
 
 #include "engine/random.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 
 #include <fmt/format.h>
 
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 World box(unsigned spheres, double pitch, double speed, const Vec3& gravity, std::uint64_t seed) {
     World world = make_world(Grains::spheres);

@@ -1,8 +1,8 @@
 // S10: what moves far in a step is either computed right or refused; nothing passes through.
 #include "engine/health.hpp"
 #include "engine/random.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 #include "systems/broadphase/lists.hpp"
 
 #include <fmt/format.h>
@@ -13,8 +13,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 constexpr double radius = 0.01, kn = 1e6, density = 2600;
 

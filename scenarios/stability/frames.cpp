@@ -1,16 +1,14 @@
 // S15: a scene that flies, is turned, or stands far away is the same scene.
 #include "components/boundary.hpp"
 #include "engine/random.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 
 #include <fmt/format.h>
 
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 struct Frame {
     Mat3 turn = Mat3::Identity();

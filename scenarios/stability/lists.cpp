@@ -2,16 +2,14 @@
 #include "systems/broadphase/lists.hpp"
 
 #include "engine/random.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 
 #include <fmt/format.h>
 
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 struct Outcome {
     std::uint64_t hash, rebuilds, prunes;

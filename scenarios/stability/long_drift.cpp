@@ -1,15 +1,13 @@
 // S12: what should stay the same over very many steps stays the same.
+#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/equilibrium.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
-#include "scenarios/triaxial/equilibrium.hpp"
 
 #include <fmt/format.h>
 
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 /// A free body with three different moments that tumbles through all its attitudes, 0.01 rad a
 /// step.

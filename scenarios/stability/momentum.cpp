@@ -1,14 +1,12 @@
 // S16: nobody outside, so momentum and its moment stay.
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 
 #include <fmt/format.h>
 
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 struct Momentum {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero(); // kg m/s, kg m2/s about the origin

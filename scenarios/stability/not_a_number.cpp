@@ -2,8 +2,8 @@
 // goes on.
 #include "components/pair.hpp"
 #include "engine/random.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 
 #include <fmt/format.h>
 
@@ -15,8 +15,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 constexpr unsigned block = 50; // steps
 constexpr double none = std::numeric_limits<double>::quiet_NaN();

@@ -7,7 +7,7 @@
 #include "scenarios/specimens/scene.hpp"
 #include "systems/fusion/sensor_filter.hpp"
 
-namespace bris::stress {
+namespace bris {
 
 inline constexpr double position_deviation = 1e-5, velocity_deviation = 1e-2,
                         attitude_deviation = 1e-2; // m, m/s and rad/s, rad
@@ -31,4 +31,4 @@ inline Measured observed(Simulation& sim, EntityId body, Random& random) {
     return m;
 }
 
-} // namespace bris::stress
+} // namespace bris

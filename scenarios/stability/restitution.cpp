@@ -1,14 +1,12 @@
 // S13: restitution from 0 to 1 and friction from 0 to 10 are those asked for.
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 
 #include <fmt/format.h>
 
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 constexpr double radius = 0.01, kn = 1e6, density = 2600, modulus = 1e9, poisson = 0.25;
 

@@ -3,9 +3,9 @@
 #include "engine/random.hpp"
 #include "engine/signal/imu.hpp"
 #include "scenarios/recordings/quality_control.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
 #include "scenarios/stability/observed.hpp"
-#include "scenarios/stability/scenes.hpp"
 #include "systems/fusion/fuse.hpp"
 
 #include <fmt/format.h>
@@ -17,8 +17,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 constexpr double dt = 2e-5, interval = 1e-3;         // s
 constexpr std::uint64_t steps_each = 50;             // of an interval

@@ -4,8 +4,8 @@
 #include "components/platen.hpp"
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 #include "systems/broadphase/lists.hpp"
 
 #include <fmt/format.h>
@@ -17,8 +17,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 constexpr double tube_radius = 0.05, grain_radius = 0.0075;
 

@@ -1,7 +1,7 @@
 // S8: small bodies between large ones, light ones under heavy ones.
+#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/equilibrium.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
-#include "scenarios/triaxial/equilibrium.hpp"
 #include "systems/output/quantities.hpp"
 
 #include <fmt/format.h>
@@ -9,8 +9,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 // The trap of three bodies (Vyas et al. 2025): a small sphere in the groove between two large,
 // fixed ones that touch each other. With static friction it rolls out of the groove, on a circle of

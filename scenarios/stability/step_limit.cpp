@@ -1,8 +1,8 @@
 // S4: where the step becomes too long, against theory, and what the engine itself says of it.
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/quantities.hpp"
 
@@ -14,8 +14,6 @@
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 constexpr double radius = 0.01, kn = 1e5, density = 2600;
 constexpr double mass = density * 4 * pi / 3 * radius * radius * radius;

@@ -1,14 +1,12 @@
 // S14: a scene in other units is the same scene.
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
-#include "scenarios/stability/scenes.hpp"
 
 #include <fmt/format.h>
 
 namespace bris {
 
 namespace {
-
-using namespace stress;
 
 /// Positions, velocities and spins without units, by id.
 std::vector<double> bare_state(const Tumble& t, unsigned steps) {

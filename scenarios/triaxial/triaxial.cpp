@@ -6,7 +6,7 @@
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
 #include "components/settings.hpp"
-#include "scenarios/triaxial/equilibrium.hpp"
+#include "scenarios/specimens/equilibrium.hpp"
 #include "scenarios/triaxial/true_masses.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/output/balance.hpp"

@@ -1,7 +1,7 @@
 #include "scenarios/verification/array.hpp"
 
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +36,7 @@ ImpactArrayResult run_experiment(const ImpactArray& s) {
         steps =
             std::max(steps, static_cast<std::uint64_t>(4 * normal_contact(alone).time() / dt) + 10);
     }
-    Simulation sim = begin(std::move(world), s.impact.law, dt);
+    Simulation sim = begin(std::move(world), {.dt = dt, .law = s.impact.law, .unlimited = true});
     sim.advance(steps);
     for (unsigned k = 0; k < s.count; ++k) {
         Impact alone = s.impact;

@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/peak.hpp"
 
 #include <Eigen/Dense>
@@ -29,7 +29,8 @@ std::vector<BounceRecord> run_experiment(const Bounce& s) {
                  dt = fall / (std::round(fall / wanted) + 0.5);
     value_of<Velocity>(world, ball).z() = 0.5 * s.gravity * dt;
     world.add_resource<Gravity>({Vec3(0, 0, -s.gravity)});
-    Simulation sim = begin(std::move(world), LawName::linear_viscous, dt);
+    Simulation sim =
+        begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous, .unlimited = true});
 
     std::vector<BounceRecord> list;
     const double g = s.gravity, most_steps = 1e3 * s.bounces * (fall / dt + s.steps_per_contact);
@@ -108,7 +109,8 @@ StackResult run_experiment(const Stack& s) {
     for (std::size_t i = 0; i < 2; ++i) // at rest at t = 0
         value_of<Velocity>(world, ids[i]).z() = -0.5 * dt * rate[static_cast<Eigen::Index>(i) + 2];
     world.add_resource<Gravity>({Vec3(0, 0, -s.gravity)});
-    Simulation sim = begin(std::move(world), LawName::linear_viscous, dt);
+    Simulation sim =
+        begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous, .unlimited = true});
     for (std::uint64_t n = 0; n < r.steps; ++n) {
         sim.advance();
         state = step * state;
@@ -132,7 +134,8 @@ double run_experiment(const DampedFall& s) {
     world.add_resource<Gravity>({Vec3(0, 0, -s.gravity)});
     world.add_resource(LocalDamping{s.fraction});
     const double dt = 0.5 * std::abs(s.speed) / (s.gravity * s.steps); // it does not turn round
-    Simulation sim = begin(std::move(world), LawName::linear_frictionless, dt);
+    Simulation sim =
+        begin(std::move(world), {.dt = dt, .law = LawName::linear_frictionless, .unlimited = true});
     sim.advance(s.steps);
     return -(value_of<Velocity>(sim, ball).z() - s.speed) / (s.gravity * dt * s.steps);
 }

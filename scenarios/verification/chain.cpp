@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/impact.hpp"
 #include "scenarios/verification/peak.hpp"
 
@@ -49,7 +49,7 @@ ChainWaveResult run_experiment(const ChainWave& s) {
         value_of<Position>(world, ids[i]).x() += a * shape(i);
         value_of<Velocity>(world, ids[i]).x() = begin_speed * shape(i);
     }
-    Simulation sim = begin(std::move(world), s.law, dt);
+    Simulation sim = begin(std::move(world), {.dt = dt, .law = s.law, .unlimited = true});
     const auto amplitude = [&](auto component) { // of the mode, by projection
         double sum = 0;
         for (unsigned i = 1; i <= s.beads; ++i) {
@@ -86,7 +86,7 @@ ChainPulseResult run_experiment(const ChainPulse& s) {
     const auto material = world.resource<Materials>().add(s.material);
     const auto ids = add_beads(world, s.beads, 2 * s.radius, s.radius, material, false);
     value_of<Velocity>(world, ids[0]).x() = s.speed;
-    Simulation sim = begin(std::move(world), s.law, dt);
+    Simulation sim = begin(std::move(world), {.dt = dt, .law = s.law, .unlimited = true});
 
     std::vector<Peak> force(s.beads - 1), velocity(s.beads);
     const double length =

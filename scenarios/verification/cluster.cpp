@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/random.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/impact.hpp"
 
 #include <algorithm>
@@ -87,7 +87,11 @@ Outcome run(const Cluster& s, const Description& d) {
         frame.velocity(Vec3::Zero());
     add_plane(world, host, Vec3::Zero(), frame.turn * Vec3::UnitZ());
     if (s.local_damping > 0) world.add_resource(LocalDamping{s.local_damping});
-    Simulation sim = begin(std::move(world), s.law, dt * d.time, false, d.threads);
+    Simulation sim = begin(std::move(world), {.dt = dt * d.time,
+                                              .law = s.law,
+                                              .threads = d.threads,
+                                              .energy_budget = false,
+                                              .unlimited = true});
     Outcome r;
     for (unsigned k = 0; k < s.steps; ++k) {
         sim.advance();

@@ -3,7 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/impact.hpp"
 #include "systems/fusion/fuse.hpp"
 
@@ -55,7 +55,8 @@ Simulation make_run(const Collide& s, const Setting& setting,
     value_of<Velocity>(world, first) = Vec3(setting.speed, 0, 0);
     if (recording != nullptr)
         add_sensors(world, {first}, {*recording}, s.filter, s.injection_steps);
-    return begin(std::move(world), s.law, dt, has_springs(s.law));
+    return begin(std::move(world),
+                 {.dt = dt, .law = s.law, .energy_budget = has_springs(s.law), .unlimited = true});
 }
 
 double kinetic_energy(const Collide& s, World& world) {

@@ -4,7 +4,7 @@
 #include "engine/errors.hpp"
 #include "engine/estimation/linear_fit.hpp"
 #include "engine/random.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/impact.hpp"
 
 #include <cmath>
@@ -48,7 +48,7 @@ CoolingResult run_experiment(const Cooling& s) {
     }
     add_box(world, Vec3::Zero(), Vec3::Constant(pitch * s.side), wall);
     const double first = motion_of(world);
-    Simulation sim = begin(std::move(world), s.law, dt);
+    Simulation sim = begin(std::move(world), {.dt = dt, .law = s.law, .unlimited = true});
 
     CoolingResult r;
     std::vector<double> time, root; // 1/sqrt(T / T0)

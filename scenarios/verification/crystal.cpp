@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "systems/broadphase/lists.hpp"
 
 #include <cmath>
@@ -49,7 +49,7 @@ Strained strain(const Crystal& s, double overlap, const Mat3& tensor) {
         const EntityId id = add_sphere(world, s.spacing * n, radius, material, Motion::prescribed);
         value_of<DriveVelocity>(world, id) = s.spacing / (steps * dt) * (tensor * n);
     }
-    Simulation sim = begin(std::move(world), s.law, dt);
+    Simulation sim = begin(std::move(world), {.dt = dt, .law = s.law, .unlimited = true});
     Strained r;
     sim.advance();
     const auto before = touching_pairs<SpherePairs>(sim.world());
@@ -161,7 +161,7 @@ bool grows(const StabilityLimit& s, double step) {
     const double dt = step * std::sqrt(mass / kn);
     value_of<Velocity>(world, middle) = disturbance / dt * Vec3(0.5, 0.7, -0.6);
     set_angular_velocity(world, middle, disturbance / (radius * dt) * Vec3(-0.6, 0.5, 0.8));
-    Simulation sim = begin(std::move(world), LawName::linear, dt);
+    Simulation sim = begin(std::move(world), {.dt = dt, .law = LawName::linear, .unlimited = true});
     const auto copy = [&] { // the images of the sphere
         World& w = sim.world();
         const Vec3 x = value_of<Position>(w, middle), v = value_of<Velocity>(w, middle);

@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/peak.hpp"
 #include "systems/broadphase/lists.hpp"
 
@@ -102,7 +102,7 @@ CrystalWaveResult run_experiment(const CrystalWave& s) {
     const double stiffness =
         (is_hertz(s.crystal.law) ? 1.5 : 1.0) * still.contact_force / still.overlap;
     const double dt = s.step * std::sqrt(mass / stiffness);
-    Simulation sim = begin(std::move(world), s.crystal.law, dt);
+    Simulation sim = begin(std::move(world), {.dt = dt, .law = s.crystal.law, .unlimited = true});
     layers.move_images(sim.world());
 
     CrystalWaveResult r;

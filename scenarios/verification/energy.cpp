@@ -1,4 +1,4 @@
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/cases.hpp"
 #include "scenarios/verification/cooling.hpp"
 #include "scenarios/verification/gas.hpp"

@@ -2,7 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/impact.hpp"
 #include "systems/output/quantities.hpp"
 
@@ -27,7 +27,7 @@ GasResult run_experiment(const Gas& s) {
         value_of<Velocity>(world, id) = s.speed * random.direction();
     }
     add_box(world, Vec3::Zero(), Vec3::Constant(pitch * s.side), material);
-    Simulation sim = begin(std::move(world), s.law, dt);
+    Simulation sim = begin(std::move(world), {.dt = dt, .law = s.law, .unlimited = true});
 
     GasResult r;
     r.steps = static_cast<std::uint64_t>(s.contacts_long * s.steps_per_contact);
@@ -88,7 +88,8 @@ StiffeningResult run_experiment(const Stiffening& s) {
     add_floor(world, wall);
     const EntityId ball = add_sphere(world, Vec3(0, 0, radius + 2.5 * dt * speed), radius, mine);
     value_of<Velocity>(world, ball).z() = -speed;
-    Simulation sim = begin(std::move(world), LawName::hertz_frictionless, dt);
+    Simulation sim =
+        begin(std::move(world), {.dt = dt, .law = LawName::hertz_frictionless, .unlimited = true});
     StiffeningResult r;
     bool touched = false, changed = false;
     for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(5 * s.steps_per_contact); ++k) {

@@ -1,6 +1,6 @@
 #include "scenarios/verification/guided_pair.hpp"
 
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 
 #include <cmath>
 
@@ -19,7 +19,7 @@ Simulation make_pair(const GuidedPair::Settings& s) {
     world.resource<Materials>().mix();
     add_sphere(world, Vec3::Zero(), s.radius, material);
     add_sphere(world, Vec3(0, 0, 2 * s.radius - s.overlap), s.radius, material, Motion::prescribed);
-    return begin(std::move(world), s.law, s.dt);
+    return begin(std::move(world), {.dt = s.dt, .law = s.law, .unlimited = true});
 }
 
 } // namespace

@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/peak.hpp"
 
 #include <fmt/format.h>
@@ -106,7 +106,8 @@ Run make_run(const Impact& s, double dt, double wait) {
         set_angular_velocity(world, partner, s.partner_angular_velocity);
     }
     if (s.local_damping > 0) world.add_resource(LocalDamping{s.local_damping});
-    return {begin(std::move(world), s.law, dt, has_springs(s.law)),
+    return {begin(std::move(world),
+                  {.dt = dt, .law = s.law, .energy_budget = has_springs(s.law), .unlimited = true}),
             ball,
             partner,
             sphere,

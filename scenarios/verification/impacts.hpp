@@ -1,6 +1,6 @@
 #pragma once
 
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/impact.hpp"
 
 namespace bris::detail {

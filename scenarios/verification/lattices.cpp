@@ -1,4 +1,4 @@
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/cases.hpp"
 #include "scenarios/verification/chain.hpp"
 #include "scenarios/verification/crystal.hpp"

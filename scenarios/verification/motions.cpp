@@ -1,5 +1,5 @@
 #include "engine/math.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/bounce.hpp"
 #include "scenarios/verification/cases.hpp"
 #include "scenarios/verification/impact.hpp"

@@ -1,7 +1,7 @@
 #include "scenarios/verification/names.hpp"
 
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 
 #include <algorithm>
 
@@ -27,7 +27,9 @@ std::string explain_step(LawName law, Grains grains) {
     const auto material = world.resource<Materials>().add(m);
     add_floor(world, material);
     for (const double x : {0.0, 0.02}) add_sphere(world, Vec3(x, 0, 0.01), 0.01, material);
-    return begin(std::move(world), law, 1e-5).schedule().explain();
+    return begin(std::move(world), {.dt = 1e-5, .law = law, .unlimited = true})
+        .schedule()
+        .explain();
 }
 
 } // namespace bris

@@ -1,5 +1,5 @@
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/array.hpp"
-#include "scenarios/verification/bench.hpp"
 #include "scenarios/verification/cases.hpp"
 #include "scenarios/verification/cluster.hpp"
 #include "scenarios/verification/guided_pair.hpp"

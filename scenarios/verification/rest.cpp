@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/random.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/output/stress.hpp"
 
@@ -28,7 +28,8 @@ RestResult run_experiment(const SmallBetweenLarge& s) {
         radius, material);
     world.add_resource<Gravity>({Vec3(0, 0, -g)});
     const double dt = 0.1 / omega;
-    Simulation sim = begin(std::move(world), LawName::linear_viscous, dt);
+    Simulation sim =
+        begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous, .unlimited = true});
     const auto steps = static_cast<std::uint64_t>(60 * std::sqrt(radius / g) / dt);
     sim.advance(steps - steps / 10);
     const Vec3 before = value_of<Position>(sim, small);
@@ -60,7 +61,8 @@ PackingResult run_experiment(const Packing& s) {
     add_box(world, Vec3::Zero(), pitch * Vec3(s.side, s.side, 3 * s.side), material);
     world.add_resource<Gravity>();
     world.add_resource(LocalDamping{0.5}); // calms what rolls freely, which no contact does
-    Simulation sim = begin(std::move(world), LawName::linear_viscous, 0.1 / omega);
+    Simulation sim = begin(std::move(world),
+                           {.dt = 0.1 / omega, .law = LawName::linear_viscous, .unlimited = true});
     PackingResult r;
     for (int k = 0; k < 60; ++k) {
         sim.advance(1000);

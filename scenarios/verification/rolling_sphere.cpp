@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 
 #include <cmath>
 
@@ -24,7 +24,7 @@ RollingSphereResult run_experiment(const RollingSphere& s) {
     value_of<Velocity>(world, ball).x() = s.speed;
     set_angular_velocity(world, ball, Vec3(0, s.angular_velocity, s.twist));
     world.add_resource<Gravity>({s.gravity * Vec3(std::sin(s.slope), 0, -std::cos(s.slope))});
-    Simulation sim = begin(std::move(world), s.law, dt);
+    Simulation sim = begin(std::move(world), {.dt = dt, .law = s.law, .unlimited = true});
 
     RollingSphereResult r;
     r.slip_end = std::nan("");

@@ -2,7 +2,7 @@
 
 #include "components/settings.hpp"
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/peak.hpp"
 
 #include <array>
@@ -120,7 +120,8 @@ TopResult run_experiment(const Top& s) {
     set_angular_velocity(world, body, s.angular_velocity);
     const Vec3 momentum = value_of<AngularMomentum>(world, body);
     const double energy = s.angular_velocity.cwiseAbs2().dot(s.inertia);
-    Simulation sim = begin(std::move(world), LawName::linear_frictionless, r.dt);
+    Simulation sim = begin(std::move(world),
+                           {.dt = r.dt, .law = LawName::linear_frictionless, .unlimited = true});
     const std::uint64_t samples = std::min<std::uint64_t>(r.steps, 1000);
     for (std::uint64_t k = 1; k <= samples; ++k) {
         sim.advance(r.steps * k / samples - sim.world().resource<Clock>().step);
@@ -157,7 +158,8 @@ PendulumResult run_experiment(const Pendulum& s) {
         add_clump(world, shape_of({to_ball, s.radius}, s.inertia / s.mass, s.arm + s.radius), 0,
                   Vec3(0, 0, pivot) - tilt * to_ball, tilt, material);
     world.add_resource<Gravity>({Vec3(0, 0, -s.gravity)});
-    Simulation sim = begin(std::move(world), LawName::linear_frictionless, dt);
+    Simulation sim =
+        begin(std::move(world), {.dt = dt, .law = LawName::linear_frictionless, .unlimited = true});
 
     PendulumResult r;
     const double turning = s.inertia.y() + s.mass * s.arm * s.arm;

@@ -92,6 +92,17 @@ Quantities compute_quantities(const World& world) {
     return q;
 }
 
+double mean_radius(const World& world) {
+    const Table& bodies = world.table<Bodies>();
+    double sum = 0, count = 0;
+    for (Row b = 0; b < bodies.size(); ++b) {
+        if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free)) continue;
+        sum += bodies.column<BoundingRadius>()[b];
+        ++count;
+    }
+    return sum / count;
+}
+
 void add_quantities(Summary& summary, const Quantities& q) {
     summary.add("contacts", q.contacts);
     summary.add("coordination", q.coordination);

@@ -27,6 +27,9 @@ struct Quantities {
 /// Computes the quantities of the world after the last step. Reads only.
 Quantities compute_quantities(const World& world);
 
+/// Mean bounding radius (m) of the free bodies; NaN where there are none.
+double mean_radius(const World& world);
+
 /// Adds the usual quantities of a mechanical scene to a summary: energies, contacts, coordination
 /// number, overlaps and unbalanced force ratio.
 void add_quantities(Summary& summary, const Quantities& quantities);

@@ -54,8 +54,8 @@ TEST_SUITE("engine/ensemble") {
 
     TEST_CASE("a simulation reaches the same state alone and beside others") {
         const auto state = [](std::uint64_t seed) {
-            Simulation sim = testing::start(testing::bed({.bodies = 30, .seed = seed}),
-                                            {.dt = 2e-5, .law = LawName::linear_viscous});
+            Simulation sim = begin(bed({.bodies = 30, .seed = seed}),
+                                   {.dt = 2e-5, .law = LawName::linear_viscous});
             sim.advance(300);
             return fingerprint(sim.snapshot());
         };

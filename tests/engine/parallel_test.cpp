@@ -51,24 +51,4 @@ TEST_SUITE("engine/parallel") {
         });
         CHECK(sums == std::vector<int>(20, 50));
     }
-
-    TEST_CASE("sum_in_order() is correct and has the same bits for any number of threads") {
-        Random random(11, 0);
-        std::vector<double> terms(10'000);
-        long double exact = 0;
-        for (double& t : terms)
-            exact += static_cast<long double>(t = random.uniform(-1, 1) *
-                                                  std::exp2(random.uniform(-30, 30)));
-        std::set<double> sums;
-        for (const unsigned threads : {1u, 2u, 3u, 7u}) {
-            Threads team(threads);
-            team.run([&] {
-                sums.insert(
-                    sum_in_order(terms.size(), 0.0, [&](std::size_t i) { return terms[i]; }));
-            });
-        }
-        CHECK(sums.size() == 1);
-        // blocks of 1024: at most 1024 + 10 roundings of sums not larger than n 2^30
-        CHECK(std::abs(*sums.begin() - static_cast<double>(exact)) < 1100 * 1.2e-16 * 1e4 * 0x1p30);
-    }
 }

@@ -44,7 +44,7 @@ TEST_SUITE("invariance/allocation") {
                 World world = bed({.grains = grains, .walls = walls, .bodies = 40, .seed = 5});
                 world.add_resource(LocalDamping{0.3});
                 Simulation sim =
-                    start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+                    begin(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
                 sim.advance(500);
                 // a call of advance() may allocate its own closure, which is measured without a
                 // step
@@ -78,7 +78,7 @@ TEST_SUITE("invariance/allocation") {
         for (const auto& [grains, most] :
              {std::pair{Grains::spheres, 5276ul}, std::pair{Grains::clumps, 13118ul}}) {
             Simulation sim =
-                start(bed({.grains = grains, .walls = Walls::facets, .bodies = 40, .seed = 5}),
+                begin(bed({.grains = grains, .walls = Walls::facets, .bodies = 40, .seed = 5}),
                       {.dt = 2e-5, .law = LawName::linear_viscous});
             sim.advance(500);
             const std::uint64_t before = allocations,

@@ -27,7 +27,7 @@ TEST_SUITE("invariance/explain") {
         const auto material = add_material(world, linear_material(1e5));
         add_sphere(world, Vec3(0, 0, 0), 0.01, material);
         add_sphere(world, Vec3(0, 0, 0.021), 0.01, material);
-        Simulation sim = start(std::move(world), {.law = LawName::linear_frictionless});
+        Simulation sim = begin(std::move(world), {.law = LawName::linear_frictionless});
         const auto [runs, left_out] = parts(sim.schedule().explain());
         CAPTURE(runs);
         CAPTURE(left_out);
@@ -53,7 +53,7 @@ TEST_SUITE("invariance/explain") {
     TEST_CASE(
         "the graph contains the systems that a scene needs, with all body systems in one pass") {
         Simulation sim =
-            start(bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 10}), {});
+            begin(bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 10}), {});
         const auto [runs, left_out] = parts(sim.schedule().explain());
         CHECK(has(runs, "sphere_pairs.spring"));
         CHECK(has(runs, "collide_facets"));
@@ -67,7 +67,7 @@ TEST_SUITE("invariance/explain") {
     TEST_CASE("contacts of different kinds can be computed concurrently") {
         World world = bed({.walls = Walls::facets, .bodies = 10});
         add_floor(world, 1);
-        Simulation sim = start(std::move(world), {});
+        Simulation sim = begin(std::move(world), {});
         const std::string text = sim.schedule().explain();
         // no edge connects the three collide systems, because they only read the data that they
         // share

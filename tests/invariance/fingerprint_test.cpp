@@ -65,14 +65,14 @@ const std::vector<Scene>& scenes() {
 }
 
 // small chunks, so that few grains give many of them
-const RunSettings plain{
+const BenchSettings plain{
     .dt = 2e-5,
     .lists = {.outer_skin = 0.004, .inner_skin = 0.0004, .sort_every = 8, .tune = false},
     .schedule = {.serial = true, .grain = 16}};
 
-Archive state_after(const Scene& scene, RunSettings settings) {
+Archive state_after(const Scene& scene, BenchSettings settings) {
     settings.law = scene.law;
-    Simulation sim = start(scene.make(), settings);
+    Simulation sim = begin(scene.make(), settings);
     sim.advance(scene.steps);
     return sim.snapshot();
 }
@@ -93,31 +93,31 @@ TEST_SUITE("invariance") {
     TEST_CASE("threads, task graph, order, sorting and skins do not change a bit") {
         struct Variant {
             std::string name;
-            RunSettings settings;
+            BenchSettings settings;
         };
         const auto with = [](auto change) {
-            RunSettings s = plain;
+            BenchSettings s = plain;
             change(s);
             return s;
         };
         const std::vector<Variant> variants{
-            {"graph, 1 thread", with([](RunSettings& s) { s.schedule.serial = false; })},
-            {"graph, 2 threads", with([](RunSettings& s) {
+            {"graph, 1 thread", with([](BenchSettings& s) { s.schedule.serial = false; })},
+            {"graph, 2 threads", with([](BenchSettings& s) {
                  s.schedule.serial = false;
                  s.threads = 2;
              })},
-            {"graph, 3 threads", with([](RunSettings& s) {
+            {"graph, 3 threads", with([](BenchSettings& s) {
                  s.schedule.serial = false;
                  s.threads = 3;
              })},
-            {"graph, 7 threads", with([](RunSettings& s) {
+            {"graph, 7 threads", with([](BenchSettings& s) {
                  s.schedule.serial = false;
                  s.threads = 7;
              })},
-            {"serial, 2 threads", with([](RunSettings& s) { s.threads = 2; })},
+            {"serial, 2 threads", with([](BenchSettings& s) { s.threads = 2; })},
             {"each system in a separate pass",
-             with([](RunSettings& s) { s.schedule.fused = false; })},
-            {"without any optimisation", with([](RunSettings& s) {
+             with([](BenchSettings& s) { s.schedule.fused = false; })},
+            {"without any optimisation", with([](BenchSettings& s) {
                  s.schedule.fused = false;
                  s.lists = {.outer_skin = 0.0010001,
                             .inner_skin = 0.001,
@@ -125,24 +125,24 @@ TEST_SUITE("invariance") {
                             .sort_every = 0,
                             .tune = false};
              })},
-            {"coarse chunks", with([](RunSettings& s) { s.schedule.grain = 1000; })},
+            {"coarse chunks", with([](BenchSettings& s) { s.schedule.grain = 1000; })},
             {"another valid order",
-             with([](RunSettings& s) { s.schedule = {.last_order = true, .grain = 16}; })},
-            {"never sorted", with([](RunSettings& s) { s.lists.sort_every = 0; })},
-            {"sorted at every rebuild", with([](RunSettings& s) {
+             with([](BenchSettings& s) { s.schedule = {.last_order = true, .grain = 16}; })},
+            {"never sorted", with([](BenchSettings& s) { s.lists.sort_every = 0; })},
+            {"sorted at every rebuild", with([](BenchSettings& s) {
                  s.lists.sort_every = 1;
                  s.lists.outer_skin = 0.0012;
              })},
-            {"wide skins", with([](RunSettings& s) {
+            {"wide skins", with([](BenchSettings& s) {
                  s.lists.outer_skin = 0.008;
                  s.lists.inner_skin = 0.002;
              })},
-            {"narrow skins", with([](RunSettings& s) {
+            {"narrow skins", with([](BenchSettings& s) {
                  s.lists.outer_skin = 0.0005;
                  s.lists.inner_skin = 0.0001;
              })},
-            {"tuned skins", with([](RunSettings& s) { s.lists = {}; })},
-            {"tuned skins from given values", with([](RunSettings& s) {
+            {"tuned skins", with([](BenchSettings& s) { s.lists = {}; })},
+            {"tuned skins from given values", with([](BenchSettings& s) {
                  s.lists.tune = true;
                  s.lists.sort_every = 3;
              })},
@@ -176,12 +176,12 @@ TEST_SUITE("invariance") {
               Large{"clumps in facets", Grains::clumps, Walls::facets, 2000}}) {
             CAPTURE(scene.name);
             const auto run = [&](unsigned threads) {
-                RunSettings settings = plain;
+                BenchSettings settings = plain;
                 settings.law = LawName::linear_viscous;
                 settings.threads = threads;
                 settings.schedule = {};
                 settings.lists.inner_skin = 0.002;
-                Simulation sim = start(bed({.grains = scene.grains,
+                Simulation sim = begin(bed({.grains = scene.grains,
                                             .walls = scene.walls,
                                             .bodies = scene.bodies,
                                             .seed = seed}),
@@ -204,9 +204,9 @@ TEST_SUITE("invariance") {
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
             const Archive reference = state_after(scene, plain);
-            RunSettings settings = plain;
+            BenchSettings settings = plain;
             settings.law = scene.law;
-            Simulation sim = start(scene.make(), settings);
+            Simulation sim = begin(scene.make(), settings);
             for (unsigned done = 0; done < scene.steps; done += 40) {
                 sim.advance(40);
                 CHECK(std::isfinite(compute_quantities(sim.world()).kinetic_energy));
@@ -226,15 +226,15 @@ TEST_SUITE("invariance") {
                 const auto at = static_cast<unsigned>(random.uniform(0.1, 0.9) * scene.steps);
                 CAPTURE(at);
                 CAPTURE(fresh);
-                RunSettings settings = plain;
+                BenchSettings settings = plain;
                 settings.law = scene.law;
-                Simulation sim = start(scene.make(), settings);
+                Simulation sim = begin(scene.make(), settings);
                 sim.advance(at);
                 const Archive saved = sim.snapshot();
                 settings.lists = {}; // other skins in the continued run
                 settings.threads = 2;
                 settings.schedule.serial = false;
-                Simulation other = start(scene.make(), settings);
+                Simulation other = begin(scene.make(), settings);
                 Simulation& next = fresh ? other : sim;
                 if (!fresh) sim.advance(37); // some steps that are then undone
                 next.restore(saved);
@@ -248,9 +248,9 @@ TEST_SUITE("invariance") {
     TEST_CASE("discarding the lists between steps does not change a bit") {
         const Scene& scene = scenes()[3];
         const Archive reference = state_after(scene, plain);
-        RunSettings settings = plain;
+        BenchSettings settings = plain;
         settings.law = scene.law;
-        Simulation sim = start(scene.make(), settings);
+        Simulation sim = begin(scene.make(), settings);
         Random random(seed, 4);
         for (unsigned step = 0; step < scene.steps; ++step) {
             if (random.uniform() < 0.05) invalidate_lists(sim.world());

@@ -8,9 +8,9 @@ using namespace bris;
 TEST_SUITE("invariance/sparse_state") {
     TEST_CASE("a pair without a rolling spring keeps its tangential spring through a restart") {
         const auto make = [] {
-            World world = stress::tumbling({.bodies = 30});
+            World world = tumbling({.bodies = 30});
             // without rolling resistance the rolling springs are 0
-            return testing::start(std::move(world), {.dt = 2e-5, .law = LawName::linear_rolling});
+            return begin(std::move(world), {.dt = 2e-5, .law = LawName::linear_rolling});
         };
         Simulation sim = make();
         sim.advance(8000);

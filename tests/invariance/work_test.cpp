@@ -19,7 +19,7 @@ Simulation bed_at_work() {
     bed.spheres = 500;
     World world = make_sphere_bed(bed);
     world.resource<Gravity>().value *= 10;
-    return testing::start(std::move(world), {.law = LawName::linear_viscous});
+    return begin(std::move(world), {.law = LawName::linear_viscous});
 }
 
 } // namespace
@@ -40,14 +40,13 @@ TEST_SUITE("invariance/work") {
 
     TEST_CASE("deeply overlapping clumps in a box of facets separate in as many steps as before, "
               "and then settle with the same work") {
-        World world = testing::bed(
-            {.grains = Grains::clumps, .walls = testing::Walls::facets, .bodies = 48, .seed = 3});
+        World world =
+            bed({.grains = Grains::clumps, .walls = Walls::facets, .bodies = 48, .seed = 3});
         for (Vec3& x : world.column<Bodies, Position>()) x *= 0.8; // makes them overlap
         const Relaxed relaxed = relax(world, LawName::linear_viscous);
         CHECK(relaxed.done);
         CHECK(relaxed.steps == 80);
-        Simulation sim =
-            testing::start(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+        Simulation sim = begin(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
         sim.advance(4000);
         const ListState& lists = sim.world().resource<ListState>();
         CHECK(lists.rebuilds == 142);

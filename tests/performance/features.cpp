@@ -192,7 +192,7 @@ Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& positi
         world.column<Bodies, Position>()[k] = positions[k];
     const bool in_membrane = v.also == Also::membrane || v.also == Also::servo;
     if (in_membrane) world = bed_in_membrane(v, half, positions);
-    if (v.also == Also::facets) testing::add_facet_floor(world, -half, half, 8, 0);
+    if (v.also == Also::facets) add_facet_floor(world, -half, half, 8, 0);
     if (v.also == Also::damping) world.add_resource(LocalDamping{0.1});
     add_lists(world, v.law);
     if (v.also == Also::energy_budget) add_energy_budget(world);

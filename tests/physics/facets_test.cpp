@@ -19,7 +19,7 @@ Vec3 rebound(const std::function<void(World&, std::uint32_t)>& add_target) {
     add_target(world, material);
     const EntityId ball = add_sphere(world, Vec3(0, 0, radius + 0.5e-4), radius, material);
     value_of<Velocity>(world, ball) = Vec3(0, 0, -1);
-    Simulation sim = start(std::move(world), {.dt = 2e-6});
+    Simulation sim = begin(std::move(world), {.dt = 2e-6});
     sim.advance(1000);
     return value_of<Velocity>(sim, ball);
 }
@@ -46,7 +46,7 @@ Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity,
     value_of<Velocity>(world, ball) = velocity;
     set_angular_velocity(world, ball, angular_velocity);
     world.add_resource<Gravity>();
-    Simulation sim = start(std::move(world), {.dt = 2e-5});
+    Simulation sim = begin(std::move(world), {.dt = 2e-5});
     Track track;
     for (int k = 0; k < 400; ++k) {
         for (int j = 0; j < 10; ++j) {
@@ -225,7 +225,7 @@ TEST_SUITE("physics/facets") {
                 add_box(world, Vec3::Zero(), Vec3(0.1, 0.1, 0.1), material);
             const EntityId ball = add_sphere(world, Vec3(0.03, 0.025, 0.02), radius, material);
             value_of<Velocity>(world, ball) = Vec3(-1, -0.8, -0.7);
-            Simulation sim = start(std::move(world), {.dt = 1e-5});
+            Simulation sim = begin(std::move(world), {.dt = 1e-5});
             sim.advance(3000); // into the corner and out of it
             return value_of<Position>(sim, ball);
         };
@@ -243,7 +243,7 @@ TEST_SUITE("physics/facets") {
             const EntityId ball = add_sphere(world, Vec3(-1e-7, 0.001, 0), radius, material);
             value_of<Position>(world, ball).z() = radius - value_of<Mass>(world, ball) * 9.81 / 1e5;
             world.add_resource<Gravity>({Vec3(2, 0, -9.81)});
-            Simulation sim = start(std::move(world), {.dt = 2e-5});
+            Simulation sim = begin(std::move(world), {.dt = 2e-5});
             std::vector<Vec3> forces;
             for (int k = 0; k < 500; ++k) {
                 sim.advance();

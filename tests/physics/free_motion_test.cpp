@@ -20,7 +20,7 @@ TEST_SUITE("physics/free_motion") {
             // v(0) = v means v(-dt/2) = v + g dt/2
             value_of<Velocity>(world, ball) = v + Vec3(0, 0, g * dt / 2);
             world.add_resource<Gravity>();
-            Simulation sim = start(std::move(world), {.dt = dt});
+            Simulation sim = begin(std::move(world), {.dt = dt});
             sim.advance(5000);
             const double t = 0.5;
             const Vec3 exact = Vec3(1, 2, 3) + t * v - Vec3(0, 0, 0.5 * g * t * t);
@@ -45,7 +45,7 @@ TEST_SUITE("physics/free_motion") {
             add_clump(world, block, 0, Vec3(0, 0, 0.005), Quat(Quat::Identity()), material);
         value_of<Velocity>(world, body) = Vec3(1, 0, 0);
         world.add_resource<Gravity>();
-        Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
+        Simulation sim = begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
         sim.advance(5000); // the springs have reached the Coulomb limit
         const Vec3 before = value_of<Velocity>(sim, body);
         sim.advance(20'000);
@@ -72,7 +72,7 @@ TEST_SUITE("physics/free_motion") {
             value_of<Position>(world, ball) = Vec3(0, 0, radius - overlap);
             value_of<Velocity>(world, ball) = Vec3(v0, 0, 0);
             world.add_resource<Gravity>();
-            Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
+            Simulation sim = begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
             const double slip_time = 2.0 / 7 * v0 / (friction * g);
             double stopped = 0;
             while (sim.world().resource<Clock>().time() < 3 * slip_time) {
@@ -120,7 +120,7 @@ TEST_SUITE("physics/free_motion") {
                     -40 * (position - Vec3::Constant(0.036)) + 0.3 * random.direction();
                 set_angular_velocity(world, id, 50 * random.direction());
             }
-            Simulation sim = start(std::move(world), {.dt = 5e-6, .law = LawName::linear_viscous});
+            Simulation sim = begin(std::move(world), {.dt = 5e-6, .law = LawName::linear_viscous});
             const auto totals = [&] {
                 const World& w = sim.world();
                 std::pair<Vec3, Vec3> sum{Vec3::Zero(), Vec3::Zero()};
@@ -164,7 +164,7 @@ TEST_SUITE("physics/free_motion") {
             add_clump(world, dumbbell, 0, Vec3(0, 0, 0.01), Quat(Quat::Identity()), material);
         value_of<Velocity>(world, body) = Vec3(0, 0, -1);
         const double mass = value_of<Mass>(world, body), dt = pi / std::sqrt(2 * 1e5 / mass) / 200;
-        Simulation sim = start(std::move(world), {.dt = dt});
+        Simulation sim = begin(std::move(world), {.dt = dt});
         sim.advance(static_cast<std::uint64_t>(0.002 / dt) + 100);
         sim.advance(300);
         REQUIRE(touching_pairs<PlanePairs>(sim.world()).empty());

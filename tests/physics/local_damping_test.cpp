@@ -15,7 +15,7 @@ TEST_SUITE("physics/local_damping") {
             value_of<Velocity>(world, ball) = Vec3(0, 0, 3 * direction);
             world.add_resource<Gravity>();
             world.add_resource(LocalDamping{0.7});
-            Simulation sim = start(std::move(world), {.dt = 1e-4});
+            Simulation sim = begin(std::move(world), {.dt = 1e-4});
             sim.advance(1000);
             const double change = value_of<Velocity>(sim, ball).z() - 3 * direction;
             // 1000 additions to a speed of 3 m/s
@@ -35,7 +35,7 @@ TEST_SUITE("physics/local_damping") {
             value_of<Velocity>(world, ball) = Vec3(0, 0, -1);
             world.add_resource(LocalDamping{0.7});
             Simulation sim =
-                start(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
+                begin(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
             sim.advance(static_cast<std::uint64_t>(3 * steps));
             return value_of<Velocity>(sim, ball).z();
         };
@@ -60,7 +60,7 @@ TEST_SUITE("physics/local_damping") {
             value_of<Velocity>(world, b) = Vec3(0, 0, -1 + boost);
             world.add_resource(LocalDamping{0.7});
             Simulation sim =
-                start(std::move(world), {.dt = 1e-6, .law = LawName::linear_frictionless});
+                begin(std::move(world), {.dt = 1e-6, .law = LawName::linear_frictionless});
             sim.advance(1500);
             return value_of<Velocity>(sim, b).z() - value_of<Velocity>(sim, a).z();
         };

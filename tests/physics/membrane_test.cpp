@@ -94,7 +94,7 @@ TEST_SUITE("physics/membrane") {
                  material);
         // local damping stops the oscillation of the grain between opposite elements
         world.add_resource(LocalDamping{0.7});
-        Simulation sim = start(std::move(world), {.dt = 1e-4, .law = LawName::linear_frictionless});
+        Simulation sim = begin(std::move(world), {.dt = 1e-4, .law = LawName::linear_frictionless});
         sim.advance(20'000);
         double worst = 0;
         for (int k = 0; k < 1000; ++k) {
@@ -122,7 +122,7 @@ TEST_SUITE("physics/membrane") {
         world.resource<Platen>().controlled = true;
         world.resource<Platen>().contact_stiffness = 1e5;
         world.resource<Platen>().largest_step = 1e-5;
-        Simulation sim = start(std::move(world), {.dt = 1e-4, .law = LawName::linear_frictionless});
+        Simulation sim = begin(std::move(world), {.dt = 1e-4, .law = LawName::linear_frictionless});
         sim.advance(3000);
         for (auto* target : {&sim.world().resource<Membrane>().target_pressure,
                              &sim.world().resource<Platen>().target_pressure})
@@ -166,7 +166,7 @@ TEST_SUITE("physics/membrane") {
         add_sphere(world, Vec3(0.001, 0, 0.05), 0.0499, material);
         add_tube(world, {.rings = 2, .sectors = 8}, material);
         world.resource<Membrane>().active = false;
-        Simulation sim = start(std::move(world), {.dt = 1e-5});
+        Simulation sim = begin(std::move(world), {.dt = 1e-5});
         sim.advance(500);
         for (const double r : sim.world().column<Elements, ElementRadius>()) CHECK(r == 0.05);
         for (double& v : sim.world().column<Elements, ElementSpeed>()) v = 0.2;
@@ -296,9 +296,9 @@ TEST_SUITE("physics/membrane") {
             world.resource<Membrane>().active = false;
             const EntityId ball = add_sphere(world, Vec3(0, 0, 0.04), 0.0085, material);
             value_of<Velocity>(world, ball) = Vec3(0.5, 0.1, 0.03);
-            Simulation sim = stress::begin(std::move(world), {.dt = fine == 1 ? 5e-6 : 1e-5,
-                                                              .law = LawName::linear_viscous,
-                                                              .energy_budget = true});
+            Simulation sim = begin(std::move(world), {.dt = fine == 1 ? 5e-6 : 1e-5,
+                                                      .law = LawName::linear_viscous,
+                                                      .energy_budget = true});
             const double before = compute_quantities(sim.world()).kinetic_energy;
             sim.advance(fine == 1 ? 60000 : 30000);
             const Quantities q = compute_quantities(sim.world());
@@ -329,7 +329,7 @@ TEST_SUITE("physics/membrane") {
                     0.3 * random.direction();
             }
             world.table<Bodies>().add<BoundaryWork>();
-            Simulation sim = start(std::move(world), {.dt = fine == 1 ? 5e-6 : 1e-5,
+            Simulation sim = begin(std::move(world), {.dt = fine == 1 ? 5e-6 : 1e-5,
                                                       .law = LawName::linear_frictionless});
             const unsigned each = fine == 1 ? 40 : 20;
             sim.advance(each);

@@ -25,7 +25,7 @@ TEST_SUITE("physics/oscillator") {
                 Vec3(0, 0, amplitude * (1 - std::cos(omega_num * dt)) / dt);
             world.add_resource<Gravity>({Vec3(0, 0, -g)});
             Simulation sim =
-                start(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
+                begin(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
             double worst = 0;
             const int steps = 1000;
             for (int n = 1; n <= steps; ++n) {
@@ -52,7 +52,7 @@ TEST_SUITE("physics/oscillator") {
         const double rest = radius - mass * g / stiffness, amplitude = 0.5 * mass * g / stiffness;
         value_of<Position>(world, ball) = Vec3(0, 0, rest + amplitude);
         world.add_resource<Gravity>({Vec3(0, 0, -g)});
-        Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
+        Simulation sim = begin(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
         const auto invariant = [&] {
             // x(t) and the mean of the velocities around t: x^2 (1 - (w dt / 2)^2) + v^2 / w^2
             const double x = value_of<Position>(sim, ball).z() - rest;

@@ -30,7 +30,7 @@ double restitution(const Impact& s) {
                  dt = contact_time / s.steps;
     value_of<Position>(world, ball) = Vec3(0, 0, radius + s.speed * dt * (10 - s.phase));
     value_of<Velocity>(world, ball) = Vec3(0, 0, -s.speed);
-    Simulation sim = start(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
+    Simulation sim = begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
     sim.advance(static_cast<std::uint64_t>(1.2 * s.steps) + 20);
     return value_of<Velocity>(sim, ball).z() / s.speed;
 }

@@ -72,7 +72,7 @@ std::pair<double, int> tangential_growth(double omega_dt) {
     value_of<Position>(world, ball) = Vec3(0, 0, radius - overlap);
     value_of<Velocity>(world, ball) = Vec3(1e-4, 0, 0);
     world.add_resource<Gravity>({Vec3(0, 0, -g)});
-    Simulation sim = start(std::move(world), {.dt = dt});
+    Simulation sim = begin(std::move(world), {.dt = dt});
     // the largest force over many periods
     const auto amplitude = [&] {
         double most = 0;
@@ -172,7 +172,7 @@ TEST_SUITE("physics/tangential") {
             value_of<Position>(world, ball) = Vec3(0, 0, radius - overlap);
             value_of<Velocity>(world, ball) = Vec3(-0.5 * dt * pull, 0, 0); // at rest at t = 0
             world.add_resource<Gravity>({Vec3(pull, 0, -g)});
-            Simulation sim = start(std::move(world), {.dt = dt});
+            Simulation sim = begin(std::move(world), {.dt = dt});
             sim.advance(static_cast<std::uint64_t>(steps));
             // x'' = pull - ks s / m, s'' = pull - omega2 s from rest
             const double exact =
@@ -206,7 +206,7 @@ TEST_SUITE("physics/tangential") {
         const EntityId ball = add_sphere(world, Vec3(0, 0, 0.0101), 0.01, material);
         value_of<Velocity>(world, ball) = Vec3(1, 0, -1);
         set_angular_velocity(world, ball, Vec3(1, 2, 3));
-        Simulation sim = start(std::move(world), {.dt = 1e-5});
+        Simulation sim = begin(std::move(world), {.dt = 1e-5});
         sim.advance(2000);
         CHECK(value_of<Velocity>(sim, ball).z() > 0.9);
         CHECK(value_of<Velocity>(sim, ball).x() == 1);

@@ -43,7 +43,7 @@ Top make_top(const Vec3& inertia, const Vec3& angular_velocity, double dt) {
     const EntityId body =
         add_clump(world, shape, 0, Vec3::Zero(), Quat(Quat::Identity()), material);
     set_angular_velocity(world, body, angular_velocity);
-    return {start(std::move(world), {.dt = dt}), body};
+    return {begin(std::move(world), {.dt = dt}), body};
 }
 
 double angle_between(const Quat& a, const Quat& b) { return 2 * (a.conjugate() * b).vec().norm(); }

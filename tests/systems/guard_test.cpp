@@ -26,7 +26,7 @@ Simulation five(
     else
         add_floor(world, material);
     change(world);
-    return start(std::move(world), {.dt = 1e-5});
+    return begin(std::move(world), {.dt = 1e-5});
 }
 
 std::string message_of(Simulation& sim, std::uint64_t steps) {

@@ -18,17 +18,17 @@ namespace {
 constexpr unsigned count = 60;
 
 /// Grains that fall into a box, tumble and come to rest.
-Simulation tumbling(Grains grains, bool may_sleep, testing::RunSettings run = {},
+Simulation tumbling(Grains grains, bool may_sleep, BenchSettings run = {},
                     unsigned bodies = count) {
     run.dt = 2e-5;
     run.law = LawName::linear_rolling; // otherwise a sphere on one contact spins for ever
-    World world = stress::tumbling({.grains = grains, .bodies = bodies});
+    World world = tumbling({.grains = grains, .bodies = bodies});
     auto& materials = world.resource<Materials>();
     for (Material& m : materials.list) m.rolling_friction = m.twisting_friction = 0.1;
     materials.mix();
     world.add_resource(LocalDamping{0.3});
     if (may_sleep) add_sleep(world, {.steps = 200});
-    Simulation sim = testing::start(std::move(world), run);
+    Simulation sim = begin(std::move(world), run);
     return sim;
 }
 
@@ -169,7 +169,7 @@ TEST_SUITE("sleep") {
               "any lists and after a restart") {
         constexpr unsigned many = 300; // enough for idle blocks of rows beside others
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
-            const auto settled = [&](const testing::RunSettings& settings) {
+            const auto settled = [&](const BenchSettings& settings) {
                 Simulation sim = tumbling(grains, true, settings, many);
                 sim.advance(18000);
                 (void)lift_one(sim, 2e-4);
@@ -199,7 +199,7 @@ TEST_SUITE("sleep") {
             CHECK(most > many / 4);
             if (grains == Grains::spheres) CHECK(some > 0);
             const auto whole = fingerprint(sim.snapshot());
-            const auto run = [&](const testing::RunSettings& settings) {
+            const auto run = [&](const BenchSettings& settings) {
                 Simulation other = settled(settings);
                 other.advance(1500);
                 return fingerprint(other.snapshot());
@@ -227,7 +227,7 @@ TEST_SUITE("sleep") {
         CHECK(tumbling(Grains::spheres, false).schedule().explain().find("hold_spheres: absent") !=
               std::string::npos);
         const auto refusal = [](auto&& change) {
-            World world = stress::tumbling({.grains = Grains::spheres, .bodies = 3});
+            World world = tumbling({.grains = Grains::spheres, .bodies = 3});
             Sleep settings;
             change(world, settings);
             return message_of<InputError>([&] { add_sleep(world, settings); });
@@ -236,7 +236,7 @@ TEST_SUITE("sleep") {
                   s.speed = 0;
               }).find("sleep: expected an acceleration") == 0);
         CHECK(refusal([](World& w, Sleep&) {
-                  (void)testing::add_facet_floor(w, -1, 1, 1, 0);
+                  (void)add_facet_floor(w, -1, 1, 1, 0);
               }).find("sleep: expected planes") == 0);
         CHECK(refusal([](World& w, Sleep&) {
                   (void)add_boundary(w, Vec3::Zero(), 0, Motion::prescribed);

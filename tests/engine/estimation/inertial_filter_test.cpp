@@ -1,7 +1,7 @@
-#include "engine/estimation/chi_squared.hpp"
 #include "engine/estimation/inertial_filter.hpp"
 #include "engine/random.hpp"
 #include "tests/about.hpp"
+#include "tests/engine/estimation/chi_squared_band.hpp"
 
 #include <doctest/doctest.h>
 
@@ -227,7 +227,7 @@ TEST_SUITE("engine/signal/inertial_filter") {
     TEST_CASE("the error agrees with the filter's covariance after every kind of observation of a "
               "tumbling body, but not if it assumes ten times as much or as little noise") {
         constexpr int runs = 300;
-        const Band band = chi_squared_band(0.95, InertialFilter::size, runs);
+        const testing::Band band = testing::chi_squared_band(0.95, InertialFilter::size, runs);
         const double right = mean_error_of_tumbling(1, runs),
                      much = mean_error_of_tumbling(10, runs),
                      little = mean_error_of_tumbling(0.1, runs);

@@ -1,9 +1,9 @@
-#include "engine/estimation/chi_squared.hpp"
 #include "engine/estimation/constant_velocity.hpp"
 #include "engine/estimation/printed_filter.hpp"
 #include "engine/estimation/smoother.hpp"
 #include "engine/random.hpp"
 #include "tests/about.hpp"
+#include "tests/engine/estimation/chi_squared_band.hpp"
 
 #include <doctest/doctest.h>
 
@@ -12,6 +12,15 @@
 using namespace bris;
 
 namespace {
+
+/// Transition of position and velocity for an acceleration that is constant within T (s), with the
+/// variance s2, (m/s2)2, and independent from step to step (Kalata 1984).
+Transition constant_acceleration(int axes, double T, double s2) {
+    const double T2 = T * T;
+    return {
+        detail::for_each_axis(axes, 1, T, 0, 1),
+        detail::for_each_axis(axes, s2 * T2 * T2 / 4, s2 * T2 * T / 2, s2 * T2 * T / 2, s2 * T2)};
+}
 
 Matrix scalar(double x) { return Matrix::Constant(1, 1, x); }
 Vector numbers(std::initializer_list<double> list) {
@@ -251,8 +260,8 @@ TEST_SUITE("engine/signal/kalman") {
     TEST_CASE("errors and innovations agree with the filter's covariance, but not if it assumes "
               "ten times as much or as little noise") {
         constexpr int runs = 400;
-        const Band errors = chi_squared_band(0.95, 2, runs),
-                   innovations = chi_squared_band(0.95, 1, runs);
+        const testing::Band errors = testing::chi_squared_band(0.95, 2, runs),
+                            innovations = testing::chi_squared_band(0.95, 1, runs);
         const Consistency right = consistency(1, runs), much = consistency(10, runs),
                           little = consistency(0.1, runs);
         CHECK(errors.holds(right.estimate_error));
@@ -279,9 +288,9 @@ TEST_SUITE("engine/signal/kalman") {
     }
 
     TEST_CASE("chi-squared bands agree with tables") {
-        CHECK(chi_squared_band(0.95, 2, 50).low == about(1.484439).epsilon(1e-6));
-        CHECK(chi_squared_band(0.95, 2, 50).high == about(2.591224).epsilon(1e-6));
-        CHECK(chi_squared_band(0.999, 15, 1).high == about(39.718760).epsilon(1e-6));
+        CHECK(testing::chi_squared_band(0.95, 2, 50).low == about(1.484439).epsilon(1e-6));
+        CHECK(testing::chi_squared_band(0.95, 2, 50).high == about(2.591224).epsilon(1e-6));
+        CHECK(testing::chi_squared_band(0.999, 15, 1).high == about(39.718760).epsilon(1e-6));
     }
 
     TEST_CASE("a covariance stays positive over a million updates in single precision, where P - K "

@@ -109,7 +109,7 @@ TEST_SUITE("engine/checkpoint") {
             const TemporaryDirectory directory;
             const auto path = directory / "a.ckpt.h5";
             const auto make = [&] {
-                return start(bed({.grains = grains, .bodies = 30}),
+                return begin(bed({.grains = grains, .bodies = 30}),
                              {.dt = 2e-5, .law = LawName::linear_viscous});
             };
             Simulation sim = make();

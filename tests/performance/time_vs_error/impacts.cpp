@@ -2,7 +2,7 @@
 // included, so short runs cost alike; steps tell more. A linear dashpot sets in at once: of e = 0.2
 // the largest force is nearly that of the first touch, and the record of the first step, a mean
 // over the step times its share, is no measure of it (share_of_kick).
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/impact.hpp"
 #include "scenarios/verification/names.hpp"
 #include "scenarios/verification/peak.hpp"

@@ -1,7 +1,7 @@
 // S2: a rigid body that turns freely, against Jacobi's solution. S3: a gas of 64 smooth elastic
 // spheres, whose energy must stay.
 #include "engine/random.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/gas.hpp"
 #include "scenarios/verification/names.hpp"
 #include "scenarios/verification/top.hpp"

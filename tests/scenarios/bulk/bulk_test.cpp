@@ -38,7 +38,7 @@ Simulation filled_silo(double friction) {
     world.add_resource<Gravity>();
     world.add_resource<BedState>();
     Simulation simulation =
-        start(std::move(world), {.dt = step, .law = LawName::hertz_mindlin_viscous});
+        begin(std::move(world), {.dt = step, .law = LawName::hertz_mindlin_viscous});
     const bris::BedSettings settings{.step = step,
                                      .stiffness = softness,
                                      .friction = friction,

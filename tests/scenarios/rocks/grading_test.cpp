@@ -77,11 +77,10 @@ TEST_SUITE("build/grading") {
         }
     }
 
-    TEST_CASE("a volume of solids is met to half the finest rock, and clumps are used equally") {
+    TEST_CASE("rocks below a smallest size are left out, and clumps are used equally") {
         const std::vector<Clump> clumps = two_clumps();
         const Grading grading = read_grading(assets_folder() / "gradings" / "arema_4.csv");
-        const RockSample sample = sample_rock_volume(grading, clumps, 0.005, 1, 0.0127);
-        CHECK(std::abs(sample.solid_volume - 0.005) < 0.6 * clumps[1].volume * std::pow(0.0127, 3));
+        const RockSample sample = sample_rocks(grading, clumps, 500, 1, 0.0127);
         std::ptrdiff_t first = 0;
         for (const RockChoice& rock : sample.rocks) {
             first += rock.clump == 0;

@@ -47,9 +47,9 @@ std::vector<Row> rows_of_strays(const World& world, unsigned strays) {
 TEST_SUITE("build/retire") {
     TEST_CASE("bodies that retire leave no trace in the others' motion: same bits as if they had "
               "stayed") {
-        const RunSettings settings{.law = LawName::linear_viscous};
-        Simulation kept = start(bed_with_strays(7), settings),
-                   retired = start(bed_with_strays(7), settings);
+        const BenchSettings settings{.law = LawName::linear_viscous};
+        Simulation kept = begin(bed_with_strays(7), settings),
+                   retired = begin(bed_with_strays(7), settings);
         kept.advance(3000);
         retired.advance(1500); // springs are stretched by then
         const std::size_t before = retired.world().table<Bodies>().size();
@@ -66,9 +66,9 @@ TEST_SUITE("build/retire") {
 
     TEST_CASE(
         "a scene with retired bodies goes on from a snapshot in a scene that still had them") {
-        const RunSettings settings{.law = LawName::linear_viscous};
-        Simulation first = start(bed_with_strays(3), settings),
-                   second = start(bed_with_strays(3), settings);
+        const BenchSettings settings{.law = LawName::linear_viscous};
+        Simulation first = begin(bed_with_strays(3), settings),
+                   second = begin(bed_with_strays(3), settings);
         first.advance(500);
         retire_bodies(first.world(), rows_of_strays(first.world(), 3));
         first.prepare();

@@ -71,7 +71,7 @@ Shots shoot(const std::function<EntityId(World&, std::uint32_t)>& add_vessel,
         value_of<Velocity>(world, id) = speed * random.direction();
     }
     // a wall stops a sphere of 1.4 mg within v sqrt(m/kn) = 0.04 mm; a contact takes 9 steps
-    Simulation sim = start(
+    Simulation sim = begin(
         std::move(world),
         {.dt = dt,
          .law = LawName::linear_frictionless,

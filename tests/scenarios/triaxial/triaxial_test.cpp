@@ -386,7 +386,7 @@ TEST_SUITE("procedure/triaxial") {
                 CheckpointedRun checkpoint(common, short_test(), specimen, variant);
                 const ModelWatch watch{.progress = [&](const PhaseProgress&) {
                     ++block;
-                    if (block == last) checkpoint.checkpoint_every(0);
+                    if (block == last) checkpoint.timer() = CheckpointTimer(0);
                     if (block > last) throw Stop();
                 }};
                 CHECK(checkpoint.resume().has_value() == (block > 0));

@@ -11,7 +11,7 @@ using namespace bris::testing;
 TEST_SUITE("procedure/true_masses") {
     TEST_CASE("masses that were scaled and restored are the true ones, and the work of scaling and "
               "restoring adds up to zero") {
-        Simulation sim = start(bed({.grains = Grains::clumps, .bodies = 30}),
+        Simulation sim = begin(bed({.grains = Grains::clumps, .bodies = 30}),
                                {.dt = 2e-5, .law = LawName::linear});
         sim.world().table<Bodies>().add<ScalingWork>();
         sim.advance(2500);

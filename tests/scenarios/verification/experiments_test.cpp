@@ -1,5 +1,5 @@
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/cases.hpp"
 #include "scenarios/verification/chain.hpp"
 #include "scenarios/verification/crystal.hpp"

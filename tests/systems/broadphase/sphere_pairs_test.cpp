@@ -45,7 +45,7 @@ TEST_SUITE("broadphase/sphere_pairs") {
             world.resource<Limits>().overlap = 1e9;
             for (std::size_t k = 0; k < position.size(); ++k)
                 add_sphere(world, position[k], size[k], material);
-            Simulation sim = start(std::move(world), {.dt = 1e-9,
+            Simulation sim = begin(std::move(world), {.dt = 1e-9,
                                                       .law = LawName::linear_frictionless,
                                                       .lists = {.widest_ratio = ratio}});
             sim.advance();
@@ -63,7 +63,7 @@ TEST_SUITE("broadphase/sphere_pairs") {
             motion[0] = static_cast<std::uint32_t>(Motion::fixed);
             motion[1] = static_cast<std::uint32_t>(second);
             Simulation sim =
-                start(std::move(world), {.dt = 1e-9, .law = LawName::linear_frictionless});
+                begin(std::move(world), {.dt = 1e-9, .law = LawName::linear_frictionless});
             sim.advance();
             CHECK(sim.world().table<SpherePairs>().size() == (second == Motion::free ? 1 : 0));
         }

@@ -50,7 +50,7 @@ TEST_SUITE("systems/contact/list_contacts") {
         "every body knows its touching pairs, in the order of sums, while grains fall and settle") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             Simulation sim =
-                start(bed({.grains = grains, .walls = Walls::facets, .bodies = 40, .seed = 3}),
+                begin(bed({.grains = grains, .walls = Walls::facets, .bodies = 40, .seed = 3}),
                       {.dt = 2e-5, .law = LawName::linear_viscous});
             std::size_t most = 0;
             for (int k = 0; k < 300; ++k) {

@@ -28,7 +28,7 @@ TEST_SUITE("contact/mass_scaling") {
         World world = bed({.grains = Grains::clumps, .bodies = 30});
         const std::vector<double> weight(world.column<Bodies, Mass>().begin(),
                                          world.column<Bodies, Mass>().end());
-        Simulation sim = start(std::move(world), {.dt = 2e-5, .law = LawName::linear});
+        Simulation sim = begin(std::move(world), {.dt = 2e-5, .law = LawName::linear});
         sim.world().table<Bodies>().add<ScalingWork>();
         sim.advance(300); // still falling
         const double before = kinetic(sim);
@@ -58,7 +58,7 @@ TEST_SUITE("contact/mass_scaling") {
     }
 
     TEST_CASE("with the step left open, the scaled masses add up to the true ones") {
-        Simulation sim = start(bed({.grains = Grains::clumps, .bodies = 30}),
+        Simulation sim = begin(bed({.grains = Grains::clumps, .bodies = 30}),
                                {.dt = 2e-5, .law = LawName::linear});
         sim.advance(2500);
         double total = 0;

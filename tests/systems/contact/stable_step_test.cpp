@@ -27,7 +27,7 @@ Simulation on_floor(double ks, double dt) {
     value_of<Position>(world, ball) = Vec3(0, 0, radius - 1.001 * overlap);
     value_of<Velocity>(world, ball) = Vec3(1e-5, 0, 0);
     world.add_resource<Gravity>({Vec3(0, 0, -1000)});
-    return start(std::move(world), {.dt = dt});
+    return begin(std::move(world), {.dt = dt});
 }
 
 /// Whether the motion stays as small as it began.
@@ -54,7 +54,7 @@ double pair_estimate(double ratio) {
     const EntityId a = add_sphere(world, Vec3(0, 0, 0), radius, material);
     add_sphere(world, Vec3(0, 0, 1.9999 * radius), radius, material);
     const double mass = value_of<Mass>(world, a);
-    Simulation sim = start(std::move(world), {});
+    Simulation sim = begin(std::move(world), {});
     // sqrt 2 sqrt(m/kn), and 2/sqrt 7 = 0.7559 sqrt(m/ks)
     const double limit =
         std::min(std::sqrt(2 * mass / kn),
@@ -120,7 +120,7 @@ TEST_SUITE("contact/stable_step") {
         set_angular_velocity(world, body, Vec3(1e-3, 1e-3, 0));
         world.add_resource<Gravity>({Vec3(0, 0, -1000)});
         const Vec3 inertia = value_of<Inertia>(world, body);
-        Simulation sim = start(std::move(world), {});
+        Simulation sim = begin(std::move(world), {});
         const double step = estimate(sim);
         // four springs: heave 4k/m, pitch 4 k x^2 / I_y, roll 4 k y^2 / I_x
         const double largest =
@@ -140,7 +140,7 @@ TEST_SUITE("contact/stable_step") {
             const auto material = add_material(world, linear_material(kn, ratio * kn, 1));
             const EntityId a = add_sphere(world, Vec3::Zero(), radius, material);
             const double mass = value_of<Mass>(world, a);
-            Simulation sim = start(std::move(world), {});
+            Simulation sim = begin(std::move(world), {});
             CHECK(std::isinf(stable_step(sim.world())));
             const double limit =
                 std::min(std::sqrt(2 * mass / kn),

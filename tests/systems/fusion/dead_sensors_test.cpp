@@ -1,8 +1,8 @@
 // Sensors that fail during a run, or whose samples are all rejected, must not change the motion.
 
 #include "engine/random.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/observed.hpp"
-#include "scenarios/stability/scenes.hpp"
 #include "systems/fusion/fuse.hpp"
 
 #include <doctest/doctest.h>
@@ -23,10 +23,10 @@ constexpr EntityId another = 39; // two or three layers above the hosts
 
 using Samples = std::vector<std::vector<TimedMeasurement>>;
 
-stress::Tumble bed() { return {.grains = Grains::clumps, .bodies = 40}; }
+Tumble bed() { return {.grains = Grains::clumps, .bodies = 40}; }
 
 Simulation start(World world) {
-    return stress::begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
+    return begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
 }
 
 /// Samples of the sensors of a tumbling bed, and those that a sensor in another rock would record.
@@ -36,14 +36,14 @@ struct Recorded {
 };
 
 Recorded record() {
-    Simulation truth = start(stress::tumbling(bed()));
+    Simulation truth = start(tumbling(bed()));
     Random random(5, 0);
     Recorded r;
     for (unsigned k = 1; k <= all_of_them; ++k) {
         truth.advance(steps_each);
         for (std::size_t s = 0; s < hosts.size(); ++s)
-            r.of_hosts[s].push_back({interval * k, stress::observed(truth, hosts[s], random)});
-        r.of_another.push_back({interval * k, stress::observed(truth, another, random)});
+            r.of_hosts[s].push_back({interval * k, observed(truth, hosts[s], random)});
+        r.of_another.push_back({interval * k, observed(truth, another, random)});
     }
     return r;
 }
@@ -103,7 +103,7 @@ struct Method {
 };
 
 Simulation with_sensors(Samples samples, const Method& method = {}) {
-    World world = stress::tumbling(bed());
+    World world = tumbling(bed());
     add_sensors(world, {hosts.begin(), hosts.end()}, std::move(samples),
                 {.position = 1e-4,
                  .velocity = 0.1,
@@ -178,8 +178,7 @@ TEST_SUITE("systems/fusion/dead_sensors") {
 
     TEST_CASE("if all samples are rejected, clumps move as without sensors, to the last bit") {
         const Recorded recorded = record();
-        Simulation alone = start(stress::tumbling(bed())),
-                   dead = with_sensors(up_to(recorded, 0, true)),
+        Simulation alone = start(tumbling(bed())), dead = with_sensors(up_to(recorded, 0, true)),
                    looking_back = with_sensors(up_to(recorded, 0, true), {.lag = 4}),
                    assimilated = with_sensors(up_to(recorded, good_ones, false));
         for (Simulation* sim : {&alone, &dead, &looking_back, &assimilated})

@@ -2,7 +2,7 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "engine/signal/attitude.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/collide.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/fusion/correct.hpp"
@@ -63,7 +63,7 @@ Simulation pair(std::vector<TimedMeasurement> samples, unsigned injection_steps,
     (void)add_sphere(world, Vec3(0, 0, 0), 0.01, m);
     (void)add_sphere(world, Vec3(distance, 0, 0), 0.01, m, Motion::fixed);
     add_sensors(world, {0}, {std::move(samples)}, settings, injection_steps);
-    return begin(std::move(world), LawName::linear, 1e-5);
+    return begin(std::move(world), {.dt = 1e-5, .law = LawName::linear, .unlimited = true});
 }
 
 Fusion& fusion_of(Simulation& sim) { return sim.world().resource<Fusion>(); }
@@ -238,7 +238,8 @@ TEST_SUITE("systems/fusion/fuse") {
             (void)add_floor(world, m);
             world.add_resource<Gravity>();
             if (with_sensors) add_sensors(world, {3, 17}, {{}, {}}, {}, 10);
-            Simulation sim = begin(std::move(world), LawName::linear, 2e-5);
+            Simulation sim =
+                begin(std::move(world), {.dt = 2e-5, .law = LawName::linear, .unlimited = true});
             sim.advance(2000);
             return fingerprint(sim.snapshot(), "bodies/position");
         };
@@ -277,7 +278,8 @@ TEST_SUITE("systems/fusion/fuse") {
         (void)add_sphere(world, Vec3::Zero(), 0.01,
                          world.resource<Materials>().add(linear_material(1e5)));
         world.resource<Materials>().mix();
-        const Simulation sim = begin(std::move(world), LawName::linear, dt);
+        const Simulation sim =
+            begin(std::move(world), {.dt = dt, .law = LawName::linear, .unlimited = true});
         const Simulation fused = pair({at(1, Vec3::Zero())}, 1);
         const auto runs = [](const Simulation& s, const std::string& system) {
             const std::string text = const_cast<Simulation&>(s).schedule().explain();

@@ -1,6 +1,5 @@
 #include "engine/signal/attitude.hpp"
-#include "scenarios/stability/scenes.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/nudging.hpp"
 #include "systems/output/quantities.hpp"
@@ -27,17 +26,19 @@ Simulation ball(double dt, double other = 1, bool energy_budget = false) {
     (void)add_sphere(world, Vec3::Zero(), 0.01, m);
     (void)add_sphere(world, Vec3(other, 0, 0), 0.01, m, Motion::fixed);
     add_sensors(world, {0}, {{}}, {});
-    return begin(std::move(world), LawName::linear, dt, energy_budget);
+    return begin(
+        std::move(world),
+        {.dt = dt, .law = LawName::linear, .energy_budget = energy_budget, .unlimited = true});
 }
 
 Simulation rock(double dt) {
     World world = make_world(Grains::clumps);
     const auto m = world.resource<Materials>().add(linear_material(1e5, 8e4, 0.5));
     world.resource<Materials>().mix();
-    (void)add_clump(world, scaled(stress::small_rock(), 0.01), 0, Vec3::Zero(),
+    (void)add_clump(world, scaled(small_rock(), 0.01), 0, Vec3::Zero(),
                     exponential_map(Vec3(0.2, -0.4, 0.3)), m);
     add_sensors(world, {0}, {{}}, {});
-    return begin(std::move(world), LawName::linear, dt);
+    return begin(std::move(world), {.dt = dt, .law = LawName::linear, .unlimited = true});
 }
 
 double mass_of(Simulation& sim) { return value_of<InertialMass>(sim, 0); }

@@ -1,5 +1,5 @@
 #include "engine/random.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/spread.hpp"
@@ -40,7 +40,7 @@ struct Chain {
             (void)add_sphere(world, Vec3(k * apart, 0, 0), radius, m,
                              k + 1 == count ? Motion::fixed : Motion::free);
         add_sensors(world, {0}, {{}}, {}, 10);
-        return begin(std::move(world), LawName::linear, 1e-6);
+        return begin(std::move(world), {.dt = 1e-6, .law = LawName::linear, .unlimited = true});
     }
     Vec3 displacement(EntityId ball) {
         const CorrectionRow& c = value_of<Correction>(sim, ball);
@@ -55,14 +55,14 @@ struct Grain {
 
 /// Balls with friction, some of them with sensors. After one step all contact forces are known.
 Simulation with_sensors(const std::vector<Grain>& balls, const std::vector<EntityId>& sensors,
-                        const bris::testing::RunSettings& settings = {.dt = 1e-6}) {
+                        const BenchSettings& settings = {.dt = 1e-6}) {
     World world = make_world(Grains::spheres);
     const auto m = world.resource<Materials>().add(linear_material(kn, ks, 0.5));
     world.resource<Materials>().mix();
     for (const Grain& b : balls)
         (void)add_sphere(world, b.position, radius, m, b.free ? Motion::free : Motion::fixed);
     add_sensors(world, sensors, std::vector<std::vector<TimedMeasurement>>(sensors.size()), {}, 10);
-    return bris::testing::start(std::move(world), settings);
+    return begin(std::move(world), settings);
 }
 
 void correct(Simulation& sim, EntityId ball, const Vec3& shift, const Vec3& turn) {

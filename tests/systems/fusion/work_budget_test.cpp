@@ -1,5 +1,5 @@
 #include "engine/errors.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/spread.hpp"
@@ -28,7 +28,9 @@ struct Squeezed {
         for (const double x : {-0.0199, 0.0199})
             (void)add_sphere(world, Vec3(x, 0, 0), 0.01, m, Motion::fixed);
         add_sensors(world, {0}, {{}}, {}, steps);
-        Simulation sim = begin(std::move(world), LawName::linear, dt, true);
+        Simulation sim =
+            begin(std::move(world),
+                  {.dt = dt, .law = LawName::linear, .energy_budget = true, .unlimited = true});
         set_work_budget(sim.world(), share);
         return sim;
     }

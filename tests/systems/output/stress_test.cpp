@@ -24,7 +24,7 @@ TEST_SUITE("systems/output/stress") {
             value_of<Position>(world, ball) = Vec3(0, 0, top);
         }
         world.add_resource<Gravity>({Vec3(0, 0, -g)});
-        Simulation sim = start(std::move(world), {.dt = 1e-9});
+        Simulation sim = begin(std::move(world), {.dt = 1e-9});
         sim.advance();
         const Stresses s = compute_stresses(sim.world());
         // sum of force times branch: 3 mg on the floor, 2 mg and mg above
@@ -42,7 +42,7 @@ TEST_SUITE("systems/output/stress") {
         const auto material = add_material(world, linear_material(1e6, 0, 0));
         add_sphere(world, Vec3(0, 0, 1), 0.01, material);
         world.add_resource<Gravity>({Vec3(0, 0, -9.81)});
-        Simulation sim = start(std::move(world), {.dt = 1e-6});
+        Simulation sim = begin(std::move(world), {.dt = 1e-6});
         sim.advance();
         CHECK(!(compute_stresses(sim.world()).mismatch() <= 0.5));
     }

@@ -1,4 +1,4 @@
-#include "scenarios/triaxial/equilibrium.hpp"
+#include "scenarios/specimens/equilibrium.hpp"
 
 #include "engine/clock.hpp"
 #include "engine/errors.hpp"

@@ -1,27 +1,35 @@
-#include "scenarios/stability/scenes.hpp"
+#include "scenarios/specimens/bench.hpp"
 
+#include "components/membrane.hpp"
+#include "components/platen.hpp"
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
-#include "scenarios/triaxial/equilibrium.hpp"
+#include "scenarios/specimens/equilibrium.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/energy_budget.hpp"
 #include "systems/steps.hpp"
 
 #include <array>
 #include <cmath>
+#include <limits>
 
-namespace bris::stress {
+namespace bris {
 
 namespace {
 constexpr double tumble_pitch = 0.0187; // m, of the places at the start
 } // namespace
 
-Simulation begin(World world, const Setup& s) {
+Simulation begin(World world, const BenchSettings& s) {
     world.resource<Clock>().dt = s.dt;
+    if (s.unlimited) {
+        Limits& limits = world.resource<Limits>();
+        limits.overlap = 2; // of the mean radius: one sphere within the other
+        limits.speed = std::numeric_limits<double>::max();
+    }
     add_lists(world, s.law, s.lists);
     if (s.energy_budget) add_energy_budget(world);
     ScheduleSettings schedule = s.schedule;
-    schedule.least_rows = 0; // small as the scene is, the threads are what is tried
+    schedule.least_rows = 0;
     Simulation simulation(std::move(world), steps(s.law, s.energy_budget), s.threads, schedule);
     simulation.on_restore(forget_lists);
     return simulation;
@@ -34,6 +42,41 @@ EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, std::uin
         add_facet(world, host, {{corner, corner + u, corner + u + v, corner + u + v}});
         add_facet(world, host, {{corner, corner + u + v, corner + v, corner + v}});
     });
+    return host;
+}
+
+EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, int n,
+                       std::uint32_t material) {
+    const EntityId host =
+        add_boundary(world, Vec3::Zero(), material, Motion::fixed, high.norm() + low.norm());
+    for_sides_of_box(low, high, [&](const Vec3& corner, const Vec3& u, const Vec3& v) {
+        for (int j = 0; j < n; ++j)
+            for (int i = 0; i < n; ++i) {
+                const auto at = [&](int a, int b) -> Vec3 {
+                    return corner + u * a / n + v * b / n;
+                };
+                add_facet(world, host, {{at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)}});
+            }
+    });
+    return host;
+}
+
+EntityId add_facet_floor(World& world, double low, double high, int n, std::uint32_t material) {
+    const EntityId host = add_boundary(world, Vec3::Zero(), material, Motion::fixed, 2 * high);
+    const auto at = [&](int i) { return low + (high - low) * i / n; };
+    for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i)
+            add_facet(world, host,
+                      {{Vec3(at(i), at(j), 0), Vec3(at(i + 1), at(j), 0),
+                        Vec3(at(i + 1), at(j + 1), 0), Vec3(at(i), at(j + 1), 0)}});
+    return host;
+}
+
+EntityId add_triangle_floor(World& world, double low, double high, std::uint32_t material) {
+    const EntityId host = add_boundary(world, Vec3::Zero(), material, Motion::fixed, 2 * high);
+    const Vec3 a(low, low, 0), b(high, low, 0), c(high, high, 0), d(low, high, 0);
+    add_facet(world, host, {{a, b, c, c}});
+    add_facet(world, host, {{a, c, d, d}});
     return host;
 }
 
@@ -119,15 +162,54 @@ std::string refusal_of(const std::function<void()>& work) {
     return "";
 }
 
-double mean_radius(const World& world) {
-    const Table& bodies = world.table<Bodies>();
-    double sum = 0, count = 0;
-    for (Row b = 0; b < bodies.size(); ++b) {
-        if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free)) continue;
-        sum += bodies.column<BoundingRadius>()[b];
-        ++count;
-    }
-    return sum / count;
+World bed(const BenchBed& s) {
+    const Tumble tumble{
+        .grains = s.grains, .bodies = s.bodies, .seed = s.seed, .walls = s.walls == Walls::planes};
+    World world = tumbling(tumble);
+    if (s.walls == Walls::facets) add_facet_box(world, Vec3::Zero(), box_of(tumble), 4, 1);
+    return world;
 }
 
-} // namespace bris::stress
+void add_tube(World& world, const TubeSettings& s, std::uint32_t material) {
+    Membrane membrane;
+    membrane.rings = s.rings;
+    membrane.sectors = s.sectors;
+    membrane.ring_height = s.height / s.rings;
+    membrane.target_pressure = s.pressure;
+    membrane.contact_stiffness = s.contact_stiffness;
+    membrane.largest_step = 1e-4 * s.radius;
+    add_membrane(world, std::move(membrane), s.radius, material);
+    const EntityId bottom = add_boundary(world, Vec3::Zero(), material);
+    const EntityId top = add_boundary(world, Vec3(0, 0, s.height), material, Motion::servo);
+    add_plane(world, bottom, Vec3::Zero(), Vec3(0, 0, 1));
+    Platen platen;
+    platen.plane = add_plane(world, top, Vec3::Zero(), Vec3(0, 0, -1));
+    world.add_resource(platen);
+}
+
+Touch touch_of(const World& world) {
+    Touch t;
+    for_each_kind_of_pair([&]<class Pairs>() {
+        for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
+            const Vec3 force(p.force.fx, p.force.fy, p.force.fz);
+            ++t.pairs;
+            t.overlap = std::max(t.overlap, p.force.overlap);
+            t.normal_force += p.force.normal_force;
+            t.force += force;
+            t.spring = p.spring;
+            const double n = p.force.normal_force,
+                         shear = std::sqrt(std::max(0.0, force.squaredNorm() - n * n));
+            if (n > 0) t.friction_ratio = std::max(t.friction_ratio, shear / n);
+        }
+    });
+    return t;
+}
+
+double free_kinetic_energy(World& world, EntityId body) {
+    const Vec3& w = value_of<AngularVelocity>(world, body);
+    return 0.5 *
+           (value_of<InertialMass>(world, body) * value_of<Velocity>(world, body).squaredNorm() +
+            w.dot(angular_momentum(world, body, w)));
+}
+
+} // namespace bris
