@@ -73,7 +73,7 @@ void compare_displacements(const std::vector<Recording>& recordings,
                            std::vector<Finding>& findings);
 
 bool is_stuck(const Inspection& at, const char* what, const auto& values, double noise) {
-    if (noise <= 0) return false; // declared to have none
+    if (noise <= 0) return false; // declared to have no noise
     const auto same = [](const auto& a, const auto& b) {
         if constexpr (requires { a.coeffs(); })
             return a.coeffs() == b.coeffs();
@@ -87,7 +87,8 @@ bool is_stuck(const Inspection& at, const char* what, const auto& values, double
     const double rate = at.recording.info.sampling_rate,
                  stuck = static_cast<double>(longest) / rate;
     if (stuck <= std::max(at.limits.stuck, 3 / rate)) return false;
-    at.refuse("stuck", fmt::format("{} stays the same for {:.3g} s, expected noise", what, stuck));
+    at.refuse("stuck",
+              fmt::format("{}: expected noise, found the same value for {:.3g} s", what, stuck));
     return true;
 }
 

@@ -20,7 +20,7 @@
 
 using namespace bris;
 
-TEST_SUITE("build/clump_library") {
+TEST_SUITE("rocks/clump_library") {
     TEST_CASE("the library has ten rocks of thirty balls and a cube, all of sieve size one") {
         const std::vector<Clump> clumps = read_clumps(assets_folder() / "clumps");
         REQUIRE(clumps.size() == 11);
@@ -69,7 +69,7 @@ TEST_SUITE("build/clump_library") {
     }
 }
 
-TEST_SUITE("build/fit_spheres") {
+TEST_SUITE("rocks/fit_spheres") {
     TEST_CASE("a fit keeps volume and moments and lies near the surface") {
         const Polyhedron rock = make_rock({.flat_elongated = 1.6, .faces = 12}, 4, 1);
         std::vector<Ball> balls = fit_spheres(rock, 1.0, {.rounds = 15}, 1);

@@ -37,7 +37,7 @@ Grading grading_of(const std::string& rows) {
 
 } // namespace
 
-TEST_SUITE("build/grading") {
+TEST_SUITE("rocks/grading") {
     TEST_CASE("every AREMA size is read, and its middle curve inverts") {
         int count = 0;
         for (const auto& entry :

@@ -33,7 +33,7 @@ std::vector<Ball> reference_clump() {
 
 } // namespace
 
-TEST_SUITE("build/mass_properties") {
+TEST_SUITE("rocks/mass_properties") {
     TEST_CASE("a single ball has the volume and inertia of a ball wherever it is") {
         const std::vector<Ball> balls{{Vec3(10, -20, 5), 0.5}};
         const MassProperties mass = union_properties(balls);

@@ -10,7 +10,7 @@
 
 using namespace bris;
 
-TEST_SUITE("systems/build/nearest_point") {
+TEST_SUITE("rocks/nearest_point") {
     TEST_CASE("the nearest point by the tree is the nearest of all") {
         Random random(4, 0);
         const auto somewhere = [&]() -> Vec3 {

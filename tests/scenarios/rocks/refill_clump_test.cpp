@@ -11,7 +11,7 @@
 
 using namespace bris;
 
-TEST_SUITE("build/refill_clump") {
+TEST_SUITE("rocks/refill_clump") {
     TEST_CASE("the surface of one ball is that of the polyhedron in it") {
         Clump ball{.name = "ball",
                    .balls = {{Vec3(0.1, 0, 0), 1}},

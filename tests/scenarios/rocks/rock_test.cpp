@@ -47,7 +47,7 @@ std::string binary_stl(const Polyhedron& solid) {
 
 } // namespace
 
-TEST_SUITE("build/rock") {
+TEST_SUITE("rocks/rock") {
     TEST_CASE("a cube has its closed-form measures") {
         const Polyhedron cube = make_cube(2);
         const MassProperties mass = mass_properties(cube);
@@ -114,7 +114,7 @@ TEST_SUITE("build/rock") {
     }
 }
 
-TEST_SUITE("build/read_mesh") {
+TEST_SUITE("rocks/read_mesh") {
     TEST_CASE("a tetrahedron from OBJ has volume one sixth, inside out or not") {
         const auto path = written("tetrahedron.obj", tetrahedron + "f 2 3 4\n");
         CHECK(mass_properties(read_mesh(path)).volume == about(1.0 / 6).epsilon(1e-14));

@@ -55,7 +55,7 @@ std::string said_of_start(double apart, double high, bool facets) {
 
 } // namespace
 
-TEST_SUITE("build/check_scene") {
+TEST_SUITE("specimens/check_scene") {
     TEST_CASE("a sound scene is accepted under every law") {
         for (const LawName law : {LawName::linear, LawName::linear_viscous, LawName::linear_rolling,
                                   LawName::hertz_mindlin, LawName::hertz_mindlin_rolling})

@@ -27,7 +27,7 @@ World squeezed(double overlap, double room) {
 
 } // namespace
 
-TEST_SUITE("procedure/relax") {
+TEST_SUITE("specimens/relax") {
     TEST_CASE("a squeezed lattice comes to rest with small overlaps, and never moves with more "
               "than it has stored") {
         for (const LawName law : {LawName::linear, LawName::hertz_mindlin})

@@ -44,7 +44,7 @@ std::vector<Row> rows_of_strays(const World& world, unsigned strays) {
 
 } // namespace
 
-TEST_SUITE("build/retire") {
+TEST_SUITE("specimens/retire") {
     TEST_CASE("bodies that retire leave no trace in the others' motion: same bits as if they had "
               "stayed") {
         const RunSettings settings{.law = LawName::linear_viscous};

@@ -32,7 +32,7 @@ bool has(const std::string& text, const std::string& part) {
 
 } // namespace
 
-TEST_SUITE("build/sensor_rocks") {
+TEST_SUITE("specimens/sensor_rocks") {
     TEST_CASE("ten sensor rocks stand at the interfaces of the lifts, clear of each other and of "
               "the membrane") {
         const auto poses = smart_rock_poses(room, 1, smart_rock_count(room));

@@ -87,7 +87,7 @@ Shots shoot(const std::function<EntityId(World&, std::uint32_t)>& add_vessel,
 
 } // namespace
 
-TEST_SUITE("build/vessels") {
+TEST_SUITE("specimens/vessels") {
     TEST_CASE("a polygonal silo with its plate holds what the round one holds, and has no gap") {
         for (const unsigned sectors : {8u, 64u, 128u}) {
             const auto closed = joined(joined(joined(shell({0.03, 0, 0.1, 0.07}, sectors),
