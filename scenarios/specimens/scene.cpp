@@ -184,7 +184,8 @@ Row row_of_body(const World& world, EntityId body) {
     const auto ids = world.column<Bodies, BodyId>();
     for (Row r = 0; r < ids.size(); ++r)
         if (ids[r] == body) return r;
-    throw InputError("body " + std::to_string(body) + ": expected a body with this id, found none");
+    throw InputError("scene: expected a body of the given id, found none with id " +
+                     std::to_string(body));
 }
 
 Vec3 angular_momentum(const World& world, EntityId body, const Vec3& angular_velocity) {
