@@ -140,8 +140,7 @@ bool check_everything(const std::vector<Gone>& all, double strain, std::vector<F
         findings.push_back(
             {Finding::Kind::refusal, g.recording->info.id, "frame",
              fmt::format("at {:.3f} % of axial strain expected a median displacement of all sensor "
-                         "rocks of "
-                         "about {:.1f} mm downwards, found one {} of {:.1f} mm: {}",
+                         "rocks of about {:.1f} mm downwards, found one {} of {:.1f} mm: {}",
                          100 * strain, 1e3 * down,
                          upwards ? "upwards" : fmt::format("along {}", name_of(side)),
                          1e3 * down * (upwards ? share.z() : share[side]),

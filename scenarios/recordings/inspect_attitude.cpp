@@ -77,8 +77,8 @@ void check_upwards(const Inspection& at, const Vec3& gravity) {
         "attitude",
         fmt::format(
             "inconsistent with gravity: expected the force, rotated by the attitude, to point "
-            "upwards as at rest within {:.0f} degrees, found more in {} of {} samples, up to "
-            "{:.0f} degrees",
+            "upwards as at rest within {:.0f} degrees, found larger deviations in {} of {} "
+            "samples, up to {:.0f} degrees",
             limit, outliers, compared, farthest));
 }
 

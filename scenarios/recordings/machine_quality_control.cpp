@@ -102,8 +102,8 @@ public:
         reject(
             wild, all.size(),
             fmt::format(
-                "expected a value near {:.4g} as its neighbours, found {:.4g} at {:.4g} % of axial "
-                "strain",
+                "expected a value near {:.4g} as in neighbouring records, found {:.4g} at {:.4g} % "
+                "of axial strain",
                 beside[*first], values_[k], 100 * strain_[k]));
     }
 

@@ -249,8 +249,7 @@ Vec4 mismatch(const MassProperties& target, const Mat3& axes, std::span<const Ba
     return result;
 }
 
-/// Spheres after a change: a length added to every radius, and a stretch of the centres along each
-/// axis.
+/// Spheres with a length added to every radius and their centres stretched along each axis.
 std::vector<Ball> deformed(std::span<const Ball> balls, const Vec3& centre, const Mat3& axes,
                            const Vec4& change, double size) {
     std::vector<Ball> result;

@@ -54,8 +54,7 @@ double surface_area(const Polyhedron& solid) {
     return area;
 }
 
-/// Computes the row of the report for one clump; `balls` are in the frame of the solid, which has
-/// sieve size 1.
+/// Computes the row of the report for one clump. `balls`: in the frame of the solid, sieve size 1.
 LibraryRow compare(const std::string& name, const Polyhedron& solid, const std::vector<Ball>& balls,
                    const LibrarySettings& settings) {
     LibraryRow row;

@@ -38,8 +38,7 @@ std::vector<Plane> scattered_planes(const RockSettings& settings, Random& random
     return planes;
 }
 
-/// Vertices of the intersection: every point on three planes that no plane cuts off. O(n⁴), n
-/// <= 60.
+/// Vertices of the intersection: points on three planes that no plane cuts off. O(n⁴), n <= 60.
 std::vector<Vec3> corners(const std::vector<Plane>& planes) {
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < planes.size(); ++i)
@@ -89,8 +88,7 @@ Polyhedron enclosed(const std::vector<Plane>& planes) {
     return rock;
 }
 
-/// Rotates the polyhedron such that its longest, intermediate and shortest dimensions lie along x,
-/// y, z.
+/// Rotates the polyhedron: its longest, intermediate and shortest dimensions lie along x, y, z.
 Dimensions align(Polyhedron& rock) {
     const Dimensions dimensions = compute_dimensions(vertex_balls(rock));
     for (Vec3& vertex : rock.vertices) vertex = (dimensions.axes.transpose() * vertex).eval();

@@ -340,7 +340,7 @@ TEST_SUITE("procedure/live_test") {
              1},
             {"deviatoric_stress_Pa", [](double q, long k) { return k == 15 ? 10 * q : q; }, 0.0016,
              "deviatoric_stress_Pa: 1 of 17 records left out: expected a value near 5.507e+04 as "
-             "its neighbours, found 5.276e+05",
+             "in neighbouring records, found 5.276e+05",
              1},
             {"deviatoric_stress_Pa", [](double q, long) { return 1e-3 * q; }, 0.0022,
              "refused: deviatoric_stress_Pa: expected at least 1100 Pa beyond 0.2 % of axial "
