@@ -37,7 +37,7 @@ struct Interval {
     double low, high;
 };
 
-/// A ball cut by the plane of one x: a disc in y, z.
+/// Intersection of a sphere with a plane of constant x: a disc in y, z.
 struct Disc {
     double y, z, radius_squared;
 };

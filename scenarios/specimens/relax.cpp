@@ -84,7 +84,7 @@ void part_coincident(World& world) {
 }
 
 struct Deepest {
-    double overlap = 0; ///< of the mean diameter
+    double overlap = 0; ///< relative to the mean diameter
     PairNames names{nobody, nobody, 0, 0};
 };
 

@@ -31,7 +31,7 @@ void keep_rows(Table& table, Stays&& stays) {
     table.resize(kept.size());
 }
 
-/// New numbers from 0 on, in the order of the old ones, for the ids that stay.
+/// New ids from 0 without gaps, in the order of the old ones, for the ids that stay.
 template <class Stays>
 std::vector<EntityId> close_up(std::size_t ids, Stays&& stays) {
     std::vector<EntityId> name(ids, nobody);
