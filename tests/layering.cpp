@@ -77,7 +77,7 @@ constexpr std::array rooms{"rocks", "specimens",    "recordings",   "triaxial",
 
 bool may_include_room(const std::string& file, const std::string& target) {
     const auto order = [](const std::string& path) {
-        return std::ranges::find(rooms, room(path)) - rooms.begin();
+        return static_cast<std::size_t>(std::ranges::find(rooms, room(path)) - rooms.begin());
     };
     const auto is_executable = [](const std::string& path) {
         return std::ranges::count(path, '/') == 1;

@@ -20,7 +20,7 @@ constexpr const char* group = "/bench";
 
 std::string named(const char* dataset) { return fmt::format("{}/{}", group, dataset); }
 
-/// Area over that at the start, point by point.
+/// Current area relative to that at the start, point by point.
 std::vector<double> areas_of(const std::vector<TriaxialPoint>& points) {
     std::vector<double> areas;
     double volume = 0;
@@ -39,8 +39,9 @@ public:
                             path.string(), group));
         require_dataset("time");
         const auto shape = file_.shape(named("time"));
-        require(shape.size() == 1, fmt::format("{}: expected numbers in one dimension, found {}",
-                                               at("time"), in_words(shape)));
+        require(shape.size() == 1,
+                fmt::format("{}: expected a one-dimensional array of numbers, found {}", at("time"),
+                            in_words(shape)));
         records_ = shape.front();
     }
 
@@ -53,14 +54,14 @@ public:
                                           file_.path().string(), group, records_));
         for (std::size_t k = 0; k < records_; ++k) require_number("confining", k, confining);
         require(std::abs(median(confining) / pressure - 1) < 0.05,
-                fmt::format("{}: expected near {:g} Pa, found {:g}", at("confining"), pressure,
-                            median(confining)));
+                fmt::format("{}: expected a median of {:g} Pa within 5 %, found {:g}",
+                            at("confining"), pressure, median(confining)));
         const auto rings = rings_of();
         Bench bench;
         for (std::size_t k = 0; k < records_; ++k) {
             require_number("time", k, time, k == 0 || time[k] > time[k - 1]);
             require(!(strain[k] >= 1),
-                    fmt::format("{}[{}]: expected below 1, found {}: is it in per cent?",
+                    fmt::format("{}[{}]: expected a number below 1, found {}: is it in per cent?",
                                 at("strain"), k, strain[k]));
             require_number("strain", k, strain, k == 0 || strain[k] > strain[k - 1]);
             require_number("force", k, force);
@@ -92,8 +93,9 @@ private:
     std::vector<double> numbers(const char* dataset) const {
         require_dataset(dataset);
         auto all = file_.read<double>(named(dataset));
-        require(all.size() == records_, fmt::format("{}: expected {} numbers as of time, found {}",
-                                                    at(dataset), records_, all.size()));
+        require(all.size() == records_,
+                fmt::format("{}: expected {} numbers, as many as in time, found {}", at(dataset),
+                            records_, all.size()));
         return all;
     }
     std::optional<std::vector<double>> optional_numbers(const char* dataset) const {
@@ -104,7 +106,7 @@ private:
         if (!file_.has(named("ring_radius"))) return {};
         const auto shape = file_.shape(named("ring_radius"));
         require(shape.size() == 2 && shape[0] == records_,
-                fmt::format("{}: expected {} rows of the rings' radii, found {}", at("ring_radius"),
+                fmt::format("{}: expected {} rows of ring radii, found {}", at("ring_radius"),
                             records_, in_words(shape)));
         return file_.read<double>(named("ring_radius"));
     }
@@ -126,7 +128,7 @@ private:
     void require_number(const char* dataset, std::size_t k, const std::vector<double>& all,
                         bool grows) const {
         require_number(dataset, k, all);
-        require(grows, fmt::format("{}[{}]: expected numbers that grow, found {}", at(dataset), k,
+        require(grows, fmt::format("{}[{}]: expected increasing numbers, found {}", at(dataset), k,
                                    all[k]));
     }
 

@@ -10,29 +10,31 @@ namespace bris {
 
 namespace {
 
-constexpr std::size_t fewest = 4;         // others, from which what rocks do can be told
-constexpr double seen = 5, well_seen = 8; // scatters of the others, that a rock should have gone
-constexpr double hardly =
-    0.3; // of what it should have gone; of all rocks so seen in fifty tests of 400, none went less
-constexpr double common_way = 1e-3; // m, that rocks should have gone before all are judged
+constexpr std::size_t fewest = 4; // other rocks needed for a trend
+// expected displacement of a rock from which it is judged, relative to the scatter of the others
+constexpr double seen = 5, well_seen = 8;
+// share of the expected displacement below which a rock is refused: no rock judged in fifty tests
+// with 400 rocks moved less
+constexpr double hardly = 0.3;
+constexpr double common_way = 1e-3; // m, expected displacement from which all rocks are judged
 
 const char* name_of(Eigen::Index axis) { return axis == 0 ? "x" : axis == 1 ? "y" : "z"; }
 
-/// The last strain that a recording knows of; NaN: none.
+/// The last known strain of a recording; NaN: none.
 double last_strain(const Recording& r) {
     const auto known = std::find_if(r.strain.rbegin(), r.strain.rend(),
                                     [](double strain) { return std::isfinite(strain); });
     return known == r.strain.rend() ? std::nan("") : *known;
 }
 
-/// Where a rock went from its start, by one strain.
+/// Displacement of a rock from its start at one strain.
 struct Gone {
     const Recording* recording;
     Vec3 displacement;
     double height() const { return recording->info.z; }
 };
 
-/// The median of the last three samples up to a strain, less that at rest.
+/// The median of the last three samples up to a strain, minus the median at rest.
 std::optional<Gone> gone(const Recording& r, double strain) {
     std::vector<Vec3> rest, last;
     for (std::size_t k = 0; k < r.size(); ++k) {
@@ -46,10 +48,10 @@ std::optional<Gone> gone(const Recording& r, double strain) {
     return Gone{&r, median(last) - (rest.empty() ? Vec3(Vec3::Zero()) : median(rest))};
 }
 
-/// Vertical displacement by height, and the scatter about it; by medians of slopes, so that one
-/// that is wrong moves it little.
+/// Linear trend of the vertical displacement over height and the scatter about it, m. It uses
+/// medians of slopes, so that a wrong recording changes it little.
 struct Trend {
-    double low, high; ///< m, of the heights that it is known for
+    double low, high; ///< m, range of heights for which it is known
     double at_base, slope, scatter;
     double at(double height) const { return at_base + slope * height; }
 };
@@ -81,13 +83,14 @@ Trend trend_of(const std::vector<Gone>& all, std::size_t without) {
         off.push_back(std::abs(g.displacement.z() - trend.at(g.height())));
         sizes.push_back(std::abs(g.displacement.z()));
     });
-    // few that agree by chance must not make the others look wrong
+    // a lower bound: a few rocks that agree by chance must not make the others look wrong
     trend.scatter = std::max(
         {deviation_of_median(median(std::move(off))), 0.15 * median(std::move(sizes)), 2 * noise});
     return trend;
 }
 
-/// The horizontal axis along which a rock went as far as it should have gone down, either way.
+/// The horizontal axis along which a rock moved, in either direction, as far as it should have
+/// moved down.
 std::optional<Eigen::Index> axis_instead(const Vec3& displacement, double expected) {
     for (const Eigen::Index axis : {0, 1})
         if (std::abs(std::abs(displacement[axis] / expected) - 1) < hardly) return axis;
@@ -106,7 +109,7 @@ void check_one(const std::vector<Gone>& all, std::size_t one, double strain,
     if (share > 0 && std::abs(expected) < well_seen * trend.scatter && !axis) return;
     findings.push_back(
         {Finding::Kind::refusal, rock.recording->info.id, "displacement",
-         fmt::format("it does not go with the other rocks: at {:.3f} % of axial strain expected "
+         fmt::format("inconsistent with the other rocks: at {:.3f} % of axial strain expected "
                      "{:.1f} mm upwards with a scatter of {:.1f} mm, found {:.1f} mm{}",
                      100 * strain, 1e3 * expected, 1e3 * trend.scatter, 1e3 * rock.displacement.z(),
                      share < -0.5 ? ": its sign seems to be reversed"
@@ -114,13 +117,13 @@ void check_one(const std::vector<Gone>& all, std::size_t one, double strain,
                                   : "")});
 }
 
-/// In the median, rocks go down by axial strain times their height, and to no side. Returns whether
-/// they do.
+/// The median displacement of the rocks should be axial strain times height downwards, and none to
+/// the side. Returns whether it is.
 bool check_everything(const std::vector<Gone>& all, double strain, std::vector<Finding>& findings) {
     std::array<std::vector<double>, 3> shares;
     std::vector<double> expected;
     for (const Gone& g : all) {
-        if (g.height() <= 0) return true; // heights from elsewhere than the base
+        if (g.height() <= 0) return true; // heights are not measured from the base
         expected.push_back(strain * g.height());
         for (Eigen::Index axis = 0; axis < 3; ++axis)
             shares[static_cast<std::size_t>(axis)].push_back(g.displacement[axis] /
@@ -136,13 +139,14 @@ bool check_everything(const std::vector<Gone>& all, double strain, std::vector<F
     for (const Gone& g : all)
         findings.push_back(
             {Finding::Kind::refusal, g.recording->info.id, "frame",
-             fmt::format(
-                 "at {:.3f} % of axial strain expected that displacements of all sensor rocks lead "
-                 "down, by some {:.1f} mm; they lead {} by {:.1f} mm: {}",
-                 100 * strain, 1e3 * down, upwards ? "up" : fmt::format("along {}", name_of(side)),
-                 1e3 * down * (upwards ? share.z() : share[side]),
-                 upwards ? "the sign of all seems to be reversed"
-                         : fmt::format("{} and z of all seem to be swapped", name_of(side)))});
+             fmt::format("at {:.3f} % of axial strain expected a median displacement of all sensor "
+                         "rocks of about {:.1f} mm downwards, found one {} of {:.1f} mm: {}",
+                         100 * strain, 1e3 * down,
+                         upwards ? "upwards" : fmt::format("along {}", name_of(side)),
+                         1e3 * down * (upwards ? share.z() : share[side]),
+                         upwards
+                             ? "the sign of all seems to be reversed"
+                             : fmt::format("{} and z of all seem to be swapped", name_of(side)))});
     return false;
 }
 
@@ -162,7 +166,7 @@ void compare_displacements(const std::vector<Recording>& recordings,
     const double strain = median(ends);
     std::vector<Gone> all;
     for (std::size_t k = 0; k < some.size(); ++k)
-        if (ends[k] >= 0.9 * strain) // one that stopped long before is no longer compared
+        if (ends[k] >= 0.9 * strain) // a recording that ended much earlier is not compared
             if (const auto g = gone(*some[k], strain)) all.push_back(*g);
     if (all.size() <= fewest || !check_everything(all, strain, findings)) return;
     for (std::size_t one = 0; one < all.size(); ++one) check_one(all, one, strain, findings);

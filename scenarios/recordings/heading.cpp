@@ -15,11 +15,11 @@ namespace {
 
 constexpr double degree = pi / 180, microtesla = 1e-6;
 constexpr double weakest = 20 * microtesla, strongest = 70 * microtesla,
-                 fewest_level = 5 * microtesla; // the earth's: 22 to 67
+                 fewest_level = 5 * microtesla; // on the earth: 22 to 67 uT
 constexpr double steady_size = 0.05, steady_dip = 5 * degree;
-constexpr std::size_t fewest = 10; // samples that make a verdict
+constexpr std::size_t fewest = 10; // samples needed for a verdict
 
-/// Attitude, from the body to east, magnetic north and upwards.
+/// Attitude from the body to east, magnetic north and up.
 Quat attitude_by(const Vec3& up, const Vec3& field) {
     const Vec3 east = field.cross(up).normalized(), upwards = up.normalized();
     Mat3 rows;
@@ -31,7 +31,7 @@ double dip_of(const Vec3& up, const Vec3& field) {
     return std::asin(std::clamp(-up.normalized().dot(field.normalized()), -1.0, 1.0));
 }
 
-/// Nine tenths of the values are nearer to the middle.
+/// Distance from the middle within which nine tenths of the values lie.
 double wander_of(std::vector<double> values, double middle) {
     for (double& v : values) v = std::abs(v - middle);
     const auto nine_tenths =
@@ -40,7 +40,7 @@ double wander_of(std::vector<double> values, double middle) {
     return *nine_tenths;
 }
 
-/// Samples in which the field is known, and where upwards is.
+/// Samples with a field and with a specific force that gives the vertical.
 std::vector<std::size_t> usable(const Recording& r) {
     std::vector<std::size_t> rows;
     for (std::size_t k = 0; k < std::min(r.field.size(), r.force.size()); ++k)
@@ -50,7 +50,8 @@ std::vector<std::size_t> usable(const Recording& r) {
     return rows;
 }
 
-/// One that sampled more slowly than the rest repeats itself, but not for a tenth of the recording.
+/// A field that is sampled more slowly than the other channels repeats values, but not for a tenth
+/// of the recording.
 bool is_stuck(const Recording& r, const std::vector<std::size_t>& rows) {
     std::size_t run = 0, longest = 0;
     for (std::size_t k = 1; k < rows.size(); ++k)
@@ -60,21 +61,23 @@ bool is_stuck(const Recording& r, const std::vector<std::size_t>& rows) {
 
 std::string reason_against(const Heading& h, const Recording& r,
                            const std::vector<std::size_t>& rows) {
-    if (is_stuck(r, rows)) return "it stays the same, expected noise";
+    if (is_stuck(r, rows)) return "expected noise, found a constant field";
     if (h.field < weakest || h.field > strongest)
         return fmt::format(
-            "expected the earth's, {:g} to {:g} uT, found {:.3g}: other units, or iron nearby",
+            "expected the field of the earth, {:g} to {:g} uT, found {:.3g}: the unit may be "
+            "wrong, or iron is nearby",
             weakest / microtesla, strongest / microtesla, h.field / microtesla);
     if (h.wander > steady_size)
-        return fmt::format("it is disturbed: expected its size within {:g} %, found {:.2g} %",
+        return fmt::format("the field is disturbed: expected its magnitude to stay within {:g} %, "
+                           "found {:.2g} %",
                            100 * steady_size, 100 * h.wander);
     if (h.dip_wander > steady_dip)
-        return fmt::format("it is disturbed, or of other axes than the force: expected its dip "
-                           "within {:g} degrees, found {:.2g}",
+        return fmt::format("the field is disturbed, or its axes differ from those of the force: "
+                           "expected its dip to stay within {:g} degrees, found {:.2g}",
                            steady_dip / degree, h.dip_wander / degree);
     if (h.field * std::cos(h.dip) < fewest_level)
-        return fmt::format("expected {:g} uT of it level, found {:.2g}", fewest_level / microtesla,
-                           h.field * std::cos(h.dip) / microtesla);
+        return fmt::format("expected a horizontal component of at least {:g} uT, found {:.2g}",
+                           fewest_level / microtesla, h.field * std::cos(h.dip) / microtesla);
     return "";
 }
 
@@ -86,7 +89,7 @@ Heading heading_of(const Recording& r) {
     h.by_attitude = std::numeric_limits<double>::quiet_NaN();
     if (rows.size() < fewest) {
         h.unobservable_because = fmt::format(
-            "expected {} samples with force, which says where upwards is, and more, found {}",
+            "expected at least {} samples with field and force, which gives the vertical, found {}",
             fewest, rows.size());
         return h;
     }

@@ -19,13 +19,13 @@ bool are_unit(const Inspection& at) {
     if (first == q.end()) return true;
     at.refuse(
         "attitude",
-        fmt::format("expected unit quaternions, found {} that are not, the first of norm {:.4g}",
+        fmt::format("expected unit quaternions, found {} that are not, the first with norm {:.4g}",
                     std::ranges::count_if(q, wrong), first->norm()));
     return false;
 }
 
-/// One that tracks each rock in axes of its own, far from the body's, would not agree either: it
-/// must be turned to them first.
+/// Compares the attitude at rest with that of the metadata. A tracker that uses its own axes for
+/// each rock, far from the body axes, does not agree either: its attitudes must be converted first.
 void check_start(const Inspection& at) {
     const SensorInfo& info = at.recording.info;
     const auto deviation_of = [&](auto&& read) {
@@ -41,16 +41,16 @@ void check_start(const Inspection& at) {
     const bool conjugate = deviation_of([](const Quat&q) { return q.conjugate(); }) <= limit,
                last = deviation_of([](const Quat&q) { return Quat(q.z(), q.w(), q.x(), q.y()); }) <=
                       limit;
-    at.refuse("attitude", fmt::format("at rest expected that of the metadata within {:.0f} "
-                                      "degrees, found one {:.0f} degrees off{}",
+    at.refuse("attitude", fmt::format("at rest: expected the attitude of the metadata within "
+                                      "{:.0f} degrees, found a deviation of {:.0f} degrees{}",
                                       limit, deviation,
                                       conjugate ? ": it seems to lead from the world to the body"
                                       : last    ? ": its components seem to be in the order x y z w"
                                                 : ""));
 }
 
-/// Rocks of a slow test hardly accelerate: the force, turned by the attitude, points upwards as it
-/// did at rest. What is turned about the vertical alone cannot be told so.
+/// Rocks in a slow test hardly accelerate: the specific force, rotated by the attitude, points
+/// upwards as it did at rest. A rotation about the vertical alone cannot be detected in this way.
 void check_upwards(const Inspection& at, const Vec3& gravity) {
     const Recording& r = at.recording;
     std::vector<Vec3> up;
@@ -58,7 +58,7 @@ void check_upwards(const Inspection& at, const Vec3& gravity) {
     double farthest = 0;
     for (std::size_t k = 0; k < at.still; ++k) up.push_back(r.attitude[k] * r.force[k]);
     const Vec3 upwards =
-        at.still > 0 ? median(up) : Vec3(-gravity); // biases and the tracker's own axes are in it
+        at.still > 0 ? median(up) : Vec3(-gravity); // includes biases and axes of the tracker
     const double own = 3 * (r.info.attitude_noise + r.info.force_bias / gravity.norm()) / degree;
     const double limit =
         own + (at.still > 0 ? at.limits.tilt : at.limits.frame + 3 * r.info.attitude_deviation);
@@ -73,24 +73,27 @@ void check_upwards(const Inspection& at, const Vec3& gravity) {
     if (outliers <= 3 ||
         static_cast<double>(outliers) <= at.limits.outlier_share * static_cast<double>(compared))
         return;
-    at.refuse("attitude",
-              fmt::format(
-                  "gravity says another: turned by it, the force should point upwards as at rest "
-                  "within {:.0f} degrees; in {} of {} samples it does not, by up to {:.0f} degrees",
-                  limit, outliers, compared, farthest));
+    at.refuse(
+        "attitude",
+        fmt::format(
+            "inconsistent with gravity: expected the force, rotated by the attitude, to point "
+            "upwards as at rest within {:.0f} degrees, found larger deviations in {} of {} "
+            "samples, up to {:.0f} degrees",
+            limit, outliers, compared, farthest));
 }
 
-/// How turns in parts of the test differ from those in the part before, rad, world frame: a bias
-/// that wanders slowly is not in that.
+/// Differences between the rotations in successive parts of the test, rad, world frame. A slowly
+/// drifting bias cancels.
 std::vector<Vec3> changes_of(const std::vector<Vec3>& turns) {
     std::vector<Vec3> changes;
     for (std::size_t k = 1; k < turns.size(); ++k) changes.emplace_back(turns[k] - turns[k - 1]);
     return changes;
 }
 
-/// By attitude and by rates, which are means since the sample before, or many samples: where both
-/// tell the same way, or the opposite, their sizes must agree too. Rates that are single samples,
-/// between which more happens than at them, tell another way, and nothing is concluded.
+/// Compares rotations from the attitude with those from the angular rates, which are means since
+/// the previous sample, or densely sampled. Where the two are correlated, or anti-correlated, their
+/// magnitudes must agree too. Rates that are sparse single samples miss the rotation between them;
+/// then the correlation is low and nothing is concluded.
 void check_turns(const Inspection& at) {
     const Recording& r = at.recording;
     constexpr std::size_t parts = 16;
@@ -119,12 +122,13 @@ void check_turns(const Inspection& at) {
                  size = std::sqrt(by_rate / by_attitude);
     if (std::abs(agreement) < 0.8) return;
     if (agreement < 0)
-        return at.refuse("attitude", "the rates say another: expected turns as they do, found the "
-                                     "opposite: one of them seems to be reversed");
+        return at.refuse("attitude", "inconsistent with the angular rates: expected rotations in "
+                                     "the same sense, found the opposite: the sign of one of the "
+                                     "two seems to be reversed");
     if (size > 1.0 / 3 && size < 3) return;
     const auto near = [&](double factor) { return size > factor / 2 && size < 2 * factor; };
-    at.refuse("rate", fmt::format("expected rates that turn the rock as far as its attitude does, "
-                                  "found {:.3g} times as far{}",
+    at.refuse("rate", fmt::format("expected the integrated rates to equal the rotation of the "
+                                  "attitude, found {:.3g} times as much{}",
                                   size,
                                   near(1 / degree) ? ": they seem to be in deg/s"
                                   : near(degree)   ? ": they seem to be in rad/s, not in deg/s"
@@ -143,7 +147,7 @@ void check_attitude(const Inspection& at, const Vec3& gravity) {
     for (const Quat& q : r.attitude) turned.push_back(attitude_error(q, r.attitude.front()));
     check_scatter(at, "attitude", turned, r.info.attitude_noise,
                   at.limits.turning * strain_step(at), "mrad", 1e-3);
-    if (r.strain.empty()) return; // no slow test
+    if (r.strain.empty()) return; // not a quasi-static test
     if (!r.force.empty()) check_upwards(at, gravity);
     if (!r.rate.empty()) check_turns(at);
 }

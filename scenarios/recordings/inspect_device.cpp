@@ -10,9 +10,9 @@ namespace bris {
 namespace {
 
 constexpr double degree = pi / 180;
-constexpr std::size_t fewest = 30; // samples at rest that show whether rates follow temperature
+constexpr std::size_t fewest = 30; // samples at rest for a regression of rates on temperature
 
-/// Samples that have a number.
+/// Indices of the samples with a number.
 std::vector<std::size_t> measured(const std::vector<double>& numbers) {
     std::vector<std::size_t> rows;
     for (std::size_t k = 0; k < numbers.size(); ++k)
@@ -43,7 +43,8 @@ void check_temperature(const Inspection& at) {
                         possible ? "" : ": expected -60 to 125 C, is temperature_unit right?"));
 }
 
-/// What a gyroscope shows of a rock at rest is its bias; whether that follows the temperature.
+/// The rates of a rock at rest are the bias of the gyroscope: checks whether it depends on the
+/// temperature.
 void check_bias(const Inspection& at) {
     const Recording& r = at.recording;
     if (r.temperature.empty() || r.rate.empty()) return;
@@ -61,10 +62,11 @@ void check_bias(const Inspection& at) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
         const LinearFit fit = fit_line(kelvin, rates[axis], low, high);
         if (std::abs(fit.slope) < 5 * fit.slope_error)
-            continue; // of three axes, one in half a million by chance
+            continue; // five standard errors: by chance once in half a million for three axes
         at.note(
             "temperature",
-            fmt::format("at rest g{} follows it: {:.2g} +- {:.1g} rad/s for each K, over {:.1f} K",
+            fmt::format("the bias of g{} at rest depends on it: {:.2g} +- {:.1g} rad/s per K, over "
+                        "a range of {:.1f} K",
                         "xyz"[axis], fit.slope, fit.slope_error, high - low));
     }
 }
@@ -83,7 +85,7 @@ void check_battery(const Inspection& at) {
     }
     if (below > 0)
         at.note("battery", fmt::format("low in {} of {} samples, the first at t = {:.6g} s: "
-                                       "expected {:g} {} and more, found {:.3g}",
+                                       "expected at least {:g} {}, found {:.3g}",
                                        below, rows.size(), r.time[first], low, unit, lowest));
 }
 
@@ -93,8 +95,8 @@ void check_flags(const Inspection& at) {
     const Recording& r = at.recording;
     if (!r.flagged.empty())
         at.note("flags",
-                fmt::format("{} of {} samples left out, which the sensor itself marks, the first "
-                            "at t = {:.6g} s",
+                fmt::format("{} of {} samples are left out because the sensor flags them, the "
+                            "first at t = {:.6g} s",
                             r.flagged.size(), r.flagged.size() + r.size(), r.flagged.front()));
 }
 
@@ -110,7 +112,8 @@ void check_count(const Inspection& at) {
     };
     double lost = 0, gaps = 0;
     for (std::size_t k = 1; k < r.size(); ++k) {
-        const auto skipped = static_cast<double>(r.sequence[k] - r.sequence[k - 1] - 1); // it grows
+        const auto skipped =
+            static_cast<double>(r.sequence[k] - r.sequence[k - 1] - 1); // counts increase
         const double missing =
             skipped > 0 ? std::max(0.0, skipped - flagged_within(r.time[k - 1], r.time[k])) : 0;
         lost += missing;
@@ -121,10 +124,11 @@ void check_count(const Inspection& at) {
                            flagged_within(r.time.front(), r.time.back());
     const bool agree = std::abs(by_time - lost) <= 1 + at.limits.clock_drift * due;
     if (lost == 0 && agree) return;
-    at.note("count",
-            fmt::format("{} samples are missing by their count, in {} gaps; by their times {}{}",
-                        lost, gaps, std::max(0.0, by_time),
-                        agree ? "" : ": clock, count or sampling_rate is wrong"));
+    at.note(
+        "count",
+        fmt::format("{} samples are missing by the sample counter, in {} gaps; {} by the times{}",
+                    lost, gaps, std::max(0.0, by_time),
+                    agree ? "" : ": clock, counter or sampling_rate is wrong"));
 }
 
 void check_device(const Inspection& at) {
@@ -137,19 +141,20 @@ void check_field(const Inspection& at) {
     const Recording& r = at.recording;
     if (r.field.empty()) return;
     const Heading h = heading_of(r);
-    if (!h.observable()) return at.note("field", "it does not tell yaw: " + h.unobservable_because);
-    std::string text = fmt::format("{:.3g} uT, within {:.2g} %, dip {:.0f} degrees: it tells yaw, "
-                                   "at the end {:+.1f} +- {:.1f} degrees",
+    if (!h.observable())
+        return at.note("field", "yaw is not observable: " + h.unobservable_because);
+    std::string text = fmt::format("{:.3g} uT, within {:.2g} %, dip {:.0f} degrees: yaw is "
+                                   "observable, at the end {:+.1f} +- {:.1f} degrees",
                                    1e6 * h.field, 100 * h.wander, h.dip / degree, h.turn / degree,
                                    h.deviation / degree);
     const double apart = std::remainder(h.by_attitude - h.turn, 2 * pi);
     if (std::isfinite(apart)) {
-        text += fmt::format("; by its attitudes {:+.1f}", h.by_attitude / degree);
+        text += fmt::format("; by the attitudes {:+.1f}", h.by_attitude / degree);
         if (std::abs(apart) >
             3 * std::hypot(h.deviation, r.info.attitude_noise) + at.limits.tilt * degree)
-            text += ": one of the two has other axes, or iron is nearby";
+            text += ": the axes of one of the two are wrong, or iron is nearby";
     } else {
-        text += "; what learns is not told of it";
+        text += "; it is not assimilated";
     }
     at.note("field", text);
 }

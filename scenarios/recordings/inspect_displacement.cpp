@@ -5,8 +5,8 @@ namespace bris {
 
 namespace {
 
-/// A single sample that is far off is left to those who use it; one after which all are is not the
-/// rock's way.
+/// Refuses a lasting jump, which is not a motion of the rock. A single outlier is left to the
+/// users of the recording.
 void check_jumps(const Inspection& at) {
     const Recording& r = at.recording;
     const auto& u = r.displacement;
@@ -14,12 +14,12 @@ void check_jumps(const Inspection& at) {
         const double jump = (u[k] - u[k - 1]).norm();
         const bool was_there = (u[k - 1] - u[k - 2]).norm() < 0.5 * jump,
                    stays = (u[k + 1] - u[k]).norm() < 0.5 * jump;
-        const bool at_once = r.time[k] - r.time[k - 1] <
-                             3 / r.info.sampling_rate; // across a gap it may have gone far
+        const bool at_once =
+            r.time[k] - r.time[k - 1] < 3 / r.info.sampling_rate; // in a gap the rock may move far
         if (jump > at.limits.jump && was_there && stays && at_once)
             return at.refuse("jump",
-                             fmt::format("its displacement jumps by {:.1f} mm at t = {:.6g} s and "
-                                         "stays there, expected {:.1f} mm at most",
+                             fmt::format("the displacement jumps by {:.1f} mm at t = {:.6g} s and "
+                                         "does not return, expected at most {:.1f} mm",
                                          1e3 * jump, r.time[k], 1e3 * at.limits.jump));
     }
 }
@@ -28,7 +28,7 @@ double height_of_specimen(const Inspection& at) {
     return std::max(at.limits.height, 2 * at.recording.info.z);
 }
 
-/// The platen drives all that moves: a rock goes as far as it, or slips once.
+/// The platen drives all motion: a rock moves at most about as far as the platen, or slips once.
 void check_lengths(const Inspection& at) {
     const Recording& r = at.recording;
     const Vec3 start = at.still > 0
@@ -51,8 +51,8 @@ void check_lengths(const Inspection& at) {
         return;
     at.refuse(
         "displacement",
-        fmt::format("in {} of {} samples it is longer than the test lets a rock go, the first at "
-                    "{:.3f} % of axial strain: expected {:.1f} mm at most, found {:.1f} mm",
+        fmt::format("in {} of {} samples it is larger than the axial strain permits, the first at "
+                    "{:.3f} % of axial strain: expected at most {:.1f} mm, found {:.1f} mm",
                     outliers, compared, 100 * r.strain[first], 1e3 * longest(first),
                     1e3 * displacement(first)));
 }

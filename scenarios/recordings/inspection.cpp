@@ -11,7 +11,7 @@ namespace {
 
 constexpr std::size_t fewest = 4; // samples at rest, and triples of samples in the test
 
-/// Deviation of values from their median.
+/// Standard deviation of the values at rest, estimated by the median of deviations from the median.
 double deviation_at_rest(const std::vector<Vec3>& values, std::size_t still) {
     const Vec3 middle = median(
         std::vector<Vec3>(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(still)));
@@ -21,13 +21,13 @@ double deviation_at_rest(const std::vector<Vec3>& values, std::size_t still) {
     return deviation_of_median(median(std::move(deviation)));
 }
 
-/// Deviation of the noise of a steady motion.
+/// Standard deviation of the noise on a steady motion, estimated from second differences.
 double deviation_of_motion(const std::vector<Vec3>& values, std::size_t first) {
     std::vector<double> bends;
     for (std::size_t k = first + 1; k + 1 < values.size(); ++k)
         for (const double b : (values[k + 1] - 2 * values[k] + values[k - 1]).eval())
             bends.push_back(std::abs(b));
-    return deviation_of_median(median(std::move(bends))) / std::sqrt(6.0); // of 1, -2, 1
+    return deviation_of_median(median(std::move(bends))) / std::sqrt(6.0); // norm of (1, -2, 1)
 }
 
 } // namespace
@@ -50,7 +50,7 @@ void check_scatter(const Inspection& at, const char* what, const std::vector<Vec
 double strain_step(const Inspection& at) {
     std::vector<double> steps;
     const auto& strain = at.recording.strain;
-    std::optional<std::size_t> before; // strain may be sampled less often than the rest
+    std::optional<std::size_t> before; // strain may be sampled less often than other channels
     for (std::size_t k = std::max<std::size_t>(at.still, 1) - 1; k < strain.size(); ++k) {
         if (!std::isfinite(strain[k])) continue;
         if (before)

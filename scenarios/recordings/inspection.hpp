@@ -11,14 +11,15 @@
 
 namespace bris {
 
-/// A recording that the intake looks at, and where its findings go.
+/// A recording under quality control, and where the findings are added.
 struct Inspection {
     const Recording& recording;
     const QualityControlLimits& limits;
     std::vector<Finding>& findings;
-    std::size_t rest =
-        0; ///< samples of the time at the beginning in which the rock should lie still
-    std::size_t still = 0; ///< of them, those before the test began
+    /// Number of samples at the beginning during which the rock should be at rest.
+    std::size_t rest = 0;
+    /// Number of those among them that precede the start of the test.
+    std::size_t still = 0;
 
     void note(std::string check, std::string text) const {
         findings.push_back(
@@ -30,48 +31,49 @@ struct Inspection {
     }
 };
 
-/// Whether values (vectors or quaternions) of a sensor that has noise stay the same to the last
-/// digit; refuses them then.
+/// Whether values (vectors or quaternions) of a sensor with noise stay the same to the last digit;
+/// adds a refusal in that case.
 bool is_stuck(const Inspection& at, const char* what, const auto& values, double noise);
 
-/// What a quantity scatters by beside the noise declared, by medians, so that samples that are far
-/// off count no more than others: at rest and, by second differences, from sample to sample in the
-/// test, in which the rocks' own motion may add `roughness`. `unit`: as shown, of which one is
-/// `scale` SI units.
+/// Compares the scatter of a quantity with the declared noise, at rest and from sample to sample
+/// during the test (by second differences). Uses medians, so that outliers carry no more weight
+/// than other samples. During the test the motion of the rock may add `roughness`. `unit`: unit of
+/// the text, equal to `scale` SI units.
 void check_scatter(const Inspection& at, const char* what, const std::vector<Vec3>& values,
                    double declared, double roughness, const char* unit, double scale);
 
-/// Axial strain from one sample to the next in the test, the median; 0: not known.
+/// Median increment of axial strain from one sample to the next during the test; 0: unknown.
 double strain_step(const Inspection& at);
 
-/// Jumps, scatter beside that declared, and ways longer than the test lets a rock go.
+/// Checks displacements for jumps, for scatter above the declared noise, and for magnitudes that
+/// the axial strain does not permit.
 void check_displacement(const Inspection& at);
 
-/// Unit quaternions; the attitude at rest that the metadata give; upwards where gravity says it is;
-/// turns as the rates say.
+/// Checks attitudes: unit quaternions, agreement at rest with the metadata, agreement of the
+/// vertical with gravity, and agreement of the rotations with the angular rates.
 void check_attitude(const Inspection& at, const Vec3& gravity);
 
-/// How many samples the sensor itself said not to use.
+/// Reports how many samples the sensor itself flagged as unusable.
 void check_flags(const Inspection& at);
 
-/// Samples that are missing by their count, beside what their times tell. For counts and times that
-/// grow.
+/// Reports samples that are missing according to the sample counter, together with the number
+/// according to the time stamps. Counts and times must increase.
 void check_count(const Inspection& at);
 
-/// Temperature, its range and drift, whether the gyroscope's bias at rest follows it; a battery
-/// that is low.
+/// Reports the range and drift of the temperature, whether the bias of the gyroscope at rest
+/// depends on it, and a low battery.
 void check_device(const Inspection& at);
 
-/// Whether the earth's field is steady, and what it says of yaw.
+/// Reports whether the magnetic field of the earth is steady, and the yaw that follows from it.
 void check_field(const Inspection& at);
 
-/// Displacements of all sensors beside each other, of those that have not been refused: rocks go
-/// down with the upper platen, the higher the more.
+/// Compares the displacements of all sensors that have not been refused: rocks move down with the
+/// upper platen, the more the higher they are.
 void compare_displacements(const std::vector<Recording>& recordings,
                            std::vector<Finding>& findings);
 
 bool is_stuck(const Inspection& at, const char* what, const auto& values, double noise) {
-    if (noise <= 0) return false; // declared to have none
+    if (noise <= 0) return false; // declared to have no noise
     const auto same = [](const auto& a, const auto& b) {
         if constexpr (requires { a.coeffs(); })
             return a.coeffs() == b.coeffs();
@@ -85,7 +87,8 @@ bool is_stuck(const Inspection& at, const char* what, const auto& values, double
     const double rate = at.recording.info.sampling_rate,
                  stuck = static_cast<double>(longest) / rate;
     if (stuck <= std::max(at.limits.stuck, 3 / rate)) return false;
-    at.refuse("stuck", fmt::format("{} stays the same for {:.3g} s, expected noise", what, stuck));
+    at.refuse("stuck",
+              fmt::format("{}: expected noise, found the same value for {:.3g} s", what, stuck));
     return true;
 }
 

@@ -15,21 +15,21 @@ namespace bris {
 namespace {
 
 constexpr double begun = 2e-3;    // axial strain from which q is of the order of the pressure
-constexpr std::size_t fewest = 3; // samples that make a verdict
+constexpr std::size_t fewest = 3; // samples needed for a verdict
 
 struct Range {
     double lower, upper;
 };
 
-/// How far a sample may be from those beside it.
+/// Tolerated difference of a sample from its neighbours. The last sample has a tolerance of its
+/// own, because only the next one can distinguish an outlier from a slip.
 struct Neighbourhood {
-    double start; ///< the value before the first
-    double floor,
-        at_end; ///< the least; for the last sample, which only the next will tell from a slip
-    double share, share_at_end; ///< besides, of the neighbour
+    double start;               ///< assumed value before the first sample
+    double floor, at_end;       ///< absolute part of the tolerance
+    double share, share_at_end; ///< part relative to the neighbour, added to it
 };
 
-/// A channel of the machine, from which what is wrong is left out.
+/// A channel of the machine from which wrong samples are removed.
 class Channel {
 public:
     Channel(std::string name, const std::vector<double>& strain, std::vector<double> values,
@@ -39,7 +39,7 @@ public:
 
     double operator[](std::size_t k) const { return values_[k]; }
     bool is_measured(std::size_t k) const { return !std::isnan(values_[k]); }
-    /// Rows where there is a number.
+    /// Rows with a number.
     std::vector<std::size_t> measured() const {
         std::vector<std::size_t> rows;
         for (std::size_t k = 0; k < values_.size(); ++k)
@@ -52,7 +52,7 @@ public:
         std::ranges::fill(values_, std::nan(""));
     }
 
-    /// `range` of a row, `reason` for a value out of it.
+    /// Removes values outside `range` of their row; `reason`: probable cause, for the text.
     void keep_within(auto&& range, auto&& reason, std::size_t long_run) {
         std::vector<std::size_t> out;
         const auto all = measured();
@@ -71,14 +71,14 @@ public:
         };
         if (longest < long_run && (out.size() < fewest || 2 * out.size() <= all.size()))
             return reject(out, all.size(), text(out.front()));
-        refuse(fmt::format("{} of {} records cannot be: {}", out.size(), all.size(),
-                           text(out.back()))); // the last tells most
+        refuse(fmt::format("{} of {} records are impossible: {}", out.size(), all.size(),
+                           text(out.back()))); // the last is the most informative
     }
 
     void reject_outliers(const Neighbourhood& near) {
         const auto all = measured();
         std::vector<double> beside,
-            deviation(all.size(), 0); // the median of three, and how far from it if too far
+            deviation(all.size(), 0); // median of three, and distance from it if too large
         for (std::size_t i = 0; i < all.size(); ++i) {
             const bool last = i + 1 == all.size();
             const double x = values_[all[i]], before = i == 0 ? near.start : values_[all[i - 1]],
@@ -93,7 +93,7 @@ public:
         for (std::size_t i = 0; i < all.size(); ++i) {
             if (deviation[i] == 0 || (i > 0 && deviation[i - 1] > deviation[i]) ||
                 (i + 1 < all.size() && deviation[i + 1] > deviation[i]))
-                continue; // it is the one beside it
+                continue; // the neighbour is the outlier
             if (!first) first = i;
             wild.push_back(all[i]);
         }
@@ -102,7 +102,8 @@ public:
         reject(
             wild, all.size(),
             fmt::format(
-                "expected one near {:.4g} as beside it, found {:.4g} at {:.4g} % of axial strain",
+                "expected a value near {:.4g} as in neighbouring records, found {:.4g} at {:.4g} % "
+                "of axial strain",
                 beside[*first], values_[k], 100 * strain_[k]));
     }
 
@@ -156,7 +157,7 @@ public:
         check_strain();
         check_q();
         for (std::size_t r = 0; r < rings; ++r) check_ring(r);
-        check_volume(); // the rings say whether its sign is right
+        check_volume(); // last, because the checked rings show whether its sign is right
         return std::move(findings_);
     }
 
@@ -174,17 +175,17 @@ private:
         return r < p.ring_radius.size() ? p.ring_radius[r] : std::nan("");
     }
 
-    /// Of a channel that there is.
+    /// Reports missing numbers of a channel that is measured.
     void note_missing(const std::string& name, auto&& value) {
         const auto missing = static_cast<std::size_t>(std::ranges::count_if(
             measured_, [&](const TriaxialPoint& p) { return std::isnan(value(p)); }));
         if (missing > 0 && missing < measured_.size())
             findings_.push_back(
                 {Finding::Kind::note, test_machine, name,
-                 fmt::format("{} of {} records are without", missing, measured_.size())});
+                 fmt::format("{} of {} records have no number", missing, measured_.size())});
     }
 
-    /// Nothing is of use that was measured who knows where.
+    /// Measurements at an unknown strain are useless: removes them with the strain.
     void check_strain() {
         Channel strain =
             channel("axial_strain", [](const TriaxialPoint& p) { return p.axial_strain; });
@@ -230,12 +231,12 @@ private:
         }
         const auto negative = std::ranges::count_if(sheared, [&](double x) { return x < -small; });
         if (sheared.size() >= fewest && 2 * static_cast<std::size_t>(negative) > sheared.size())
-            return q.refuse(fmt::format("expected it positive in compression, found {} of {} "
+            return q.refuse(fmt::format("expected positive values in compression, found {} of {} "
                                         "records negative: is its sign reversed?",
                                         negative, sheared.size()));
         if (later.size() < fewest || std::abs(median(later)) >= small) return;
         q.refuse(fmt::format(
-            "expected {:.4g} Pa and more beyond {:.1f} % of axial strain, found {:.4g}{}", small,
+            "expected at least {:.4g} Pa beyond {:.1f} % of axial strain, found {:.4g}{}", small,
             100 * begun, median(later), 1e3 * median(later) > small ? ": is it in kPa?" : ""));
     }
 
@@ -247,7 +248,7 @@ private:
         if (radii.empty()) return;
         const double middle = median(radii);
         if (radii.size() >= fewest && !(middle > 0 && middle < limits_.largest_ring))
-            ring.refuse(fmt::format("expected a radius of less than {:g} m, found {:.4g}",
+            ring.refuse(fmt::format("expected a radius between 0 and {:g} m, found {:.4g}",
                                     limits_.largest_ring, middle));
         else if (middle > 0) {
             ring.keep_within(
@@ -295,8 +296,8 @@ private:
             measured_[k].volumetric_strain = volume[k];
     }
 
-    /// Dense rocks dilate early, and a reversed sign looks like loose ones; but the rings widen or
-    /// do not.
+    /// Compares the volumetric strain with that from the ring radii. A dense specimen dilates
+    /// early, and with a reversed sign looks like a loose one; the rings show whether it widens.
     void check_sign(Channel& volume) const {
         std::size_t compared = 0, reversed = 0, last = 0;
         for (const std::size_t k : volume.measured()) {
@@ -308,12 +309,13 @@ private:
             last = k;
         }
         if (compared < fewest || 2 * reversed <= compared) return;
-        volume.refuse(fmt::format("expected {:.4g} at {:.4g} % of axial strain as the rings tell, "
+        volume.refuse(fmt::format("expected {:.4g} at {:.4g} % of axial strain by the ring radii, "
                                   "found {:.4g}: is its sign reversed?",
                                   volume_of_rings(last), 100 * strain_[last], volume[last]));
     }
 
-    /// NaN: not all rings were measured there, or at the beginning.
+    /// Volumetric strain from the ring radii. NaN: not all rings were measured there, or at the
+    /// beginning.
     double volume_of_rings(std::size_t k) const {
         const auto &before = measured_.front().ring_radius, &now = measured_[k].ring_radius;
         if (before.empty() || now.size() != before.size()) return std::nan("");

@@ -8,34 +8,37 @@
 
 namespace bris {
 
-/// Stands in findings where a sensor has its id.
+/// Stands for the test machine in findings, in place of the id of a sensor.
 inline constexpr unsigned test_machine = std::numeric_limits<unsigned>::max();
 
-/// What the intake of a test machine's channels looks for. A slip is no fault: a specimen loses
-/// half of q or 1 % of its volume from one record to the next. It does not get them back at once,
-/// though.
+/// Limits of the quality control of the channels of a test machine. A slip is not a fault: a
+/// specimen may lose half of q, or 1 % of its volume, from one record to the next, but it does not
+/// recover them at once.
 struct MachineLimits {
     double largest_strain = 0.5; ///< axial
-    double largest_q = 30; ///< of the confining pressure: a friction angle of 70 degrees. Below -1
-                           ///< rocks would pull
-    double smallest_q =
-        0.02;              ///< of the confining pressure, the median beyond 0.2 % of axial strain
-    double compaction = 1; ///< largest, of axial strain: the sides stay where they are
-    double dilation = 5;   ///< largest, likewise: a dilation angle of 46 degrees
-    double first_volume = 1e-3; ///< besides: what membrane and platens take up
-    double largest_ring = 10;   ///< m
-    double ring_strain = 0.5;   ///< by which a ring may widen or narrow
-    std::size_t long_run = 10;  ///< samples in succession that cannot be, or more than half of all,
-                                ///< and the channel is wrong
-    std::size_t same_samples =
-        5; ///< of one value are stuck, if they last for as much axial strain as:
+    /// Largest q relative to the confining pressure; 30 is a friction angle of 70 degrees. The
+    /// smallest is -1: below it the rocks would be in tension.
+    double largest_q = 30;
+    /// Smallest median of q beyond 0.2 % of axial strain, relative to the confining pressure.
+    double smallest_q = 0.02;
+    double compaction = 1; ///< largest, relative to axial strain: no lateral strain
+    double dilation = 5;   ///< largest, relative to axial strain: a dilation angle of 46 degrees
+    double first_volume = 1e-3; ///< allowance for membrane and platens, added to these two limits
+    double largest_ring = 10;   ///< m, radius
+    double ring_strain = 0.5;   ///< largest relative change of a ring radius
+    /// Number of successive impossible samples from which the whole channel is refused; it is also
+    /// refused if more than half of its samples are impossible.
+    std::size_t long_run = 10;
+    /// Samples of equal value count as stuck if there are at least this many and they extend over
+    /// at least the following axial strain.
+    std::size_t same_samples = 5;
     double stuck_q = 1e-3, stuck_volume = 5e-3;
 };
 
-/// Looks at what a test machine measured so far, in order of axial strain, and says what is wrong.
-/// Left out (NaN) are samples that cannot be, that are far from both their neighbours (the last has
-/// only one, and may be a slip: it is believed more readily), and all but the first that are stuck;
-/// and a whole channel that is of another unit or sign. `pressure`: confining, Pa.
+/// Checks the measurements of a test machine so far, in order of axial strain, and returns the
+/// findings. Removes (NaN) impossible samples, samples far from both neighbours, all but the first
+/// of stuck samples, and whole channels with a wrong unit or sign. The last sample has only one
+/// neighbour and may be a slip, so its tolerance is wider. `pressure`: confining, Pa.
 std::vector<Finding> check_machine(std::vector<TriaxialPoint>& measured, double pressure,
                                    const MachineLimits& limits = {});
 

@@ -6,14 +6,14 @@
 
 namespace bris {
 
-/// What was measured in a test: q (Pa) and volumetric strain (NaN: not, or left out) by axial
-/// strain, in order of strain, and the ways of the sensor rocks, if there are.
+/// Measurements of a test: q (Pa) and volumetric strain over axial strain, in order of strain (NaN:
+/// not measured, or removed by quality control), and the trajectories of the sensor rocks, if any.
 struct MeasuredTest {
     std::vector<double> strain, q, volumetric_strain;
     std::vector<SensorTrajectory> trajectories = {};
-    double displacement_noise = 1e-4;  ///< m, of them, root mean square
-    double lateness = 0;               ///< of strain, by which their samples come late
-    std::vector<double> rejected = {}; ///< strains of q that was not believed
+    double displacement_noise = 1e-4;  ///< m, of the trajectories, root mean square
+    double lateness = 0;               ///< axial strain by which samples of the sensors arrive late
+    std::vector<double> rejected = {}; ///< axial strains at which q was rejected
 };
 MeasuredTest measured_test(const std::vector<TriaxialPoint>& points);
 MeasuredTest measured_test(const RecordedTest& test);

@@ -24,12 +24,12 @@ public:
         check_flags(at_);
         if (r_.size() < 2)
             return refuse("length",
-                          fmt::format("expected two samples or more, found {}", r_.size()));
-        if (!check_numbers() || !check_times()) return; // what follows would be of no use
+                          fmt::format("expected at least two samples, found {}", r_.size()));
+        if (!check_numbers() || !check_times()) return; // further checks would be meaningless
         at_.rest = static_cast<std::size_t>(std::ranges::count_if(
             r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
         while (at_.still < at_.rest && (r_.strain.empty() || !(r_.strain[at_.still] > 0)))
-            ++at_.still; // NaN: none was sampled
+            ++at_.still; // NaN: strain was not sampled
         check_clock();
         check_count(at_);
         check_device(at_);
@@ -73,13 +73,13 @@ private:
             const auto entry = r_.first_without.find(channel);
             return entry == r_.first_without.end()
                        ? ""
-                       : fmt::format(", {}: the first at {}", channel, entry->second);
+                       : fmt::format("; {}: the first at {}", channel, entry->second);
         };
-        // without these, others can be of use
+        // without these channels a sample remains useful
         const auto note_missing = [&](const char* channel, const auto& values) {
             if (const auto count = bad(values); count > 0)
-                note("numbers", fmt::format("{} of {} samples are without{}", count, values.size(),
-                                            first(channel)));
+                note("numbers", fmt::format("{} of {} samples have no number{}", count,
+                                            values.size(), first(channel)));
         };
         note_missing("strain", r_.strain);
         note_missing("phase", r_.phase);
@@ -114,38 +114,39 @@ private:
         const auto steps = static_cast<double>(r_.size() - 1);
         if (backwards > 0)
             refuse("order",
-                   fmt::format("expected times and counts that grow, found {} that go back",
+                   fmt::format("expected increasing times and counts, found {} that decrease",
                                backwards));
         if (twice > 0)
-            refuse("twice", fmt::format("expected each sample once, found {} again", twice));
+            refuse("twice", fmt::format("expected each sample once, found {} repeated", twice));
         if (backwards + twice > 0) return false;
         const double lost =
             1 - steps / std::max(steps, (r_.time.back() - r_.time.front()) / nominal);
         if (lost > limits_.lost)
             refuse("gaps",
-                   fmt::format("expected at most {:.0f} % of samples missing, found {:.0f} %",
+                   fmt::format("expected at most {:.0f} % of the samples missing, found {:.0f} %",
                                100 * limits_.lost, 100 * lost));
         else if (widest > 1.5 * nominal)
-            note("gaps", fmt::format("{:.2f} % of samples are missing, the longest gap is {:.3g} s",
-                                     100 * lost, widest));
+            note("gaps",
+                 fmt::format("{:.2f} % of the samples are missing, the longest gap is {:.3g} s",
+                             100 * lost, widest));
         const double jitter = std::sqrt(squares / steps);
         if (jitter > 0.1 * nominal)
             note("jitter",
-                 fmt::format("samples come {:.2g} s off their time, {:.0f} % of the interval",
+                 fmt::format("the sampling times scatter by {:.2g} s, {:.0f} % of the interval",
                              jitter, 100 * jitter / nominal));
         return true;
     }
 
     void check_clock() {
-        if (r_.sequence.size() < 10) return; // too few to tell a drift from jitter
+        if (r_.sequence.size() < 10) return; // too few to distinguish drift from jitter
         std::vector<double> due;
         for (const std::uint64_t n : r_.sequence)
             due.push_back(static_cast<double>(n - r_.sequence.front()) / r_.info.sampling_rate);
         const double drift = fit_line(due, r_.time, due.front(), due.back()).slope - 1;
         const auto text = fmt::format(
-            "its clock gains {:.3g} of the time that its count of samples tells", drift);
+            "the clock runs fast against the sample counter by a fraction of {:.3g}", drift);
         if (std::abs(drift) > limits_.clock_drift)
-            refuse("clock", text + fmt::format(", expected {:.1g} at most", limits_.clock_drift));
+            refuse("clock", text + fmt::format(", expected at most {:.1g}", limits_.clock_drift));
         else if (std::abs(drift) > 1e-5)
             note("clock", text);
     }
@@ -156,7 +157,7 @@ private:
             values, [&](const Vec3& v) { return v.cwiseAbs().maxCoeff() >= 0.999 * range; });
         const double share = static_cast<double>(full) / static_cast<double>(values.size());
         const auto text =
-            fmt::format("{} of {} samples of {} stand at the end of the range, {:.4g} {}", full,
+            fmt::format("{} of {} samples of {} are at the end of the range, {:.4g} {}", full,
                         values.size(), what, range, unit);
         if (share > limits_.saturated)
             refuse("saturation", text);
@@ -168,8 +169,8 @@ private:
                      const char* unit) {
         if (density <= 0 || is_stuck(at_, what, values, density)) return;
         if (at_.rest < 20)
-            return note("noise",
-                        fmt::format("{}: too few samples at rest to tell, {}", what, at_.rest));
+            return note("noise", fmt::format("{}: too few samples at rest to estimate it, found {}",
+                                             what, at_.rest));
         const Vec3 mean = mean_at_rest(values);
         double squares = 0;
         for (std::size_t k = 0; k < at_.rest; ++k) squares += (values[k] - mean).squaredNorm();
@@ -190,7 +191,7 @@ private:
                        twice = std::abs(size / (g * g) - 1) < 2 * limits_.gravity;
             return refuse(
                 "gravity",
-                fmt::format("at rest expected {:.3f} m/s2 within {:.0f} %, found {:.3f}{}", g,
+                fmt::format("at rest: expected {:.3f} m/s2 within {:.0f} %, found {:.3f}{}", g,
                             100 * limit, size,
                             in_g    ? ": the recording seems to be in g"
                             : twice ? ": the recording seems to be in m/s2, not in g"
@@ -201,14 +202,14 @@ private:
                                  -1.0, 1.0)) /
             degree;
         if (deviation > limits_.frame + 3 * r_.info.attitude_deviation)
-            refuse("frame", fmt::format("at rest, turned by its attitude at the start, the force "
-                                        "should point upwards; it is {:.0f} degrees off{}",
-                                        deviation,
-                                        deviation > 165 ? ": the sign seems to be reversed" : ""));
+            refuse("frame",
+                   fmt::format("at rest: expected the force, rotated by the attitude at "
+                               "the start, to point upwards, found it {:.0f} degrees off{}",
+                               deviation,
+                               deviation > 165 ? ": the sign seems to be reversed" : ""));
     }
 
-    /// A rock that lies still turns with the earth; what its rates show beyond that are bias and
-    /// noise.
+    /// A rock at rest rotates with the earth; anything else in its rates is bias and noise.
     void check_rates() {
         constexpr double earth = 7.3e-5; // rad/s
         const double found =
@@ -222,7 +223,7 @@ private:
                                std::sqrt(r_.info.sampling_rate / static_cast<double>(at_.still)));
         if (found > expected)
             refuse("rate",
-                   fmt::format("at rest expected {:.2g} rad/s at most, found {:.2g}{}", expected,
+                   fmt::format("at rest: expected at most {:.2g} rad/s, found {:.2g}{}", expected,
                                found, found * degree < expected ? ": they may be in deg/s" : ""));
     }
 
@@ -232,7 +233,7 @@ private:
     const QualityControlLimits& limits_;
 };
 
-/// Correlation of two series of vectors over the samples that both have.
+/// Correlation coefficient of two series of vectors over their common length.
 double correlation(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
     const std::size_t n = std::min(a.size(), b.size());
     Vec3 mean_a = Vec3::Zero(), mean_b = Vec3::Zero();
@@ -263,7 +264,9 @@ std::vector<Finding> check_recordings(const std::vector<Recording>& recordings, 
                 continue;
             for (const auto& [one, other] : {std::pair{first, second}, std::pair{second, first}})
                 findings.push_back({Finding::Kind::refusal, one, "same",
-                                    fmt::format("records what sensor {} records", other)});
+                                    fmt::format("expected a recording of its own, found that of "
+                                                "sensor {}",
+                                                other)});
         }
     compare_displacements(recordings, findings);
     return findings;
@@ -281,7 +284,7 @@ std::string quality_control_report(const std::vector<Finding>& findings,
     for (const Recording& r : recordings) {
         const auto of_sensor = [&](const Finding& f) { return f.sensor == r.info.id; };
         if (std::ranges::none_of(findings, of_sensor))
-            text += fmt::format("sensor {}: {} samples, nothing found\n", r.info.id, r.size());
+            text += fmt::format("sensor {}: {} samples, no findings\n", r.info.id, r.size());
         for (const Finding& f : findings)
             if (of_sensor(f))
                 text += fmt::format("sensor {}: {}{}: {}\n", f.sensor,

@@ -4,35 +4,39 @@
 
 namespace bris {
 
-/// What the intake of recordings looks for.
+/// Limits of the quality control of recordings.
 struct QualityControlLimits {
-    double rest = 1;       ///< s at the beginning, in which the rocks lie still
-    double lost = 0.5;     ///< largest share of samples that may be missing
-    double gravity = 0.03; ///< by which the specific force at rest may differ from g, of g
-    double frame = 10; ///< degrees, by which its direction may differ from upwards, beyond three
-                       ///< deviations of the levelling
-    double saturated = 0.01;   ///< largest share of samples at the end of the range
-    double noise_ratio = 3;    ///< of the noise at rest over that declared, or its inverse
-    double noise_refused = 10; ///< that ratio, from which displacement and attitude, weighed by
-                               ///< what was declared, are refused
-    double stuck = 0.5; ///< s without a change of any digit, of a sensor that has noise; three
-                        ///< samples at least
-    double jump =
-        0.01; ///< m, by which a displacement may change from one sample to the next, and stay so
-    double norm = 1e-3; ///< by which a quaternion's may differ from 1
-    double tilt = 5;    ///< degrees, by which the force, turned by the attitude, may leave where it
-                        ///< pointed at rest, beyond three deviations of both
-    double outlier_share = 0.1; ///< largest share of samples that may be farther off than that, or
-                                ///< than a rock can go; three may always be
-    double height = 0.3; ///< m, of the specimen; where a rock stands above the middle of that,
-                         ///< twice as high as the rock
-    double turning = 10; ///< rad by which rocks may turn unsteadily in a unit of axial strain
-    double clock_drift =
-        1e-3;            ///< by which a clock may run fast or slow against its own count of samples
-    double same = 0.999; ///< correlation from which two recordings are one and the same
+    double rest = 1;       ///< s at the beginning during which the rocks are at rest
+    double lost = 0.5;     ///< largest share of missing samples
+    double gravity = 0.03; ///< largest deviation of the specific force at rest from g, relative
+    /// Largest deviation of the specific force at rest from the vertical, degrees, in addition to
+    /// three standard deviations of the initial attitude.
+    double frame = 10;
+    double saturated = 0.01; ///< largest share of samples at the end of the range
+    double noise_ratio = 3;  ///< largest ratio of noise at rest to declared noise, or its inverse
+    /// Ratio from which displacement and attitude are refused, because they are weighted by the
+    /// declared noise.
+    double noise_refused = 10;
+    /// Longest time without a change in any digit for a sensor with noise, s; at least three
+    /// samples.
+    double stuck = 0.5;
+    double jump = 0.01; ///< m, largest lasting change of displacement between two samples
+    double norm = 1e-3; ///< largest deviation of the norm of a quaternion from 1
+    /// Largest change of direction of the specific force, rotated by the attitude, since the rest,
+    /// degrees, in addition to three standard deviations of both.
+    double tilt = 5;
+    /// Largest share of samples beyond the limit of tilt, or of displacement; three samples are
+    /// always accepted.
+    double outlier_share = 0.1;
+    /// Height of the specimen, m; a rock in the upper half of it raises this to twice its own
+    /// height.
+    double height = 0.3;
+    double turning = 10; ///< rad, largest unsteady rotation of a rock per unit of axial strain
+    double clock_drift = 1e-3; ///< largest relative drift of a clock against its sample counter
+    double same = 0.999;       ///< correlation from which two recordings count as the same
 };
 
-/// One finding. A sensor with a refusal takes no part in the fusion.
+/// One finding. A sensor with a refusal is not used in the fusion.
 struct Finding {
     enum class Kind { note, refusal };
     Kind kind;
@@ -41,27 +45,30 @@ struct Finding {
     std::string text;  ///< what was expected and what was found
 };
 
-/// Looks at recordings before any of them is fused, and says what is wrong; repairs nothing. Found
-/// are: numbers that are not finite, samples that the sensor marks itself, times that go backwards,
-/// samples twice, gaps by time and by count, jitter, clocks that drift, saturation, values that
-/// stick, displacements that jump, that scatter, or that are longer than the test or others than
-/// their neighbours allow, attitudes that are none, not those of the metadata, or against gravity
-/// and the rates, a magnetic field that is disturbed (and what a steady one tells of yaw),
-/// temperatures, batteries that are low, gravity of another size (units) or direction (signs,
-/// frame, ids changed for one another), noise other than declared, recordings that are the same.
-/// `gravity`: m/s2, world frame.
+/// Quality control of recordings before any of them is fused: reports faults and repairs nothing.
+/// `gravity`: m/s2, world frame. It finds
+/// - numbers that are not finite, and samples that the sensor itself flags;
+/// - decreasing times, duplicate samples, gaps by time and by count, jitter, drifting clocks;
+/// - saturation, stuck values, noise other than declared, two recordings that are the same;
+/// - a specific force at rest of another magnitude (units) or direction (signs, frame, exchanged
+///   ids);
+/// - displacements that jump, scatter, or are inconsistent with the strain or with other rocks;
+/// - attitudes that are not unit quaternions, or are inconsistent with the metadata, gravity or the
+///   angular rates;
+/// - a disturbed magnetic field (and the yaw from a steady one), temperatures, low batteries.
 ///
-/// One rock's displacement cannot be told from another that a rock may make: of wrong signs or axes
-/// only those are seen that leave what all others do, near the top after 0.5 to 1 % of axial
-/// strain, at the bottom, where rocks hardly move, never. An attitude is seen to be wrong by as
-/// much as the rock's own tilt shows; one that is wrong in yaw alone is not.
+/// Limits: the displacement of a rock cannot be distinguished from another one that a rock could
+/// make. Wrong signs or axes are therefore detected only where they differ from what all others
+/// do: near the top after 0.5 to 1 % of axial strain; at the bottom, where rocks hardly move,
+/// never. An error of attitude is detected only as far as the tilt of the rock reveals it; an error
+/// in yaw alone is not.
 std::vector<Finding> check_recordings(const std::vector<Recording>& recordings, const Vec3& gravity,
                                       const QualityControlLimits& limits = {});
 
-/// Whether there is no refusal of that sensor.
+/// Whether the findings contain no refusal of this sensor.
 bool accepted(const std::vector<Finding>& findings, unsigned sensor);
 
-/// One line for each finding, and one for each sensor without any.
+/// Text for people: one line for each finding, and one for each sensor without findings.
 std::string quality_control_report(const std::vector<Finding>& findings,
                                    const std::vector<Recording>& recordings);
 

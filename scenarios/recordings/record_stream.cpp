@@ -28,7 +28,7 @@ std::optional<StreamRecord> RecordParser::parse(const LineSource::Line& line) {
     const auto first = line.text.find_first_not_of(" \t\r");
     if (first == std::string::npos || line.text[first] == '#') return {};
     if (!line.whole)
-        refuse(line, fmt::format("expected a whole line, found one cut off: \"{}\"",
+        refuse(line, fmt::format("expected a whole line, found a truncated one: \"{}\"",
                                  beginning_of(line.text)));
     StreamRecord record{line.number, line.arrived, {}};
     if (line.text[first] == '{') {
@@ -51,7 +51,7 @@ std::optional<StreamRecord> RecordParser::parse(const LineSource::Line& line) {
 
 void RecordParser::parse_row(const LineSource::Line& line, StreamRecord& record) const {
     if (columns_.empty())
-        refuse(line, fmt::format("expected an object of JSON or names of columns, found \"{}\"",
+        refuse(line, fmt::format("expected a JSON object or the names of columns, found \"{}\"",
                                  beginning_of(line.text)));
     const auto cells = cells_of(line.text);
     if (cells.size() != columns_.size())

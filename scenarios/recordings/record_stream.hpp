@@ -9,26 +9,26 @@
 
 namespace bris {
 
-/// What a SmartRock or a test machine sends at one time: numbers by their names, those of
-/// recordings (t, id, seq, strain, ax ...) and of tests (axial_strain, deviatoric_stress_Pa ...). A
-/// number that was not sent is not among them.
+/// Record that a SmartRock or a test machine sends at one time: numbers by the column names of
+/// recordings (t, id, seq, strain, ax ...) and of tests (axial_strain, deviatoric_stress_Pa ...).
+/// Numbers that were not sent are absent.
 struct StreamRecord {
-    std::uint64_t line;
+    std::uint64_t line; ///< number of the line in the stream
     Instant arrived;
     std::map<std::string, double> numbers;
 
     bool has(const std::string& name) const { return numbers.contains(name); }
-    /// NaN: not sent.
+    /// The number of this name; NaN: not sent.
     double number(const std::string& name) const;
 };
 
-/// Makes records of lines: each an object of JSON with numbers, or a row of CSV after a line with
-/// the names of its columns; both may come in one stream, and another header changes the columns.
-/// JSON null, an empty cell and "-" are not sent.
+/// Parses the lines of a stream into records. A line is a JSON object of numbers, or a CSV row
+/// after a header line with the names of the columns. Both may occur in one stream, and a new
+/// header changes the columns. JSON null, an empty cell and "-" mean that a number was not sent.
 class RecordParser {
 public:
-    /// Nothing: an empty line, a comment ("#") or a header. Throws InputError with the line's
-    /// number, what was expected and what was found.
+    /// Returns nothing for an empty line, a comment ("#") or a header. Throws InputError with the
+    /// number of the line, what was expected and what was found.
     std::optional<StreamRecord> parse(const LineSource::Line& line);
 
 private:

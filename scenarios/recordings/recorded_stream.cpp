@@ -16,7 +16,8 @@ namespace {
 
 constexpr auto end_mark = "{\"end\": 1}";
 
-/// Samples of sensors first: where the machine has passed a strain, they are there.
+/// A line of the stream. Samples of the sensors precede the record of the machine at the same
+/// strain: when the machine has passed a strain, they have arrived.
 struct Sent {
     double strain, t;
     bool by_machine;
@@ -41,8 +42,7 @@ std::vector<std::string> stream_of(const std::filesystem::path& folder, double s
     std::vector<Sent> sent;
     const auto t = sensors.column("t"), strain = sensors.column("strain"),
                reached = machine.column("axial_strain");
-    const bool has_clock =
-        machine.has("t"); // its own, which stays: clocks of sensors are known by it
+    const bool has_clock = machine.has("t"); // kept: clock offsets of the sensors refer to it
     const auto known = [](const std::vector<double>& numbers) {
         return std::ranges::all_of(numbers, [](double n) { return std::isfinite(n); });
     };

@@ -6,9 +6,10 @@
 
 namespace bris {
 
-/// A recorded test (recordings.csv and test.csv of a folder) as the lines of a stream, in the order
-/// of strain. Of the machine with its own `t`; where test.csv has none, `stage_time` (s) for 0.01 %
-/// of strain after `rest` (s). Throws InputError, OutputError.
+/// Converts a recorded test (recordings.csv and test.csv of a folder) into the lines of a stream,
+/// in order of strain. Records of the machine keep their own `t`; if test.csv has no `t`, it starts
+/// at `rest` (s) and increases by `stage_time` (s) per 0.01 % of axial strain. Throws InputError,
+/// OutputError.
 std::vector<std::string> stream_of(const std::filesystem::path& folder, double stage_time,
                                    double rest);
 

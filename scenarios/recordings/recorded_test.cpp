@@ -17,7 +17,7 @@ namespace bris {
 
 namespace {
 
-/// Fills a clock by a column of the machine, where it has that.
+/// Fills a clock from a column of the machine, if there is one.
 void read_clock(const CsvTable& table, const char* name, const std::vector<double>& strain,
                 std::map<double, double>& strain_at) {
     if (!table.has(name)) return;
@@ -26,7 +26,7 @@ void read_clock(const CsvTable& table, const char* name, const std::vector<doubl
     for (std::size_t k = 0; k < values.size(); ++k) {
         if (std::isnan(values[k])) continue;
         require(std::isfinite(values[k]) && values[k] >= last,
-                fmt::format("{}:{}: {}: expected numbers that grow, found {:.10g} after {:.10g}",
+                fmt::format("{}:{}: {}: expected increasing numbers, found {:.10g} after {:.10g}",
                             table.path.string(), table.lines[k], name, values[k], last));
         last = values[k];
         strain_at.emplace(values[k], strain[k]);
@@ -48,7 +48,7 @@ Bench read_test(const std::filesystem::path& csv, const CsvForm& form) {
         const std::string at = fmt::format("{}:{}", csv.string(), table.lines[k]);
         require(
             std::isfinite(strain[k]) && (k == 0 || strain[k] > strain[k - 1]),
-            fmt::format("{}: axial_strain: expected numbers that grow, found {}", at, strain[k]));
+            fmt::format("{}: axial_strain: expected increasing numbers, found {}", at, strain[k]));
         require(std::isfinite(q[k]),
                 fmt::format("{}: deviatoric_stress_Pa: expected a number, found {}", at, q[k]));
         TriaxialPoint& p = points.emplace_back();
@@ -64,7 +64,7 @@ Bench read_test(const std::filesystem::path& csv, const CsvForm& form) {
     return test;
 }
 
-/// What the folder of a test has beside recordings: where the sensor rocks were put.
+/// Writes the poses in which the sensor rocks were placed.
 void write_poses(const std::filesystem::path& folder, const SpecimenSettings& specimen,
                  const std::vector<SmartRockPose>& poses) {
     const double radius = specimen.radius, height = specimen.height;
@@ -75,7 +75,9 @@ void write_poses(const std::filesystem::path& folder, const SpecimenSettings& sp
                         p.orientation.z()});
     write_csv(folder / "sensor_poses.csv",
               {"x_over_radius", "y_over_radius", "z_over_height", "qw", "qx", "qy", "qz"}, rows,
-              {"where the sensor rocks were put"}, 9);
+              {"Positions and attitudes in which the sensor rocks were placed, relative to the "
+               "radius and height of the specimen."},
+              9);
 }
 
 CsvForm form_of(const std::filesystem::path& map, const std::vector<KnownColumn>& known) {
@@ -102,7 +104,7 @@ std::vector<std::filesystem::path> metadata_files(const std::filesystem::path& f
     return files;
 }
 
-/// Of all tests in a folder; of a sensor that is in several of them as in the first, by name.
+/// Metadata from all tests in a folder; for a sensor in several of them, the first by name counts.
 std::vector<SensorInfo> infos_in_hdf5(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
     for (const auto& entry : std::filesystem::directory_iterator(folder))
@@ -117,7 +119,7 @@ std::vector<SensorInfo> infos_in_hdf5(const std::filesystem::path& folder) {
     return infos;
 }
 
-/// Of two, one would be ignored.
+/// Refuses two files with the same data, because one of them would be ignored.
 [[noreturn]] void refuse_both(const std::filesystem::path& folder, const char* csv,
                               const char* in_hdf5) {
     throw InputError(
@@ -126,7 +128,8 @@ std::vector<SensorInfo> infos_in_hdf5(const std::filesystem::path& folder) {
 
 void require_no_map(const char* option, const std::filesystem::path& map,
                     const std::filesystem::path& hdf5, const char* csv) {
-    require(map.empty(), fmt::format("{}: expected none, as {} is read and no {}, found '{}'",
+    require(map.empty(), fmt::format("{}: expected no column map, because {} is read and no {}, "
+                                     "found '{}'",
                                      option, hdf5.string(), csv, map.string()));
 }
 
@@ -181,7 +184,7 @@ std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder) {
     const auto twice = std::ranges::adjacent_find(infos, {}, &SensorInfo::id);
     require(twice == infos.end(),
             fmt::format(
-                "--recordings: expected an id of its own in each file rock_NN.txt, found {} twice",
+                "--recordings: expected a different id in each file rock_NN.txt, found {} twice",
                 twice == infos.end() ? 0 : twice->id));
     return infos;
 }
@@ -227,7 +230,7 @@ std::string quality_control_report(const RecordedTest& test) {
                 fmt::format("test machine: {}{}: {}\n",
                             f.kind == Finding::Kind::refusal ? "refused: " : "", f.check, f.text);
     if (text.empty())
-        text = fmt::format("test machine: {} records, nothing found\n", test.measured.size());
+        text = fmt::format("test machine: {} records, no findings\n", test.measured.size());
     return text + quality_control_report(test.findings, test.recordings);
 }
 
@@ -253,12 +256,12 @@ void write_recorded_test(const std::filesystem::path& folder, double pressure,
     for (const Recording& r : recordings)
         write_sensor_info(folder / fmt::format("rock_{:02}.txt", r.info.id), r.info);
     write_recordings(of_test / "recordings.csv", recordings,
-                     {"sensor rocks in a triaxial test; t by the sensor's own clock (s), strain: "
-                      "axial, of the test",
-                      "ax ay az: specific force (m/s2), gx gy gz: rate (rad/s), in the rock's "
-                      "axes, means of the time since the line before",
-                      "ux uy uz: displacement (m), qw qx qy qz: attitude, body to world, as "
-                      "another means of tracking would measure them"});
+                     {"Sensor rocks in a triaxial test. t: clock of the sensor (s); strain: axial "
+                      "strain of the test.",
+                      "ax ay az: specific force (m/s2), gx gy gz: angular rate (rad/s), in body "
+                      "axes, means since the previous sample.",
+                      "ux uy uz: displacement (m), qw qx qy qz: attitude, body to world, as from "
+                      "another means of tracking."});
     write_poses(folder, specimen, poses);
     std::vector<std::vector<double>> rows;
     std::vector<std::string> names{"axial_strain", "deviatoric_stress_Pa", "volumetric_strain"};
@@ -269,7 +272,9 @@ void write_recorded_test(const std::filesystem::path& folder, double pressure,
         rows.back().insert(rows.back().end(), p.ring_radius.begin(), p.ring_radius.end());
     }
     write_csv(of_test / "test.csv", names, rows,
-              {"what the machine measured, stage by stage; compression positive"}, 6);
+              {"Measurements of the test machine at the end of each stage. Compression is "
+               "positive."},
+              6);
 }
 
 void write_recorded_test_hdf5(const std::filesystem::path& folder, double pressure,

@@ -14,69 +14,68 @@
 
 namespace bris {
 
-/// A triaxial test at one pressure as a folder of files tells it: FOLDER/rock_01.txt ... of the
-/// sensor rocks, FOLDER/55kPa/recordings.csv and FOLDER/55kPa/test.csv (axial_strain,
-/// deviatoric_stress_Pa; volumetric_strain, ring_1_radius_m ..., t and phase where measured); or in
-/// place of these FOLDER/55kPa/recordings.h5, with or without /bench for test.csv.
+/// A recorded triaxial test at one confining pressure. Its folder contains FOLDER/rock_01.txt ...
+/// (metadata of the sensor rocks), FOLDER/55kPa/recordings.csv and FOLDER/55kPa/test.csv
+/// (axial_strain, deviatoric_stress_Pa; optional: volumetric_strain, ring_1_radius_m ..., t and
+/// phase), or in place of these FOLDER/55kPa/recordings.h5, with or without /bench for test.csv.
 struct RecordedTest {
     double pressure = 0; ///< Pa
     std::vector<Recording> recordings;
-    std::vector<Finding> findings; ///< of the intake: of sensors, and of the test machine
-    std::vector<SensorTrajectory>
-        trajectories; ///< of all sensors; one that was refused tells nothing
-    std::vector<TriaxialPoint>
-        measured; ///< strain, q, volumetric strain and ring radii (NaN: not measured, or left out)
+    std::vector<Finding> findings;              ///< of the sensors and of the test machine
+    std::vector<SensorTrajectory> trajectories; ///< of all sensors; empty if a sensor was refused
+    /// Strain, q, volumetric strain and ring radii; NaN: not measured, or removed by quality
+    /// control.
+    std::vector<TriaxialPoint> measured;
     MachineClock clock; ///< for sensors that do not record strain
+    /// Number of sensors that were refused.
     std::size_t refused() const;
 };
 
-/// What is taken from recordings.
+/// Settings of the quality control of a recorded test.
 struct QualityControlSettings {
-    double rest = 60;       ///< s, at their beginning, in which the rocks lie still
+    double rest = 60;       ///< s at the beginning during which the rocks are at rest
     double interval = 1e-3; ///< axial strain between samples
-    bool displacement = true, attitude = true; ///< whether these channels are used where there are
-    std::filesystem::path columns = {},
-                          machine_columns = {}; ///< how recordings.csv and test.csv are written
-                                                ///< (column_map.hpp); empty: as by this project
+    bool displacement = true, attitude = true; ///< whether these channels are used if recorded
+    /// Column maps of recordings.csv and test.csv (column_map.hpp); empty: the format of BRIS.
+    std::filesystem::path columns = {}, machine_columns = {};
 };
 
-/// Looks at the recordings of a test, and takes from those that pass how their rocks moved; clears
-/// the channels that are not to be used. Looks at what the machine measured, too, and leaves out
-/// what is wrong.
+/// Runs the quality control of a test: clears the channels that are not to be used, computes the
+/// trajectories of the sensors that are accepted, and removes wrong measurements of the machine.
 void examine(RecordedTest& test, const QualityControlSettings& settings);
 
-/// What was found, or that nothing was: of the test machine, and of each sensor.
+/// Text for people: the findings, or their absence, for the test machine and for each sensor.
 std::string quality_control_report(const RecordedTest& test);
 
-/// The columns that test.csv may have, with the units in which a column map may give them.
+/// The columns that test.csv may have, with the units that a column map may give.
 const std::vector<KnownColumn>& machine_columns();
 
-/// The metadata of all sensor rocks, by id: FOLDER/rock_NN.txt, or where there is none, those in
-/// all FOLDER/*/recordings.h5, of a sensor in several of them as in the first. Throws InputError,
-/// OutputError.
+/// Reads the metadata of all sensor rocks, in order of id: from FOLDER/rock_NN.txt, or if there are
+/// none, from all FOLDER/*/recordings.h5; for a sensor in several of these the first counts. Throws
+/// InputError, OutputError.
 std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder);
 
-/// The same for the test at one pressure (Pa): without files rock_NN.txt what its own recordings.h5
-/// says of a sensor (of its pose and clock by then) stands in place of `infos`. Throws InputError,
-/// OutputError.
+/// The same for the test at one pressure (Pa): if there are no files rock_NN.txt, the metadata in
+/// its own recordings.h5 (with the pose and clock of that test) replace those of `infos`. Throws
+/// InputError, OutputError.
 std::vector<SensorInfo> infos_of_test(const std::filesystem::path& folder, double pressure,
                                       std::vector<SensorInfo> infos);
 
-/// `infos`: see infos_of_test. Throws InputError with file:line, also where one thing is told by
-/// two files; OutputError.
+/// Reads the test at one pressure (Pa) and runs its quality control. `infos`: see infos_of_test.
+/// Throws InputError with file:line, also if two files contain the same data; OutputError.
 RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure,
                                 const std::vector<SensorInfo>& infos,
                                 const QualityControlSettings& settings);
 
-/// Writes metadata, recordings, the sensor rocks' given poses (in radii and heights of the
-/// specimen) and what was measured. Throws OutputError.
+/// Writes the metadata, the recordings, the given poses of the sensor rocks (relative to radius and
+/// height of the specimen) and the measurements of the machine. `pressure`: Pa. Throws OutputError.
 void write_recorded_test(const std::filesystem::path& folder, double pressure,
                          const std::vector<Recording>& recordings, const SpecimenSettings& specimen,
                          const std::vector<SmartRockPose>& poses,
                          const std::vector<TriaxialPoint>& measured);
 
-/// The same with one file recordings.h5 in place of metadata, recordings.csv and test.csv. `time`:
-/// s, of what was measured.
+/// The same with one file recordings.h5 in place of the metadata, recordings.csv and test.csv.
+/// `time`: s, of each point measured.
 void write_recorded_test_hdf5(const std::filesystem::path& folder, double pressure,
                               const std::vector<Recording>& recordings,
                               const SpecimenSettings& specimen,

@@ -13,14 +13,14 @@ namespace bris {
 
 namespace {
 
-/// A line for each option of a metadata file.
+/// Writes a line of a metadata file for each option.
 struct InfoLines {
     std::string text;
     template <class T, class... Rest>
     void operator()(const std::string& name, const T& value, const std::string& unit,
                     const std::string& help, const Rest&...) {
         text +=
-            fmt::format("{} = {}  # {}{}{}\n", name, value, unit, unit.empty() ? "" : ", ", help);
+            fmt::format("{} = {}  # {}{}{}\n", name, value, unit, unit.empty() ? "" : ": ", help);
     }
     void operator()(const std::string& name, const std::string& value, const std::string& unit,
                     const std::string& help, std::initializer_list<const char*>) {
@@ -71,7 +71,7 @@ SensorInfo read_sensor_info(const std::filesystem::path& path) {
     std::filesystem::path config;
     Options options;
     info.describe(options);
-    options("config", config, "", "the metadata file");
+    options("config", config, "", "The metadata file.");
     (void)options.parse({"--config", path.string()});
     check_sensor_info(info, path.string());
     return info;

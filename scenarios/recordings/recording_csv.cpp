@@ -13,7 +13,7 @@ namespace bris {
 
 namespace {
 
-/// Columns of a vector: all of them, or none.
+/// The columns of a vector: all of them, or none.
 template <std::size_t N>
 struct Channel {
     std::array<std::vector<double>, N> columns;
@@ -25,7 +25,7 @@ struct Channel {
         present = there > 0;
         if (!present) return;
         for (std::size_t k = 0; k < N; ++k)
-            columns[k] = table.column(names[k]); // names the one that is missing
+            columns[k] = table.column(names[k]); // throws with the name of a missing column
     }
     Eigen::Matrix<double, N, 1> operator()(std::size_t row) const {
         Eigen::Matrix<double, N, 1> v;
@@ -38,15 +38,16 @@ std::string at_line(const CsvTable& table, std::size_t row) {
     return fmt::format("{}:{}", table.path.string(), table.lines[row]);
 }
 
-/// A whole number of a column, from 0 on.
+/// A non-negative whole number of a column.
 std::uint64_t count_of(const CsvTable& table, std::size_t row, const char* name, double value) {
     if (!is_count(value))
-        throw InputError(fmt::format("{}: {}: expected a whole number from 0 on, found {}",
+        throw InputError(fmt::format("{}: {}: expected a non-negative whole number, found {}",
                                      at_line(table, row), name, value));
     return static_cast<std::uint64_t>(value);
 }
 
-/// The unit that a form gives to all columns of a channel; "": none.
+/// The unit that a form gives for all columns of a channel; "": none. Throws InputError if it gives
+/// units for some of them only.
 std::string given_unit(const CsvForm& form, std::initializer_list<const char*> names) {
     const CsvColumn* with = nullptr;
     const CsvColumn* without = nullptr;
@@ -59,7 +60,7 @@ std::string given_unit(const CsvForm& form, std::initializer_list<const char*> n
     return with == nullptr ? "" : with->unit;
 }
 
-/// Where a form gives units, numbers have been brought to those of this project.
+/// Where a form gives units, the numbers have been converted on reading.
 SensorInfo with_units_of(SensorInfo info, const CsvForm& form) {
     if (!given_unit(form, {"ax", "ay", "az"}).empty()) info.force_unit = std::string("m/s2");
     if (!given_unit(form, {"gx", "gy", "gz"}).empty()) info.rate_unit = "rad/s";
@@ -71,7 +72,7 @@ SensorInfo with_units_of(SensorInfo info, const CsvForm& form) {
     return info;
 }
 
-/// All columns of a recording, by rows.
+/// The columns of all recordings, read row by row.
 class Columns {
 public:
     explicit Columns(const CsvTable& table)
@@ -223,7 +224,7 @@ std::vector<Recording> read_recordings(const std::filesystem::path& csv,
     for (std::size_t row = 0; row < table.rows.size(); ++row) {
         const auto found = where.find(count_of(table, row, "id", id[row]));
         if (found == where.end())
-            throw InputError(fmt::format("{}: id: expected that of a metadata file, found {}",
+            throw InputError(fmt::format("{}: id: expected the id of a metadata file, found {}",
                                          at_line(table, row), id[row]));
         columns.append(row, time[row], recordings[found->second]);
     }

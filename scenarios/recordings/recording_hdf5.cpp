@@ -13,7 +13,7 @@ namespace bris {
 
 namespace {
 
-/// Rows of N numbers, one for each sample; empty where the file has none.
+/// Rows of N numbers, one for each sample; empty if the file does not have the dataset.
 template <std::size_t N>
 std::vector<Eigen::Matrix<double, N, 1>> rows_of(const Hdf5File& file, const std::string& dataset,
                                                  std::size_t samples) {
@@ -37,7 +37,7 @@ void write_rows(Hdf5File& file, const std::string& dataset, const std::vector<Ro
                {rows.size(), width});
 }
 
-/// The metadata as attributes of a group.
+/// Writes the metadata as attributes of a group.
 struct AttributeWriter {
     Hdf5File& file;
     const std::string& group;
@@ -53,7 +53,7 @@ struct AttributeWriter {
     }
 };
 
-/// Those that there are, as flags are typed: what checks these checks them.
+/// Reads the attributes of a group as if they were typed as options, so that the same checks apply.
 struct AttributeReader {
     const Hdf5File& file;
     const std::string& group;
@@ -86,7 +86,7 @@ private:
     }
 };
 
-/// Units of the datasets: name of the attribute, and what the metadata say.
+/// Units of the datasets: name of the attribute, and unit of the metadata.
 std::vector<std::pair<std::string, std::string>> units_of(const SensorInfo& info) {
     return {{"accel_unit", info.force_unit},
             {"gyro_unit", info.rate_unit},
@@ -95,7 +95,7 @@ std::vector<std::pair<std::string, std::string>> units_of(const SensorInfo& info
             {"battery_unit", info.battery_unit}};
 }
 
-/// Read as numbers of any kind: as counts a negative one or NaN would be another count.
+/// Reads counts as doubles: read as integers, a negative number or NaN would become another count.
 std::vector<std::uint64_t> counts_of(const Hdf5File& file, const std::string& dataset,
                                      std::size_t samples, bool nan_is_0) {
     std::vector<std::uint64_t> counts;
@@ -103,18 +103,20 @@ std::vector<std::uint64_t> counts_of(const Hdf5File& file, const std::string& da
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const double n = nan_is_0 && std::isnan(rows[k][0]) ? 0 : rows[k][0];
         if (!is_count(n))
-            throw InputError(fmt::format("{}: {}[{}]: expected a whole number from 0 on, found {}",
-                                         file.path().string(), dataset, k, n));
+            throw InputError(
+                fmt::format("{}: {}[{}]: expected a non-negative whole number, found {}",
+                            file.path().string(), dataset, k, n));
         counts.push_back(static_cast<std::uint64_t>(n));
     }
     return counts;
 }
 
-/// Times of the samples, one after another.
+/// Times of the samples.
 std::vector<double> times_of(const Hdf5File& file, const std::string& dataset) {
     const auto shape = file.shape(dataset);
-    require(shape.size() == 1, fmt::format("{}: {}: expected numbers in one dimension, found {}",
-                                           file.path().string(), dataset, in_words(shape)));
+    require(shape.size() == 1,
+            fmt::format("{}: {}: expected a one-dimensional array of numbers, found {}",
+                        file.path().string(), dataset, in_words(shape)));
     return file.read<double>(dataset);
 }
 
@@ -122,7 +124,7 @@ Recording read_one(const Hdf5File& file, const SensorInfo& info) {
     const std::string own = fmt::format("/sensors/{}", info.id), group = own + "/";
     Recording r;
     r.info = info;
-    if (!file.has(group + "time")) return r; // of this one nothing was recorded
+    if (!file.has(group + "time")) return r; // this sensor recorded nothing
     for (const auto& [name, unit] : units_of(info)) {
         const std::string found =
             file.has_attribute(own, name) ? file.text_attribute(own, name) : unit;
@@ -187,13 +189,13 @@ std::vector<SensorInfo> read_sensor_infos_hdf5(const std::filesystem::path& path
             throw InputError(fmt::format("{}: {}: {}", path.string(), group, e.what()));
         }
         require(std::to_string(info.id) == name,
-                fmt::format("{}: {}: expected an attribute id as its name, found {}", path.string(),
-                            group, info.id));
+                fmt::format("{}: {}: expected an attribute id equal to its name, found {}",
+                            path.string(), group, info.id));
         check_sensor_info(info, fmt::format("{}: {}", path.string(), group));
         infos.push_back(info);
     }
     std::ranges::sort(infos, {},
-                      &SensorInfo::id); // their names are in the order of words: 10 before 2
+                      &SensorInfo::id); // the names are in alphabetical order: 10 before 2
     return infos;
 }
 
@@ -222,7 +224,7 @@ void write_recordings_hdf5(const std::filesystem::path& path,
     Hdf5File file = Hdf5File::create(path);
     for (const Recording& r : recordings) {
         const std::string own = fmt::format("/sensors/{}", r.info.id), group = own + "/";
-        file.make_group(own); // what is known of a sensor stays, also if it recorded nothing
+        file.make_group(own); // metadata are kept even if the sensor recorded nothing
         if (!r.time.empty()) file.write(group + "time", std::span<const double>(r.time));
         std::vector<Vec3> force, rate, field;
         for (const Vec3& f : r.force) force.push_back(r.info.recorded_force(f));

@@ -39,7 +39,7 @@ SensorTrajectory trajectory_of(const Recording& recording, double interval) {
             !recording.attitude.empty() && recording.attitude[k].coeffs().allFinite();
         const bool has_displacement =
             !recording.displacement.empty() && recording.displacement[k].allFinite();
-        if (strain <= 0) { // where the rock stood before the test began: the last sample counts
+        if (strain <= 0) { // reference before the test begins: the last sample counts
             if (has_force) first_up = up;
             if (has_attitude) first_attitude = recording.attitude[k];
             if (has_displacement) first_displacement = recording.displacement[k];
@@ -52,7 +52,7 @@ SensorTrajectory trajectory_of(const Recording& recording, double interval) {
             has_displacement ? Vec3(recording.displacement[k] - first_displacement) : unknown);
         trajectory.rotation.push_back(
             has_attitude ? attitude_error(recording.attitude[k], first_attitude) : unknown);
-        // biases of the accelerometers, the same at both times, cancel
+        // a bias of the accelerometers that is the same at both times cancels
         trajectory.tilt.push_back(has_force && first_up.allFinite() ? Vec3(first_up - up)
                                                                     : unknown);
     }
@@ -81,7 +81,7 @@ std::vector<Observability> observability_of(const Recording& recording, double d
                            : seen_by("tilt", inertial ? "gravity" : "nothing",
                                      inertial ? tilt : nothing, turn));
     const Heading heading = recording.field.empty() || oriented
-                                ? Heading{.unobservable_because = "not asked"}
+                                ? Heading{.unobservable_because = "not requested"}
                                 : heading_of(recording);
     if (oriented)
         all.push_back(seen_by("yaw", "attitude", info.attitude_noise, turn));

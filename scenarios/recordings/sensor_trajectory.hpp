@@ -7,37 +7,40 @@
 
 namespace bris {
 
-/// How a sensor rock has moved since the start of a test, strain by strain; NaN: not measured.
+/// Displacement history of a sensor rock since the start of a test, by axial strain; NaN: not
+/// measured.
 struct SensorTrajectory {
     std::vector<double> strain;
     std::vector<Vec3> displacement; ///< m, world frame
     std::vector<Vec3> rotation;     ///< rad, rotation vectors, world frame
-    std::vector<Vec3> tilt; ///< where upwards was, less where it is, in the body's axes: all that
-                            ///< gravity tells of attitude
+    /// Upward unit vector at the start minus the current one, in body axes: the part of the
+    /// attitude that gravity determines.
+    std::vector<Vec3> tilt;
 };
 
-/// What a recording tells of a test that passes from one rest to the next: the displacement and
-/// attitude that it has, and by the specific force at rest how the rock tilts, every `interval` of
-/// axial strain. Of yaw and of displacement gravity says nothing, and they are not made up by
-/// integration. Needs the channel `strain`; throws InputError without.
+/// Extracts the trajectory from the recording of a quasi-static test every `interval` of axial
+/// strain: displacement and attitude where recorded, and the tilt from the specific force. Gravity
+/// does not determine yaw and displacement, and they are not computed by integration. Throws
+/// InputError if the channel `strain` is missing.
 SensorTrajectory trajectory_of(const Recording& recording, double interval);
 
-/// How well a sensor sees one direction, beside what the model may go astray in a test.
+/// Accuracy with which a sensor observes one component of the motion, compared with the drift of a
+/// model.
 struct Observability {
     std::string direction; ///< x, y, z, tilt, yaw
-    std::string source;    ///< what it is seen by
-    double deviation;      ///< m or rad, of what is measured at the end of the test
-    double gain;           ///< 1 - P+/P-: share of the model's variance that it takes away
+    std::string source;    ///< channel that observes it
+    double deviation; ///< m or rad, standard deviation of the measurement at the end of the test
+    double gain;      ///< 1 - P+/P-: share of the variance of the model that it removes
     bool observable() const { return gain > 0.1; }
 };
 
-/// For a test of `duration` (s), in which a model drifts by the deviations `drift` (m) and `turn`
-/// (rad). What an inertial sensor alone says of its displacement is the second integral of noise
-/// and bias. A magnetometer in a steady field sees yaw (heading.hpp), but is not fused: the verdict
-/// says what could be known.
+/// Observability in a test of `duration` (s) during which a model drifts by the standard deviations
+/// `drift` (m) and `turn` (rad). The displacement from an inertial sensor alone has the error of
+/// the second integral of noise and bias. A magnetometer in a steady field observes yaw
+/// (heading.hpp) but is not fused: its entry states what could be observed.
 std::vector<Observability> observability_of(const Recording& recording, double duration,
                                             double drift, double turn);
-/// Of several, as a table.
+/// The same for several recordings, as a table for people.
 std::string observability(const std::vector<Recording>& recordings, double duration, double drift,
                           double turn);
 

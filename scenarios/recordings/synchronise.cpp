@@ -24,8 +24,10 @@ public:
         if (!r_.phase.empty() && clock_.by_phase.size() > 1) return by_phase();
         if (clock_.by_time.size() > 1) return by_time(interval);
         refuse(r_.phase.empty()
-                   ? "expected strain or phase in its records, or t in the machine's, found none"
-                   : "expected strain in its records, or phase or t in the machine's, found none");
+                   ? "expected strain or phase in its records, or t in those of the machine, found "
+                     "none"
+                   : "expected strain in its records, or phase or t in those of the machine, found "
+                     "none");
     }
 
 private:
@@ -49,9 +51,9 @@ private:
         const double unsure = 3 * r_.info.clock_offset_deviation,
                      strain = unsure * median(std::move(rates));
         if (strain > interval)
-            return refuse(fmt::format("it is known to {:.2g} s, in which the test goes {:.2g} % of "
-                                      "axial strain, expected {:.2g} %: give strain or phase, or "
-                                      "clock_offset more closely",
+            return refuse(fmt::format("clock_offset is known to {:.2g} s, during which the axial "
+                                      "strain grows by {:.2g} %, expected at most {:.2g} %: give "
+                                      "strain, phase or a more accurate clock_offset",
                                       unsure, 100 * strain, 100 * interval));
         std::vector<double> t;
         for (const double own : r_.time) t.push_back(own - r_.info.clock_offset);
@@ -60,7 +62,7 @@ private:
 
     void take(const std::map<double, double>& strain_at, const std::vector<double>& where,
               const char* unit, const char* advice) {
-        std::vector<double> strain, known; // where: it may be sampled less often
+        std::vector<double> strain, known; // known: phase or time, which may be sampled less often
         std::size_t outside = 0;
         for (const double w : where) {
             strain.push_back(std::isfinite(w) ? strain_between(strain_at, w) : unknown);
@@ -72,17 +74,17 @@ private:
             const auto [first, last] = known.empty() ? std::ranges::min_max_result{unknown, unknown}
                                                      : std::ranges::minmax(known);
             return refuse(fmt::format("expected records of the test, {:.4g} to {:.4g} {} by the "
-                                      "machine's, found {:.4g} to {:.4g}{}",
+                                      "machine, found {:.4g} to {:.4g}{}",
                                       strain_at.begin()->first, strain_at.rbegin()->first, unit,
                                       first, last, advice));
         }
         r_.strain = std::move(strain);
         const auto left_out = outside > 0
-                                  ? fmt::format("; {} of {} samples are outside of it and left out",
+                                  ? fmt::format("; {} of {} samples are outside it and left out",
                                                 outside, known.size())
                                   : "";
-        note(fmt::format("strain by the machine's {}{}", unit == std::string("s") ? "t" : "phase",
-                         left_out));
+        note(fmt::format("strain is interpolated from {} of the machine{}",
+                         unit == std::string("s") ? "t" : "phase", left_out));
     }
 
     Recording& r_;
@@ -97,7 +99,7 @@ std::optional<std::string> reason_against_phases(const std::vector<double>& phas
     for (const double phase : phases) {
         if (phase < last)
             return fmt::format(
-                "expected phases that grow from cycle to cycle, found {:.4g} after {:.4g}{}", phase,
+                "expected phases that increase over all cycles, found {:.4g} after {:.4g}{}", phase,
                 last, last - phase > 0.5 ? ": count the cycles" : "");
         if (std::isfinite(phase)) last = phase;
     }
@@ -110,7 +112,7 @@ double strain_between(const std::map<double, double>& strain_at, double where) {
     if (after == strain_at.begin())
         return !strain_at.empty() && after->second <= 0
                    ? 0
-                   : unknown;                     // before the test, or before it was followed
+                   : unknown;                     // before the test, or before its first record
     if (after == strain_at.end()) return unknown; // not yet
     const auto before = std::prev(after);
     return before->second + (after->second - before->second) * (where - before->first) /

@@ -8,30 +8,31 @@
 
 namespace bris {
 
-/// What was measured at the end of a stage (or of consolidation). Compression positive.
+/// State of a triaxial test at the end of a stage (or of consolidation). Compression is positive.
 struct TriaxialPoint {
-    double axial_strain = 0;      ///< -, platen travel / height at the start of shearing
-    double volumetric_strain = 0; ///< -, of the polygon's volume
+    double axial_strain = 0;      ///< displacement of the platen / height at the start of shearing
+    double volumetric_strain = 0; ///< of the volume within the polygon of the membrane
     double axial_stress = 0;      ///< Pa, mean force on the platens / (volume / height)
-    double radial_stress = 0;     ///< Pa, of the rings, weighted by their areas
+    double radial_stress = 0;     ///< Pa, mean of the rings, weighted by their areas
     double deviatoric_stress = 0; ///< Pa
-    double boundary_axial = 0,
-           boundary_radial = 0; ///< Pa, all boundary forces times their places over the volume
-    double contact_axial = 0,
-           contact_radial = 0;   ///< Pa, Love-Weber: contact forces times branch vectors
-    double unbalanced = 0;       ///< -
-    double worst_ring_error = 0; ///< -, largest relative error of a ring's pressure
-    double mean_ring_error = 0;  ///< -
+    /// All boundary forces times their positions, over the volume, Pa.
+    double boundary_axial = 0, boundary_radial = 0;
+    /// Love-Weber stress: contact forces times branch vectors, over the volume, Pa.
+    double contact_axial = 0, contact_radial = 0;
+    double unbalanced = 0;       ///< unbalanced force ratio
+    double worst_ring_error = 0; ///< largest relative error of the pressure of a ring
+    double mean_ring_error = 0;  ///< mean of these errors
     double coordination = 0;     ///< touching rocks per rock
-    double inertial_number =
-        0; ///< -, strain rate of the move * mean size * sqrt(density / mean stress), scaled masses
-    double boundary_work = 0, friction_work = 0, damping_work = 0,
-           scaling_work = 0;         ///< J, since the specimen was begun
-    double stored = 0, kinetic = 0;  ///< J, now: elastic, and of weight if it acts
-    double steps = 0;                ///< of this stage
-    std::vector<double> ring_radius; ///< m, mean of the ring's elements
+    /// Strain rate of the stage * mean size * sqrt(density / mean stress), with scaled masses.
+    double inertial_number = 0;
+    /// Work since the start of the specimen, J.
+    double boundary_work = 0, friction_work = 0, damping_work = 0, scaling_work = 0;
+    /// Current energies, J: elastic (with gravitational energy if gravity acts) and kinetic.
+    double stored = 0, kinetic = 0;
+    double steps = 0;                ///< number of time steps of this stage
+    std::vector<double> ring_radius; ///< m, mean of the elements of each ring
 
-    /// Calls visit(name, unit, number) for each number but the rings'.
+    /// Calls visit_one(name, unit, number) for each number except the ring radii.
     void visit(auto&& visit_one) {
         visit_one("axial_strain", "", axial_strain);
         visit_one("volumetric_strain", "", volumetric_strain);
@@ -57,15 +58,16 @@ struct TriaxialPoint {
     }
 };
 
+/// Stores points in an archive under `path`, and loads them.
 void save_points(Archive& archive, const std::string& path,
                  const std::vector<TriaxialPoint>& points);
 std::vector<TriaxialPoint> load_points(const Archive& archive, const std::string& path);
 
-/// The stage nearest to an axial strain, within `tolerance`; nothing: there is none.
+/// Index of the stage nearest to an axial strain, within `tolerance`; nothing: there is none.
 std::optional<std::size_t> stage_at(const std::vector<TriaxialPoint>& points, double strain,
                                     double tolerance);
 
-/// What the results of a test at that pressure (Pa) are kept under, as 55kPa.
+/// Name of the folder for the test at this pressure (Pa), such as 55kPa.
 std::string folder_of(double pressure);
 
 } // namespace bris

@@ -18,7 +18,8 @@ double area(const Outline& outline) {
     return 0.5 * twice;
 }
 
-/// `count` points at equal lengths of perimeter, the first at `start` (0 to 1) of one length.
+/// `count` points at equal lengths of perimeter. `start`: position of the first, in units of one
+/// such length, 0 to 1.
 Outline resampled(const Outline& outline, std::size_t count, double start) {
     const std::size_t n = outline.size();
     std::vector<double> along(n + 1, 0.0);
@@ -75,7 +76,7 @@ Outline hull(Outline points) {
     return chain;
 }
 
-/// Outer outline of discs as seen from `middle`: the farthest point along 1,440 rays.
+/// Outer outline of discs seen from `middle`: the farthest point along each of 1,440 rays.
 Outline disc_outline(std::span<const std::array<double, 3>> discs, std::array<double, 2> middle) {
     constexpr int rays = 1440;
     Outline outline;

@@ -9,20 +9,23 @@
 
 namespace bris {
 
-/// Outline of a solid along a direction: a closed polygon, and its area.
+/// Outline of a solid seen along a direction: a closed polygon.
 using Outline = std::vector<std::array<double, 2>>;
 
-/// Angularity of an outline after Rao, Tutumluer and Kim (2002), degrees: the outline becomes a
-/// polygon of 24 equal lengths of perimeter; each of the 24 changes of the angle at a corner from
-/// one corner to the next counts with the lower bound of its 10° class. The mean over 8 starting
-/// points removes the dependence on where one starts. 0 for a circle; 400 to 600 for crushed rock.
+/// Angularity index of an outline, degrees (Rao, Tutumluer and Kim 2002). The outline is resampled
+/// to 24 points at equal lengths of perimeter. Each of the 24 changes of the corner angle from one
+/// corner to the next contributes the lower bound of its 10° class. The index is averaged over 8
+/// starting points, so that it does not depend on where the resampling starts. 0 for a circle; 400
+/// to 600 for crushed rock.
 double outline_angularity(const Outline& outline);
 
-/// Area-weighted mean of the outline angularity over the three views along `axes`, degrees. Of a
-/// polyhedron: the outline of its hull. The dents between the balls of a clump count, as they would
-/// in a photograph; `hull_angularity` leaves them out and shows how round the corners have become.
+/// Mean of the outline angularity over the three views along the columns of `axes`, weighted by the
+/// area of each outline, degrees. The outline of a polyhedron is that of its convex hull. The
+/// outline of a clump includes the dents between its spheres, as a photograph would.
 double angularity(const Polyhedron& polyhedron, const Mat3& axes);
 double angularity(std::span<const Ball> balls, const Mat3& axes);
+/// The same for the convex hull of a clump: without the dents, it shows how much the spheres round
+/// the corners.
 double hull_angularity(std::span<const Ball> balls, const Mat3& axes);
 
 } // namespace bris

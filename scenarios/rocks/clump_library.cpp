@@ -20,7 +20,7 @@ struct Stored {
     int line;
 };
 
-/// The comment lines of the form "# name = number".
+/// Reads the comment lines of the form "# name = number".
 std::map<std::string, Stored> read_stored(const std::filesystem::path& path) {
     std::ifstream file(path);
     if (!file) throw OutputError(path.string() + ": cannot be read");
@@ -40,11 +40,11 @@ std::map<std::string, Stored> read_stored(const std::filesystem::path& path) {
 void check(const std::filesystem::path& path, const std::string& what, const Stored& stored,
            double found, double scale) {
     if (std::abs(stored.value - found) <= 1e-3 * scale) return;
-    throw InputError(fmt::format("{}:{}: {}: expected {:.6g} from the balls, found {:.6g}",
+    throw InputError(fmt::format("{}:{}: {}: expected {:.6g} from the spheres, found {:.6g}",
                                  path.string(), stored.line, what, found, stored.value));
 }
 
-/// The stored mass properties against those of the balls.
+/// Compares the stored mass properties with those computed from the spheres.
 void verify(const std::filesystem::path& path, const Clump& clump,
             const std::map<std::string, Stored>& stored) {
     const MassProperties found = union_properties(clump.balls, 128);
@@ -55,9 +55,9 @@ void verify(const std::filesystem::path& path, const Clump& clump,
     check(path, "sieve", stored.at("sieve"), sieve_size(clump.balls), clump.sieve);
     const Mat3 diagonal = found.inertia.diagonal().asDiagonal();
     require(found.centre.norm() < 1e-3 * clump.sieve,
-            path.string() + ": expected the centre of mass in the origin");
+            path.string() + ": expected the centre of mass at the origin");
     require((found.inertia - diagonal).norm() < 1e-3 * found.inertia.trace(),
-            path.string() + ": expected the balls in their principal frame");
+            path.string() + ": expected axes along the principal axes");
 }
 
 } // namespace
@@ -81,11 +81,11 @@ Clump read_clump(const std::filesystem::path& path) {
     clump.sieve = need("sieve");
     const std::vector<double> x = table.column("x"), y = table.column("y"), z = table.column("z"),
                               radius = table.column("radius");
-    require(!radius.empty(), path.string() + ": expected at least one ball, found none");
+    require(!radius.empty(), path.string() + ": expected at least one sphere, found none");
     for (std::size_t k = 0; k < radius.size(); ++k) {
         const Vec3 centre(x[k], y[k], z[k]);
         require(centre.allFinite() && radius[k] > 0 && std::isfinite(radius[k]),
-                fmt::format("{}:{}: ball: expected three finite coordinates and a positive radius",
+                fmt::format("{}:{}: expected three finite coordinates and a positive radius",
                             path.string(), table.lines[k]));
         clump.balls.push_back({centre, radius[k]});
         clump.bounding_radius = std::max(clump.bounding_radius, centre.norm() + radius[k]);
@@ -112,7 +112,7 @@ void write_clump(const std::filesystem::path& path, const Clump& clump,
                  const std::vector<std::string>& comments) {
     std::vector<std::string> lines = comments;
     lines.emplace_back(
-        "unit of length: the sieve size; principal frame, origin in the centre of mass");
+        "Unit of length: the sieve size. Axes: principal axes. Origin: centre of mass.");
     lines.push_back(fmt::format("volume = {:.17g}", clump.volume));
     lines.push_back(fmt::format("inertia_x = {:.17g}", clump.inertia.x()));
     lines.push_back(fmt::format("inertia_y = {:.17g}", clump.inertia.y()));

@@ -16,7 +16,7 @@ namespace {
 Vec3 least_width_direction(std::span<const Ball> balls) {
     constexpr std::size_t lattice = 4000, kept = 12;
     std::vector<std::pair<double, std::size_t>> ranked;
-    for (std::size_t k = 0; k < lattice / 2; ++k) // widths are even: half the sphere is enough
+    for (std::size_t k = 0; k < lattice / 2; ++k) // opposite directions have equal widths
         ranked.emplace_back(width(balls, lattice_direction(k, lattice)), k);
     for (std::size_t axis = 0; axis < 3; ++axis)
         ranked.emplace_back(width(balls, Vec3::Unit(static_cast<Eigen::Index>(axis))),
@@ -40,7 +40,8 @@ Vec3 least_width_direction(std::span<const Ball> balls) {
     return result;
 }
 
-/// Least width over the directions at right angles to `axis`: 720 angles, then golden section.
+/// Direction of the least width among those perpendicular to `axis`: 720 angles, refined by
+/// halving the step.
 Vec3 least_width_across(std::span<const Ball> balls, const Vec3& axis) {
     const Vec3 u = axis.unitOrthogonal(), v = axis.cross(u);
     const auto at = [&](double angle) { return Vec3(std::cos(angle) * u + std::sin(angle) * v); };

@@ -6,19 +6,22 @@
 
 namespace bris {
 
-/// Of the hull of the balls along a direction, m.
+/// Width of the convex hull of the spheres along a unit vector, m.
 double width(std::span<const Ball> balls, const Vec3& direction);
 
-/// Caliper dimensions, m: shortest = least width over all directions, intermediate = least width at
-/// right angles to it, longest = width at right angles to both. A box gives its edges.
+/// Caliper dimensions of a shape, m. The shortest is the least width over all directions, the
+/// intermediate is the least width perpendicular to it, and the longest is the width perpendicular
+/// to both. For a box they are its edges.
 struct Dimensions {
     double longest, intermediate, shortest;
     Mat3 axes; ///< columns: directions of longest, intermediate, shortest; right-handed
+    /// Flat-and-elongated ratio: longest over shortest dimension.
     double flat_elongated() const { return longest / shortest; }
 };
 
-/// Dimensions of the hull of the balls (radius 0 allowed: vertices). Search over a lattice of 4,000
-/// directions with local refinement; error below 1e-4 of the size.
+/// Computes the caliper dimensions of the convex hull of the spheres; spheres of radius 0 (the
+/// vertices of a polyhedron) are allowed. Searches a lattice of 4,000 directions with local
+/// refinement. The error is below 1e-4 of the size.
 Dimensions compute_dimensions(std::span<const Ball> balls);
 
 } // namespace bris

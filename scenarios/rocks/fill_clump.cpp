@@ -20,8 +20,8 @@
 namespace bris {
 namespace {
 
-/// What is wrong with a fill, as a length relative to the size: surface, flatness and angularity in
-/// the proportion in which they can be had (a mean distance of 0.01, ratios of 0.05 and 0.3).
+/// Misfit of a fill, as a length relative to the size: surface, flatness and angularity, weighted
+/// by the accuracy that can be reached (a mean distance of 0.01, ratios of 0.05 and 0.3).
 double badness(const Polyhedron& solid, std::span<const Ball> balls, double size) {
     const Dimensions wanted = compute_dimensions(vertex_balls(solid));
     const double flat_elongated =
@@ -32,7 +32,7 @@ double badness(const Polyhedron& solid, std::span<const Ball> balls, double size
     return distance / size + 0.15 * std::abs(flat_elongated) + 0.02 * std::abs(sharp);
 }
 
-/// The three free places and radii of a cube's fill, half side 1/2.
+/// Free positions and radii of the spheres that fill a cube of half side 1/2.
 struct CubePlan {
     double corner, corner_radius, edge, edge_radius, face, face_radius;
 };
@@ -42,7 +42,7 @@ std::vector<Ball> planned(const CubePlan& plan) {
     for (int k = 0; k < 8; ++k) {
         const Vec3 signs(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1);
         balls.push_back({plan.corner * signs, plan.corner_radius});
-        // four of the eight octants, a tetrahedron: the core
+        // the inner spheres lie in four of the eight octants, which form a tetrahedron
         if (signs.prod() > 0) balls.push_back({0.1 * signs, 0.3});
     }
     for (int axis = 0; axis < 3; ++axis)
@@ -93,9 +93,9 @@ std::vector<Ball> fill_level_set(const Polyhedron& polyhedron, double size,
         balls.push_back({Vec3(static_cast<double>(sphere[0]), static_cast<double>(sphere[1]),
                               static_cast<double>(sphere[2])),
                          static_cast<double>(sphere[3])});
-    require(!balls.empty(), "fill: no ball of radius " +
+    require(!balls.empty(), "fill: no sphere of radius " +
                                 std::to_string(settings.min_radius * size) +
-                                " m fits into the solid; ask for smaller ones");
+                                " m fits into the solid; choose a smaller least radius");
     return balls;
 }
 
@@ -105,7 +105,7 @@ std::vector<Ball> fill_clump(const Polyhedron& polyhedron, const FillSettings& s
     const double size = sieve_size(hull);
     require(settings.fit.spheres >= 4, "fill: expected at least 4 spheres");
     require(compute_dimensions(hull).shortest > 2 * settings.fit.min_radius * size,
-            "fill: the solid is thinner than the least ball; ask for smaller ones");
+            "fill: the solid is thinner than the smallest sphere; choose a smaller least radius");
     if (settings.method == FillMethod::level_set) {
         std::vector<Ball> balls = fill_level_set(polyhedron, size, settings.fit);
         match_moments(polyhedron, balls);
@@ -115,7 +115,7 @@ std::vector<Ball> fill_clump(const Polyhedron& polyhedron, const FillSettings& s
     double least = std::numeric_limits<double>::infinity();
     for (int k = 0; k < std::max(1, settings.restarts); ++k) {
         const std::uint64_t key = seed * 1000 + static_cast<std::uint64_t>(k);
-        FitSettings fit = settings.fit; // the starts differ in what they care for, too
+        FitSettings fit = settings.fit; // the starts differ in their weights, too
         if (k % 2 == 1) fit.extreme_weight *= 3;
         if (k % 4 >= 2) fit.corner_weight *= 3;
         std::vector<Ball> balls = fit_spheres(polyhedron, size, fit, key);
@@ -133,7 +133,7 @@ std::vector<Ball> fill_cube(const FitSettings& settings) {
     const auto balls_of = [&](const std::array<double, 6>& v) {
         return planned({v[0], v[1], v[2], v[3], v[4], v[5]});
     };
-    // random search with a shrinking step: the misfit is cheap and has kinks
+    // random search with a decreasing step: the misfit is cheap and not smooth
     Random random(1, 0);
     double least = cube_misfit(balls_of(values), points);
     for (double step = 0.04; step > 1e-4; step *= 0.8)

@@ -16,15 +16,17 @@ namespace {
 using Vec4 = Eigen::Matrix<double, 4, 1>;
 using Mat4 = Eigen::Matrix<double, 4, 4>;
 
-/// A place where the union is compared with the solid.
+/// A point at which the union is compared with the solid.
 struct Sample {
     Vec3 position;
-    Vec3 inwards; // unit; where a ball that touches here has its centre
+    Vec3 inwards; ///< unit vector towards the centre of a sphere that touches here
     double weight;
-    double margin; // m; > 0: interior, must lie this deep; < 0: exterior, this far off; 0: surface
+    /// Above 0: required depth of an interior point inside the union; below 0: required distance of
+    /// an exterior point from it; 0: point on the surface. m.
+    double margin;
 };
 
-/// Sample points on the edges between faces that are not in one plane, by length.
+/// Adds sample points along the edges between faces that are not coplanar.
 void add_edges(const Polyhedron& solid, double weight, double spacing,
                std::vector<Sample>& samples) {
     std::map<std::pair<std::size_t, std::size_t>, Vec3> seen;
@@ -40,7 +42,7 @@ void add_edges(const Polyhedron& solid, double weight, double spacing,
             const Vec3 inwards = -(normal + other->second).normalized();
             const Vec3 edge = solid.vertices[j] - solid.vertices[i];
             const int pieces = std::max(1, static_cast<int>(edge.norm() / spacing));
-            // a sharper edge is worth more: its ridge is what interlocks
+            // sharper edges have more weight because they interlock
             const double sharpness = std::sqrt(0.5 * (1 - other->second.dot(normal)));
             for (int k = 0; k <= pieces; ++k)
                 found.push_back({solid.vertices[i] + edge * k / pieces, inwards, sharpness, 0.0});
@@ -54,8 +56,8 @@ void add_edges(const Polyhedron& solid, double weight, double spacing,
     }
 }
 
-/// What a caliper touches along the three dimensions counts more: it decides flatness and
-/// elongation.
+/// Increases the weight of the points that a caliper touches along the three dimensions, because
+/// they determine flatness and elongation.
 void weigh_extremes(const Polyhedron& solid, double size, double factor,
                     std::vector<Sample>& samples) {
     const Mat3 axes = compute_dimensions(vertex_balls(solid)).axes;
@@ -78,7 +80,7 @@ std::vector<Sample> make_samples(const Polyhedron& solid, double size,
             {point.position, -point.normal, 1.0 / static_cast<double>(surface.size()), 0});
     add_edges(solid, settings.corner_weight, 0.05 * size, samples);
     weigh_extremes(solid, size, settings.extreme_weight, samples);
-    // interior: a void would cost mass and let a partner's corner in
+    // interior: a void would lose mass and admit the corner of another rock
     Vec3 low = solid.vertices.front(), high = low;
     for (const Vec3& vertex : solid.vertices) {
         low = low.cwiseMin(vertex);
@@ -95,7 +97,7 @@ std::vector<Sample> make_samples(const Polyhedron& solid, double size,
         if (signed_distance(solid, point) < -depth)
             samples.push_back({point, Vec3::Zero(), 1.0 / 300, 0.3 * depth});
     }
-    // exterior: a ball may not leave the solid where it touches only a tip
+    // exterior: a sphere must not leave the solid where only a tip holds it
     for (double offset : {0.1 * size, 0.25 * size})
         for (std::size_t k = 0; k < surface.size(); k += 4) {
             const Vec3 point = surface[k].position + offset * surface[k].normal;
@@ -110,14 +112,14 @@ std::vector<Sample> make_samples(const Polyhedron& solid, double size,
     return samples;
 }
 
-/// One problem of fitting: samples, limits and the misfit of a set of balls.
+/// A fitting problem: samples, limits and the misfit of a set of spheres.
 class Fit {
 public:
     Fit(const Polyhedron& solid, double size, const FitSettings& settings)
         : samples_(make_samples(solid, size, settings)), settings_(settings), size_(size),
           nearest_(samples_.size()), misfit_(samples_.size()), second_(samples_.size()) {}
 
-    /// Assigns each sample to its nearest ball; returns the sum of the loss.
+    /// Assigns each sample to its nearest sphere and returns the sum of the loss.
     double assign(const std::vector<Ball>& balls) {
         double sum = 0;
         for (std::size_t k = 0; k < samples_.size(); ++k) {
@@ -139,7 +141,7 @@ public:
         return sum;
     }
 
-    /// One damped Gauss-Newton step of every ball towards its own samples; `assign` came before.
+    /// Makes one damped Gauss-Newton step of every sphere towards its own samples, after `assign`.
     void step(std::vector<Ball>& balls) const {
         std::vector<Mat4> normal(balls.size(), Mat4::Zero());
         std::vector<Vec4> right(balls.size(), Vec4::Zero());
@@ -167,7 +169,7 @@ public:
         }
     }
 
-    /// Steps until they no longer help; leaves the best balls met and returns their loss.
+    /// Makes `steps` steps; leaves the best spheres found and returns their loss.
     double descend(std::vector<Ball>& balls, int steps) {
         std::vector<Ball> best = balls;
         double least = assign(balls);
@@ -180,7 +182,7 @@ public:
         return least;
     }
 
-    /// Moves the ball that is missed least (the `rank`-th such) to the worst place of the fit.
+    /// Moves the sphere that contributes least (or the one of this rank) to where the fit is worst.
     void relocate(std::vector<Ball>& balls, std::size_t rank) {
         assign(balls);
         std::vector<std::pair<double, std::size_t>> missed(balls.size());
@@ -189,7 +191,7 @@ public:
         double greatest = -1;
         for (std::size_t k = 0; k < samples_.size(); ++k) {
             missed[nearest_[k]].first += loss(k, second_[k]) - loss(k, misfit_[k]);
-            // per weight: one corner sample must be able to call for a ball
+            // without the weight: a single corner sample must be able to attract a sphere
             const double here = std::abs(misfit_[k]) * (misfit_[k] > 0 ? 1.0 : 0.5);
             if (here > greatest && samples_[k].margin == 0) greatest = here, worst = k;
         }
@@ -200,7 +202,8 @@ public:
             sample.position + 1.2 * radius * sample.inwards, radius};
     }
 
-    /// Insides of surface points, each as far from those before as can be.
+    /// Spheres that touch surface points from inside; each point is as far as possible from the
+    /// previous ones.
     std::vector<Ball> spread(Random& random) const {
         const auto surface = static_cast<std::size_t>(std::count_if(
             samples_.begin(), samples_.end(), [](const Sample& s) { return s.margin == 0; }));
@@ -219,7 +222,7 @@ public:
     }
 
 private:
-    /// An interior sample counts only as far as it is not covered, an exterior one as it is.
+    /// An interior sample counts only while it is not covered, an exterior one only while it is.
     static double shifted(const Sample& sample, double distance) {
         if (sample.margin > 0) return std::max(0.0, distance + sample.margin);
         if (sample.margin < 0) return std::min(0.0, distance + sample.margin);
@@ -237,7 +240,7 @@ private:
     std::vector<double> misfit_, second_;
 };
 
-/// Volume and principal moments that remain to be matched, relative.
+/// Relative errors of volume and principal moments.
 Vec4 mismatch(const MassProperties& target, const Mat3& axes, std::span<const Ball> balls) {
     const MassProperties found = union_properties(balls, 400);
     const Mat3 turned = axes.transpose() * (found.inertia - target.inertia) * axes;
@@ -246,7 +249,7 @@ Vec4 mismatch(const MassProperties& target, const Mat3& axes, std::span<const Ba
     return result;
 }
 
-/// Unknowns: a length added to every radius, and a stretch of the centres along each axis.
+/// Spheres with a length added to every radius and their centres stretched along each axis.
 std::vector<Ball> deformed(std::span<const Ball> balls, const Vec3& centre, const Mat3& axes,
                            const Vec4& change, double size) {
     std::vector<Ball> result;
@@ -276,7 +279,7 @@ std::vector<Ball> fit_spheres(const Polyhedron& polyhedron, double size,
         if (found < least) {
             least = found, best = std::move(trial), rank = 0;
         } else {
-            rank = (rank + 1) % 8; // the next candidate, from the same balls
+            rank = (rank + 1) % 8; // the next candidate, from the same spheres
         }
     }
     fit.descend(best, 100);
@@ -289,7 +292,7 @@ void match_moments(const Polyhedron& polyhedron, std::vector<Ball>& balls) {
     const double size = std::cbrt(target.volume);
     std::vector<Ball> matched = balls;
     for (int round = 0; round < 8; ++round) {
-        // the centre first: its offset is what the stretches cannot mend
+        // the centre first, because the stretches cannot correct its offset
         const Vec3 offset = target.centre - union_properties(matched, 400).centre;
         for (Ball& ball : matched) ball.centre += offset;
         const Vec4 now = mismatch(target, axes, matched);

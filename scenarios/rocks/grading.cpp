@@ -14,7 +14,7 @@
 namespace bris {
 namespace {
 
-/// Clump indices in which each appears equally often: shuffled decks, one after another.
+/// Draws clump indices such that each appears equally often: shuffled decks, one after another.
 class Deck {
 public:
     Deck(std::size_t clumps, std::uint64_t seed) : random_(seed, 11), cards_(clumps) {
@@ -45,7 +45,8 @@ double cubed(double x) { return x * x * x; }
 /// Volume of a clump at sieve size 1.
 double unit_volume(const Clump& clump) { return clump.volume / cubed(clump.sieve); }
 
-/// Lays rocks of total volume `total` along the curve, coarse to fine; stops after `most`.
+/// Divides the total volume `total` into rocks along the curve, from coarse to fine; stops after
+/// `most` rocks.
 std::vector<RockChoice> lay_out(const Grading& grading, std::span<const Clump> clumps, double total,
                                 std::uint64_t seed, double truncated, std::size_t most) {
     Deck deck(clumps.size(), seed);
@@ -64,7 +65,7 @@ std::vector<RockChoice> lay_out(const Grading& grading, std::span<const Clump> c
             (middle < total && size_at(middle) > size ? low : high) = size;
         }
         const double middle = laid + 0.5 * volume * cubed(low);
-        // no room for half of it: the rest is less than half a rock of the finest size
+        // less than half of this rock would fit: the remainder is below half a rock of finest size
         if (middle >= total * (1 - 1e-12) || total - laid < 0.5 * volume * cubed(size_at(total)))
             break;
         rocks.push_back({clump, low});
@@ -86,7 +87,7 @@ RockSample finished(std::vector<RockChoice> rocks, std::span<const Clump> clumps
     return sample;
 }
 
-/// Size of the cut and the share of the mass below it.
+/// Size at which the grading is truncated, and the mass fraction below it.
 std::pair<double, double> cut(const Grading& grading, std::span<const Clump> clumps,
                               double smallest) {
     require(!clumps.empty(), "grading: expected at least one clump, found none");
@@ -113,9 +114,9 @@ void check_rows(const std::filesystem::path& path, const Grading& grading,
         if (k == 0) continue;
         const Sieve& coarser = grading.sieves[k - 1];
         if (sieve.size >= coarser.size)
-            refuse(k, "sieve: expected sizes that fall from line to line");
+            refuse(k, "sieve: expected sizes that decrease from line to line");
         if (sieve.lower > coarser.lower || sieve.upper > coarser.upper)
-            refuse(k, "limits: expected not to rise as the sieves become finer");
+            refuse(k, "limits: expected them not to increase towards finer sieves");
     }
     require(grading.sieves.size() >= 2,
             path.string() + ": expected at least two sieves with limits");
@@ -188,8 +189,8 @@ RockSample sample_rocks(const Grading& grading, std::span<const Clump> clumps, s
         (rocks.size() < count ? low : high) = middle;
     }
     require(rocks.size() == count,
-            fmt::format("grading {}: expected {} rocks, found no volume that gives as many, only "
-                        "{}: ask for some more or less",
+            fmt::format("grading {}: expected {} rocks, found no solid volume that gives this "
+                        "count, only {}; choose a slightly different count",
                         grading.name, count, rocks.size()));
     return finished(std::move(rocks), clumps, seed, smallest, truncated);
 }
@@ -200,7 +201,8 @@ SieveReport sieve_back(std::span<const RockChoice> rocks, std::span<const Clump>
     std::vector<double> passing(grading.sieves.size(), 0.0);
     double total = 0;
     for (const RockChoice& rock : rocks) {
-        require(rock.clump < clumps.size(), "sieving: a rock names a clump that is not there");
+        require(rock.clump < clumps.size(),
+                "sieving: a rock refers to a clump that does not exist");
         const double volume = unit_volume(clumps[rock.clump]) * cubed(rock.sieve);
         total += volume;
         for (std::size_t k = 0; k < passing.size(); ++k)
@@ -211,7 +213,8 @@ SieveReport sieve_back(std::span<const RockChoice> rocks, std::span<const Clump>
         const Sieve& sieve = grading.sieves[k];
         const double share = passing[k] / total;
         const double whole = truncated_fraction + (1 - truncated_fraction) * share;
-        // a specimen cut above this sieve cannot be judged on it: its tail lies somewhere below
+        // a specimen truncated above this sieve cannot be judged on it: the sizes of its truncated
+        // fraction are unknown
         const bool assessment = share > 0 || truncated_fraction == 0;
         constexpr double slack = 1e-3;
         const bool within =

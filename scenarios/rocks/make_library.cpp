@@ -19,7 +19,8 @@
 namespace bris {
 namespace {
 
-/// Value of `rank` out of `count`: even ranks on either side of the median, denser near it.
+/// Flat-and-elongated ratio of rank `rank` out of `count`: spread on both sides of the median, and
+/// denser near it.
 double spread(const LibrarySettings& settings, unsigned rank) {
     const double share = (rank + 0.5) / settings.count * 2 - 1;
     const double far = std::pow(std::abs(share), 1.3);
@@ -28,7 +29,7 @@ double spread(const LibrarySettings& settings, unsigned rank) {
 }
 
 RockSettings rock_settings(const LibrarySettings& settings, unsigned index) {
-    // faces must not follow flatness: their ranks are dealt in an order of their own
+    // the number of faces must not be correlated with flatness: their ranks are shuffled
     std::vector<unsigned> ranks(settings.count);
     std::iota(ranks.begin(), ranks.end(), 0u);
     Random order(settings.seed, 101);
@@ -53,8 +54,7 @@ double surface_area(const Polyhedron& solid) {
     return area;
 }
 
-/// Everything that the report says of one clump; `balls` in the frame of the solid, of sieve
-/// size 1.
+/// Computes the row of the report for one clump. `balls`: in the frame of the solid, sieve size 1.
 LibraryRow compare(const std::string& name, const Polyhedron& solid, const std::vector<Ball>& balls,
                    const LibrarySettings& settings) {
     LibraryRow row;
@@ -104,7 +104,7 @@ Polyhedron normalised(Polyhedron solid) {
 void write_report(const LibrarySettings& settings, const std::vector<LibraryRow>& rows,
                   const std::string& source) {
     std::vector<std::string> comments{
-        source, "lengths in units of the solid's sieve size; errors relative"};
+        source, "Lengths are in units of the sieve size of the solid. Errors are relative."};
     std::vector<std::vector<double>> values;
     for (std::size_t k = 0; k < rows.size(); ++k) {
         const LibraryRow& row = rows[k];
@@ -174,7 +174,7 @@ std::vector<LibraryRow> make_library(const LibrarySettings& settings) {
     check(settings);
     std::error_code failure;
     std::filesystem::create_directories(settings.out, failure);
-    if (failure) throw OutputError(settings.out.string() + ": cannot be made");
+    if (failure) throw OutputError(settings.out.string() + ": cannot be created");
     std::vector<LibraryRow> rows;
     if (!settings.mesh.empty()) {
         const Polyhedron solid = normalised(read_mesh(settings.mesh));

@@ -37,7 +37,7 @@ struct Interval {
     double low, high;
 };
 
-/// A ball cut by the plane of one x: a disc in y, z.
+/// Intersection of a sphere with a plane of constant x: a disc in y, z.
 struct Disc {
     double y, z, radius_squared;
 };
@@ -88,7 +88,7 @@ double square_side(std::span<const Ball> balls, const Quat& rotation) {
     return std::max(width(balls, rotation * Vec3::UnitX()), width(balls, rotation * Vec3::UnitY()));
 }
 
-/// Random search with a shrinking step: the side has kinks, on which descent along axes stalls.
+/// Random search with a decreasing step: the side is not smooth, so descent along axes would stall.
 double refine_side(std::span<const Ball> balls, Pose pose, Random& random) {
     for (double step = 0.1; step > 2e-5; step *= 0.6)
         for (int trial = 0; trial < 24; ++trial) {
@@ -102,7 +102,7 @@ double refine_side(std::span<const Ball> balls, Pose pose, Random& random) {
 } // namespace
 
 MassProperties union_properties(std::span<const Ball> balls, int columns) {
-    require(!balls.empty(), "mass properties: expected at least one ball, found none");
+    require(!balls.empty(), "mass properties: expected at least one sphere, found none");
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (const Ball& ball : balls) {
         require(ball.radius > 0 && std::isfinite(ball.radius) && ball.centre.allFinite(),
@@ -110,7 +110,7 @@ MassProperties union_properties(std::span<const Ball> balls, int columns) {
         low = low.cwiseMin(ball.centre - Vec3::Constant(ball.radius));
         high = high.cwiseMax(ball.centre + Vec3::Constant(ball.radius));
     }
-    // about the middle of the box: a clump far from the origin keeps its digits
+    // about the middle of the box, so that a clump far from the origin loses no digits
     const Vec3 middle = 0.5 * (low + high), half = 0.5 * (high - low);
     const double dx = 2 * half.x() / columns, dy = 2 * half.y() / columns;
     Moments moments;
@@ -145,7 +145,8 @@ MassProperties union_properties(std::span<const Ball> balls, double tolerance) {
         if (settled) return fine;
         coarse = fine;
     }
-    throw InputError("mass properties: 6400 columns do not reach the tolerance; ask for less");
+    throw InputError(
+        "mass properties: 6400 columns do not reach the tolerance; choose a larger tolerance");
 }
 
 PrincipalAxes principal_axes(const Mat3& inertia) {
@@ -177,7 +178,7 @@ double sieve_size(std::span<const Ball> balls) {
     constexpr std::size_t kept = 8;
     constexpr int starts = 3000;
     std::vector<Pose> poses;
-    Random random(1, 0); // a fixed lattice: the answer is a property of the shape alone
+    Random random(1, 0); // a fixed seed, so that the result depends on the shape alone
     for (int k = 0; k < starts; ++k) {
         const Quat rotation = random.rotation();
         poses.push_back({square_side(balls, rotation), rotation});
@@ -187,7 +188,7 @@ double sieve_size(std::span<const Ball> balls) {
     double best = poses.front().side;
     for (std::size_t k = 0; k < kept; ++k)
         best = std::min(best, refine_side(balls, poses[k], random));
-    // the given axes too: a box in its own frame must be exact
+    // the given axes too, so that a box in its own axes is exact
     for (int axis = 0; axis < 3; ++axis) {
         const Vec3 u = Vec3::Unit((axis + 1) % 3), v = Vec3::Unit((axis + 2) % 3);
         best = std::min(best, std::max(width(balls, u), width(balls, v)));

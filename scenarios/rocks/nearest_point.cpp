@@ -11,7 +11,7 @@ namespace bris {
 
 namespace {
 
-/// Points as the library asks for them.
+/// Points with the interface that nanoflann requires.
 struct Cloud {
     const std::vector<Vec3>& points;
     std::size_t kdtree_get_point_count() const { return points.size(); }
@@ -36,7 +36,7 @@ struct NearestPoint::Tree {
 };
 
 NearestPoint::NearestPoint(const std::vector<Vec3>& points) {
-    require(!points.empty(), "nearest point: expected one at least, found none");
+    require(!points.empty(), "nearest point: expected at least one point, found none");
     tree_ = std::make_unique<Tree>(points);
 }
 

@@ -7,13 +7,14 @@
 
 namespace bris {
 
-/// The nearest of many points, by a tree of them.
+/// Finds the nearest of many points with a k-d tree.
 class NearestPoint {
 public:
-    /// `points`: m, one at least, to be kept as they are meanwhile.
+    /// `points`: m, at least one; they must outlive this object unchanged. Throws InputError if
+    /// there are none.
     explicit NearestPoint(const std::vector<Vec3>& points);
     ~NearestPoint();
-    /// m, from a place to the nearest of the points.
+    /// Distance from a position to the nearest point, m.
     double distance(const Vec3& position) const;
 
 private:

@@ -22,7 +22,7 @@
 namespace bris {
 namespace {
 
-/// Triangles as read, each with the place that a message names.
+/// Triangles as read, each with its location in the file for messages.
 struct RawMesh {
     std::filesystem::path path;
     std::vector<Vec3> corners;
@@ -41,8 +41,8 @@ std::string contents(const std::filesystem::path& path) {
     return {std::istreambuf_iterator<char>(file), {}};
 }
 
-/// Index of each corner in a list without repetitions. Corners on a grid of 1e-6 of the extent,
-/// each compared with the 27 cells about it.
+/// Merges corners that are closer than 1e-6 of the extent and returns the index of each corner in
+/// the remaining list. Each corner is compared with those in the 27 grid cells around it.
 std::vector<std::size_t> weld(std::vector<Vec3>& corners) {
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (const Vec3& corner : corners) {
@@ -75,7 +75,7 @@ std::vector<std::size_t> weld(std::vector<Vec3>& corners) {
     return index;
 }
 
-/// Refuses a surface with holes, ridges of three sheets, or sheets of opposite sense.
+/// Refuses a surface with holes, with edges of three triangles, or with inconsistent orientation.
 void check_closed(const RawMesh& mesh) {
     std::map<std::array<std::size_t, 2>, std::size_t> directed;
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
@@ -111,7 +111,7 @@ Polyhedron closed_surface(RawMesh mesh) {
         clean.lines.push_back(mesh.lines[t]);
     }
     require(!clean.triangles.empty(),
-            mesh.path.string() + ":1: mesh: all triangles are degenerate");
+            mesh.path.string() + ":1: mesh: expected triangles with an area, found none");
     check_closed(clean);
     Polyhedron solid{.vertices = clean.corners,
                      .triangles = clean.triangles,
@@ -127,7 +127,7 @@ RawMesh read_binary_stl(const std::filesystem::path& path, std::string_view byte
     RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .lines = {}, .binary = true};
     const std::size_t count = (bytes.size() - 84) / 50;
     for (std::size_t t = 0; t < count; ++t) {
-        std::array<float, 9> numbers; // after the normal, which the corners tell better
+        std::array<float, 9> numbers; // after the normal, which is recomputed from the corners
         std::memcpy(numbers.data(), bytes.data() + 84 + 50 * t + 12, sizeof numbers);
         const std::size_t base = mesh.corners.size();
         for (std::size_t k = 0; k < 9; k += 3)
@@ -144,7 +144,7 @@ RawMesh read_text_stl(const std::filesystem::path& path, const std::string& byte
     RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .lines = {}};
     std::istringstream text(bytes);
     std::string line, word;
-    std::size_t since = 0; // corners of the loop that is open
+    std::size_t since = 0; // corners of the current loop
     for (std::size_t number = 1; std::getline(text, line); ++number) {
         const auto refuse = [&](const std::string& what) {
             throw InputError(fmt::format("{}:{}: STL: {}", path.string(), number, what));

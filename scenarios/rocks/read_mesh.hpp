@@ -6,19 +6,20 @@
 
 namespace bris {
 
-/// Reads a closed surface from an STL file, text or binary (told apart by the size that a binary
-/// file announces). Corners nearer than 1e-6 of the extent become one; triangles that vanish by
-/// this are dropped. A surface that is inside out is turned. Lengths as in the file. Throws
-/// InputError, one line with file:line (binary: the triangle), if the file is not of the format, or
-/// the surface is open or not a manifold: every edge must belong to exactly two triangles that run
-/// along it in opposite directions. Throws OutputError if the file cannot be read.
+/// Reads a closed surface from an STL file, text or binary (recognised by the size that a binary
+/// file declares). Vertices closer than 1e-6 of the extent are merged, and triangles that collapse
+/// thereby are dropped. A surface that is inside out is reversed. Lengths stay as in the file.
+/// Throws InputError, one line with file:line (binary: the triangle), if the file does not have
+/// this format, or if the surface is open or not a manifold: every edge must belong to exactly two
+/// triangles that traverse it in opposite directions. Throws OutputError if the file cannot be
+/// read.
 Polyhedron read_stl(const std::filesystem::path& path);
 
-/// The same from the v and f lines of a Wavefront OBJ file; polygons are cut into fans, all other
-/// lines are passed over.
+/// The same from the v and f lines of a Wavefront OBJ file. Polygons are divided into fans of
+/// triangles; all other lines are ignored.
 Polyhedron read_obj(const std::filesystem::path& path);
 
-/// By the ending of the file: .stl or .obj, in small or capital letters.
+/// Reads an STL or OBJ file, recognised by its extension .stl or .obj in lower or upper case.
 Polyhedron read_mesh(const std::filesystem::path& path);
 
 } // namespace bris

@@ -13,7 +13,7 @@ namespace bris {
 
 namespace {
 
-/// How far a ray from the origin runs until it leaves the last ball.
+/// Distance from the origin at which a ray leaves the last sphere.
 double way_out(const Clump& clump, const Vec3& direction) {
     double reach = 0;
     for (const Ball& ball : clump.balls) {
@@ -63,7 +63,7 @@ Clump refilled(const Clump& clump, unsigned spheres, std::uint64_t seed) {
     FillSettings settings;
     settings.fit.spheres = spheres;
     settings.fit.rounds = std::min<int>(settings.fit.rounds, 4 * static_cast<int>(spheres));
-    settings.restarts = 1; // of starts: the wrong shape is what is asked for
+    settings.restarts = 1; // further starts are not worth their time: a coarse shape is wanted
     std::vector<Ball> balls = fill_clump(surface_of(clump), settings, seed);
     const MassProperties found = union_properties(balls);
     const double factor = std::cbrt(clump.volume / found.volume);

@@ -7,15 +7,16 @@
 
 namespace bris {
 
-/// The surface of a clump as seen from its centre of mass, which must lie inside it: triangles
-/// between points that are 15 degrees apart. What stands out between them is cut off: 3 to 5 % of
-/// the volume of the library's rocks.
+/// Surface of a clump seen from its centre of mass, which must lie inside it: triangles between
+/// points that are 15 degrees apart. What protrudes between these points is cut off, which is 3 to
+/// 5 % of the volume for the rocks of the library. Throws InputError if the centre of mass lies
+/// outside the clump.
 Polyhedron surface_of(const Clump& clump);
 
-/// The same rock of `spheres` balls (4 to 1000) in place of its own, in the same frame: volume of
-/// the union to 1e-4 and centre of mass to 1e-4 of the size those of the clump; name, size, volume
-/// and inertia stay the clump's. About a second for 8 balls. Deterministic in `seed`. Throws
-/// InputError as fill_clump.
+/// Models the same rock by another number of spheres (4 to 1000), in the same frame. The volume of
+/// the union agrees with that of the clump to 1e-4 and the centre of mass to 1e-4 of the size;
+/// name, size, volume and inertia stay those of the clump. Takes about a second for 8 spheres. The
+/// result depends on the arguments and `seed` alone. Throws InputError as fill_clump does.
 Clump refilled(const Clump& clump, unsigned spheres, std::uint64_t seed);
 
 } // namespace bris

@@ -16,8 +16,8 @@ struct Plane {
     double distance;
 };
 
-/// Directions no closer to each other than a share of the even spacing, so that faces are of
-/// comparable size yet irregular.
+/// Random planes whose normals are at least a share of the even spacing apart, so that the faces
+/// are irregular but of comparable size.
 std::vector<Plane> scattered_planes(const RockSettings& settings, Random& random) {
     std::vector<Plane> planes;
     double gap = 0.75 * std::sqrt(4 * pi / settings.faces);
@@ -38,7 +38,7 @@ std::vector<Plane> scattered_planes(const RockSettings& settings, Random& random
     return planes;
 }
 
-/// Corners of the intersection: every point on three planes that no plane cuts off. O(n⁴), n <= 60.
+/// Vertices of the intersection: points on three planes that no plane cuts off. O(n⁴), n <= 60.
 std::vector<Vec3> corners(const std::vector<Plane>& planes) {
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < planes.size(); ++i)
@@ -61,7 +61,7 @@ std::vector<Vec3> corners(const std::vector<Plane>& planes) {
     return points;
 }
 
-/// The convex solid that the planes enclose, each face cut into a fan of triangles.
+/// The convex solid that the planes enclose, with each face divided into a fan of triangles.
 Polyhedron enclosed(const std::vector<Plane>& planes) {
     Polyhedron rock{.vertices = corners(planes), .triangles = {}, .faces = 0};
     for (const Plane& plane : planes) {
@@ -88,8 +88,7 @@ Polyhedron enclosed(const std::vector<Plane>& planes) {
     return rock;
 }
 
-/// Turns the polyhedron so that its longest, intermediate and shortest dimensions lie along x, y,
-/// z.
+/// Rotates the polyhedron: its longest, intermediate and shortest dimensions lie along x, y, z.
 Dimensions align(Polyhedron& rock) {
     const Dimensions dimensions = compute_dimensions(vertex_balls(rock));
     for (Vec3& vertex : rock.vertices) vertex = (dimensions.axes.transpose() * vertex).eval();
@@ -109,7 +108,7 @@ void check(const RockSettings& settings) {
         refuse("roughness in 0..0.5", settings.roughness);
 }
 
-/// True if the measured ratios came to the wanted ones.
+/// Stretches the rock until the measured ratios are the wanted ones. Returns whether they are.
 bool stretch(Polyhedron& rock, const RockSettings& settings) {
     const double flat = std::pow(settings.flat_elongated, settings.flatness);
     for (int round = 0; round < 60; ++round) {
@@ -155,7 +154,7 @@ Polyhedron make_rock(const RockSettings& settings, std::uint64_t seed, std::uint
     }
     throw InputError("rock: no rock with flat-and-elongated ratio " +
                      std::to_string(settings.flat_elongated) + " and " +
-                     std::to_string(settings.faces) + " faces in 100 trials; ask for another");
+                     std::to_string(settings.faces) + " faces in 100 trials; choose another ratio");
 }
 
 Polyhedron make_cube(double side) {

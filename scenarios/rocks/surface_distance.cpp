@@ -28,7 +28,7 @@ double squared_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3&
     return height * height / ab.cross(ac).squaredNorm();
 }
 
-/// Points of the union's own surface, those of each ball in proportion to its area.
+/// Points on the surface of the union, evenly spread over its area.
 std::vector<Vec3> union_surface(std::span<const Ball> balls, double spacing) {
     std::vector<Vec3> points;
     for (std::size_t i = 0; i < balls.size(); ++i) {
@@ -104,7 +104,7 @@ SurfaceDistance distance_to_union(const Polyhedron& polyhedron, std::span<const 
         double outside = std::numeric_limits<double>::infinity();
         for (const Ball& ball : balls)
             outside = std::min(outside, (point - ball.centre).norm() - ball.radius);
-        if (outside >= 0) return outside; // exact; inside, the nearest of many points is needed
+        if (outside >= 0) return outside; // exact; inside, the nearest of many points is used
         return nearest.distance(point);
     };
     SurfaceDistance result;

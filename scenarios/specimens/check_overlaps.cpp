@@ -27,7 +27,8 @@ struct Deepest {
     }
 };
 
-/// Distance (m) of a sphere's centre from a boundary part; negative behind a plane or the membrane.
+/// Distance (m) of the centre of a sphere from a boundary element; negative behind a plane or the
+/// membrane.
 double distance_from_plane(const World& world, Row plane, Row host, const Vec3& x) {
     const PlaneShape& shape = world.column<Planes, LocalPlane>()[plane];
     return (x - world.column<Bodies, Position>()[host] - shape.point).dot(shape.normal);
@@ -86,7 +87,7 @@ void check_overlaps(World& world) {
     require(deepest.ratio <= limit,
             fmt::format("bodies {} and {}: overlap at the start: expected at most {:g} of the mean "
                         "radius, found {:.4g} ({:.4g} m); "
-                        "start them farther apart, or relax",
+                        "start them farther apart, or relax the overlaps",
                         deepest.names.owner, deepest.names.partner, limit, deepest.ratio,
                         deepest.overlap));
 }

@@ -55,7 +55,7 @@ void check_material(const Material& m, LawName law) {
     expect(whose, "twisting friction", m.twisting_friction, at_least(0), "");
     expect(whose, "Poisson's ratio", m.poisson_ratio,
            Range{.low = -1, .high = 0.5, .low_accepted = false}, "");
-    // what the law does not read may be absent, but not nonsense
+    // properties that the law does not use may be 0, but not invalid
     expect(whose, "Young's modulus", m.young_modulus, is_hertz(law) ? above(0) : at_least(0), "Pa");
     expect(whose, "normal stiffness", m.normal_stiffness, is_hertz(law) ? at_least(0) : above(0),
            "N/m");
@@ -69,7 +69,7 @@ void check_policy(const ContactPolicy& policy, LawName law) {
            "");
 }
 
-/// What the laws make of two materials, properties given for the pair included.
+/// Checks the contact parameters of two materials, including properties given for the pair.
 void check_pair(const Materials& materials, std::uint32_t a, std::uint32_t b, LawName law) {
     const std::string whose =
         "materials '" + materials.list[a].name + "' and '" + materials.list[b].name + "'";
@@ -81,7 +81,7 @@ void check_pair(const Materials& materials, std::uint32_t a, std::uint32_t b, La
            row.ks, at_least(0), is_hertz(law) ? "Pa" : "N/m");
     expect(whose, "friction", row.friction, at_least(0), "");
     const bool calibrated =
-        materials.policy.tension == Tension::calibrated; // then no dashpot is stiff enough for 0
+        materials.policy.tension == Tension::calibrated; // no dashpot then gives restitution 0
     expect(whose, calibrated ? "restitution under calibrated tension" : "restitution",
            materials.restitution[pair], Range{.low = 0, .high = 1, .low_accepted = !calibrated},
            "");
@@ -139,10 +139,10 @@ void check_scene(const World& world, LawName law) {
     for (std::size_t s = 0; s < ball.size(); ++s) {
         const std::string whose = fmt::format("body {}", parent[s]);
         expect(whose, "radius of a sphere", ball[s].radius, above(0), "m");
-        expect_finite(whose, "place of a sphere", ball[s].centre, "m");
+        expect_finite(whose, "position of a sphere", ball[s].centre, "m");
     }
     expect("clock", "step", world.resource<Clock>().dt, at_least(0),
-           "s"); // 0: a procedure will choose it
+           "s"); // 0: a procedure chooses it later
     const auto& limits = world.resource<Limits>();
     expect("limits", "overlap", limits.overlap, above(0), "radii");
     expect("limits", "speed", limits.speed, above(0), "m/s");

@@ -5,15 +5,16 @@
 
 namespace bris {
 
-/// Refuses a scene that no law of mechanics describes: materials of bodies outside their range or
-/// without what the law needs, bodies without mass, inertia or a place, limits and a step that are
-/// no numbers. Throws InputError, one line: the name, the range expected, what was found. For the
-/// start of a run.
+/// Checks that a scene is physically valid, at the start of a run: materials within their ranges
+/// and with all properties that the law needs, free bodies with mass and inertia, finite positions,
+/// velocities, limits and time step. Throws InputError, one line with the name, the expected range
+/// and what was found.
 void check_scene(const World& world, LawName law);
 
-/// Refuses a start in which spheres stand in each other or in a boundary deeper than
-/// Limits::overlap, or have the same centre. Throws InputError: the deepest pair. For a complete
-/// scene that has its lists (they are made once more in the first step).
+/// Checks that no sphere overlaps another sphere or a boundary at the start by more than
+/// Limits::overlap; coincident centres count as the largest overlap. Throws InputError with the
+/// pair of largest relative overlap. The scene must be complete and have its pair lists, which are
+/// rebuilt in the first step.
 void check_overlaps(World& world);
 
 } // namespace bris

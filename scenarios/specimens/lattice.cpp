@@ -18,7 +18,7 @@ std::vector<Vec3> lattice_sites(const Lattice& l, std::size_t count,
         for (int j = 0; j < n[1]; ++j)
             for (int i = 0; i < n[0]; ++i) {
                 if (sites.size() == count) return sites;
-                // centred across, on the floor upwards
+                // centred in x and y, from the floor upwards in z
                 const Vec3 site(middle.x() + l.pitch * (i - 0.5 * (n[0] - 1)),
                                 middle.y() + l.pitch * (j - 0.5 * (n[1] - 1)),
                                 l.low.z() + l.pitch * (k + 0.5));
@@ -28,7 +28,8 @@ std::vector<Vec3> lattice_sites(const Lattice& l, std::size_t count,
             }
     require(sites.size() == count,
             fmt::format(
-                "lattice: expected room for {} spheres, found {}: fewer spheres or a taller vessel",
+                "lattice: expected room for {} spheres, found {}; choose fewer spheres or a taller "
+                "vessel",
                 count, sites.size()));
     return sites;
 }

@@ -8,16 +8,16 @@
 
 namespace bris {
 
-/// Sites of a cubic lattice from the lowest layer up, those that `inside` lets through, each
-/// shifted at random by up to `shift` of the pitch.
+/// A cubic lattice in a block.
 struct Lattice {
-    Vec3 low, high;   ///< m, block that is searched
-    double pitch = 0; ///< m
-    double shift = 0.02;
+    Vec3 low, high;      ///< m, corners of the block
+    double pitch = 0;    ///< m
+    double shift = 0.02; ///< greatest random shift of a site, relative to the pitch
     std::uint64_t seed = 1;
 };
 
-/// The first `count` sites. Throws InputError if the block does not have as many.
+/// Returns the first `count` sites for which `inside` is true, from the lowest plane of sites
+/// upwards, each shifted at random. Throws InputError if the block has fewer.
 std::vector<Vec3> lattice_sites(const Lattice& lattice, std::size_t count,
                                 const std::function<bool(const Vec3&)>& inside);
 

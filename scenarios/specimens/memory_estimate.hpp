@@ -4,12 +4,14 @@
 
 namespace bris {
 
-// Bytes that scenes take at their most, which is when pair lists are made: what
-// tests/performance/peers/scale measures at 16 000 spheres and more, rounded up.
+// Peak memory of scenes, which is reached when the pair lists are built: measured by
+// tests/performance/peers/scale for 16 000 spheres and more, rounded up.
 
+/// Peak memory of a scene of single spheres, bytes.
 inline double bytes_of_spheres(double spheres) { return bytes_of_process + 4000 * spheres; }
 
-/// Rocks of so many spheres each, in so many worlds at once.
+/// Peak memory of scenes of rocks with `spheres_each` spheres each, bytes; `worlds` scenes exist at
+/// the same time.
 inline double bytes_of_rocks(double rocks, double spheres_each, double worlds = 1) {
     return bytes_of_process + worlds * rocks * (4000 + 800 * spheres_each);
 }

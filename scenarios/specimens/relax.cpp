@@ -24,21 +24,22 @@ namespace bris {
 
 namespace {
 
-constexpr std::uint64_t block = 5; // steps between looks
+constexpr std::uint64_t block = 5; // steps between inspections
 constexpr std::uint64_t parting_stream = 5001;
-constexpr double nudge = 1e-3; // of the radius: bodies with one centre start this far apart
+constexpr double nudge = 1e-3; // initial separation of coincident bodies, relative to the radius
 
 bool is_free(const Table& bodies, Row b) {
     return bodies.column<MotionOf>()[b] == static_cast<std::uint32_t>(Motion::free);
 }
 
-/// Nothing acts but contacts, nothing moves but free bodies, and they begin at rest.
+/// Removes all loads except contacts and all motion except that of free bodies, which start at
+/// rest.
 void silence(World& world, double damping) {
     if (world.has_resource<Gravity>()) world.resource<Gravity>().value.setZero();
     world.add_resource(LocalDamping{damping});
     auto& limits = world.resource<Limits>();
     const double infinite = std::numeric_limits<double>::infinity();
-    limits.overlap = limits.speed = infinite; // squeezed bodies may stand in a wall for a while
+    limits.overlap = limits.speed = infinite; // overlapping bodies may enter a wall for a while
     limits.low = Vec3::Constant(-infinite);
     limits.high = Vec3::Constant(infinite);
     if (world.has_resource<Platen>()) {
@@ -60,8 +61,8 @@ void silence(World& world, double damping) {
     stop.template operator()<StepAngularVelocity>();
 }
 
-/// Of spheres of two bodies with one centre, the body with the higher id steps aside: between them
-/// there is no normal. The candidates must be known.
+/// Separates coincident spheres of two bodies, which have no contact normal, by moving the body
+/// with the higher id. The pairs must be known.
 void part_coincident(World& world) {
     Table& bodies = world.table<Bodies>();
     const auto ids = rows_by_id(bodies.column<BodyId>());
@@ -83,7 +84,7 @@ void part_coincident(World& world) {
 }
 
 struct Deepest {
-    double overlap = 0; ///< of the mean diameter
+    double overlap = 0; ///< relative to the mean diameter
     PairNames names{nobody, nobody, 0, 0};
 };
 
@@ -136,7 +137,7 @@ EntityId escaped(const World& world, const Limits& limits) {
     return nobody;
 }
 
-/// Stops who moves against the force on it, and who has none.
+/// Stops bodies that move against the force on them, and bodies without force.
 void quench(World& world) {
     Table& bodies = world.table<Bodies>();
     for (Row b = 0; b < bodies.size(); ++b) {
@@ -151,7 +152,7 @@ void quench(World& world) {
     }
 }
 
-/// Speed (m/s) that a tenth of the allowed overlap gives back to the smallest body: overlap times
+/// Speed (m/s) that a tenth of the allowed overlap gives the smallest body: overlap times
 /// frequency.
 double natural_speed(const World& world, double overlap, double stable) {
     const Table& bodies = world.table<Bodies>();
@@ -221,13 +222,13 @@ Relaxed relax(World& world, LawName law, const RelaxSettings& settings) {
     r.speed = fastest.speed;
     if (const EntityId lost = escaped(now, world.resource<Limits>()); lost != nobody) {
         r.done = false;
-        r.left = fmt::format("relaxing: expected all bodies inside the box of the scene, body {} "
-                             "has been pushed out after {} steps",
+        r.left = fmt::format("relaxation: expected all bodies inside the box of the scene, found "
+                             "body {} outside after {} steps",
                              lost, r.steps);
     } else if (!r.done) {
-        r.left = fmt::format("relaxing: expected overlaps up to {:g} of a diameter and speeds up "
-                             "to {:.3g} m/s, bodies {} and {} still "
-                             "overlap by {:.4g}, the fastest body has {:.3g} m/s after {} steps",
+        r.left = fmt::format("relaxation: expected overlaps of at most {:g} of a diameter and "
+                             "speeds of at most {:.3g} m/s, found that bodies {} and {} still "
+                             "overlap by {:.4g} and the fastest body has {:.3g} m/s after {} steps",
                              settings.overlap, r.speed_limit, deepest.names.owner,
                              deepest.names.partner, r.overlap, r.speed, r.steps);
     }

@@ -17,7 +17,7 @@ namespace bris {
 
 namespace {
 
-/// Keeps the rows of a table that `stays` says, in their order.
+/// Keeps the rows of a table for which `stays` is true, in their order.
 template <class Stays>
 void keep_rows(Table& table, Stays&& stays) {
     std::vector<Row> kept, order;
@@ -31,7 +31,7 @@ void keep_rows(Table& table, Stays&& stays) {
     table.resize(kept.size());
 }
 
-/// New numbers from 0 on, in the order of the old ones, for the ids that stay.
+/// New ids from 0 without gaps, in the order of the old ones, for the ids that stay.
 template <class Stays>
 std::vector<EntityId> close_up(std::size_t ids, Stays&& stays) {
     std::vector<EntityId> name(ids, nobody);
@@ -60,11 +60,12 @@ void rename_pairs(World& world, const std::vector<EntityId>& name) {
 std::vector<EntityId> retire_bodies(World& world, const std::vector<Row>& gone) {
     Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
     require(!world.has<Sensors>(),
-            "bodies: expected a scene without sensors to retire some, found one with");
+            "retire bodies: expected a scene without sensors, found one with sensors");
     std::vector<char> stays(bodies.size(), 1);
     for (const Row r : gone) {
         require(bodies.column<MotionOf>()[r] == static_cast<std::uint32_t>(Motion::free),
-                fmt::format("body {}: expected a free one to retire", bodies.column<BodyId>()[r]));
+                fmt::format("body {}: expected a free body to retire, found another kind of motion",
+                            bodies.column<BodyId>()[r]));
         stays[r] = 0;
     }
     const auto row_of = rows_by_id(bodies.column<BodyId>());

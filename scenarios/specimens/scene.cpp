@@ -19,7 +19,7 @@ Row add_body(World& world, const BodyValues& v) {
     Table& bodies = world.table<Bodies>();
     const auto row = static_cast<Row>(bodies.size());
     bodies.resize(bodies.size() + 1);
-    bodies.column<BodyId>()[row] = row; // ids are counted up; retire_bodies closes them up again
+    bodies.column<BodyId>()[row] = row; // ids have no gaps; retire_bodies keeps it so
     bodies.column<Position>()[row] = v.position;
     bodies.column<MaterialOf>()[row] = v.material;
     bodies.column<MotionOf>()[row] = static_cast<std::uint32_t>(v.motion);
@@ -115,7 +115,7 @@ EntityId add_boundary(World& world, const Vec3& position, std::uint32_t material
                       double reach) {
     const Row row = add_body(world, {position, material, motion, 0, reach});
     Table& bodies = world.table<Bodies>();
-    bodies.column<InertialMass>()[row] = 1; // never used: the motion is given
+    bodies.column<InertialMass>()[row] = 1; // not used, because the motion is prescribed
     if (bodies.has<SphereInertia>()) {
         bodies.column<SphereInertia>()[row] = 1;
     } else {
@@ -184,7 +184,8 @@ Row row_of_body(const World& world, EntityId body) {
     const auto ids = world.column<Bodies, BodyId>();
     for (Row r = 0; r < ids.size(); ++r)
         if (ids[r] == body) return r;
-    throw InputError("no body has the id " + std::to_string(body));
+    throw InputError("scene: expected a body of the given id, found none with id " +
+                     std::to_string(body));
 }
 
 Vec3 angular_momentum(const World& world, EntityId body, const Vec3& angular_velocity) {

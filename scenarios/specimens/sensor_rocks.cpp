@@ -14,14 +14,14 @@ namespace {
 
 constexpr std::uint64_t orientation_stream = 1001;
 
-// distance from the axis of those that stand beside the membrane
+/// Distance from the axis of the sensor rocks beside the membrane, m.
 double places_beside(const SensorRoom& room) { return room.radius - 1.02 * room.bounding_radius; }
 
 } // namespace
 
 std::size_t smart_rock_count(const SensorRoom& room) {
-    // a rock fills its bounding sphere along its longest axis only, so 1.8 of its radii keep two
-    // apart
+    // a rock fills its bounding sphere along its longest axis only, so that a distance of 1.8 of
+    // its bounding radius keeps two rocks apart
     const double beside = places_beside(room);
     return beside >= 1.8 * room.bounding_radius                    ? 10
            : std::sqrt(3.0) * beside >= 1.8 * room.bounding_radius ? 7

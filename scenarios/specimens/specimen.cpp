@@ -23,8 +23,7 @@ void add_platens(World& world, const SpecimenSettings& s, Specimen& specimen) {
     world.add_resource(platen);
 }
 
-/// The material of the sensor rocks: one of its own only if it is another one than that of the
-/// rocks.
+/// Material of the sensor rocks: a separate one only if it differs from that of the rocks.
 std::uint32_t add_shell(Materials& materials, const SpecimenSettings& s, std::uint32_t rock) {
     if (s.sensor_density <= 0 && s.sensor_friction < 0) return rock;
     Material shell = materials.list[rock];
@@ -74,7 +73,7 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
     for (const RockChoice& choice : rocks) {
         specimen.scale.push_back(choice.sieve / clumps[choice.clump].sieve);
         const Clump clump = scaled(clumps[choice.clump], specimen.scale.back());
-        // parked on a lattice below the lower platen, where nothing free ever comes
+        // parked on a lattice below the lower platen, which no free body reaches
         const std::size_t i = specimen.rocks.size();
         const Vec3 position(static_cast<double>(i % 16), static_cast<double>(i / 16 % 16),
                             -1 - static_cast<double>(i / 256));

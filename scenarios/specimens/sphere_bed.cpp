@@ -9,13 +9,13 @@ namespace bris {
 
 World make_sphere_bed(const SphereBed& s) {
     World world = make_world(Grains::spheres);
-    // two partners act in series: each has twice the stiffness of their contact
+    // the partners act in series, so each has twice the stiffness of the contact
     const auto material = world.resource<Materials>().add(
         {"grain", s.density, 2 * s.normal_stiffness, 4.0 / 7 * s.normal_stiffness, s.friction,
          s.damping_rate, s.damping_rate / 2});
     const double largest = s.radius * (1 + s.size_spread), pitch = 2.05 * largest;
     const auto side = static_cast<unsigned>(std::ceil(std::cbrt(0.5 * s.spheres)));
-    // overlapping spheres stand closer in the middle of the same floor
+    // overlapping spheres occupy a smaller area in the middle of the same floor
     const double between = s.start_overlap > 0 ? 2 * s.radius * (1 - s.start_overlap) : pitch;
     const double width = side * pitch, height = (s.spheres / (side * side) + 2) * pitch;
     for (unsigned n = 0; n < s.spheres; ++n) {

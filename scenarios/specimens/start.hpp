@@ -6,7 +6,7 @@
 
 namespace bris {
 
-/// How the simulation of a scene is set up.
+/// Settings of the simulation of a scene.
 struct StartSettings {
     LawName law = LawName::linear;
     unsigned threads = 1;
@@ -15,8 +15,8 @@ struct StartSettings {
     bool energy_budget = false; ///< accumulates the energy budget
 };
 
-/// The simulation of a complete scene: adds the neighbour lists and the steps. Throws InputError
-/// where the scene cannot be simulated (check_scene).
+/// Makes the simulation of a complete scene: checks the scene, and adds the neighbour lists and the
+/// list of steps. Throws InputError if the scene cannot be simulated (check_scene).
 Simulation start(World world, const StartSettings& settings);
 
 } // namespace bris

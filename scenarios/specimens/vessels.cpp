@@ -19,7 +19,7 @@ Vec3 corner(double radius, double height, unsigned k, unsigned sectors) {
     return {far * std::cos(angle), far * std::sin(angle), height};
 }
 
-// of up to four corners, those that coincide with one before left out; the last is repeated
+/// Facet of up to four distinct corners; coincident corners are dropped and the last is repeated.
 FacetShape facet_of(const std::array<Vec3, 4>& corners) {
     FacetShape shape{};
     std::size_t count = 0;
@@ -52,9 +52,9 @@ std::vector<FacetShape> shell(const Frustum& f, unsigned sectors) {
 
 std::vector<FacetShape> disc(double radius, double height, unsigned sectors, bool upwards) {
     require(sectors >= 4 && sectors % 2 == 0,
-            fmt::format("disc: expected an even number of sectors from 4 on, found {}", sectors));
+            fmt::format("disc: expected an even number of at least 4 sectors, found {}", sectors));
     std::vector<FacetShape> shapes;
-    // corner k and its image across the x axis
+    // corner k and its mirror image about the x axis
     const auto above = [&](unsigned k) { return corner(radius, height, k, sectors); };
     const auto below = [&](unsigned k) {
         return corner(radius, height, (sectors - k) % sectors, sectors);
@@ -72,7 +72,8 @@ void add_facets(World& world, EntityId host, std::span<const FacetShape> shapes)
 SiloBodies add_silo(World& world, const Silo& s, std::uint32_t material) {
     require(s.orifice_radius > 0 && s.orifice_radius < s.radius && s.lip < s.barrel &&
                 s.barrel < s.top,
-            "silo: expected an orifice within the barrel, and heights in order");
+            "silo: expected an orifice smaller than the barrel, and lip, barrel and top in "
+            "increasing order");
     const EntityId wall = add_boundary(world, Vec3::Zero(), material, Motion::fixed,
                                        s.radius + std::max(std::abs(s.lip), std::abs(s.top)));
     add_facets(world, wall, shell({s.orifice_radius, s.lip, s.radius, s.barrel}, s.sectors));
@@ -87,7 +88,7 @@ SiloBodies add_silo(World& world, const Silo& s, std::uint32_t material) {
 void take_away(World& world, EntityId body, const Vec3& away) {
     const Row row = row_of_body(world, body);
     require(world.column<Bodies, MotionOf>()[row] == static_cast<std::uint32_t>(Motion::fixed),
-            fmt::format("body {}: expected a fixed one to take away", body));
+            fmt::format("body {}: expected a fixed body to take away", body));
     world.column<Bodies, Position>()[row] += away;
     invalidate_lists(world);
 }

@@ -318,7 +318,7 @@ TEST_SUITE("procedure/live_test") {
         CHECK(found.trajectories[1].displacement == recorded().read().trajectories[1].displacement);
         const std::string report = test->report();
         for (const char* what :
-             {"line 1: expected an object of JSON or names of columns, found \"garbage\"",
+             {"line 1: expected a JSON object or the names of columns, found \"garbage\"",
               "expected the id of a file rock_NN.txt, found 99", "found 1.5",
               "sensor 1: t: expected a number", "expected an id, or axial_strain",
               "expected numbers, found 0.5 and nan", "sensor 1: refused: frame",
@@ -343,15 +343,15 @@ TEST_SUITE("procedure/live_test") {
              "1e+12 at 0.15 %",
              1},
             {"deviatoric_stress_Pa", [](double q, long k) { return k == 15 ? 10 * q : q; }, 0.0016,
-             "deviatoric_stress_Pa: 1 of 17 records left out: expected one near 5.507e+04 as "
-             "beside it, found 5.276e+05",
+             "deviatoric_stress_Pa: 1 of 17 records left out: expected a value near 5.507e+04 as "
+             "in neighbouring records, found 5.276e+05",
              1},
             {"deviatoric_stress_Pa", [](double q, long) { return 1e-3 * q; }, 0.0022,
-             "refused: deviatoric_stress_Pa: expected 1100 Pa and more beyond 0.2 % of axial "
+             "refused: deviatoric_stress_Pa: expected at least 1100 Pa beyond 0.2 % of axial "
              "strain",
              101},
             {"deviatoric_stress_Pa", [](double q, long) { return -q; }, 0.0005,
-             "refused: deviatoric_stress_Pa: expected it positive in compression", 101},
+             "refused: deviatoric_stress_Pa: expected positive values in compression", 101},
             {"deviatoric_stress_Pa", [](double q, long k) { return k > 50 ? 8e4 : q; }, 0.0062,
              "deviatoric_stress_Pa: 11 of 63 records left out: expected a change, found 8e+04 from "
              "0.51 to 0.62 %",
@@ -416,7 +416,7 @@ TEST_SUITE("procedure/live_test") {
                                         0.0516, 0.0721, 0.08}) { // also where it slips
                 CAPTURE(strain);
                 REQUIRE(test.follow_to(strain));
-                CHECK(test.report().find(fmt::format("test machine: {} records, nothing found",
+                CHECK(test.report().find(fmt::format("test machine: {} records, no findings",
                                                      std::lround(1e4 * strain) + 1)) !=
                       std::string::npos);
             }
@@ -593,11 +593,11 @@ TEST_SUITE("procedure/live_test") {
         const RecordedTest now = test->so_far();
         CHECK(now.refused() == 0);
         CHECK(now.recordings[1].size() == recorded().read().recordings[1].size() - 1);
-        CHECK(report.find("sensor 2: flags: 1 of 15 samples left out") != std::string::npos);
+        CHECK(report.find("sensor 2: flags: 1 of 15 samples are left out") != std::string::npos);
         CHECK(report.find("sensor 2: temperature: 21.0 to 35.0 C") != std::string::npos);
         CHECK(report.find("sensor 2: battery: low in 14 of 14 samples") != std::string::npos);
-        CHECK(report.find("sensor 2: field: it does not tell yaw: it stays the same") !=
-              std::string::npos);
+        CHECK(report.find("sensor 2: field: yaw is not observable: expected noise, found a "
+                          "constant field") != std::string::npos);
         CHECK(report.find("sensor 1: field") == std::string::npos);
         CHECK(now.trajectories[0].displacement == recorded().read().trajectories[0].displacement);
     }

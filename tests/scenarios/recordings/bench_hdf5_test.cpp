@@ -14,8 +14,8 @@
 
 using namespace bris;
 
-TEST_SUITE("procedure/bench_hdf5") {
-    TEST_CASE("a test written as one HDF5 file is the test written as CSV files") {
+TEST_SUITE("recordings/bench_hdf5") {
+    TEST_CASE("a test written as one HDF5 file is read as the same test written as CSV files") {
         const TemporaryDirectory csv, hdf5;
         const ModelRun truth = testing::steady_run();
         const auto recordings = record_sensors(truth, {}, 1);
@@ -25,7 +25,7 @@ TEST_SUITE("procedure/bench_hdf5") {
                             testing::scene_of(truth).poses, truth.points);
         write_recorded_test_hdf5(hdf5.path(), 110e3, recordings, testing::scene_of(truth).specimen,
                                  testing::scene_of(truth).poses, truth.points, time);
-        const auto infos = read_sensor_infos(hdf5.path()); // there is no other file than that
+        const auto infos = read_sensor_infos(hdf5.path()); // there are no metadata files
         REQUIRE(infos.size() == 3);
         CHECK(infos[2].attitude().coeffs() == read_sensor_infos(csv.path())[2].attitude().coeffs());
         const RecordedTest a = read_recorded_test(csv.path(), 110e3, read_sensor_infos(csv.path()),
@@ -44,11 +44,11 @@ TEST_SUITE("procedure/bench_hdf5") {
         REQUIRE(a.trajectories[1].strain.size() == b.trajectories[1].strain.size());
         for (std::size_t k = 0; k < a.trajectories[1].strain.size(); ++k)
             CHECK((a.trajectories[1].displacement[k] - b.trajectories[1].displacement[k]).norm() <
-                  1e-8); // of seven digits
+                  1e-8); // the CSV file has seven digits
     }
 
-    TEST_CASE("without metadata files each pressure's own file tells of its sensors, also of one "
-              "that others lack") {
+    TEST_CASE("without metadata files the HDF5 file of each pressure gives the metadata of its "
+              "sensors, also of one that other pressures do not have") {
         const TemporaryDirectory folder;
         const ModelRun truth = testing::steady_run();
         const auto recordings = record_sensors(truth, {}, 1);
@@ -59,7 +59,7 @@ TEST_SUITE("procedure/bench_hdf5") {
         for (const TriaxialPoint& p : truth.points) time.push_back(60 + 1.2e4 * p.axial_strain);
         write_recorded_test_hdf5(folder.path(), 110e3, of_first, testing::scene_of(truth).specimen,
                                  testing::scene_of(truth).poses, truth.points,
-                                 time); // 110kPa stands before 55kPa
+                                 time); // 110kPa precedes 55kPa
         write_recorded_test_hdf5(folder.path(), 55e3, recordings, testing::scene_of(truth).specimen,
                                  testing::scene_of(truth).poses, truth.points, time);
         const auto infos = read_sensor_infos(folder.path());
@@ -70,15 +70,16 @@ TEST_SUITE("procedure/bench_hdf5") {
         CHECK(b.recordings[0].info.clock_offset == 0);
         CHECK(a.refused() == 1);
         CHECK(quality_control_report(a).find(
-                  "sensor 3: refused: length: expected two samples or more, found 0") !=
+                  "sensor 3: refused: length: expected at least two samples, found 0") !=
               std::string::npos);
         CHECK(b.refused() == 0);
         CHECK(infos_of_test(folder.path(), 55e3, infos)[0].clock_offset == 0);
-        write_sensor_info(folder / "rock_01.txt", of_first[0].info); // these say it for all
+        write_sensor_info(folder / "rock_01.txt", of_first[0].info); // counts for all pressures
         CHECK(infos_of_test(folder.path(), 55e3, infos)[0].clock_offset == 7);
     }
 
-    TEST_CASE("what two files tell is refused, and a map of columns where no CSV file is read") {
+    TEST_CASE("two files with the same data are refused, and so is a column map if no CSV file is "
+              "read") {
         const TemporaryDirectory folder;
         const ModelRun truth = testing::steady_run();
         const auto recordings = record_sensors(truth, {}, 1);
@@ -96,7 +97,7 @@ TEST_SUITE("procedure/bench_hdf5") {
             return text.find(part) != std::string::npos;
         };
         CHECK(why({}).empty());
-        CHECK(has(why({.columns = "map.txt"}), "--columns: expected none, as "));
+        CHECK(has(why({.columns = "map.txt"}), "--columns: expected no column map, because "));
         CHECK(has(why({.machine_columns = "map.txt"}),
                   "recordings.h5 is read and no test.csv, found 'map.txt'"));
         write_recorded_test(folder.path(), 55e3, recordings, testing::scene_of(truth).specimen,
@@ -105,13 +106,13 @@ TEST_SUITE("procedure/bench_hdf5") {
         std::filesystem::remove(folder / "55kPa" / "recordings.csv");
         CHECK(has(why({}), "55kPa: expected test.csv or /bench in recordings.h5, found both"));
         write_recordings_hdf5(folder / "55kPa" / "recordings.h5", recordings);
-        CHECK(why({}).empty()); // sensors there, the machine in test.csv
+        CHECK(why({}).empty()); // sensors in recordings.h5, the machine in test.csv
         std::filesystem::remove(folder / "55kPa" / "test.csv");
         CHECK(has(why({}),
                   "recordings.h5: expected a group /bench, or test.csv beside it, found neither"));
     }
 
-    TEST_CASE("the stress of a force is that on the area as it is by then") {
+    TEST_CASE("the deviatoric stress is the force over the current area") {
         const TemporaryDirectory folder;
         TriaxialPoint p;
         p.axial_strain = 0.1;
@@ -125,8 +126,8 @@ TEST_SUITE("procedure/bench_hdf5") {
         CHECK(read_bench(folder / "a.h5", 55e3).points[1].deviatoric_stress == about(2e5));
     }
 
-    TEST_CASE("a bench of another pressure, shape or order, or without an area, is refused and "
-              "says where") {
+    TEST_CASE("measurements of a machine with another pressure, shape or order, or without an "
+              "area, are refused with the location") {
         const auto why = [](auto&& change) {
             const TemporaryDirectory folder;
             const ModelRun truth = testing::steady_run();
@@ -153,11 +154,11 @@ TEST_SUITE("procedure/bench_hdf5") {
         };
         CHECK(why([](Hdf5File&) {}).empty());
         CHECK(has(why(put("/bench/confining", std::vector<double>(101, 55.0))),
-                  "a.h5: /bench/confining: expected near 55000 Pa, found 55"));
+                  "a.h5: /bench/confining: expected a median of 55000 Pa within 5 %, found 55"));
         CHECK(has(why(put("/bench/force", std::vector<double>(7, 1.0))),
-                  "/bench/force: expected 101 numbers as of time, found 7"));
+                  "/bench/force: expected 101 numbers, as many as in time, found 7"));
         CHECK(has(why(put("/bench/strain", std::vector<double>(101, 0.0))),
-                  "/bench/strain[1]: expected numbers that grow, found 0"));
+                  "/bench/strain[1]: expected increasing numbers, found 0"));
         CHECK(has(why(put("/bench/force", std::vector<double>(101, std::nan("")))),
                   "/bench/force[0]: expected a number, found nan"));
         CHECK(has(why(put("/bench/ring_radius", std::vector<double>(101, 0.07))),
@@ -167,7 +168,7 @@ TEST_SUITE("procedure/bench_hdf5") {
         std::vector<double> percent(101, 0);
         for (std::size_t k = 1; k < 101; ++k) percent[k] = 0.25 * static_cast<double>(k);
         CHECK(has(why(put("/bench/strain", percent)),
-                  "/bench/strain[4]: expected below 1, found 1: is it in per cent?"));
+                  "/bench/strain[4]: expected a number below 1, found 1: is it in per cent?"));
         CHECK(has(why([](Hdf5File& file) { file.remove("/bench/force"); }),
                   "/bench/force: expected numbers, found none"));
         const auto put_shape = [](const char* name, std::vector<double> numbers,
@@ -178,10 +179,10 @@ TEST_SUITE("procedure/bench_hdf5") {
             };
         };
         CHECK(has(why(put_shape("/bench/time", {1}, {})),
-                  "/bench/time: expected numbers in one dimension, found a scalar"));
+                  "/bench/time: expected a one-dimensional array of numbers, found a scalar"));
         CHECK(has(why(put_shape("/bench/time", percent, {101, 1})),
-                  "/bench/time: expected numbers in one dimension, found 101 x 1"));
+                  "/bench/time: expected a one-dimensional array of numbers, found 101 x 1"));
         CHECK(has(why(put_shape("/bench/ring_radius", {1}, {})),
-                  "/bench/ring_radius: expected 101 rows of the rings' radii, found a scalar"));
+                  "/bench/ring_radius: expected 101 rows of ring radii, found a scalar"));
     }
 }

@@ -11,8 +11,8 @@ using namespace bris::testing;
 
 namespace {
 
-/// Of sensors whose displacements are changed one at a time, those that are refused for `why`; no
-/// other may be.
+/// Changes the displacements of one sensor at a time. Returns how many of these sensors are refused
+/// with the text `why`, and checks that no other sensor is refused.
 std::size_t refused_by(const std::vector<Recording>& all, auto&& change, const std::string& why) {
     std::size_t count = 0;
     for (std::size_t s = 0; s < all.size(); ++s) {
@@ -34,8 +34,8 @@ const auto swapped = [](const Vec3& u) { return Vec3(u.x(), u.z(), u.y()); };
 
 } // namespace
 
-TEST_SUITE("fusion/compare_displacements") {
-    TEST_CASE("a rock that goes up where all others go down has its sign reversed") {
+TEST_SUITE("recordings/compare_displacements") {
+    TEST_CASE("a reversed sign is detected in a rock that moves up while all others move down") {
         for (const char* pressure : {"55kPa", "110kPa", "165kPa"}) {
             CHECK(refused_by(example_recordings(pressure), reversed,
                              "its sign seems to be reversed") >= 7);
@@ -44,7 +44,7 @@ TEST_SUITE("fusion/compare_displacements") {
         }
     }
 
-    TEST_CASE("a rock whose last samples have no strain is judged by those that have") {
+    TEST_CASE("a rock whose last samples have no strain is judged by the samples with strain") {
         for (const std::size_t without : {1u, 5u}) {
             auto all = example_recordings("110kPa");
             Recording& reversed_one = all[8];
@@ -57,25 +57,26 @@ TEST_SUITE("fusion/compare_displacements") {
         }
     }
 
-    TEST_CASE("a rock that goes to a side as far as it should go down has its axes swapped") {
+    TEST_CASE("swapped axes are detected in a rock that moves sideways as far as it should move "
+              "down") {
         for (const char* pressure : {"55kPa", "110kPa", "165kPa"})
             CHECK(refused_by(example_recordings(pressure), swapped,
-                             "it does not go with the other rocks") >= 6);
+                             "inconsistent with the other rocks") >= 6);
     }
 
-    TEST_CASE("a rock that stays where it was is refused, though it has noise") {
+    TEST_CASE("a rock that does not move is refused, although its displacement has noise") {
         auto all = example_recordings("110kPa");
         for (std::size_t k = 5; k < all[8].size(); ++k)
             all[8].displacement[k] =
                 all[8].displacement[k % 5] * (1 + 1e-3 * static_cast<double>(k));
-        CHECK(has(refusals(all, 9), "it does not go with the other rocks"));
+        CHECK(has(refusals(all, 9), "inconsistent with the other rocks"));
     }
 
-    TEST_CASE("where all of them go up, or aside, the frame is wrong, and all are told so") {
+    TEST_CASE("if all rocks move up or sideways, all are refused because of a wrong frame") {
         for (const auto& [change, why] : {std::pair<Vec3 (*)(const Vec3&), const char*>{
                                               [](const Vec3& u) -> Vec3 { return -u; },
-                                              "frame: at 8.000 % of axial strain expected that "
-                                              "displacements of all sensor rocks lead down"},
+                                              "frame: at 8.000 % of axial strain expected a "
+                                              "median displacement of all sensor rocks of about"},
                                           {[](const Vec3& u) { return Vec3(u.x(), u.z(), u.y()); },
                                            "y and z of all seem to be swapped"},
                                           {[](const Vec3& u) { return Vec3(u.z(), u.y(), u.x()); },
@@ -87,13 +88,14 @@ TEST_SUITE("fusion/compare_displacements") {
         }
     }
 
-    TEST_CASE("before rocks have gone many times farther than they scatter, none is judged by the "
-              "others") {
+    TEST_CASE("no rock is judged by the others before displacements are many times larger than "
+              "their scatter") {
         CHECK(refused_by(example_recordings("55kPa", 0.003), reversed, "displacement") == 0);
     }
 
     TEST_CASE(
-        "rocks that agree by chance do not make one near the bottom that lags behind look wrong") {
+        "chance agreement of the other rocks does not refuse a rock near the bottom that lags "
+        "behind") {
         auto all = example_recordings("55kPa", 0.04);
         for (Recording& r : all)
             for (std::size_t k = 5; k < r.size(); ++k)
@@ -102,7 +104,7 @@ TEST_SUITE("fusion/compare_displacements") {
         for (const Recording& r : all) CHECK(refusals(all, r.info.id).empty());
     }
 
-    TEST_CASE("three wrong ones of ten do not make the others look wrong") {
+    TEST_CASE("three wrong sensors out of ten do not cause refusals of the others") {
         auto all = example_recordings("55kPa");
         for (const std::size_t s : {3u, 7u, 9u})
             for (Vec3& u : all[s].displacement) u = -u;

@@ -12,7 +12,7 @@
 
 namespace bris::testing {
 
-/// The recordings that are shipped, as the intake sees them after a strain.
+/// The shipped recordings up to a strain.
 inline std::vector<Recording> example_recordings(const std::string& pressure, double strain = 1) {
     const std::filesystem::path folder = assets_folder() / "smartrock";
     std::vector<SensorInfo> infos;
@@ -36,7 +36,7 @@ inline std::vector<Finding> check_test_records(const std::vector<Recording>& all
     return check_recordings(all, Vec3(0, 0, -9.81), limits);
 }
 
-/// What a sensor is refused for, a line each.
+/// The refusals of a sensor, a line each.
 inline std::string refusals(const std::vector<Recording>& all, unsigned sensor) {
     std::string text;
     for (const Finding& f : check_test_records(all))

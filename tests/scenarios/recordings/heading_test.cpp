@@ -15,10 +15,10 @@ using namespace bris;
 namespace {
 
 constexpr double degree = pi / 180;
-const Vec3 earths(0, 20e-6, -44e-6); // T, east north up: 48.3 uT, 65.6 degrees below level
+const Vec3 earths(0, 20e-6, -44e-6); // T, east north up: 48.3 uT, dip 65.6 degrees
 
-/// A rock that rests for ten samples, and turns steadily by a rotation vector (world frame) over
-/// ninety more, 1 % of strain.
+/// A rock at rest for ten samples, which then rotates steadily by a rotation vector (world frame)
+/// during ninety samples and 1 % of strain.
 Recording turning(const Vec3& turn, std::uint64_t seed, double noise = 0.5e-6,
                   const Vec3& bias = Vec3::Zero()) {
     Recording r;
@@ -51,19 +51,20 @@ std::string found(const Recording& r, const std::string& check) {
 
 } // namespace
 
-TEST_SUITE("fusion/heading") {
-    TEST_CASE("in a steady field a magnetometer tells how far a rock has turned about the "
+TEST_SUITE("recordings/heading") {
+    TEST_CASE("in a steady field a magnetometer measures the rotation of a rock about the "
               "vertical, whatever its tilt") {
         for (std::uint64_t seed = 1; seed <= 20; ++seed) {
             const Heading h = heading_of(turning(Vec3(0.15, -0.1, 0.3), seed, 1e-9));
             REQUIRE(h.observable());
             CHECK(std::abs(h.turn - 0.3) <
-                  0.001); // of the force, 3e-5 times the dip's tangent, and of the field
+                  0.001); // noise of the force, 3e-5 times the tangent of the dip, and of the field
             CHECK(h.dip == about(65.6 * degree).epsilon(1e-2));
         }
     }
 
-    TEST_CASE("the deviation of the turn is honest, with noise and biases as declared") {
+    TEST_CASE("with noise and biases as declared, the errors of the yaw are consistent with its "
+              "stated standard deviation") {
         int within_one = 0, within_two = 0;
         double squares = 0;
         for (std::uint64_t seed = 1; seed <= 400; ++seed) {
@@ -76,64 +77,68 @@ TEST_SUITE("fusion/heading") {
             within_two += error < 2;
             squares += error * error / 400;
         }
-        // wander counts as if it all were level: on the safe side, but no more than twice
+        // the scatter of the field counts as if it were all horizontal: conservative by at most a
+        // factor of two
         CHECK(within_one > 270);
         CHECK(within_two > 380);
         CHECK(squares > 0.25);
         CHECK(squares < 1.2);
     }
 
-    TEST_CASE("a field that is disturbed, stuck, of other units or nearly vertical says nothing of "
-              "yaw, and quality control says why") {
+    TEST_CASE("yaw is not observable from a field that is disturbed, stuck, in another unit or "
+              "nearly vertical, and quality control states the reason") {
         const Recording good = turning(Vec3(0, 0, 0.2), 3);
         INFO(found(good, "field"));
         CHECK(found(turning(Vec3(0, 0, 0.2), 3, 1e-9), "field")
-                  .find("it tells yaw, at the end +11.") != std::string::npos);
-        CHECK(found(good, "field").find("what learns is not told of it") != std::string::npos);
+                  .find("yaw is observable, at the end +11.") != std::string::npos);
+        CHECK(found(good, "field").find("it is not assimilated") != std::string::npos);
         Recording r = good;
         for (std::size_t k = 40; k < 100; ++k)
             r.field[k] += Vec3(0, 6e-6, 8e-6); // a train of steel
-        CHECK(found(r, "field").find("does not tell yaw: it is disturbed") != std::string::npos);
+        CHECK(found(r, "field").find("yaw is not observable: the field is disturbed") !=
+              std::string::npos);
         r = good;
         for (Vec3& b : r.field) b *= 1e-3;
-        CHECK(found(r, "field").find("expected the earth's, 20 to 70 uT, found 0.04") !=
+        CHECK(found(r, "field").find("expected the field of the earth, 20 to 70 uT, found 0.04") !=
               std::string::npos);
         r = good;
         std::fill(r.field.begin() + 50, r.field.end(), r.field[50]);
-        CHECK(found(r, "field").find("it stays the same") != std::string::npos);
+        CHECK(found(r, "field").find("found a constant field") != std::string::npos);
         r = good;
         for (std::size_t k = 0; k < 100; ++k)
             r.field[k] =
                 -48e-6 * r.force[k].normalized() + 1e-7 * Vec3(std::sin(k), std::cos(k), 0);
-        CHECK(found(r, "field").find("of it level") != std::string::npos);
+        CHECK(found(r, "field").find("expected a horizontal component") != std::string::npos);
         r = good;
         r.force.clear();
-        CHECK(found(r, "field").find("expected 10 samples with force") != std::string::npos);
-        // axes of another hand than the force's show where the rock tilts
+        CHECK(found(r, "field").find("expected at least 10 samples with field and force") !=
+              std::string::npos);
+        // axes of the other handedness than those of the force show when the rock tilts
         r = turning(Vec3(0.4, 0.3, 0), 3);
         for (Vec3& b : r.field) b.x() = -b.x();
-        CHECK(found(r, "field").find("disturbed, or of other axes") != std::string::npos);
-        // samples without a field are let be and counted
+        CHECK(found(r, "field").find("disturbed, or its axes differ") != std::string::npos);
+        // samples without a field are ignored and counted
         r = good;
         for (std::size_t k = 0; k < 100; k += 2) r.field[k] = Vec3::Constant(std::nan(""));
         CHECK(heading_of(r).observable());
-        CHECK(found(r, "numbers").find("50 of 100 samples are without") != std::string::npos);
+        CHECK(found(r, "numbers").find("50 of 100 samples have no number") != std::string::npos);
     }
 
-    TEST_CASE("attitudes that turn otherwise than the field are told beside it") {
+    TEST_CASE("yaw from attitudes is reported beside yaw from the field, with a warning if the two "
+              "differ") {
         Recording r = turning(Vec3(0, 0, 0.2), 3);
         const Quat start = r.info.attitude();
         for (const double e : r.strain)
             r.attitude.push_back(exponential_map(Vec3(0, 0, 20 * e)) * start);
-        CHECK(found(r, "field").find("by its attitudes +11.5\n") != std::string::npos);
+        CHECK(found(r, "field").find("by the attitudes +11.5\n") != std::string::npos);
         for (std::size_t k = 0; k < 100; ++k)
             r.attitude[k] = exponential_map(Vec3(0, 0, -20 * r.strain[k])) * start;
-        CHECK(found(r, "field").find("by its attitudes -11.5: one of the two has other axes") !=
+        CHECK(found(r, "field")
+                  .find("by the attitudes -11.5: the axes of one of the two are wrong") !=
               std::string::npos);
     }
 
-    TEST_CASE("yaw is observable by a magnetometer in a steady field, and by it alone not in a "
-              "disturbed one") {
+    TEST_CASE("yaw is observable by a magnetometer in a steady field, and not in a disturbed one") {
         Recording r = turning(Vec3(0, 0, 0.2), 3);
         const auto yaw = [](const Recording& one) {
             return observability_of(one, 960, 1e-3, 0.1)[4];

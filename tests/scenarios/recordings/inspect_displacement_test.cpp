@@ -8,9 +8,9 @@
 using namespace bris;
 using namespace bris::testing;
 
-TEST_SUITE("fusion/inspect_displacement") {
-    TEST_CASE("the shipped recordings are accepted, whole and as far as a test has come, and "
-              "nothing is found in displacement and attitude") {
+TEST_SUITE("recordings/inspect_displacement") {
+    TEST_CASE("the shipped recordings are accepted at every stage of a test, without findings in "
+              "displacement and attitude") {
         for (const char* pressure : {"55kPa", "110kPa", "165kPa"})
             for (const double strain : {0.0, 0.001, 0.002, 0.003, 0.005, 0.01, 0.02, 0.04, 0.08}) {
                 const auto all = example_recordings(pressure, strain);
@@ -25,8 +25,8 @@ TEST_SUITE("fusion/inspect_displacement") {
             }
     }
 
-    TEST_CASE("a displacement that scatters by far more than declared is refused, at rest and in "
-              "the test") {
+    TEST_CASE("a displacement with far more noise than declared is refused, at rest and during the "
+              "test") {
         auto all = example_recordings("55kPa");
         Random random(1, 1);
         for (std::size_t k = 5; k < all[4].size(); ++k)
@@ -43,7 +43,7 @@ TEST_SUITE("fusion/inspect_displacement") {
         CHECK(has(refusals(all, 5), "noise: displacement at rest: declared 0.1 mm, found"));
     }
 
-    TEST_CASE("some noise more than declared is told, not refused") {
+    TEST_CASE("moderately more noise than declared is reported, not refused") {
         auto all = example_recordings("55kPa");
         Random random(1, 1);
         for (Vec3& u : all[4].displacement)
@@ -56,15 +56,16 @@ TEST_SUITE("fusion/inspect_displacement") {
         }));
     }
 
-    TEST_CASE("a displacement that grows as no platen could drive a rock is refused soon") {
+    TEST_CASE("a displacement that grows faster than the platen can drive a rock is refused "
+              "soon") {
         auto all = example_recordings("55kPa", 0.006);
         for (std::size_t k = 5; k < all[4].size(); ++k)
             all[4].displacement[k].x() += 9 * all[4].strain[k]; // 9 mm for 0.1 %
         CHECK(has(refusals(all, 5), "displacement: in "));
-        CHECK(has(refusals(all, 5), "longer than the test lets a rock go"));
+        CHECK(has(refusals(all, 5), "larger than the axial strain permits"));
     }
 
-    TEST_CASE("strain that is sampled less often than displacement takes no check away") {
+    TEST_CASE("all checks remain when strain is sampled less often than displacement") {
         const auto sparse = [](std::vector<Recording> all) {
             for (Recording& r : all)
                 for (std::size_t k = 0; k < r.size(); ++k)
@@ -81,13 +82,13 @@ TEST_SUITE("fusion/inspect_displacement") {
         CHECK(has(refusals(all, 5), "noise: displacement at rest: declared 0.1 mm, found"));
         all = sparse(example_recordings("55kPa"));
         const std::size_t first_outlier =
-            all[4].size() - 20; // 7 of the 29 or so that have strain, of more than 80
+            all[4].size() - 20; // 7 of about 29 samples with strain, out of more than 80
         for (std::size_t k = first_outlier; k < all[4].size(); ++k)
             all[4].displacement[k].x() += 0.02 * static_cast<double>(k - first_outlier);
-        CHECK(has(refusals(all, 5), "longer than the test lets a rock go"));
+        CHECK(has(refusals(all, 5), "larger than the axial strain permits"));
     }
 
-    TEST_CASE("the step of strain goes from one sample that has it to the next") {
+    TEST_CASE("the step of strain is computed between samples that have strain") {
         const double none = std::nan("");
         Recording r;
         r.strain = {0, none, 0, none, none, 3e-3, none, 5e-3, 6e-3, none};
@@ -100,7 +101,7 @@ TEST_SUITE("fusion/inspect_displacement") {
         CHECK(strain_step({r, limits, findings, 0, 0}) == 0);
     }
 
-    TEST_CASE("a few displacements that are far off are left to those who use them") {
+    TEST_CASE("a few outliers of the displacement are not refused") {
         auto all = example_recordings("55kPa");
         for (const std::size_t k : {3u, 20u, 41u, 60u}) all[4].displacement[k].y() += 0.03;
         CHECK(refusals(all, 5).empty());

@@ -19,7 +19,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 
-/// The example recording, whose rocks slip: q falls by up to 59 % from one record to the next.
+/// The example recording. Its rocks slip: q falls by up to 59 % from one record to the next.
 const std::vector<TriaxialPoint>& example(double pressure) {
     static std::map<double, std::vector<TriaxialPoint>> tests;
     const std::filesystem::path folder = assets_folder() / "smartrock";
@@ -31,7 +31,7 @@ const std::vector<TriaxialPoint>& example(double pressure) {
 
 constexpr double pressures[] = {55e3, 110e3, 165e3};
 
-/// What is found in the example at 55 kPa, its points changed, as far as it goes.
+/// The findings in the example at 55 kPa with changed points.
 struct CheckedTest {
     std::vector<TriaxialPoint> points = example(55e3);
     std::vector<Finding> findings = {};
@@ -71,9 +71,9 @@ std::string text_of(const std::vector<Finding>& findings) {
 
 } // namespace
 
-TEST_SUITE("procedure/machine_quality_control") {
-    TEST_CASE("nothing is found in the example and nothing changed, however far it has gone and "
-              "however rarely it was read") {
+TEST_SUITE("recordings/machine_quality_control") {
+    TEST_CASE("quality control finds and changes nothing in the example, at every stage and at "
+              "every sampling interval") {
         for (const double pressure : pressures)
             for (const std::size_t every : {1u, 2u, 5u, 10u, 30u}) {
                 std::vector<TriaxialPoint> all;
@@ -98,7 +98,7 @@ TEST_SUITE("procedure/machine_quality_control") {
             }
     }
 
-    TEST_CASE("one wild record of q is left out wherever it is, and the others stay") {
+    TEST_CASE("a single outlier of q is left out wherever it is, and the others are kept") {
         for (const double wild : {1e12, -1e12, 1e300, infinity})
             for (const std::size_t at : {0u, 1u, 2u, 15u, 427u, 428u, 800u}) {
                 const CheckedTest l = checked_test([&](TriaxialPoint& p, std::size_t k) {
@@ -126,7 +126,7 @@ TEST_SUITE("procedure/machine_quality_control") {
                 CHECK(l.without(&TriaxialPoint::deviatoric_stress) == 1);
                 CHECK(std::isnan(l.points[at].deviatoric_stress));
             }
-        // the last record, times ten, as a run that goes on sees it
+        // the last record times ten, as in a running test
         CHECK(std::isnan(checked_test(
                              [&](TriaxialPoint& p, std::size_t k) {
                                  if (k == 15) p.deviatoric_stress *= 10;
@@ -136,7 +136,8 @@ TEST_SUITE("procedure/machine_quality_control") {
                              .deviatoric_stress));
     }
 
-    TEST_CASE("a slip of any size is believed at once, a leap once the next record confirms it") {
+    TEST_CASE("a drop of q of any size is accepted at once, a jump only when the next record "
+              "confirms it") {
         for (const std::size_t records : {301u, 302u})
             CHECK(checked_test(
                       [](TriaxialPoint& p, std::size_t k) {
@@ -153,7 +154,7 @@ TEST_SUITE("procedure/machine_quality_control") {
         CHECK(later.points[300].deviatoric_stress == 5 * example(55e3)[300].deviatoric_stress);
     }
 
-    TEST_CASE("a burst of wild records is left out, a long one takes the channel with it") {
+    TEST_CASE("a short burst of outliers is left out, a long one refuses the channel") {
         const auto burst = [](std::size_t length) {
             return checked_test([=](TriaxialPoint& p, std::size_t k) {
                 if (k >= 300 && k < 300 + length) p.deviatoric_stress = 1e12;
@@ -161,12 +162,12 @@ TEST_SUITE("procedure/machine_quality_control") {
         };
         CHECK(burst(9).notes("deviatoric_stress_Pa", "9 of 801 records left out"));
         CHECK(burst(9).without(&TriaxialPoint::deviatoric_stress) == 9);
-        CHECK(burst(10).refuses("deviatoric_stress_Pa", "10 of 801 records cannot be"));
+        CHECK(burst(10).refuses("deviatoric_stress_Pa", "10 of 801 records are impossible"));
         CHECK(burst(10).without(&TriaxialPoint::deviatoric_stress) == 801);
     }
 
-    TEST_CASE("a q of another unit or sign is left out whole, and said why, at the first strain "
-              "that tells") {
+    TEST_CASE("a channel q in another unit or sign is refused with the reason at the first strain "
+              "that shows it") {
         const auto q_times = [](double factor, std::size_t records) {
             return checked_test(
                 [&](TriaxialPoint& p, std::size_t) { p.deviatoric_stress *= factor; }, records);
@@ -179,7 +180,7 @@ TEST_SUITE("procedure/machine_quality_control") {
         }
         CHECK(q_times(1.0 / 6895, 801)
                   .refuses("deviatoric_stress_Pa",
-                           "expected 1100 Pa and more beyond 0.2 % of axial strain")); // psi
+                           "expected at least 1100 Pa beyond 0.2 % of axial strain")); // psi
         CHECK(q_times(0, 801).refuses("deviatoric_stress_Pa", "found 0"));
         for (const std::size_t records : {801u, 4u}) {
             const CheckedTest negated = q_times(-1, records);
@@ -188,15 +189,14 @@ TEST_SUITE("procedure/machine_quality_control") {
         }
         for (const double gain : {10.0, 1e3})
             CHECK(q_times(gain, 801).refuses("deviatoric_stress_Pa",
-                                             "cannot be: expected -5.5e+04 to 1.65e+06"));
-        // of another unit from 0.1 % on
+                                             "are impossible: expected -5.5e+04 to 1.65e+06"));
+        // another unit from 0.1 % on
         CHECK(checked_test([](TriaxialPoint& p, std::size_t k) {
                   if (k > 10) p.deviatoric_stress *= 1e-3;
               }).refuses("deviatoric_stress_Pa", "is it in kPa?"));
     }
 
-    TEST_CASE("a q that is stuck while strain goes on is left out from there, and comes back with "
-              "a change") {
+    TEST_CASE("q that is stuck while the strain increases is left out until it changes again") {
         const CheckedTest l = checked_test([](TriaxialPoint& p, std::size_t k) {
             if (k >= 100 && k < 200) p.deviatoric_stress = 2e5;
         });
@@ -214,7 +214,7 @@ TEST_SUITE("procedure/machine_quality_control") {
               }).refuses("deviatoric_stress_Pa", "expected a change"));
     }
 
-    TEST_CASE("one wild volume is left out, a slip's is not") {
+    TEST_CASE("a single outlier of the volumetric strain is left out") {
         for (const double wild : {0.5, -3.0, 1e30, -infinity})
             for (const std::size_t at : {0u, 1u, 15u, 800u}) {
                 const CheckedTest l = checked_test([&](TriaxialPoint& p, std::size_t k) {
@@ -233,8 +233,8 @@ TEST_SUITE("procedure/machine_quality_control") {
         CHECK(flipped.without(&TriaxialPoint::volumetric_strain) == 1);
     }
 
-    TEST_CASE("a volume in per cent is left out whole from the third record on, one of the other "
-              "sign as soon as rings or geometry tell") {
+    TEST_CASE("a volumetric strain in per cent is refused from the third record on, one with the "
+              "wrong sign as soon as ring radii or geometry show it") {
         const auto volume_times = [](double factor, std::size_t records, bool rings) {
             return checked_test(
                 [&](TriaxialPoint& p, std::size_t) {
@@ -251,10 +251,10 @@ TEST_SUITE("procedure/machine_quality_control") {
                     CHECK(l.without(&TriaxialPoint::volumetric_strain) == records);
                     CHECK(l.without(&TriaxialPoint::deviatoric_stress) == 0);
                 }
-        // 0.1 % of volume is passed at 0.23 % of axial strain; without rings a loose specimen might
-        // do likewise up to 0.8 %
+        // the volumetric strain exceeds 0.1 % at 0.23 % of axial strain; without rings a loose
+        // specimen could behave in the same way up to 0.8 %
         CHECK(volume_times(-1, 20, true).findings.empty());
-        CHECK(volume_times(-1, 30, true).refuses("volumetric_strain", "as the rings tell"));
+        CHECK(volume_times(-1, 30, true).refuses("volumetric_strain", "by the ring radii"));
         CHECK(volume_times(-1, 801, true).refuses("volumetric_strain", "is its sign reversed?"));
         CHECK(volume_times(-1, 60, false).findings.empty());
         CHECK(volume_times(-1, 100, false).refuses("volumetric_strain", "is its sign reversed?"));
@@ -262,13 +262,13 @@ TEST_SUITE("procedure/machine_quality_control") {
         CHECK(checked_test([](TriaxialPoint& p, std::size_t) {
                   p.volumetric_strain = 0;
               }).refuses("volumetric_strain", "expected a change")); // not measured
-        // nor is it a finding that none is measured
+        // a volumetric strain that is not measured is not a finding
         CHECK(checked_test([](TriaxialPoint& p, std::size_t) {
                   p.volumetric_strain = std::nan("");
               }).findings.empty());
     }
 
-    TEST_CASE("radii of rings that cannot be are left out, of one ring alone") {
+    TEST_CASE("impossible ring radii are left out, without effect on other rings") {
         const CheckedTest one = checked_test([](TriaxialPoint& p, std::size_t k) {
             if (k == 800) p.ring_radius[2] = -0.08;
         });
@@ -277,10 +277,10 @@ TEST_SUITE("procedure/machine_quality_control") {
         CHECK(one.points[800].ring_radius[1] == example(55e3)[800].ring_radius[1]);
         CHECK(checked_test([](TriaxialPoint& p, std::size_t k) {
                   if (k == 300) p.ring_radius[0] *= 1.1;
-              }).notes("ring_1_radius_m", "expected one near 0.07"));
+              }).notes("ring_1_radius_m", "expected a value near 0.07"));
         CHECK(checked_test([](TriaxialPoint& p, std::size_t) {
                   p.ring_radius[7] *= 1e3;
-              }).refuses("ring_8_radius_m", "expected a radius of less than 10 m"));
+              }).refuses("ring_8_radius_m", "expected a radius between 0 and 10 m"));
         CHECK(checked_test([](TriaxialPoint& p, std::size_t) {
                   p.ring_radius[7] = 0;
               }).refuses("ring_8_radius_m", "found 0"));
@@ -289,7 +289,7 @@ TEST_SUITE("procedure/machine_quality_control") {
               }).refuses("ring_5_radius_m", "found inf"));
     }
 
-    TEST_CASE("an axial strain that cannot be takes with it what was measured there") {
+    TEST_CASE("with an impossible axial strain all measurements of its record are left out") {
         const CheckedTest percent =
             checked_test([](TriaxialPoint& p, std::size_t) { p.axial_strain *= 100; });
         CHECK(percent.refuses("axial_strain",
@@ -303,7 +303,7 @@ TEST_SUITE("procedure/machine_quality_control") {
         CHECK(one.without(&TriaxialPoint::deviatoric_stress) == 1);
     }
 
-    TEST_CASE("whatever numbers a machine sends, those that are left are of one test") {
+    TEST_CASE("whatever numbers a machine sends, the remaining ones are physically possible") {
         for (std::uint64_t seed = 1; seed <= 200; ++seed) {
             Random random(seed, 3);
             const CheckedTest l = checked_test(

@@ -16,8 +16,8 @@ namespace fs = std::filesystem;
 
 const Vec3 earth(0, 0, -9.80665);
 
-/// Ten seconds of a rock that lies still for two and rocks then; every rock in an attitude of its
-/// own.
+/// Ten seconds of a rock that is at rest for two and then oscillates; each rock has another
+/// attitude.
 Recording recording(unsigned id, const ImuModel& model = imu_preset("smartrock-like")) {
     Recording r;
     Random random(4, id);
@@ -68,8 +68,8 @@ fs::path written(const char* name, const std::string& text) {
 
 } // namespace
 
-TEST_SUITE("systems/fusion/quality_control") {
-    TEST_CASE("recordings of sensors as declared are accepted, and their losses told") {
+TEST_SUITE("recordings/quality_control") {
+    TEST_CASE("recordings of sensors as declared are accepted, and missing samples are reported") {
         const std::vector<Recording> all{recording(1), recording(2), recording(3)};
         const auto findings = check_recordings(all, earth);
         INFO(quality_control_report(findings, all));
@@ -78,11 +78,11 @@ TEST_SUITE("systems/fusion/quality_control") {
         CHECK(says(findings, Finding::Kind::note, "clock", "2e-05"));
         const Recording ideal = recording(4, imu_preset("ideal"));
         CHECK(quality_control_report(check_recordings({ideal}, earth), {ideal}) ==
-              "sensor 4: 2000 samples, nothing found\n");
+              "sensor 4: 2000 samples, no findings\n");
     }
 
-    TEST_CASE("a recording in other units, signs or axes than declared is refused, and the reason "
-              "named") {
+    TEST_CASE("a recording in other units, signs or axes than declared is refused with the "
+              "reason") {
         const Recording good = recording(1);
         Recording r = good;
         for (Vec3& f : r.force) f /= 9.80665;
@@ -98,7 +98,8 @@ TEST_SUITE("systems/fusion/quality_control") {
         CHECK(refuses(r, "frame", "degrees off"));
     }
 
-    TEST_CASE("rocks whose ids were changed for one another do not stand as their metadata say") {
+    TEST_CASE("rocks with exchanged ids are refused because their attitudes contradict the "
+              "metadata") {
         Recording a = recording(1), b = recording(2);
         std::swap(a.force, b.force);
         std::swap(a.rate, b.rate);
@@ -110,7 +111,7 @@ TEST_SUITE("systems/fusion/quality_control") {
         CHECK(says(findings, Finding::Kind::refusal, "frame"));
     }
 
-    TEST_CASE("two ids with one and the same recording are both refused") {
+    TEST_CASE("two sensors with the same recording are both refused") {
         const Recording a = recording(1);
         Recording b = a;
         b.info.id = 7;
@@ -122,7 +123,7 @@ TEST_SUITE("systems/fusion/quality_control") {
     }
 
     TEST_CASE(
-        "what is not a number, sticks, saturates, goes back in time or comes twice is refused") {
+        "samples that are not finite, stuck, saturated, out of order or repeated are refused") {
         const Recording good = recording(1);
         Recording r = good;
         r.rate[700].y() = std::numeric_limits<double>::infinity();
@@ -153,8 +154,7 @@ TEST_SUITE("systems/fusion/quality_control") {
         CHECK(refuses(r, "length"));
     }
 
-    TEST_CASE(
-        "a displacement that jumps and stays there is refused, a single one that is off is not") {
+    TEST_CASE("a lasting jump of the displacement is refused, a single outlier is not") {
         Recording r = recording(1);
         Random random(9, 1);
         for (std::size_t k = 0; k < r.size(); ++k)
@@ -169,7 +169,7 @@ TEST_SUITE("systems/fusion/quality_control") {
         CHECK(refuses(r, "stuck", "displacement"));
     }
 
-    TEST_CASE("a recording that has only begun is no mistake") {
+    TEST_CASE("a recording with only a few samples is checked without an error") {
         Recording r = recording(1);
         for (const std::size_t samples : {2u, 3u}) {
             r.time.resize(samples);
@@ -182,7 +182,7 @@ TEST_SUITE("systems/fusion/quality_control") {
         CHECK(refuses(r, "order"));
     }
 
-    TEST_CASE("noise other than declared is told, not refused") {
+    TEST_CASE("noise of the accelerometer other than declared is reported, not refused") {
         Recording r = recording(1);
         r.info.force_noise *= 10;
         const auto findings = check_recordings({r}, earth);
@@ -190,7 +190,7 @@ TEST_SUITE("systems/fusion/quality_control") {
         CHECK(says(findings, Finding::Kind::note, "noise", "declared"));
     }
 
-    TEST_CASE("metadata and recordings are read to SI units and body axes") {
+    TEST_CASE("metadata and recordings are converted to SI units and body axes") {
         const fs::path meta = written("bris_rock_3.toml",
                                       "id = 3\nx = 0.1\nforce_unit = \"g\"\nrate_unit = \"deg/s\"\n"
                                       "mounting_w = 0.7071067811865476\nmounting_z = "
@@ -204,21 +204,21 @@ TEST_SUITE("systems/fusion/quality_control") {
         const auto all = read_recordings(csv, {info});
         REQUIRE(all.size() == 1);
         REQUIRE(all[0].size() == 2);
-        CHECK((all[0].force[0] - Vec3(0, 9.80665, 0)).norm() < 1e-12); // its x is the body's y
+        CHECK((all[0].force[0] - Vec3(0, 9.80665, 0)).norm() < 1e-12); // sensor x is body y
         CHECK((all[0].rate[0] - Vec3(0, pi, 0)).norm() < 1e-12);
         CHECK_FALSE(all[0].force[1].allFinite());
         CHECK(all[0].strain[1] == 0.02);
         CHECK(all[0].displacement.empty());
     }
 
-    TEST_CASE("bad files of recordings are refused with file, line and what was found") {
+    TEST_CASE("invalid files of recordings are refused with file, line and what was found") {
         const SensorInfo info{.id = 3};
         CHECK_THROWS_WITH_AS(
             (void)read_recordings(written("bris_id.csv", "t,id\n0,3\n0,4\n"), {info}),
-            doctest::Contains("bris_id.csv:3: id: expected that of a metadata file, found 4"),
+            doctest::Contains("bris_id.csv:3: id: expected the id of a metadata file, found 4"),
             InputError);
         CHECK_THROWS_WITH_AS((void)read_recordings(written("bris_id.csv", "t,id\n0,3.5\n"), {info}),
-                             doctest::Contains("expected a whole number from 0 on, found 3.5"),
+                             doctest::Contains("expected a non-negative whole number, found 3.5"),
                              InputError);
         CHECK_THROWS_WITH_AS(
             (void)read_recordings(written("bris_id.csv", "t,id,ax\n0,3,1\n"), {info}),
@@ -234,8 +234,8 @@ TEST_SUITE("systems/fusion/quality_control") {
             doctest::Contains("bris_rock.toml:2"), InputError);
     }
 
-    TEST_CASE("numbers of a file that are none, not a number or infinite, are named with file and "
-              "line, and counted") {
+    TEST_CASE("numbers of a file that are not finite are counted, and the first is reported with "
+              "file and line") {
         const SensorInfo info{.id = 3};
         const auto found = [&](const std::string& text) {
             const auto all = read_recordings(written("bris_none.csv", text), {info});
@@ -245,18 +245,20 @@ TEST_SUITE("systems/fusion/quality_control") {
             found("t,id,ax,ay,az\n0,3,0,0,9.8\n0.005,3,inf,0,9.8\n0.010,3,nan,0,9.8\n");
         INFO(force);
         CHECK(force.find("sensor 3: refused: numbers: expected finite numbers, found 2 that are "
-                         "not, ax ay az: the first at ") == 0);
+                         "not; ax ay az: the first at ") == 0);
         CHECK(force.find("bris_none.csv:3\n") != std::string::npos);
         const std::string report =
             found("t,id,strain,temp,ax,ay,az\n0,3,0,20,0,0,9.8\n0.005,3,nan,20,0,0,9.8\n0.010,3,0,"
                   "inf,0,0,9.8\n0.015,3,-inf,20,0,0,9.8\n");
         INFO(report);
         CHECK(report.find("refused") == std::string::npos);
-        CHECK(report.find("sensor 3: numbers: 2 of 4 samples are without, strain: the first at ") !=
+        CHECK(report.find(
+                  "sensor 3: numbers: 2 of 4 samples have no number; strain: the first at ") !=
               std::string::npos);
         CHECK(report.find("bris_none.csv:3\n") != std::string::npos);
-        CHECK(report.find("sensor 3: numbers: 1 of 4 samples are without, temp: the first at ") !=
-              std::string::npos);
+        CHECK(
+            report.find("sensor 3: numbers: 1 of 4 samples have no number; temp: the first at ") !=
+            std::string::npos);
         CHECK(found("t,id,temp,ax,ay,az\n0,3,,0,0,9.8\n0.005,3,,0,0,9.8\n").find("temp") ==
               std::string::npos); // this sensor has none
     }

@@ -16,8 +16,8 @@ LineSource::Line line(const std::string& text, bool whole = true) {
 
 } // namespace
 
-TEST_SUITE("fusion/record_stream") {
-    TEST_CASE("records come as objects of JSON or as rows of CSV, and as both") {
+TEST_SUITE("recordings/record_stream") {
+    TEST_CASE("a stream may contain JSON objects, CSV rows, or both") {
         RecordParser parser;
         const auto json = parser.parse(line(R"( {"t": 1.5, "id": 3, "ax": -9.81e0, "ux": null})"));
         REQUIRE(json);
@@ -36,8 +36,8 @@ TEST_SUITE("fusion/record_stream") {
         CHECK(parser.parse(line("0.02,2e5"))->number("axial_strain") == 0.02);
     }
 
-    TEST_CASE("a line that is no record is refused with its number, what was expected and what was "
-              "found") {
+    TEST_CASE("a line that is not a record is refused with its number, what was expected and what "
+              "was found") {
         const auto why = [](const std::string& text, const std::string& header = "",
                             bool whole = true) {
             RecordParser parser;
@@ -45,7 +45,7 @@ TEST_SUITE("fusion/record_stream") {
             return message_of<InputError>([&] { (void)parser.parse(line(text, whole)); });
         };
         CHECK(why("hello") ==
-              "line 7: expected an object of JSON or names of columns, found \"hello\"");
+              "line 7: expected a JSON object or the names of columns, found \"hello\"");
         CHECK(why("1,2", "t,id,ax") == "line 7: expected 3 columns, found 2");
         CHECK(why("1,x", "t,id") == "line 7: id: expected a number, found \"x\"");
         CHECK(

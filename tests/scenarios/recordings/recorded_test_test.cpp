@@ -27,8 +27,9 @@ void replace_line(const std::filesystem::path& path, int number, const std::stri
 
 } // namespace
 
-TEST_SUITE("procedure/recorded_test") {
-    TEST_CASE("a true run written as a folder of recordings is read back as what its sensors did") {
+TEST_SUITE("recordings/recorded_test") {
+    TEST_CASE("a model run written as a folder of recordings is read back as the motion of its "
+              "sensors") {
         const TemporaryDirectory folder;
         const ModelRun truth = steady_run();
         const auto recordings = record_sensors(truth, {}, 1);
@@ -40,20 +41,20 @@ TEST_SUITE("procedure/recorded_test") {
         CHECK(test.measured.size() == 101);
         REQUIRE(test.trajectories[2].strain.size() == 10);
         CHECK((test.trajectories[2].displacement[9] - truth.displacement[100][2]).norm() <
-              6e-4); // of 0.1 mm twice
+              6e-4); // noise of 0.1 mm, twice
         CHECK((test.trajectories[2].rotation[9] - truth.rotation[100][2]).norm() < 0.02);
         const Misfit none = misfit_of(truth, test);
         CHECK(none.q < 1);
         CHECK(none.volumetric_strain < 1e-8);
         CHECK(none.sensor_displacement < 6e-4);
-        ModelRun half = truth; // ends before the test did
+        ModelRun half = truth; // ends before the test
         half.points.resize(51);
         CHECK(misfit_of(half, test).ring_strain < 1e-5);
         ModelRun other = truth;
         for (TriaxialPoint& p : other.points) p.deviatoric_stress += 5e3;
         CHECK(misfit_of(other, test).q == about(5e3).epsilon(1e-3));
 
-        // by inertia alone: tilt and nothing else
+        // inertial channels alone: only the tilt
         const RecordedTest inertial = read_recorded_test(
             folder.path(), 110e3, infos, {.displacement = false, .attitude = false});
         const Vec3 tilt = inertial.trajectories[2].tilt[9];
@@ -65,7 +66,7 @@ TEST_SUITE("procedure/recorded_test") {
         CHECK(std::isnan(misfit_of(truth, inertial).sensor_displacement));
     }
 
-    TEST_CASE("a sensor whose recording is spoiled is refused, and the others stay") {
+    TEST_CASE("a sensor with a corrupted recording is refused, and the others are kept") {
         const ModelRun truth = steady_run();
         auto spoiled = record_sensors(truth, {}, 1);
         for (Vec3& f : spoiled[1].force) f = -f;
@@ -79,7 +80,7 @@ TEST_SUITE("procedure/recorded_test") {
     }
 
     TEST_CASE(
-        "what the machine measured wrongly is left out with its reason, and all else is used") {
+        "wrong measurements of the machine are left out with the reason, and all others are used") {
         const ModelRun truth = steady_run();
         const auto recordings = record_sensors(truth, {}, 1);
         const auto read = [&](auto&& change) {
@@ -97,7 +98,7 @@ TEST_SUITE("procedure/recorded_test") {
             return quality_control_report(test).find(text) != std::string::npos;
         };
         const RecordedTest good = read([](TriaxialPoint&, std::size_t) {});
-        CHECK(says(good, "test machine: 101 records, nothing found\nsensor 1: "));
+        CHECK(says(good, "test machine: 101 records, no findings\nsensor 1: "));
 
         const RecordedTest wild = read([](TriaxialPoint& p, std::size_t k) {
             if (k == 15) p.deviatoric_stress = 1e12;
@@ -105,14 +106,14 @@ TEST_SUITE("procedure/recorded_test") {
         CHECK(says(wild, "test machine: deviatoric_stress_Pa: 1 of 101 records left out: expected "
                          "-5.5e+04 to 1.65e+06, found 1e+12 at 0.15 % of axial strain\n"));
         CHECK(std::isnan(wild.measured[15].deviatoric_stress));
-        CHECK(misfit_of(truth, wild).q < 1); // by the others
+        CHECK(misfit_of(truth, wild).q < 1); // from the other records
         const RecordedTest kilo =
             read([](TriaxialPoint& p, std::size_t) { p.deviatoric_stress *= 1e-3; });
-        CHECK(says(kilo, "test machine: refused: deviatoric_stress_Pa: expected 1100 Pa and more"));
+        CHECK(says(kilo, "test machine: refused: deviatoric_stress_Pa: expected at least 1100 Pa"));
         CHECK(std::isnan(misfit_of(truth, kilo).q)); // not measured
         CHECK(misfit_of(truth, kilo).volumetric_strain < 1e-8);
         CHECK(says(read([](TriaxialPoint& p, std::size_t) { p.deviatoric_stress *= -1; }),
-                   "refused: deviatoric_stress_Pa: expected it positive in compression"));
+                   "refused: deviatoric_stress_Pa: expected positive values in compression"));
         CHECK(says(
             read([](TriaxialPoint& p, std::size_t k) {
                 if (k > 40) p.deviatoric_stress = 7e4;
@@ -138,7 +139,7 @@ TEST_SUITE("procedure/recorded_test") {
         CHECK(misfit_of(truth, ring).ring_strain < 1e-5);
     }
 
-    TEST_CASE("honest sensors of every class are accepted, as far as a test has come") {
+    TEST_CASE("faultless sensors of every class are accepted at every stage of a test") {
         const ModelRun truth = steady_run();
         for (const auto preset : imu_presets)
             for (std::uint64_t seed = 1; seed <= 20; ++seed)
@@ -162,7 +163,7 @@ TEST_SUITE("procedure/recorded_test") {
                 }
     }
 
-    TEST_CASE("files that are not there, cut off or not in order are refused with their line") {
+    TEST_CASE("missing, truncated or unordered files are refused with the line") {
         const TemporaryDirectory folder;
         const ModelRun truth = steady_run();
         CHECK_THROWS_AS((void)read_sensor_infos(folder / "nowhere"), OutputError);
@@ -176,7 +177,7 @@ TEST_SUITE("procedure/recorded_test") {
         replace_line(csv, 9, "0.0001,1,1,1,1,1,1,1,1,1,1");
         CHECK_THROWS_WITH_AS(
             (void)read_recorded_test(folder.path(), 55e3, infos, {}),
-            doctest::Contains("test.csv:9: axial_strain: expected numbers that grow"), InputError);
+            doctest::Contains("test.csv:9: axial_strain: expected increasing numbers"), InputError);
         replace_line(csv, 9, "0.0006,12");
         CHECK_THROWS_WITH_AS((void)read_recorded_test(folder.path(), 55e3, infos, {}),
                              doctest::Contains("test.csv:9"), InputError);

@@ -15,7 +15,8 @@ using namespace bris;
 
 namespace {
 
-/// Two rocks, the second with its sensor askew and in other units; the first lacks displacement.
+/// Two rocks. The sensor of the second has a rotated mounting and other units; the first has no
+/// displacement.
 std::vector<Recording> two_recordings() {
     std::vector<Recording> all(2);
     for (unsigned id : {1u, 2u}) {
@@ -48,7 +49,7 @@ double apart(const std::vector<Vec3>& a, const std::vector<Vec3>& b) {
     return most;
 }
 
-/// The second also with what a SmartRock has beside inertia, in other units.
+/// The same with the other channels of a SmartRock for the second rock, in other units.
 std::vector<Recording> full_recordings() {
     auto all = two_recordings();
     Recording& r = all[1];
@@ -78,9 +79,9 @@ void check_full(const Recording& read, const Recording& written, double toleranc
 
 } // namespace
 
-TEST_SUITE("systems/fusion/recording") {
-    TEST_CASE("recordings come back from HDF5 as they were written, in whatever units and however "
-              "mounted") {
+TEST_SUITE("recordings/recording") {
+    TEST_CASE("recordings written to HDF5 are read back the same, whatever the units and the "
+              "mounting") {
         const TemporaryDirectory directory;
         const auto written = two_recordings();
         write_recordings_hdf5(directory / "a.h5", written);
@@ -97,7 +98,7 @@ TEST_SUITE("systems/fusion/recording") {
             REQUIRE(read[s].attitude.size() == 7);
             CHECK(read[s].attitude[3].coeffs() == written[s].attitude[3].coeffs());
         }
-        // in the file: the sensor's own units
+        // the file has the units of the sensor
         CHECK(Hdf5File::open(directory / "a.h5").text_attribute("/sensors/2", "accel_unit") == "g");
         CHECK(Eigen::Vector3d::Map(
                   Hdf5File::open(directory / "a.h5").read<double>("/sensors/2/accel").data())
@@ -105,7 +106,7 @@ TEST_SUITE("systems/fusion/recording") {
     }
 
     TEST_CASE(
-        "an HDF5 file with a strange id, another shape or damage is refused, and says where") {
+        "an HDF5 file with an unknown id, a wrong shape or damage is refused with the location") {
         const TemporaryDirectory directory;
         const auto written = two_recordings();
         const auto path = directory / "b.h5";
@@ -130,7 +131,7 @@ TEST_SUITE("systems/fusion/recording") {
         std::filesystem::resize_file(path, 1000);
         CHECK_THROWS_AS((void)read_recordings_hdf5(path, {written[0].info, written[1].info}),
                         OutputError);
-        // one number is neither times nor a channel
+        // a scalar is neither an array of times nor a channel
         for (const char* dataset : {"time", "gyro"}) {
             write_recordings_hdf5(path, {written[0]});
             Hdf5File file = Hdf5File::open_to_write(path);
@@ -142,13 +143,13 @@ TEST_SUITE("systems/fusion/recording") {
             CHECK_THROWS_WITH_AS((void)read_recordings_hdf5(path, {written[0].info}),
                                  doctest::Contains("found a scalar"), InputError);
         }
-        // a rock without a group was not recorded: intake says so
+        // a rock without a group has an empty recording, which quality control refuses
         write_recordings_hdf5(path, {written[0]});
         CHECK(read_recordings_hdf5(path, {written[0].info, written[1].info})[1].size() == 0);
     }
 
-    TEST_CASE("magnetometer, temperature, battery and phase come back from CSV and HDF5, each in "
-              "its unit") {
+    TEST_CASE("magnetometer, temperature, battery and phase written to CSV and HDF5 are read back "
+              "the same, each in its unit") {
         const TemporaryDirectory directory;
         const auto written = full_recordings();
         write_recordings_hdf5(directory / "a.h5", written);
@@ -162,7 +163,7 @@ TEST_SUITE("systems/fusion/recording") {
         check_full(read_recordings(directory / "a.csv", {written[1].info})[0], written[1], 1e-5);
     }
 
-    TEST_CASE("HDF5 carries the metadata, and units that contradict those given are refused") {
+    TEST_CASE("an HDF5 file contains the metadata, and contradicting units are refused") {
         const TemporaryDirectory directory;
         auto written = full_recordings();
         const auto path = directory / "a.h5";
@@ -193,7 +194,7 @@ TEST_SUITE("systems/fusion/recording") {
             InputError);
     }
 
-    TEST_CASE("what is known of a sensor that recorded nothing stays in HDF5") {
+    TEST_CASE("an HDF5 file keeps the metadata of a sensor that recorded nothing") {
         const TemporaryDirectory directory;
         auto written = two_recordings();
         Recording none;
@@ -207,8 +208,8 @@ TEST_SUITE("systems/fusion/recording") {
         CHECK(read_recordings_hdf5(directory / "a.h5", infos)[2].size() == 0);
     }
 
-    TEST_CASE("flags and counts in HDF5 are whole numbers from 0 on, of any kind, and a flag that "
-              "is none is 0") {
+    TEST_CASE("flags and counts in HDF5 must be non-negative whole numbers of any type, and a flag "
+              "that is not a number counts as 0") {
         const TemporaryDirectory directory;
         const auto written = two_recordings();
         const auto path = directory / "a.h5";
@@ -225,17 +226,19 @@ TEST_SUITE("systems/fusion/recording") {
               std::vector<double>{written[0].time[2]});
         CHECK_THROWS_WITH_AS(
             (void)read("/sensors/1/flags", {0, 0, -1, 0, 0, 0, 0}),
-            doctest::Contains("/sensors/1/flags[2]: expected a whole number from 0 on, found -1"),
+            doctest::Contains(
+                "/sensors/1/flags[2]: expected a non-negative whole number, found -1"),
             InputError);
-        CHECK_THROWS_WITH_AS((void)read("/sensors/1/sequence", {0, 1, 2, none, 4, 5, 6}),
-                             doctest::Contains("/sensors/1/sequence[3]: expected a whole number"),
-                             InputError);
+        CHECK_THROWS_WITH_AS(
+            (void)read("/sensors/1/sequence", {0, 1, 2, none, 4, 5, 6}),
+            doctest::Contains("/sensors/1/sequence[3]: expected a non-negative whole number"),
+            InputError);
         CHECK_THROWS_WITH_AS((void)read("/sensors/1/sequence", {0, 1, 2.5, 3, 4, 5, 6}),
                              doctest::Contains("found 2.5"), InputError);
     }
 
-    TEST_CASE("the first sample without a number is none of those that the sensor marks, in CSV "
-              "and in HDF5") {
+    TEST_CASE("samples that the sensor flags do not count as the first sample without a number, in "
+              "CSV and in HDF5") {
         const TemporaryDirectory directory;
         SensorInfo info;
         info.id = 7;
@@ -259,12 +262,12 @@ TEST_SUITE("systems/fusion/recording") {
         CHECK_FALSE(of_hdf5.first_without.contains("t"));
     }
 
-    TEST_CASE("a CSV file of another make, by its map, is the same recording, whatever units the "
-              "metadata say") {
+    TEST_CASE("a CSV file of another make, read with a column map, gives the same recording, "
+              "whatever the units of the metadata") {
         const TemporaryDirectory directory;
         SensorInfo info;
         info.id = 7;
-        info.force_unit = std::string("g"); // of ours
+        info.force_unit = std::string("g"); // of own.csv
         write_whole(directory / "own.csv",
                     "t,id,ax,ay,az,gx,gy,gz,temp\n0.25,7,0.1,-0.2,0.97,0.5,0.25,-1,20\n");
         write_whole(directory / "map.txt",
@@ -284,7 +287,7 @@ TEST_SUITE("systems/fusion/recording") {
         CHECK((other[0].force[0] - own[0].force[0]).norm() < 1e-12);
         CHECK((other[0].rate[0] - own[0].rate[0]).norm() < 1e-12);
         CHECK(other[0].temperature[0] == about(own[0].temperature[0]));
-        // a vector of which some components have a unit
+        // a vector with a unit for some of its components only
         write_whole(directory / "map.txt",
                     "delimiter = semicolon\ndecimal = comma\nt = \"t [ms]\", ms\nid = node\nax = "
                     "X, mg\nay = Y\naz = Z, mg\n");
@@ -294,8 +297,7 @@ TEST_SUITE("systems/fusion/recording") {
             doctest::Contains("map.txt:6: ay: expected a unit, as for az, found none"), InputError);
     }
 
-    TEST_CASE("samples that a sensor marks are left out in all channels, and bits that say nothing "
-              "are not marks") {
+    TEST_CASE("samples that a sensor flags are left out in all channels, except for ignored bits") {
         const TemporaryDirectory directory;
         SensorInfo info;
         info.id = 7;
@@ -315,7 +317,7 @@ TEST_SUITE("systems/fusion/recording") {
         write_whole(directory / "a.csv", "t,id,flags\n0,7,-1\n");
         CHECK_THROWS_WITH_AS(
             (void)read_recordings(directory / "a.csv", {info}),
-            doctest::Contains("a.csv:2: flags: expected a whole number from 0 on, found -1"),
+            doctest::Contains("a.csv:2: flags: expected a non-negative whole number, found -1"),
             InputError);
     }
 }

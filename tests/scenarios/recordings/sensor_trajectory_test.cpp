@@ -13,8 +13,8 @@ namespace {
 
 const Quat start = exponential_map(Vec3(0.3, -0.8, 1.2));
 
-/// A rock at rest that has been turned by `turn` and shifted, strain by strain of 0.1 %; its
-/// accelerometers are off.
+/// A rock that rotates by `turn` and moves by `shift` in steps of 0.1 % of strain, at rest at each
+/// step; its accelerometers have a bias.
 Recording slow_recording(const Vec3& turn, const Vec3& shift, const Vec3& bias = Vec3::Zero()) {
     Recording r;
     r.info.id = 4;
@@ -35,9 +35,9 @@ Recording slow_recording(const Vec3& turn, const Vec3& shift, const Vec3& bias =
 
 } // namespace
 
-TEST_SUITE("fusion/sensor_trajectory") {
+TEST_SUITE("recordings/sensor_trajectory") {
     TEST_CASE(
-        "a recording tells displacement and rotation since the start, where they were measured") {
+        "a trajectory contains displacement and rotation since the start if they were recorded") {
         const Vec3 turn(0.05, -0.02, 0.1), shift(1e-3, 0, -2e-3);
         Recording r = slow_recording(turn, shift);
         const SensorTrajectory trajectory = trajectory_of(r, 2e-3);
@@ -56,8 +56,8 @@ TEST_SUITE("fusion/sensor_trajectory") {
                              InputError);
     }
 
-    TEST_CASE(
-        "gravity tells tilt whatever the bias of the accelerometers, and leaves yaw to the model") {
+    TEST_CASE("gravity determines tilt whatever the bias of the accelerometers, and leaves yaw as "
+              "it is") {
         const Vec3 turn(0.02, -0.03, 0);
         const Recording r = slow_recording(turn, Vec3::Zero(), Vec3(0.05, -0.02, 0.03));
         const SensorTrajectory trajectory = trajectory_of(r, 1e-2);
@@ -70,13 +70,13 @@ TEST_SUITE("fusion/sensor_trajectory") {
         const Quat corrected = exponential_map(a.turn) * yawed;
         CHECK((corrected * m.up - Vec3::UnitZ()).norm() < 1e-5);
         CHECK(std::abs(a.turn.z()) < 1e-3);
-        // and upwards is where it truly is, but for the bias, of which its size alone is left
+        // the vertical is the true one except for the bias, of which a small part remains
         const Quat truth = exponential_map(turn) * start;
         CHECK((truth * m.up - Vec3::UnitZ()).norm() < 0.05 / 9.81 * 0.1);
     }
 
-    TEST_CASE("a free inertial sensor does not see its displacement in a test of sixteen minutes, "
-              "and says so") {
+    TEST_CASE("the displacement of a free inertial sensor is reported as not observable in a test "
+              "of sixteen minutes") {
         Recording r = slow_recording(Vec3::Zero(), Vec3::Zero());
         const auto all = observability_of(r, 960, 1e-3, 0.1);
         REQUIRE(all.size() == 5);
@@ -90,12 +90,12 @@ TEST_SUITE("fusion/sensor_trajectory") {
         }
         CHECK(inertial[3].observable()); // tilt
         CHECK_FALSE(
-            inertial[4].observable()); // yaw: the bias of the gyroscope alone turns it round
+            inertial[4].observable()); // yaw: the integrated bias of the gyroscope is too large
         CHECK(observability_of(r, 0.05, 1e-3, 0.1)[0]
-                  .observable()); // a wheel that passes is another matter
+                  .observable()); // displacement during the passage of a wheel is observable
     }
 
-    TEST_CASE("recordings that are written read back the same") {
+    TEST_CASE("recordings that are written and read again are the same") {
         const TemporaryDirectory folder;
         Recording r = slow_recording(Vec3(0.1, 0, 0), Vec3(1e-3, 0, 0));
         r.info.force_unit = std::string("g");

@@ -21,7 +21,8 @@ namespace {
 
 constexpr double cycles_per_strain = 2.5e3; // 25 in the test
 
-/// A steady run, recorded; what sensors and machine have beside strain is to be chosen.
+/// Recordings of a steady run. The caller chooses the channels of the sensors and of the machine
+/// besides strain.
 struct Recorded {
     TemporaryDirectory folder;
     std::vector<SensorInfo> infos;
@@ -39,7 +40,8 @@ struct Recorded {
         return read_recorded_test(folder.path(), 55e3, infos, settings);
     }
 
-    /// Writes a file anew, with a column more or less: `value` of a row, by the column named.
+    /// Rewrites a file without one column and with another one, whose values are `value` of the
+    /// strain.
     void change(const char* file, const std::string& without, const std::string& with = "",
                 auto&& value = 0) const {
         const CsvTable table = read_csv(folder / "55kPa" / file);
@@ -85,60 +87,61 @@ bool says(const RecordedTest& test, const std::string& text) {
 
 } // namespace
 
-TEST_SUITE("procedure/synchronise") {
-    TEST_CASE("recordings that count load cycles instead of strain tell the same ways") {
+TEST_SUITE("recordings/synchronise") {
+    TEST_CASE("recordings with load cycles instead of strain give the same trajectories") {
         const Recorded r;
         r.give_machine("phase", phase_at);
         r.change("recordings.csv", "strain", "phase", phase_at);
         const RecordedTest test =
-            r.read({.interval = 0.99e-3}); // what is written with seven digits may fall short of it
+            r.read({.interval = 0.99e-3}); // rounding to seven digits may fall below 1e-3
         check_trajectories(test, r.by_strain, 1e-5);
-        CHECK(says(test, "sensor 1: clock: strain by the machine's phase\n"));
+        CHECK(says(test, "sensor 1: clock: strain is interpolated from phase of the machine\n"));
     }
 
-    TEST_CASE("recordings without strain or phase go by their clock, less its offset, where the "
-              "machine has one") {
+    TEST_CASE("recordings without strain or phase are synchronised by their clock minus its "
+              "offset, if the machine has a clock") {
         const Recorded r;
         r.give_machine("t", time_at);
         r.change("recordings.csv", "strain", "", 0);
         RecordedTest test = r.read({.interval = 0.99e-3});
         CHECK(test.refused() == 0);
-        CHECK(says(test, "sensor 1: clock: strain by the machine's t"));
+        CHECK(says(test, "sensor 1: clock: strain is interpolated from t of the machine"));
         REQUIRE(test.trajectories[0].strain.size() ==
                 9); // the last sample is, by a clock 20 ppm fast, after the machine's last
-        CHECK(says(test, "1 of 15 samples are outside of it and left out"));
+        CHECK(says(test, "1 of 15 samples are outside it and left out"));
         CHECK(test.trajectories[0].strain[8] == about(9e-3).epsilon(1e-3));
         auto infos = r.infos;
         infos[1].clock_offset = 1e6; // as if it counted from 1970
         test = read_recorded_test(r.folder.path(), 55e3, infos, {});
         CHECK(test.refused() == 1);
         CHECK(says(test, "sensor 2: refused: clock: expected records of the test, 60 to 180 s by "
-                         "the machine's, found"));
+                         "the machine, found"));
         CHECK(says(test, "give clock_offset"));
         infos[1].clock_offset = 0;
         infos[1].clock_offset_deviation = 10;
         test = read_recorded_test(r.folder.path(), 55e3, infos, {});
-        CHECK(says(test, "sensor 2: refused: clock: it is known to 30 s, in which the test goes "
-                         "0.25 % of axial strain, expected 0.1 %"));
+        CHECK(says(test, "sensor 2: refused: clock: clock_offset is known to 30 s, during which "
+                         "the axial strain grows by 0.25 %, expected at most 0.1 %"));
     }
 
-    TEST_CASE("recordings without strain, phase or a machine's clock are refused with the reason, "
-              "and the test goes on without") {
+    TEST_CASE("recordings without strain, phase or a clock of the machine are refused with the "
+              "reason, and the test continues without them") {
         const Recorded r;
         r.change("recordings.csv", "strain", "", 0);
         RecordedTest test = r.read({});
         CHECK(test.refused() == 3);
         CHECK(says(test, "sensor 3: refused: clock: expected strain or phase in its records, or t "
-                         "in the machine's, found none\n"));
+                         "in those of the machine, found none\n"));
         CHECK(test.measured.size() == 101);
         const Recorded other;
         other.change("recordings.csv", "strain", "phase", phase_at);
         CHECK(says(other.read({}),
-                   "expected strain in its records, or phase or t in the machine's, found none\n"));
+                   "expected strain in its records, or phase or t in those of the machine, found "
+                   "none\n"));
     }
 
     TEST_CASE(
-        "a phase that begins again with each cycle is refused, of a sensor and of the machine") {
+        "a phase that restarts with each cycle is refused, for a sensor and for the machine") {
         const Recorded r;
         r.give_machine("phase", phase_at);
         r.change("recordings.csv", "strain", "phase",
@@ -147,16 +150,16 @@ TEST_SUITE("procedure/synchronise") {
         CHECK(test.refused() == 3);
         CHECK(
             says(test,
-                 "sensor 1: refused: clock: expected phases that grow from cycle to cycle, found"));
+                 "sensor 1: refused: clock: expected phases that increase over all cycles, found"));
         const Recorded other;
         other.give_machine("phase", [](double strain) { return std::fmod(phase_at(strain), 1.0); });
         CHECK_THROWS_WITH_AS(
             (void)other.read({}),
-            doctest::Contains("test.csv:6: phase: expected numbers that grow, found 0 after 0.75"),
+            doctest::Contains("test.csv:6: phase: expected increasing numbers, found 0 after 0.75"),
             InputError);
     }
 
-    TEST_CASE("a phase or a clock that not every sample has is no sample outside of the test") {
+    TEST_CASE("samples without a phase do not count as samples outside the test") {
         const Recorded r;
         r.give_machine("phase", phase_at);
         r.change("recordings.csv", "strain", "phase", [](double strain) {
@@ -164,7 +167,7 @@ TEST_SUITE("procedure/synchronise") {
         });
         RecordedTest test = r.read({.interval = 0.99e-3});
         CHECK(test.refused() == 0);
-        CHECK(says(test, "sensor 1: clock: strain by the machine's phase\n"));
+        CHECK(says(test, "sensor 1: clock: strain is interpolated from phase of the machine\n"));
         const auto sampled = std::ranges::count_if(test.recordings[0].strain,
                                                    [](double e) { return std::isfinite(e); });
         CHECK(sampled < static_cast<std::ptrdiff_t>(test.recordings[0].size()));
@@ -177,11 +180,10 @@ TEST_SUITE("procedure/synchronise") {
             return k++ < 3 ? std::nan("") : 1000 + phase_at(strain);
         });
         CHECK(says(late.read({}), "sensor 2: refused: clock: expected records of the test, 0 to 25 "
-                                  "cycles by the machine's, found 1000 to 1025\n"));
+                                  "cycles by the machine, found 1000 to 1025\n"));
     }
 
-    TEST_CASE(
-        "a folder whose machine has a clock and a phase is replayed with these, line by line") {
+    TEST_CASE("a folder is replayed as a stream with the clock and the phase of the machine") {
         const Recorded r;
         r.give_machine("t", time_at);
         r.give_machine("phase", phase_at);
@@ -206,7 +208,7 @@ TEST_SUITE("procedure/synchronise") {
         check_trajectories(test.so_far(), r.by_strain, 1e-9);
     }
 
-    TEST_CASE("a stream of sensors that count cycles is the same test as one of sensors that tell "
+    TEST_CASE("a stream with load cycles instead of strain gives the same test as one with "
               "strain") {
         const Recorded r;
         const auto lines = stream_of(r.folder / "55kPa", 1.2, 60);
@@ -246,6 +248,6 @@ TEST_SUITE("procedure/synchronise") {
             rename(line, "\"axial_strain\": ", phase_at);
         });
         CHECK(wrapped.refused() == 3);
-        CHECK(why.find("expected phases that grow from cycle to cycle") != std::string::npos);
+        CHECK(why.find("expected phases that increase over all cycles") != std::string::npos);
     }
 }

@@ -20,7 +20,7 @@
 
 using namespace bris;
 
-TEST_SUITE("build/clump_library") {
+TEST_SUITE("rocks/clump_library") {
     TEST_CASE("the library has ten rocks of thirty balls and a cube, all of sieve size one") {
         const std::vector<Clump> clumps = read_clumps(assets_folder() / "clumps");
         REQUIRE(clumps.size() == 11);
@@ -34,13 +34,13 @@ TEST_SUITE("build/clump_library") {
             CHECK(ratio < 2.9);
             for (const Ball& ball : clump.balls) CHECK(ball.radius > 0.11);
         }
-        // a cube's principal moments are equal, and its axes those of its faces
+        // the principal moments of a cube are equal, and its axes are those of its faces
         CHECK(clumps[0].inertia.maxCoeff() == about(clumps[0].inertia.minCoeff()).epsilon(1e-4));
         CHECK(std::abs(clumps[0].balls[0].centre.x()) ==
               about(std::abs(clumps[0].balls[0].centre.y())).epsilon(1e-3));
     }
 
-    TEST_CASE("a written clump is read back bit for bit, and a wrong stored value is found") {
+    TEST_CASE("a written clump is read back bit for bit, and a wrong stored value is detected") {
         const Clump made =
             make_clump("pair", std::vector<Ball>{{Vec3(0, 0, 0), 0.5}, {Vec3(0.4, 0, 0), 0.4}});
         const TemporaryDirectory folder;
@@ -69,8 +69,9 @@ TEST_SUITE("build/clump_library") {
     }
 }
 
-TEST_SUITE("build/fit_spheres") {
-    TEST_CASE("a fit keeps volume and moments and lies near the surface") {
+TEST_SUITE("rocks/fit_spheres") {
+    TEST_CASE("fitted spheres have the volume and moments of the solid and lie close to its "
+              "surface") {
         const Polyhedron rock = make_rock({.flat_elongated = 1.6, .faces = 12}, 4, 1);
         std::vector<Ball> balls = fit_spheres(rock, 1.0, {.rounds = 15}, 1);
         match_moments(rock, balls);

@@ -37,8 +37,8 @@ Grading grading_of(const std::string& rows) {
 
 } // namespace
 
-TEST_SUITE("build/grading") {
-    TEST_CASE("every AREMA size is read, and its middle curve inverts") {
+TEST_SUITE("rocks/grading") {
+    TEST_CASE("every AREMA grading is read, and size_at inverts its mid-range curve") {
         int count = 0;
         for (const auto& entry :
              std::filesystem::directory_iterator(assets_folder() / "gradings")) {
@@ -50,14 +50,15 @@ TEST_SUITE("build/grading") {
         CHECK(count == 7);
     }
 
-    TEST_CASE("the middle curve is linear in the logarithm of the size") {
+    TEST_CASE("the mid-range curve is linear in the logarithm of the size") {
         const Grading grading = grading_of("40,100,100\n20,40,60\n10,0,10\n");
         CHECK(grading.passing(0.02) == about(0.5));
         CHECK(grading.passing(std::sqrt(0.04 * 0.02)) == about(0.75));
         CHECK(grading.passing(0.005) == doctest::Approx(0));
     }
 
-    TEST_CASE("a sample has the count asked for and the curve to half a rock on each sieve") {
+    TEST_CASE("a sample has the requested count and follows the curve to half a rock on each "
+              "sieve") {
         const std::vector<Clump> clumps = two_clumps();
         const Grading grading = read_grading(assets_folder() / "gradings" / "arema_4.csv");
         for (std::size_t count : {50u, 1000u}) {
@@ -77,7 +78,7 @@ TEST_SUITE("build/grading") {
         }
     }
 
-    TEST_CASE("rocks below a smallest size are left out, and clumps are used equally") {
+    TEST_CASE("rocks below the smallest size are left out, and all clumps are used equally often") {
         const std::vector<Clump> clumps = two_clumps();
         const Grading grading = read_grading(assets_folder() / "gradings" / "arema_4.csv");
         const RockSample sample = sample_rocks(grading, clumps, 500, 1, 0.0127);
@@ -105,14 +106,14 @@ TEST_SUITE("build/grading") {
         CHECK(other);
     }
 
-    TEST_CASE("rocks outside the band are found out") {
+    TEST_CASE("rocks outside the grading band are detected") {
         const std::vector<Clump> clumps = two_clumps();
         const Grading grading = grading_of("40,100,100\n20,40,60\n10,0,10\n");
         const std::vector<RockChoice> coarse(20, {0, 0.03});
         CHECK_FALSE(sieve_back(coarse, clumps, grading).within);
     }
 
-    TEST_CASE("a band that is not one is refused with its line") {
+    TEST_CASE("an invalid grading band is refused with its line") {
         CHECK_THROWS_WITH_AS(grading_of("40,100,100\n50,0,10\n"), doctest::Contains(":3:"),
                              InputError);
         CHECK_THROWS_WITH_AS(grading_of("40,100,100\n20,60,40\n"), doctest::Contains(":3:"),

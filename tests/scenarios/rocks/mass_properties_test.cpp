@@ -14,7 +14,7 @@ using namespace bris;
 
 namespace {
 
-/// The 30 balls of the reference quadrature: centres in an ellipsoid, drawn by a congruential
+/// The 30 spheres of the reference quadrature: centres in an ellipsoid, drawn by a congruential
 /// generator.
 std::vector<Ball> reference_clump() {
     std::uint64_t state = 20260101;
@@ -33,19 +33,19 @@ std::vector<Ball> reference_clump() {
 
 } // namespace
 
-TEST_SUITE("build/mass_properties") {
-    TEST_CASE("a single ball has the volume and inertia of a ball wherever it is") {
+TEST_SUITE("rocks/mass_properties") {
+    TEST_CASE("a single sphere has its exact volume and inertia wherever it is") {
         const std::vector<Ball> balls{{Vec3(10, -20, 5), 0.5}};
         const MassProperties mass = union_properties(balls);
         const double volume = 4 * pi / 3 * 0.125;
-        // the rule stops when a doubling changes less than 1e-5; the rest is no more than that
+        // refinement stops when a doubling changes less than 1e-5; the remaining error is smaller
         CHECK(mass.volume == about(volume).epsilon(1e-5));
         for (int k = 0; k < 3; ++k)
             CHECK(mass.inertia(k, k) == about(0.4 * volume * 0.25).epsilon(1e-5));
         CHECK((mass.centre - balls[0].centre).norm() < 1e-9);
     }
 
-    TEST_CASE("overlap counts once: two unit balls one radius apart") {
+    TEST_CASE("the overlap of two unit spheres one radius apart counts once") {
         const std::vector<Ball> balls{{Vec3(0, 0, -0.5), 1}, {Vec3(0, 0, 0.5), 1}};
         const MassProperties mass = union_properties(balls);
         CHECK(mass.volume == about(9 * pi / 4).epsilon(1e-5)); // 7.0685834706
@@ -53,13 +53,14 @@ TEST_SUITE("build/mass_properties") {
         CHECK(mass.inertia(0, 0) == about(5.2130803096).epsilon(1e-5));
     }
 
-    TEST_CASE("thirty overlapping balls agree with an independent quadrature") {
+    TEST_CASE("mass properties of thirty overlapping spheres agree with an independent "
+              "quadrature") {
         const std::vector<Ball> balls = reference_clump();
         REQUIRE(balls[29].radius == about(0.3491970854254921).epsilon(1e-12));
         const MassProperties mass = union_properties(balls);
         Vec3 moments = principal_axes(mass.inertia).moments;
         std::sort(moments.begin(), moments.end());
-        // 1e-6 is the reference's own error, 1e-5 our tolerance
+        // the reference has an error of 1e-6, the tolerance is 1e-5
         CHECK(mass.volume == about(2.05183007628935).epsilon(1e-5));
         CHECK(moments[0] == about(0.43984187194670005).epsilon(1e-5));
         CHECK(moments[1] == about(0.5918501957691908).epsilon(1e-5));
@@ -67,7 +68,7 @@ TEST_SUITE("build/mass_properties") {
         CHECK((mass.centre - Vec3(0.022828962235, 0.061470865993, 0.017259660956)).norm() < 1e-5);
     }
 
-    TEST_CASE("a clump turned and moved keeps its volume and principal moments") {
+    TEST_CASE("a rotated and translated clump keeps its volume and principal moments") {
         Random random(3, 0);
         std::vector<Ball> balls, moved;
         for (int k = 0; k < 8; ++k)
@@ -81,11 +82,12 @@ TEST_SUITE("build/mass_properties") {
         std::sort(right.begin(), right.end());
         CHECK(a.volume == about(b.volume).epsilon(2e-5));
         for (int k = 0; k < 3; ++k) CHECK(left[k] == about(right[k]).epsilon(2e-5));
-        // random search for the opening: 1e-4 of the size, either way
+        // the random search for the opening has an error of 1e-4 of the size in both
         CHECK(a.sieve == about(b.sieve).epsilon(5e-4));
     }
 
-    TEST_CASE("a clump comes out in its centre of mass and principal frame") {
+    TEST_CASE("a clump has its origin at the centre of mass and its axes along the principal "
+              "axes") {
         const std::vector<Ball> balls{
             {Vec3(1, 1, 0), 1}, {Vec3(2, 2, 0), 1}, {Vec3(1.2, 1.2, 1), 0.7}};
         const Clump clump = make_clump("bent", balls);
@@ -97,7 +99,8 @@ TEST_SUITE("build/mass_properties") {
             CHECK(ball.centre.norm() + ball.radius <= clump.bounding_radius + 1e-15);
     }
 
-    TEST_CASE("scaling multiplies volume by the third and inertia by the fifth power") {
+    TEST_CASE("scaling multiplies volume by the third and inertia by the fifth power of the "
+              "factor") {
         const Clump one =
             make_clump("one", std::vector<Ball>{{Vec3(0, 0, 0), 1}, {Vec3(1, 0, 0), 1}});
         const Clump half = scaled(one, 0.5), direct = make_clump("direct", half.balls);
@@ -107,7 +110,7 @@ TEST_SUITE("build/mass_properties") {
         CHECK(half.bounding_radius == about(0.5 * one.bounding_radius).epsilon(1e-15));
     }
 
-    TEST_CASE("principal axes are right-handed and left alone where the solid defines none") {
+    TEST_CASE("principal axes are right-handed, and unchanged if the solid does not define any") {
         Mat3 tensor;
         tensor << 2, 0.3, -0.1, 0.3, 3, 0.2, -0.1, 0.2, 4;
         const PrincipalAxes found = principal_axes(tensor);
@@ -117,15 +120,15 @@ TEST_SUITE("build/mass_properties") {
         CHECK(principal_axes(Mat3::Identity()).axes == Mat3(Mat3::Identity()));
     }
 
-    TEST_CASE("the opening that a row of balls passes is the width of the row") {
-        // along the row the view is a disc, and a disc passes its own diameter and no less
+    TEST_CASE("the sieve size of a row of spheres is the width of the row") {
+        // seen along the row the shape is a disc, which passes no opening below its diameter
         const std::vector<Ball> row{
             {Vec3(0, 0, 0), 0.5}, {Vec3(0.8, 0, 0), 0.5}, {Vec3(1.6, 0, 0), 0.5}};
         CHECK(sieve_size(row) == about(1).epsilon(1e-3));
         CHECK(sieve_size(row) >= 1);
     }
 
-    TEST_CASE("no balls and a radius that is not positive are refused") {
+    TEST_CASE("an empty set of spheres and a radius that is not positive are refused") {
         CHECK_THROWS_AS(union_properties(std::vector<Ball>{}), InputError);
         CHECK_THROWS_AS(union_properties(std::vector<Ball>{{Vec3(0, 0, 0), 0}}), InputError);
         CHECK_THROWS_AS(union_properties(std::vector<Ball>{{Vec3(0, 0, 0), NAN}}), InputError);

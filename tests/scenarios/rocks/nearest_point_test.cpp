@@ -10,15 +10,15 @@
 
 using namespace bris;
 
-TEST_SUITE("systems/build/nearest_point") {
-    TEST_CASE("the nearest point by the tree is the nearest of all") {
+TEST_SUITE("rocks/nearest_point") {
+    TEST_CASE("the tree finds the same nearest distance as a comparison with all points") {
         Random random(4, 0);
         const auto somewhere = [&]() -> Vec3 {
             return random.uniform(0, 0.05) * random.direction();
         };
         std::vector<Vec3> points;
         for (int k = 0; k < 500; ++k) points.push_back(somewhere());
-        points.push_back(points.front()); // twice
+        points.push_back(points.front()); // a duplicate
         const NearestPoint nearest(points);
         for (int k = 0; k < 200; ++k) {
             const Vec3 position = somewhere();

@@ -11,8 +11,8 @@
 
 using namespace bris;
 
-TEST_SUITE("build/refill_clump") {
-    TEST_CASE("the surface of one ball is that of the polyhedron in it") {
+TEST_SUITE("rocks/refill_clump") {
+    TEST_CASE("the surface of a clump of one sphere is a closed polyhedron inscribed in it") {
         Clump ball{.name = "ball",
                    .balls = {{Vec3(0.1, 0, 0), 1}},
                    .volume = 4 * pi / 3,
@@ -23,15 +23,15 @@ TEST_SUITE("build/refill_clump") {
         for (const Vec3& vertex : solid.vertices)
             CHECK((vertex - ball.balls[0].centre).norm() == about(1).epsilon(1e-12));
         const double volume =
-            mass_properties(solid).volume; // closed and outwards, or it would not come out
+            mass_properties(solid).volume; // correct only if the surface is closed and outwards
         CHECK(volume < ball.volume);
         CHECK(volume > (1 - 3 * (1 - std::cos(pi / 12))) *
-                           ball.volume); // edges of 15 degrees lie at most 1 - cos(7.5), faces
-                                         // twice that, inside
+                           ball.volume); // edges of 15 degrees lie inside by at most 1 - cos(7.5),
+                                         // faces by twice that
     }
 
-    TEST_CASE("a rock of fewer balls has the volume, the centre and about the surface of the rock, "
-              "and its mass and inertia") {
+    TEST_CASE("a rock modelled by fewer spheres keeps volume, centre of mass, mass and inertia, "
+              "and approximately the surface") {
         const Clump rock = scaled(read_clump(assets_folder() / "clumps" / "rock_05.csv"), 0.03);
         const Clump eight = refilled(rock, 8, 1), again = refilled(rock, 8, 1);
         REQUIRE(eight.balls.size() == 8);

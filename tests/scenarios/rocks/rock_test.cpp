@@ -47,8 +47,8 @@ std::string binary_stl(const Polyhedron& solid) {
 
 } // namespace
 
-TEST_SUITE("build/rock") {
-    TEST_CASE("a cube has its closed-form measures") {
+TEST_SUITE("rocks/rock") {
+    TEST_CASE("a cube has its closed-form mass properties, dimensions and sieve size") {
         const Polyhedron cube = make_cube(2);
         const MassProperties mass = mass_properties(cube);
         CHECK(mass.volume == about(8).epsilon(1e-14));
@@ -60,7 +60,8 @@ TEST_SUITE("build/rock") {
         CHECK(cube.faces == 6);
     }
 
-    TEST_CASE("a rock has the wanted ratio, sieve size one and a closed convex surface") {
+    TEST_CASE("a rock has the wanted flat-and-elongated ratio, sieve size one and a closed convex "
+              "surface") {
         for (double wanted : {1.2, 1.8, 2.8}) {
             const Polyhedron rock = make_rock({.flat_elongated = wanted, .faces = 14}, 5, 2);
             const std::vector<Ball> hull = vertex_balls(rock);
@@ -89,7 +90,7 @@ TEST_SUITE("build/rock") {
         CHECK_THROWS_AS(make_rock({.faces = 3}, 1, 0), InputError);
     }
 
-    TEST_CASE("angularity is none for a circle, and grows as faces become fewer") {
+    TEST_CASE("angularity is zero for a circle, and increases with fewer faces") {
         Outline circle;
         for (int k = 0; k < 2400; ++k)
             circle.push_back({std::cos(2 * pi * k / 2400), std::sin(2 * pi * k / 2400)});
@@ -114,8 +115,8 @@ TEST_SUITE("build/rock") {
     }
 }
 
-TEST_SUITE("build/read_mesh") {
-    TEST_CASE("a tetrahedron from OBJ has volume one sixth, inside out or not") {
+TEST_SUITE("rocks/read_mesh") {
+    TEST_CASE("a tetrahedron from an OBJ file has volume one sixth, even if it is inside out") {
         const auto path = written("tetrahedron.obj", tetrahedron + "f 2 3 4\n");
         CHECK(mass_properties(read_mesh(path)).volume == about(1.0 / 6).epsilon(1e-14));
         const auto turned = written("turned.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
@@ -123,7 +124,7 @@ TEST_SUITE("build/read_mesh") {
         CHECK(mass_properties(read_mesh(turned)).volume == about(1.0 / 6).epsilon(1e-14));
     }
 
-    TEST_CASE("binary and text STL give the surface that was written") {
+    TEST_CASE("binary and text STL files give the surface that was written") {
         const Polyhedron cube = make_cube(2);
         const Polyhedron back = read_mesh(written("cube.stl", binary_stl(cube)));
         CHECK(back.vertices.size() == 8);
@@ -142,13 +143,13 @@ TEST_SUITE("build/read_mesh") {
         CHECK(mass_properties(read).volume == about(8).epsilon(1e-12));
     }
 
-    TEST_CASE("an open surface is refused naming a triangle at the hole") {
+    TEST_CASE("an open surface is refused, and the message names a triangle at the hole") {
         const auto path = written("open.obj", tetrahedron);
         CHECK_THROWS_WITH_AS(read_mesh(path), doctest::Contains(": mesh: expected a closed"),
                              InputError);
     }
 
-    TEST_CASE("a third sheet along an edge and an index that is not there are refused") {
+    TEST_CASE("a third triangle at an edge and an index that does not exist are refused") {
         const auto path = written("sheet.obj", tetrahedron + "f 2 3 4\nv 1 1 1\nf 2 3 5\n");
         CHECK_THROWS_WITH_AS(read_mesh(path), doctest::Contains("sheet.obj:10"), InputError);
         const auto missing = written("missing.obj", "v 0 0 0\nf 1 2 3\n");

@@ -12,8 +12,8 @@ using namespace bris::testing;
 
 namespace {
 
-/// What check_scene says of two spheres over a floor that `change` has spoilt; empty if it accepts
-/// them.
+/// Message of check_scene for two spheres above a floor after `change`; empty if it accepts the
+/// scene.
 std::string said(LawName law, const std::function<void(World&)>& change) {
     World world = make_world(Grains::spheres);
     Material m = linear_material(1e5, 5e4, 0.5);
@@ -33,8 +33,8 @@ std::string said(LawName law, const std::function<void(World&)>& change) {
     return "";
 }
 
-/// What check_overlaps says of two spheres whose centres are `apart` radii from each other and
-/// `high` above a boundary.
+/// Message of check_overlaps for two spheres whose centres are `apart` radii from each other and
+/// `high` radii above a boundary; empty if it accepts the scene.
 std::string said_of_start(double apart, double high, bool facets) {
     World world = make_world(Grains::spheres);
     const auto grain = add_material(world, linear_material(1e5, 5e4, 0.5));
@@ -55,14 +55,14 @@ std::string said_of_start(double apart, double high, bool facets) {
 
 } // namespace
 
-TEST_SUITE("build/check_scene") {
-    TEST_CASE("a sound scene is accepted under every law") {
+TEST_SUITE("specimens/check_scene") {
+    TEST_CASE("a valid scene is accepted with every contact law") {
         for (const LawName law : {LawName::linear, LawName::linear_viscous, LawName::linear_rolling,
                                   LawName::hertz_mindlin, LawName::hertz_mindlin_rolling})
             CHECK(said(law, [](World&) {}) == "");
     }
 
-    TEST_CASE("an unphysical material is refused by name, with the range and the value") {
+    TEST_CASE("an unphysical material is refused with its name, the expected range and the value") {
         const auto with = [](double Material::*member, double value) {
             return said(LawName::linear,
                         [=](World& w) { w.resource<Materials>().list[0].*member = value; });
@@ -79,7 +79,7 @@ TEST_SUITE("build/check_scene") {
               std::string::npos);
     }
 
-    TEST_CASE("a law asks for what it reads and for no more") {
+    TEST_CASE("a contact law requires only the material properties that it uses") {
         const auto without_modulus = [](World& w) {
             w.resource<Materials>().list[0].young_modulus = 0;
         };
@@ -93,7 +93,7 @@ TEST_SUITE("build/check_scene") {
         CHECK(said(LawName::linear, without_stiffness) != "");
     }
 
-    TEST_CASE("properties given for a pair are looked at too") {
+    TEST_CASE("properties given for a pair of materials are checked too") {
         CHECK(said(LawName::linear, [](World& w) {
                   w.resource<Materials>().set_pair(0, 0, {.friction = -1});
               }) == "materials 'grain' and 'grain': friction: expected at least 0, found -1");
@@ -102,8 +102,7 @@ TEST_SUITE("build/check_scene") {
               }) == "materials 'grain' and 'grain': restitution: expected from 0 to 1, found 1.2");
     }
 
-    TEST_CASE("restitution 0 is refused where no dashpot can give it: when its force may not pull "
-              "and it is calibrated") {
+    TEST_CASE("restitution 0 is refused under calibrated tension, where no dashpot can give it") {
         const auto with = [](Tension tension, double restitution) {
             return said(LawName::linear_viscous, [=](World& w) {
                 w.resource<Materials>().policy.tension = tension;
@@ -117,7 +116,7 @@ TEST_SUITE("build/check_scene") {
                                               "calibrated tension: expected above 0 to 1, found 0");
     }
 
-    TEST_CASE("a free body without mass or inertia is refused; a boundary needs none") {
+    TEST_CASE("a free body without mass or inertia is refused, while a boundary needs neither") {
         CHECK(said(LawName::linear, [](World& w) { value_of<Mass>(w, 1) = 0; }) ==
               "body 1: mass: expected above 0 kg, found 0 kg");
         CHECK(said(LawName::linear, [](World& w) { value_of<SphereInertia>(w, 0) = 0; }) ==
@@ -125,8 +124,8 @@ TEST_SUITE("build/check_scene") {
         CHECK(said(LawName::linear, [](World& w) { value_of<Mass>(w, 2) = 0; }) == "");
     }
 
-    TEST_CASE("a start is refused where spheres stand deeper in each other than the limit, or in "
-              "one place") {
+    TEST_CASE("a start is refused if spheres overlap by more than the limit or have the same "
+              "centre") {
         CHECK(said_of_start(2.5, 2, false) == "");
         CHECK(said_of_start(1.76, 2, false) == ""); // 0.24 of the mean radius
         const std::string deep = said_of_start(1.7, 2, false);
@@ -136,14 +135,14 @@ TEST_SUITE("build/check_scene") {
         CHECK(said_of_start(0, 2, false).find("found 2 (0.02 m)") != std::string::npos);
     }
 
-    TEST_CASE("a start is refused where a sphere stands deep in a plane or a facet") {
+    TEST_CASE("a start is refused if a sphere overlaps a plane or a facet by more than the limit") {
         for (const bool facets : {false, true}) {
             CHECK(said_of_start(3, 0.76, facets) == "");
             CHECK(said_of_start(3, 0.7, facets).find("found 0.3") != std::string::npos);
         }
     }
 
-    TEST_CASE("looking at the start changes no bit of the run") {
+    TEST_CASE("checking the start for overlaps changes no bit of the run") {
         const auto state = [](bool looked) {
             World world = bed({.bodies = 40});
             add_lists(world, LawName::linear_viscous);

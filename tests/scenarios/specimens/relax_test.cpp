@@ -9,8 +9,8 @@ using namespace bris::testing;
 
 namespace {
 
-/// Spheres of 1 cm on a lattice with overlaps of `overlap` of the diameter, in a box with `room`
-/// for them.
+/// Spheres of 1 cm radius on a lattice with overlaps of `overlap` of the diameter, in a box of half
+/// side `room` (m).
 World squeezed(double overlap, double room) {
     World world = make_world(Grains::spheres);
     Material m = linear_material(1e5, 5e4, 0.5);
@@ -27,9 +27,9 @@ World squeezed(double overlap, double room) {
 
 } // namespace
 
-TEST_SUITE("procedure/relax") {
-    TEST_CASE("a squeezed lattice comes to rest with small overlaps, and never moves with more "
-              "than it has stored") {
+TEST_SUITE("specimens/relax") {
+    TEST_CASE("an overlapping lattice relaxes to small overlaps, and its kinetic energy never "
+              "exceeds the elastic energy of the start") {
         for (const LawName law : {LawName::linear, LawName::hertz_mindlin})
             for (const double overlap : {0.3, 0.9}) {
                 CAPTURE(overlap);
@@ -41,7 +41,7 @@ TEST_SUITE("procedure/relax") {
                 CHECK(r.speed <= r.speed_limit);
                 CHECK(r.stored_energy > 0);
                 CHECK(r.peak_energy <= r.stored_energy);
-                // the caller's scene: at rest in the new places, with its own weight and limits
+                // the scene is at rest in the new positions, with its own gravity and limits
                 CHECK(value_of<Velocity>(world, 13).norm() == 0);
                 CHECK(world.resource<Gravity>().value.z() == -9.81);
                 CHECK(world.resource<Limits>().overlap == 0.25);
@@ -55,7 +55,7 @@ TEST_SUITE("procedure/relax") {
             }
     }
 
-    TEST_CASE("where there is no room it says what is left") {
+    TEST_CASE("without enough room the relaxation reports the remaining overlap") {
         World world = squeezed(0.3, 0.021); // 27 spheres of 2 cm in a box of 4.2 cm
         const Relaxed r = relax(world, LawName::linear, {.longest = 5000});
         CHECK_FALSE(r.done);
@@ -64,7 +64,7 @@ TEST_SUITE("procedure/relax") {
         CHECK(r.left.find("still overlap") != std::string::npos);
     }
 
-    TEST_CASE("a start without overlaps is left where it is") {
+    TEST_CASE("a start without overlaps is not changed") {
         World world = squeezed(-0.2, 0.06);
         const Vec3 before = value_of<Position>(world, 5);
         const Relaxed r = relax(world, LawName::linear);

@@ -14,8 +14,8 @@ namespace {
 
 constexpr EntityId first_stray = 61; // after 60 grains and the box
 
-/// A bed that settles, and `strays` high above, which touch nothing for long; their ids are in the
-/// midst.
+/// A settling bed and `strays` spheres far above it, which touch nothing for a long time. Their ids
+/// are in the middle of the range.
 World bed_with_strays(unsigned strays) {
     World world = bed({.bodies = 60});
     for (unsigned k = 0; k < strays; ++k)
@@ -44,14 +44,14 @@ std::vector<Row> rows_of_strays(const World& world, unsigned strays) {
 
 } // namespace
 
-TEST_SUITE("build/retire") {
-    TEST_CASE("bodies that retire leave no trace in the others' motion: same bits as if they had "
-              "stayed") {
+TEST_SUITE("specimens/retire") {
+    TEST_CASE("retired bodies have no effect on the other bodies, which move with the same bits as "
+              "if they had stayed") {
         const BenchSettings settings{.law = LawName::linear_viscous};
         Simulation kept = begin(bed_with_strays(7), settings),
                    retired = begin(bed_with_strays(7), settings);
         kept.advance(3000);
-        retired.advance(1500); // springs are stretched by then
+        retired.advance(1500); // tangential springs are loaded by then
         const std::size_t before = retired.world().table<Bodies>().size();
         const auto names = retire_bodies(retired.world(), rows_of_strays(retired.world(), 7));
         retired.prepare();
@@ -65,7 +65,7 @@ TEST_SUITE("build/retire") {
     }
 
     TEST_CASE(
-        "a scene with retired bodies goes on from a snapshot in a scene that still had them") {
+        "a snapshot of a scene with retired bodies is restored in a scene that still had them") {
         const BenchSettings settings{.law = LawName::linear_viscous};
         Simulation first = begin(bed_with_strays(3), settings),
                    second = begin(bed_with_strays(3), settings);

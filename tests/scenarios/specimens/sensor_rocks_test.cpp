@@ -32,9 +32,9 @@ bool has(const std::string& text, const std::string& part) {
 
 } // namespace
 
-TEST_SUITE("build/sensor_rocks") {
-    TEST_CASE("ten sensor rocks stand at the interfaces of the lifts, clear of each other and of "
-              "the membrane") {
+TEST_SUITE("specimens/sensor_rocks") {
+    TEST_CASE("ten sensor rocks at the interfaces of the lifts touch neither each other nor the "
+              "membrane") {
         const auto poses = smart_rock_poses(room, 1, smart_rock_count(room));
         REQUIRE(poses.size() == 10);
         for (std::size_t a = 0; a < poses.size(); ++a) {
@@ -45,8 +45,8 @@ TEST_SUITE("build/sensor_rocks") {
         }
     }
 
-    TEST_CASE("a smaller mould gets the seven beside the membrane or the three in the centre, "
-              "clear of each other") {
+    TEST_CASE("a smaller mould contains the seven sensor rocks beside the membrane or the three in "
+              "the centre, without contact") {
         for (const double radius : {0.046, 0.058, 0.063, 0.075, 0.083, 0.086}) {
             const SensorRoom small{radius, 4 * radius, 0.03};
             const auto poses = smart_rock_poses(small, 1, smart_rock_count(small));
@@ -61,7 +61,7 @@ TEST_SUITE("build/sensor_rocks") {
         }
     }
 
-    TEST_CASE("given poses are read as they stand, relative to the mould") {
+    TEST_CASE("poses in a file are relative to the radius and height of the mould") {
         const TemporaryDirectory directory;
         std::ofstream(directory / "poses.csv")
             << names << "0,0.5,0.25,1,0,0,0\n-0.5,0,0.75,0.5,0.5,0.5,0.5\n";
@@ -72,7 +72,7 @@ TEST_SUITE("build/sensor_rocks") {
         CHECK(poses[1].orientation.angularDistance(Quat(0.5, 0.5, 0.5, 0.5)) < 1e-12);
     }
 
-    TEST_CASE("a pose that cannot be is refused with its line") {
+    TEST_CASE("an impossible pose is refused with its line") {
         CHECK(has(complaint(names + "0,0,0.5,1,0,0,0\n0,0.95,0.25,1,0,0,0\n"),
                   "poses.csv:3: expected a sensor rock inside the mould"));
         CHECK(has(complaint(names + "0,0,1.2,1,0,0,0\n"),

@@ -12,7 +12,7 @@ using namespace bris::testing;
 
 namespace {
 
-// a quad as two triangles; of a triangle, the second has no area
+// area of a quadrilateral as two triangles; for a triangle the second has no area
 double area(const FacetShape& f) {
     const auto& c = f.corners;
     return 0.5 *
@@ -30,8 +30,8 @@ struct Surface {
     Vec3 vector = Vec3::Zero();
 };
 
-// volume on the side of the normals (divergence theorem) and the sum of area times normal: zero if
-// closed
+// volume on the side of the normals (divergence theorem), and sum of area times normal, which is
+// zero for a closed surface
 Surface enclosed(const std::vector<FacetShape>& shapes) {
     Surface s;
     for (const FacetShape& f : shapes)
@@ -49,10 +49,11 @@ std::vector<FacetShape> joined(std::vector<FacetShape> a, const std::vector<Face
     return a;
 }
 
-/// Elastic spheres of 1 mm shot from a block of sites in a vessel, each its own way at 5 m/s.
+/// Elastic spheres of 1 mm diameter shot from a block of sites in a vessel at 5 m/s in random
+/// directions.
 struct Shots {
     std::vector<Vec3> end;
-    double travel = 0; // m, of most: few meet on the way
+    double travel = 0; ///< m, path of most spheres: few collide with each other
 };
 
 Shots shoot(const std::function<EntityId(World&, std::uint32_t)>& add_vessel,
@@ -87,8 +88,8 @@ Shots shoot(const std::function<EntityId(World&, std::uint32_t)>& add_vessel,
 
 } // namespace
 
-TEST_SUITE("build/vessels") {
-    TEST_CASE("a polygonal silo with its plate holds what the round one holds, and has no gap") {
+TEST_SUITE("specimens/vessels") {
+    TEST_CASE("a polygonal silo with its plate has the volume of the round one, and no gap") {
         for (const unsigned sectors : {8u, 64u, 128u}) {
             const auto closed = joined(joined(joined(shell({0.03, 0, 0.1, 0.07}, sectors),
                                                      shell({0.1, 0.07, 0.1, 0.37}, sectors)),
@@ -97,26 +98,26 @@ TEST_SUITE("build/vessels") {
             const Surface s = enclosed(closed);
             const double cone = pi * 0.07 / 3 * (0.03 * 0.03 + 0.03 * 0.1 + 0.1 * 0.1),
                          barrel = pi * 0.01 * 0.3;
-            // rounding alone: some 200 terms of 1e-4 m3
+            // round-off only: about 200 terms of 1e-4 m3
             CHECK(s.volume == about(cone + barrel).epsilon(1e-13));
             CHECK(s.vector.norm() < 1e-15);
         }
     }
 
-    TEST_CASE("areas of shells approach those of the round surface from above, as (pi/n)^2") {
-        // perimeter of an area-equal polygon over that of the circle: sqrt(n tan(pi/n) / pi) = 1 +
-        // (pi/n)^2/6 + O(n^-4)
+    TEST_CASE("areas of shells converge to those of the round surface from above, as (pi/n)^2") {
+        // perimeter of a polygon of equal area relative to that of the circle:
+        // sqrt(n tan(pi/n) / pi) = 1 + (pi/n)^2/6 + O(n^-4)
         for (const unsigned n : {16u, 64u}) {
             const double expected = 1 + std::pow(pi / n, 2) / 6, remainder = std::pow(pi / n, 4);
             CHECK(std::abs(area(shell({0.1, 0, 0.1, 0.3}, n)) / (2 * pi * 0.1 * 0.3) - expected) <
                   remainder);
-            // a flat ring and a disc are area-equal themselves
+            // the areas of a flat ring and of a disc are exact
             CHECK(area(shell({0.03, 0, 0.1, 0}, n)) == about(pi * (0.01 - 0.0009)).epsilon(1e-13));
             CHECK(area(disc(0.1, 0, n)) == about(pi * 0.01).epsilon(1e-13));
         }
     }
 
-    TEST_CASE("facets are convex and turn towards the grains") {
+    TEST_CASE("facets are convex and face the grains") {
         const Vec3 middle(0, 0, 0.2);
         const auto all =
             joined(joined(shell({0.03, 0, 0.1, 0.07}, 64), shell({0.1, 0.07, 0.1, 0.37}, 64)),
@@ -134,7 +135,8 @@ TEST_SUITE("build/vessels") {
         }
     }
 
-    TEST_CASE("2000 random shots stay in a closed silo, whatever seam or corner they meet") {
+    TEST_CASE("2000 spheres shot at random stay in a closed silo, whatever seam or corner they "
+              "hit") {
         const Silo silo{.lip = 0, .barrel = 0.07, .top = 0.2};
         const Shots shots = shoot(
             [&](World& w, std::uint32_t m) {
@@ -153,10 +155,10 @@ TEST_SUITE("build/vessels") {
             if (!(r < wall && x.z() > 0 && x.z() < 0.2)) ++outside;
         }
         CHECK(outside == 0);
-        CHECK(shots.travel > 0.25); // longer than the vessel: each has struck the wall
+        CHECK(shots.travel > 0.25); // longer than the vessel: each has hit the wall
     }
 
-    TEST_CASE("2000 random shots stay in a drum at rest and in one that turns") {
+    TEST_CASE("2000 spheres shot at random stay in a drum at rest and in a rotating one") {
         for (const double speed : {0.0, 20.0}) {
             const Shots shots =
                 shoot([](World& w, std::uint32_t m) { return add_drum(w, {}, m); },
