@@ -89,7 +89,7 @@ std::string difference(const Archive& a, const Archive& b) {
 
 } // namespace
 
-TEST_SUITE("invariance") {
+TEST_SUITE("invariance/fingerprint") {
     TEST_CASE("threads, task graph, order, sorting and skins do not change a bit") {
         struct Variant {
             std::string name;

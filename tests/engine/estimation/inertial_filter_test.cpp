@@ -89,7 +89,7 @@ double mean_error_of_tumbling(double noise_factor, std::uint64_t runs) {
 
 } // namespace
 
-TEST_SUITE("engine/signal/inertial_filter") {
+TEST_SUITE("engine/estimation/inertial_filter") {
     TEST_CASE("the rotation vector is the inverse of the exponential map up to half a turn") {
         Random random(1, 0);
         for (int k = 0; k < 1000; ++k) {

@@ -148,7 +148,7 @@ bool short_form_fails(const IllConditioned& c) {
 
 } // namespace
 
-TEST_SUITE("engine/signal/kalman") {
+TEST_SUITE("engine/estimation/kalman") {
     TEST_CASE("steady-state gains agree with the closed form and with the Riccati equation") {
         // Kalata (1984): index lambda, T = R = 1
         for (const double l : {0.1, 1.0}) {

@@ -9,7 +9,7 @@
 
 using namespace bris;
 
-TEST_SUITE("engine/linear_fit") {
+TEST_SUITE("engine/estimation/linear_fit") {
     TEST_CASE(
         "a line is fitted within its window only, with the standard error of a hand calculation") {
         // residuals +1 -1 -1 +1 about y = 3 + 2 x are orthogonal to 1 and x, so the fit is exact;

@@ -22,7 +22,7 @@ double mean_square(Random& random, int freedom) {
 
 } // namespace
 
-TEST_SUITE("signal/moderated variance") {
+TEST_SUITE("engine/estimation/moderated_variance") {
     TEST_CASE("variances with log-normal scatter are estimated better together than each by "
               "itself, with the error of the posterior mean") {
         // standard deviation of the logarithms of the true variances, and variance of the logarithm

@@ -79,7 +79,7 @@ Matrix random_members(Eigen::Index count) {
 
 } // namespace
 
-TEST_SUITE("fusion/parameter_estimate") {
+TEST_SUITE("engine/estimation/parameter_estimate") {
     TEST_CASE("with little divergence and noise the parameters are found from three measurements") {
         Game game{.divergence = 1e-3, .noise = 1e-4, .times = 3};
         Gaussian learned;

@@ -81,7 +81,7 @@ int write_with_limit(const fs::path& path, rlim_t bytes) {
 
 } // namespace
 
-TEST_SUITE("engine/checkpoint") {
+TEST_SUITE("engine/io/checkpoint") {
     TEST_CASE("a checkpoint is read back with the same bits in the same order") {
         const TemporaryDirectory directory;
         const auto path = directory / "deep/down/a.ckpt.h5";

@@ -40,7 +40,7 @@ struct Files {
 
 } // namespace
 
-TEST_SUITE("engine/column_map") {
+TEST_SUITE("engine/io/column_map") {
     TEST_CASE("a file with other names, units, signs, delimiter and decimal sign is read through "
               "its column map") {
         const Files files;

@@ -21,7 +21,7 @@ std::string complaint(const TemporaryDirectory& directory, std::string_view cont
 
 } // namespace
 
-TEST_SUITE("engine/csv") {
+TEST_SUITE("engine/io/csv") {
     TEST_CASE("columns are found by name, in a file with comments and missing values") {
         const TemporaryDirectory directory;
         write_whole(directory / "a.csv", "# source\nsize_mm, percent\r\n\n1e1,-\n+2.5,\n");

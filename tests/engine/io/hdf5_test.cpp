@@ -54,7 +54,7 @@ private:
 
 } // namespace
 
-TEST_SUITE("engine/hdf5") {
+TEST_SUITE("engine/io/hdf5") {
     TEST_CASE("numbers of every type are read back unchanged") {
         const TemporaryDirectory directory;
         const std::vector<double> a{0.1, -1e300};

@@ -12,7 +12,7 @@
 
 using namespace bris;
 
-TEST_SUITE("engine/line_source") {
+TEST_SUITE("engine/io/line_source") {
     TEST_CASE(
         "lines of a growing file are taken as they arrive, and half a line waits for its end") {
         const TemporaryDirectory folder;

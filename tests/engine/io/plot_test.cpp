@@ -29,7 +29,7 @@ int pixels(const std::string& png, std::size_t at) {
 
 } // namespace
 
-TEST_SUITE("systems/plot") {
+TEST_SUITE("engine/io/plot") {
     TEST_CASE("panels are drawn side by side or below each other in one picture") {
         if (gnuplot_missing()) {
             MESSAGE("skipped: gnuplot is not installed");

@@ -108,7 +108,7 @@ struct Reader {
 
 } // namespace
 
-TEST_SUITE("engine/run_file") {
+TEST_SUITE("engine/io/run_file") {
     TEST_CASE(
         "every frame is found at the offsets of its step, also when the set of rocks changes") {
         const TemporaryDirectory directory;

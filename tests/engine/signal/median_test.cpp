@@ -6,7 +6,7 @@
 
 using namespace bris;
 
-TEST_SUITE("signal/median") {
+TEST_SUITE("engine/signal/median") {
     TEST_CASE("up to half of the values can be wrong before the median is") {
         CHECK(median(std::vector<double>{3, 1e9, 2, 1, -1e9}) == 2);
         CHECK(median(std::vector<double>{2, 1}) == 2);

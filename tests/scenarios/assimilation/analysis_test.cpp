@@ -81,7 +81,7 @@ struct ForecastOfField {
 
 } // namespace
 
-TEST_SUITE("procedure/analysis") {
+TEST_SUITE("assimilation/analysis") {
     TEST_CASE("observations correct neighbouring rocks as far as the ensemble correlates them") {
         Ensemble members{draw_members(prior_of({}, {}), 10), {}};
         for (std::uint64_t j = 0; j < 10; ++j) members.runs.push_back(random_run(j + 1));

@@ -43,7 +43,7 @@ struct Line {
 
 } // namespace
 
-TEST_SUITE("procedure/layouts") {
+TEST_SUITE("assimilation/layouts") {
     TEST_CASE("the most informative rock of a line is the middle one, and the next ones are far "
               "from it") {
         const auto chosen = most_informative_rocks(

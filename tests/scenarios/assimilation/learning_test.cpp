@@ -52,7 +52,7 @@ ModelRun widening_run(const RockParameters& rocks, std::uint64_t seed) {
 
 } // namespace
 
-TEST_SUITE("procedure/learning") {
+TEST_SUITE("assimilation/learning") {
     TEST_CASE(
         "friction and stiffness are estimated from the axial force of a test, and the forecast "
         "is then right") {

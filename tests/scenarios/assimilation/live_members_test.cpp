@@ -85,7 +85,7 @@ std::size_t files_in(const std::filesystem::path& folder) {
 
 } // namespace
 
-TEST_SUITE("procedure/live_members") {
+TEST_SUITE("assimilation/live_members") {
     TEST_CASE("a model stopped before, while and after its second generation catches up resumes to "
               "the same bits, on one thread or two") {
         Live live;

@@ -106,7 +106,7 @@ double error(const ModelRun& run, const ModelRun& truth, std::size_t rock) {
 
 } // namespace
 
-TEST_SUITE("procedure/live_model") {
+TEST_SUITE("assimilation/live_model") {
     TEST_CASE(
         "the parameters are estimated stage by stage, and the observations of sensors correct "
         "their neighbours") {

@@ -107,7 +107,7 @@ bool of_sensor(const std::string& line, int id) {
 
 } // namespace
 
-TEST_SUITE("procedure/live_test") {
+TEST_SUITE("assimilation/live_test") {
     TEST_CASE(
         "a test followed to its end equals the test read from its files, and no record is used "
         "before its strain") {

@@ -106,7 +106,7 @@ Deepest deepest(Simulation& simulation) {
 
 } // namespace
 
-TEST_SUITE("procedure/model_specimen") {
+TEST_SUITE("assimilation/model_specimen") {
     TEST_CASE(
         "rocks of a model start displaced from their true positions, in the same mould and with "
         "the same masses, and overlap by at most a hundredth of a sphere's diameter") {

@@ -8,7 +8,7 @@
 using namespace bris;
 using testing::steady_run;
 
-TEST_SUITE("procedure/twin") {
+TEST_SUITE("assimilation/twin") {
     TEST_CASE("ideal sensors observe the displacements exactly, tracked ones with their noise") {
         const ModelRun truth = steady_run();
         const SensorObservations ideal = observe_sensors(truth, {.mode = "ideal"}, 1),

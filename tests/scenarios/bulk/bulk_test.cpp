@@ -96,7 +96,7 @@ double rate(const Discharge& d) {
 
 } // namespace
 
-TEST_SUITE("procedure/bulk") {
+TEST_SUITE("bulk/bulk") {
     TEST_CASE("a silo empties without losing a sphere, and faster without friction") {
         const Discharge rough = discharge(1), smooth = discharge(0);
         for (const Discharge& d : {rough, smooth}) {

@@ -42,7 +42,7 @@ Frictions frictions(const World& world) {
 
 } // namespace
 
-TEST_SUITE("procedure/specimen_state") {
+TEST_SUITE("triaxial/specimen_state") {
     TEST_CASE(
         "sensor rocks have the material of the rocks unless they are given shells of their own") {
         World plain = world_of(small()), shells = world_of(small(1250, 0.3));

@@ -60,7 +60,7 @@ void check_same_bits(const ModelRun& a, const ModelRun& b) {
 
 } // namespace
 
-TEST_SUITE("procedure/triaxial") {
+TEST_SUITE("triaxial/triaxial") {
     TEST_CASE("a triaxial test keeps its pressure, its stress balance and its energy balance, also "
               "with printed shells on its sensor rocks") {
         for (const SpecimenSettings& specimen :

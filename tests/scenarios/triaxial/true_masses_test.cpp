@@ -8,7 +8,7 @@
 using namespace bris;
 using namespace bris::testing;
 
-TEST_SUITE("procedure/true_masses") {
+TEST_SUITE("triaxial/true_masses") {
     TEST_CASE("masses that were scaled and restored are the true ones, and the work of scaling and "
               "restoring adds up to zero") {
         Simulation sim = begin(bed({.grains = Grains::clumps, .bodies = 30}),

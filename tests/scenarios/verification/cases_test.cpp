@@ -17,7 +17,7 @@ void check_all(const char* group) {
 
 } // namespace
 
-TEST_SUITE("verification") {
+TEST_SUITE("verification/cases") {
     TEST_CASE("elastic impacts follow Hertz in overlap, force and time, and keep momentum") {
         check_all("elastic_impact");
     }

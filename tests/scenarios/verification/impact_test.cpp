@@ -6,7 +6,7 @@
 
 using namespace bris;
 
-TEST_SUITE("systems/experiments/impact") {
+TEST_SUITE("verification/impact") {
     TEST_CASE("a step that a strong dashpot would turn round is refused, and the one that is named "
               "will do") {
         struct Case {

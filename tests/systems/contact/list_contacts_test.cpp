@@ -45,7 +45,7 @@ std::size_t check_all(const World& world) {
 
 } // namespace
 
-TEST_SUITE("systems/contact/list_contacts") {
+TEST_SUITE("contact/list_contacts") {
     TEST_CASE(
         "every body knows its touching pairs, in the order of sums, while grains fall and settle") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {

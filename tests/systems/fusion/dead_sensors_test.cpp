@@ -148,7 +148,7 @@ constexpr unsigned all_steps = steps_each * all_of_them + 1;
 
 } // namespace
 
-TEST_SUITE("systems/fusion/dead_sensors") {
+TEST_SUITE("fusion/dead_sensors") {
     TEST_CASE("if all samples after some time are rejected, clumps move as if the recordings had "
               "ended there, to the last bit") {
         const Recorded recorded = record();

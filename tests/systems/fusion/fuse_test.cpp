@@ -95,7 +95,7 @@ std::uint64_t counted(Simulation& sim, auto component) {
 
 } // namespace
 
-TEST_SUITE("systems/fusion/fuse") {
+TEST_SUITE("fusion/fuse") {
     TEST_CASE("contact transfers the correction of one ball to the other as momentum conservation "
               "requires") {
         for (const double offset : {0.0, 0.7}) {

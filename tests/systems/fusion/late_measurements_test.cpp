@@ -147,7 +147,7 @@ struct RandomWalk {
 
 } // namespace
 
-TEST_SUITE("systems/fusion/late_measurements") {
+TEST_SUITE("fusion/late_measurements") {
     TEST_CASE("late measurements within the lag give the same estimate and covariance as on time") {
         const End on_time = fused({}, 0, 0, false);
         REQUIRE(on_time.covariance(0, 0) > 1e-8);

@@ -106,7 +106,7 @@ double error_of_turn(int axis, double dt) {
 
 } // namespace
 
-TEST_SUITE("systems/fusion/nudging") {
+TEST_SUITE("fusion/nudging") {
     TEST_CASE("a nudged free ball approaches its target as a critically damped body does, without "
               "overshoot and with an error of second order in the step") {
         const double coarse = error_of_way(1e-4), fine = error_of_way(5e-5),

@@ -124,7 +124,7 @@ Eigen::VectorXd dense_solution(const std::vector<Grain>& balls,
 
 } // namespace
 
-TEST_SUITE("systems/fusion/spread") {
+TEST_SUITE("fusion/spread") {
     TEST_CASE("a correction decreases linearly along a chain and stores the energy of springs in "
               "series") {
         Chain chain(6, Vec3(1e-6, 0, 0)); // five springs

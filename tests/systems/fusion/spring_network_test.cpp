@@ -71,7 +71,7 @@ double difference(const std::vector<Vector6>& motion, const Eigen::VectorXd& oth
 
 } // namespace
 
-TEST_SUITE("systems/fusion/spring_network") {
+TEST_SUITE("fusion/spring_network") {
     TEST_CASE("bodies joined at random move as in the dense solution") {
         for (const std::uint32_t bodies : {1u, 2u, 10u, 60u}) {
             CAPTURE(bodies);

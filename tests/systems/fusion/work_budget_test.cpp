@@ -55,7 +55,7 @@ struct Squeezed {
 
 } // namespace
 
-TEST_SUITE("systems/fusion/work_budget") {
+TEST_SUITE("fusion/work_budget") {
     TEST_CASE("a correction that would store more than the allowed energy is reduced to it, and "
               "does that much work") {
         const double d = 2e-5, stored = kn * d * d, allowed = 0.2 * stored;

@@ -38,7 +38,7 @@ bool gnuplot_missing() { return std::system("command -v gnuplot >/dev/null 2>&1"
 
 } // namespace
 
-TEST_SUITE("systems/picture") {
+TEST_SUITE("output/picture") {
     TEST_CASE("a ball covers the area of its disc") {
         // a rim of partly covered pixels adds about half a pixel to the radius of 200: under 1 %
         const View view{

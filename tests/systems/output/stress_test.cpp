@@ -8,7 +8,7 @@
 using namespace bris;
 using namespace bris::testing;
 
-TEST_SUITE("systems/output/stress") {
+TEST_SUITE("output/stress") {
     TEST_CASE("the stress of a column of three spheres at rest follows from their weights") {
         constexpr double radius = 0.01, kn = 1e6, g = 9.81;
         World world = make_world(Grains::spheres);
