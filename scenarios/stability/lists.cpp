@@ -4,6 +4,7 @@
 #include "engine/random.hpp"
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
+#include "systems/output/quantities.hpp"
 
 #include <fmt/format.h>
 

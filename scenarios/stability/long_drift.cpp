@@ -2,6 +2,7 @@
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
 #include "scenarios/stability/cases.hpp"
+#include "systems/output/quantities.hpp"
 
 #include <fmt/format.h>
 
