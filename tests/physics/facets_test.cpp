@@ -34,15 +34,15 @@ struct Track {
     std::vector<Vec3> position, angular_velocity, force;
 };
 
-Track slide_over(const Floor& floor, const Vec3& begin, const Vec3& velocity,
+Track slide_over(const Floor& floor, const Vec3& start, const Vec3& velocity,
                  const Vec3& angular_velocity, double friction) {
     World world = make_world(Grains::spheres);
     Material m = linear_material(1e5, 5e4, friction);
     const auto material = add_material(world, m);
     floor(world, material);
-    const EntityId ball = add_sphere(world, begin, radius, material);
+    const EntityId ball = add_sphere(world, start, radius, material);
     const double overlap = value_of<Mass>(world, ball) * 9.81 / 1e5;
-    value_of<Position>(world, ball) = begin + Vec3(0, 0, radius - 1.5 * overlap);
+    value_of<Position>(world, ball) = start + Vec3(0, 0, radius - 1.5 * overlap);
     value_of<Velocity>(world, ball) = velocity;
     set_angular_velocity(world, ball, angular_velocity);
     world.add_resource<Gravity>();

@@ -22,7 +22,7 @@ Simulation tumbling(Grains grains, bool may_sleep, BenchSettings run = {},
                     unsigned bodies = count) {
     run.dt = 2e-5;
     run.law = LawName::linear_rolling; // otherwise a sphere on one contact spins for ever
-    World world = tumbling({.grains = grains, .bodies = bodies});
+    World world = bris::tumbling({.grains = grains, .bodies = bodies});
     auto& materials = world.resource<Materials>();
     for (Material& m : materials.list) m.rolling_friction = m.twisting_friction = 0.1;
     materials.mix();

@@ -1,8 +1,8 @@
 #include "engine/errors.hpp"
-#include "engine/estimation/chi_squared.hpp"
 #include "engine/estimation/parameter_estimate.hpp"
 #include "engine/random.hpp"
 #include "tests/about.hpp"
+#include "tests/engine/estimation/chi_squared_band.hpp"
 
 #include <doctest/doctest.h>
 
@@ -89,7 +89,8 @@ TEST_SUITE("engine/estimation/parameter_estimate") {
 
     TEST_CASE("the estimated covariance agrees with the errors, whether the divergence is "
               "correlated or not") {
-        const Band band = chi_squared_band(0.99, 2, 150); // of the mean over 150 games
+        const testing::Band band =
+            testing::chi_squared_band(0.99, 2, 150); // of the mean over 150 games
         for (const double lasting : {0.0, 0.6, 0.95}) {
             CAPTURE(lasting);
             Game game{.lasting = lasting};
