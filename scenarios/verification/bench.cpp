@@ -12,7 +12,7 @@ namespace bris {
 Simulation begin(World world, LawName law, double dt, bool energy_budget, unsigned threads) {
     world.resource<Clock>().dt = dt;
     Limits& limits = world.resource<Limits>();
-    limits.overlap = 2; // of the mean radius: whatever is touched
+    limits.overlap = 2; // mean radii, which no contact reaches
     limits.speed = std::numeric_limits<double>::max();
     add_lists(world, law);
     if (energy_budget) add_energy_budget(world);

@@ -9,25 +9,25 @@
 
 namespace bris {
 
-// What small experiments share: a scene is built, run step by step, and read.
+// Helpers of small experiments, which build a scene, run it step by step and read its state.
 
-/// A complete scene with lists and steps, on one thread. Overlaps are not limited: what is asked
-/// for is measured.
+/// Makes a simulation of a complete scene with neighbour lists and steps. Overlap and speed have
+/// no practical limit, so that any experiment can be run.
 Simulation begin(World world, LawName law, double dt, bool energy_budget = false,
                  unsigned threads = 1);
 
-/// All touching pairs of the last step, taken together.
+/// Summary of all touching pairs of the last step.
 struct Touch {
     std::size_t pairs = 0;
-    double overlap = 0;        ///< m, the largest
-    double normal_force = 0;   ///< N, sum
-    Vec3 force = Vec3::Zero(); ///< N, on the owners
+    double overlap = 0;        ///< m, largest of all pairs
+    double normal_force = 0;   ///< N, sum over all pairs
+    Vec3 force = Vec3::Zero(); ///< N, sum of the forces on the owners of the pairs
     SpringRow spring{};        ///< of the last pair
-    double friction_ratio = 0; ///< tangential over normal force, the largest
+    double friction_ratio = 0; ///< largest ratio of tangential to normal force
 };
 Touch touch_of(const World& world);
 
-/// Kinetic energy (J) of a body that has been free of forces since the last step.
+/// Kinetic energy (J) of a body on which no force has acted since the last step.
 double free_kinetic_energy(World& world, EntityId body);
 
 } // namespace bris
