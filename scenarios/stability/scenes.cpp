@@ -13,7 +13,7 @@
 namespace bris::stress {
 
 namespace {
-constexpr double tumble_pitch = 0.0187; // m, of the places at the start
+constexpr double tumble_pitch = 0.0187; // m, spacing of the initial positions
 } // namespace
 
 Simulation begin(World world, const Setup& s) {
@@ -21,7 +21,7 @@ Simulation begin(World world, const Setup& s) {
     add_lists(world, s.law, s.lists);
     if (s.energy_budget) add_energy_budget(world);
     ScheduleSettings schedule = s.schedule;
-    schedule.least_rows = 0; // small as the scene is, the threads are what is tried
+    schedule.least_rows = 0; // use threads although the scene is small
     Simulation simulation(std::move(world), steps(s.law, s.energy_budget), s.threads, schedule);
     simulation.on_restore(forget_lists);
     return simulation;

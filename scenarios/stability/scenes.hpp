@@ -24,11 +24,11 @@ struct Setup {
     bool energy_budget = false;
 };
 
-/// Adds the lists and the steps to a scene that is complete.
+/// Makes a simulation of a complete scene by adding its neighbour lists and steps.
 Simulation begin(World world, const Setup& setup);
 
-/// Calls side(corner, u, v) for the six sides of a box: the parallelogram from the corner along u
-/// and v, u x v inwards.
+/// Calls side(corner, u, v) for the six sides of a box. A side is the parallelogram from the corner
+/// along u and v, with u x v inwards.
 template <class Side>
 void for_sides_of_box(const Vec3& low, const Vec3& high, Side&& side) {
     const Vec3 d = high - low, x = d.x() * Vec3::UnitX(), y = d.y() * Vec3::UnitY(),
@@ -41,19 +41,19 @@ void for_sides_of_box(const Vec3& low, const Vec3& high, Side&& side) {
     side(high, -x, -z);
 }
 
-/// A box of facets, each side two triangles, grains inside.
+/// Adds a box of facets for grains inside. Each side has two triangles.
 EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material);
 
-/// Six overlapping balls of a rock, about 1 m across.
+/// A clump of six overlapping spheres, about 1 m across.
 Clump small_rock();
 
-/// Factors of the units of a scene.
+/// Factors by which the units of a scene are scaled.
 struct Units {
     double length = 1, mass = 1, time = 1;
 };
 
-/// Grains of radius about 1 cm on a lattice, thrown about, that fall into a corner of a box of
-/// planes; friction and dashpots. Its step for linear_viscous: 2e-5 s.
+/// Grains with a radius of about 1 cm, friction and dashpots, which start on a lattice with random
+/// velocities and fall into a corner of a box of planes. Time step for linear_viscous: 2e-5 s.
 struct Tumble {
     Grains grains = Grains::spheres;
     unsigned bodies = 60;
@@ -63,14 +63,14 @@ struct Tumble {
 };
 World tumbling(const Tumble& t);
 
-/// Upper corner of that box, m; its lower one is the origin.
+/// Upper corner of that box, m. The lower corner is the origin.
 Vec3 box_of(const Tumble& t);
 
-/// A bed like that at rest under its weight: an undamped law, local damping 0.7. At most `ratio` of
-/// its forces are unbalanced.
+/// The same grains at rest under their weight, with a law without dashpots and local damping 0.7.
+/// The unbalanced force ratio is at most `ratio`.
 Simulation bed_at_rest(const Tumble& t, double ratio, double ks_ratio = 0.3);
 
-/// Message of the InputError or SimulationError that `work` throws; empty if it throws none.
+/// Message of the InputError or SimulationError that `work` throws. Empty if it throws none.
 std::string refusal_of(const std::function<void()>& work);
 
 /// Mean bounding radius (m) of the free bodies.
