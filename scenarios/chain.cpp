@@ -1,5 +1,5 @@
-// A straight chain of beads: a standing wave of a pressed chain, or the solitary wave of one that
-// just touches.
+// Waves in a straight chain of beads: a standing wave in a compressed chain, or the solitary wave
+// in a chain of beads that just touch.
 #include "scenarios/verification/chain.hpp"
 
 #include "engine/errors.hpp"
@@ -32,29 +32,36 @@ struct Chain {
 
     void describe(auto& option) {
         option("kind", kind, "",
-               "pulse: the first bead is thrown at the others; wave: a standing wave between held "
-               "ends",
+               "Experiment. pulse: the first bead is thrown at a chain of beads that just touch. "
+               "wave: a compressed chain between two held beads oscillates in a standing wave.",
                {"pulse", "wave"});
-        option("law", law, "", "of contact", law_names);
-        option("beads", beads, "", "that move", within(1, 10000));
-        option("radius", radius, "m", "", above(0));
+        option("law", law, "", "Contact law.", law_names);
+        option("beads", beads, "", "Number of moving beads.", within(1, 10000));
+        option("radius", radius, "m", "Radius of a bead.", above(0));
         option("step", step, "",
-               "time step; pulse: over the time unit (m^2/(K^2 v0))^(1/5); wave: over sqrt(m/k)",
+               "Time step. In a pulse it is a fraction of (m^2/(K^2 v0))^(1/5) (linear laws: of "
+               "sqrt(m/k)), in a wave a fraction of sqrt(m/k).",
                Range{.low = 0, .high = 1, .low_accepted = false});
         material.describe(option, "", "of the beads");
-        option.group("pulse");
-        option("speed", pulse.speed, "m/s", "of the first bead", above(0));
-        option("front", pulse.front, "", "share of the chain at which the pulse is timed first",
+        option.group("Pulse");
+        option("speed", pulse.speed, "m/s", "Initial speed of the first bead.", above(0));
+        option("front", pulse.front, "",
+               "Position along the chain, as a fraction of its length, at which the pulse is timed "
+               "first.",
                Range{.low = 0, .high = 1, .low_accepted = false});
-        option("rear", pulse.rear, "", "and last",
+        option("rear", pulse.rear, "",
+               "Position along the chain, as a fraction of its length, at which the pulse is timed "
+               "last.",
                Range{.low = 0, .high = 1, .low_accepted = false, .high_accepted = false});
-        option.group("wave");
-        option("mode", wave.mode, "", "half waves in the chain", within(1, 10000));
-        option("overlap", wave.overlap, "", "of neighbours over a radius, before the wave",
+        option.group("Wave");
+        option("mode", wave.mode, "", "Number of half waves in the chain.", within(1, 10000));
+        option("overlap", wave.overlap, "",
+               "Overlap of neighbouring beads before the wave, as a fraction of the radius.",
                Range{.low = 0, .high = 0.5, .low_accepted = false});
-        option("amplitude", wave.amplitude, "", "over the overlap",
+        option("amplitude", wave.amplitude, "",
+               "Amplitude of the wave, as a fraction of the overlap.",
                Range{.low = 0, .high = 0.4, .low_accepted = false});
-        option("periods", wave.periods, "", "", above(0.1));
+        option("periods", wave.periods, "", "Simulated time, in periods of the wave.", above(0.1));
     }
 };
 
@@ -117,6 +124,7 @@ std::string explain(const Chain& settings, const Common&) {
 
 int main(int argc, char** argv) {
     return run_scenario<Chain>(
-        argc, argv, {"chain", "waves in a straight chain of beads", "a chain takes a moment"}, run,
-        explain);
+        argc, argv,
+        {"chain", "Waves in a straight chain of beads.", "a run of a chain takes only a moment"},
+        run, explain);
 }

@@ -1,6 +1,6 @@
-// A ball with a sensor flies into others: what its recording tells of them. The analytic check of
-// sensor fusion, after Liu, Huang, Qiu and Shen (2018), J. Comput. Civ. Eng. 32: two balls centre
-// to centre, off centre, and many.
+// A ball with a sensor collides with others, and a model assimilates its recording. This is the
+// analytic check of sensor fusion, after Liu, Huang, Qiu and Shen (2018), J. Comput. Civ. Eng. 32:
+// two balls in a head-on collision, two in an oblique collision, and many balls.
 #include "scenarios/verification/collide.hpp"
 
 #include "engine/errors.hpp"
@@ -31,43 +31,65 @@ struct Game {
     std::string law = "hertz_mindlin_viscous", filter = "corrected";
 
     void describe(auto& option) {
-        option.group("balls");
-        option("balls", collide.balls, "", "with the one that flies", within(2, 1000));
-        option("radius", collide.radius, "m", "of each", above(0));
+        option.group("Balls");
+        option("balls", collide.balls, "", "Number of balls, including the one with the sensor.",
+               within(2, 1000));
+        option("radius", collide.radius, "m", "Radius of a ball.", above(0));
         option("offset", collide.offset, "",
-               "radii, of the path from the middle of the ball that is hit", within(-1.9, 1.9));
-        option("speed", collide.speed, "m/s", "of the first ball", above(0));
-        option("gap", collide.gap, "m", "that it flies before it meets them", above(0));
-        option("after", collide.after, "s", "run after the first touch", above(0));
-        option("friction", friction, "", "of the balls", at_least(0));
-        option("restitution", restitution, "", "of the balls", within(0, 1));
-        option("law", law, "", "of contact", law_names);
-        material.describe(option, "", "of the balls");
-        option.group("model");
-        option("model_speed", collide.model_speed, "", "of the true speed", above(0));
-        option("model_offset", collide.model_offset, "", "radii, besides the offset",
+               "Distance of the first ball's path from the centre of the ball that it hits, in "
+               "radii.",
                within(-1.9, 1.9));
-        option("model_restitution", collide.model_restitution, "", "below 0: the true one",
-               within(-1, 1));
-        option.group("sensor");
-        option("filter", filter, "", "what turns measurements into corrections", filter_names);
-        option("sampling_rate", collide.sampling_rate, "Hz", "of the first ball's sensor",
+        option("speed", collide.speed, "m/s", "Initial speed of the first ball.", above(0));
+        option("gap", collide.gap, "m", "Distance that the first ball flies before the collision.",
                above(0));
-        option("position_noise", collide.position_noise, "m", "deviation; below 0: not measured",
+        option("after", collide.after, "s", "Simulated time after the first touch.", above(0));
+        option("friction", friction, "", "Coulomb friction coefficient between balls.",
+               at_least(0));
+        option("restitution", restitution, "", "Coefficient of restitution between balls.",
+               within(0, 1));
+        option("law", law, "", "Contact law.", law_names);
+        material.describe(option, "", "of the balls");
+        option.group("Model");
+        option("model_speed", collide.model_speed, "",
+               "Speed of the model's first ball, relative to the true speed.", above(0));
+        option("model_offset", collide.model_offset, "",
+               "Error of the model's path, in radii. It is added to the offset.",
+               within(-1.9, 1.9));
+        option("model_restitution", collide.model_restitution, "",
+               "Coefficient of restitution in the model. Below 0: the true one.", within(-1, 1));
+        option.group("Sensor");
+        option("filter", filter, "",
+               "Filter that turns measurements into corrections. printed: as printed in the "
+               "SmartRock report. corrected: the same filter without its errors, as an error-state "
+               "filter.",
+               filter_names);
+        option("sampling_rate", collide.sampling_rate, "Hz",
+               "Sampling rate of the first ball's sensor.", above(0));
+        option("position_noise", collide.position_noise, "m",
+               "Standard deviation of measured positions. Below 0: positions are not measured.",
                at_least(-1));
-        option("velocity_noise", collide.velocity_noise, "m/s", "likewise", at_least(-1));
+        option("velocity_noise", collide.velocity_noise, "m/s",
+               "Standard deviation of measured velocities. Below 0: velocities are not measured.",
+               at_least(-1));
         option("position_deviation", collide.filter.position, "m",
-               "of the model's first ball at the start", above(0));
-        option("velocity_deviation", collide.filter.velocity, "m/s", "likewise", above(0));
+               "Standard deviation of the position of the model's first ball at the start.",
+               above(0));
+        option("velocity_deviation", collide.filter.velocity, "m/s",
+               "Standard deviation of the velocity of the model's first ball at the start.",
+               above(0));
         option("acceleration_density", collide.filter.acceleration_density, "(m/s2)2/Hz",
-               "that the model may miss", at_least(0));
+               "Spectral density of the model error in acceleration (white noise).", at_least(0));
         option("gate", collide.filter.gate, "",
-               "probability with which a right measurement is let in; 1: all", within(0.5, 1));
+               "Probability with which the filter accepts a correct measurement. 1: it accepts all "
+               "measurements.",
+               within(0.5, 1));
         option("injection_steps", collide.injection_steps, "",
-               "in which a correction of position enters; 1: it jumps", at_least(1));
-        option.group("accuracy");
+               "Number of time steps over which a correction of the position is applied. 1: direct "
+               "insertion.",
+               at_least(1));
+        option.group("Accuracy");
         option("steps_per_contact", collide.steps_per_contact, "",
-               "time steps in the undamped contact time", above(1));
+               "Number of time steps in the undamped contact time.", above(1));
     }
     Game() {
         collide.filter.velocity = 0.2;
@@ -117,7 +139,8 @@ std::string explain(const Game& game, const Common&) {
 int main(int argc, char** argv) {
     return run_scenario<Game>(
         argc, argv,
-        {"collide", "a ball with a sensor flies into others: what its recording tells of them",
-         "a collision takes a moment"},
+        {"collide",
+         "A ball with a sensor collides with others, and a model assimilates its recording.",
+         "a run of a collision takes only a moment"},
         run, explain);
 }

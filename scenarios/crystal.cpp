@@ -1,5 +1,5 @@
-// A crystal of equal spheres: elastic moduli under pressure, or the largest stable step of its
-// lattice.
+// A crystal of equal spheres: its elastic moduli under pressure, or the largest stable time step of
+// its lattice.
 #include "scenarios/verification/crystal.hpp"
 
 #include "engine/errors.hpp"
@@ -31,19 +31,28 @@ struct Settings {
     double friction = 10, shear_ratio = 2.0 / 7;
 
     void describe(auto& option) {
-        option("what", what, "", "moduli, or the limit of stability (linear springs)",
+        option("what", what, "",
+               "Quantity to compute: the elastic moduli, or the stability limit of the time step "
+               "for linear springs.",
                {"moduli", "stability"});
-        option("lattice", lattice, "", "simple cubic, body- or face-centred", lattice_names);
-        option.group("moduli");
-        option("law", law, "", "of contact", law_names);
-        option("spacing", crystal.spacing, "m", "of the centres of neighbours", above(0));
-        option("pressure", crystal.pressure, "Pa", "", above(0));
-        option("strain", crystal.strain, "", "to either side, well below overlap over spacing",
+        option("lattice", lattice, "",
+               "Lattice: simple cubic (sc), body-centred cubic (bcc) or face-centred cubic (fcc).",
+               lattice_names);
+        option.group("Moduli");
+        option("law", law, "", "Contact law.", law_names);
+        option("spacing", crystal.spacing, "m",
+               "Distance between the centres of neighbouring spheres under pressure.", above(0));
+        option("pressure", crystal.pressure, "Pa", "Isotropic pressure.", above(0));
+        option("strain", crystal.strain, "",
+               "Strain applied in both directions to measure the moduli. It must be far below "
+               "overlap over spacing.",
                above(0));
-        option("friction", friction, "", "Coulomb coefficient", at_least(0));
+        option("friction", friction, "", "Coulomb friction coefficient between spheres.",
+               at_least(0));
         material.describe(option, "", "of the spheres");
-        option.group("stability");
-        option("shear_ratio", shear_ratio, "", "tangential over normal stiffness", within(0, 10));
+        option.group("Stability");
+        option("shear_ratio", shear_ratio, "", "Ratio of tangential to normal contact stiffness.",
+               within(0, 10));
     }
 };
 
@@ -78,7 +87,7 @@ Summary stability(const Settings& s) {
     };
     const double together = limit(in_phase(lattice)), against = limit(zone_boundary(lattice)),
                  alone = limit(held(lattice));
-    Summary t; // the limits are over sqrt(m / kn)
+    Summary t; // limits in units of sqrt(m / kn)
     t.add("limit_all_spin_alike", together);
     t.add("limit_zone_boundary", against);
     t.add("limit_neighbours_held", alone);
@@ -99,7 +108,9 @@ std::string explain(const Settings& settings, const Common&) {
 
 int main(int argc, char** argv) {
     return run_scenario<Settings>(argc, argv,
-                                  {"crystal", "moduli and stability of a crystal of equal spheres",
-                                   "a crystal takes a moment"},
+                                  {"crystal",
+                                   "Elastic moduli and stability limit of a crystal of equal "
+                                   "spheres.",
+                                   "a run of a crystal takes only a moment"},
                                   run, explain);
 }

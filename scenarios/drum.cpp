@@ -1,11 +1,11 @@
-// A drum mixes two kinds of spheres: case 2 of Dosta et al. (2024), Comput. Phys. Commun.
-// 296:109066. 30 000 spheres of M1 (radius 1 mm) lie on 8 000 of M2 (radius 2 mm) in a drum of
-// radius 0.1 m and depth 0.06 m about the y axis, which turns at 2 rad/s; its wall goes up where x
-// > 0. Hertz-Mindlin contacts, no rolling resistance, no global damping. The paper's initial state
-// (Zenodo 8252892) is not at hand: the layers are poured here from shaken lattices, one above the
-// other, in the drum at rest, hardened and brought to rest, so that the seam between them is this
-// bed's own. The wall is a polygon of the circle's area whose surface moves and whose shape stays;
-// the drum turns at full speed from time 0 on.
+// A rotating drum mixes two kinds of spheres: case 2 of Dosta et al. (2024), Comput. Phys. Commun.
+// 296:109066. 30 000 spheres of M1 (radius 1 mm) lie on 8 000 spheres of M2 (radius 2 mm) in a drum
+// of radius 0.1 m and depth 0.06 m about the y axis, which rotates at 2 rad/s; its wall moves up
+// where x > 0. Hertz-Mindlin contacts, no rolling resistance, no global damping. The paper's
+// initial state (Zenodo 8252892) is not available: here the layers are poured from shaken lattices,
+// one above the other, into the drum at rest, hardened and brought to rest, so the interface
+// between them differs from the paper's. The wall is a polygon of the circle's area; its surface
+// moves and its shape stays in place. The drum rotates at full speed from time 0 on.
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
@@ -37,21 +37,28 @@ struct DrumTest {
         .duration = 5, .sample_interval = 0.02, .bed = {.step = 1.2e-6, .longest_rest = 0.03}};
 
     void describe(auto& option) {
-        option.group("drum");
-        option("small_spheres", small_spheres, "", "of M1, on top", within(1, 5e6));
-        option("large_spheres", large_spheres, "", "of M2, below", within(1, 5e6));
-        option("small_radius", small_radius, "m", "of M1", within(1e-4, 0.01));
-        option("large_radius", large_radius, "m", "of M2", within(1e-4, 0.01));
-        option("radius", drum.radius, "m", "of the drum", above(0));
-        option("depth", drum.depth, "m", "of the drum", above(0));
-        option("speed", speed, "rad/s", "of the drum", within(-100, 100));
-        option("sectors", drum.sectors, "", "facets around", within(8, 720));
+        option.group("Drum");
+        option("small_spheres", small_spheres, "",
+               "Number of small spheres (material M1), which form the upper layer.",
+               within(1, 5e6));
+        option("large_spheres", large_spheres, "",
+               "Number of large spheres (material M2), which form the lower layer.",
+               within(1, 5e6));
+        option("small_radius", small_radius, "m", "Radius of the small spheres.",
+               within(1e-4, 0.01));
+        option("large_radius", large_radius, "m", "Radius of the large spheres.",
+               within(1e-4, 0.01));
+        option("radius", drum.radius, "m", "Radius of the drum.", above(0));
+        option("depth", drum.depth, "m", "Depth of the drum along its axis.", above(0));
+        option("speed", speed, "rad/s", "Angular velocity of the drum.", within(-100, 100));
+        option("sectors", drum.sectors, "", "Number of flat sectors of the drum's wall.",
+               within(8, 720));
         bulk.describe(option);
     }
 };
 
 constexpr EntityId drum_body = 0;
-constexpr double shake = 0.3; // m/s, of the lattices: no order is left of them
+constexpr double shake = 0.3; // m/s, random velocity that destroys the order of the lattices
 
 World make_world_of(const DrumTest& t, std::uint64_t seed) {
     World world = make_world(Grains::spheres);
@@ -70,7 +77,7 @@ World make_world_of(const DrumTest& t, std::uint64_t seed) {
                            count, inside)) {
             const EntityId id = add_sphere(world, site, radius, material);
             world.column<Bodies, Velocity>()[id] =
-                shake * Random(seed, 1000000000 + made++).direction(); // rows are ids yet
+                shake * Random(seed, 1000000000 + made++).direction(); // rows are still ids
             top = std::max(top, site.z() + pitch / 2);
         }
         return top;
@@ -80,13 +87,13 @@ World make_world_of(const DrumTest& t, std::uint64_t seed) {
     auto& limits = world.resource<Limits>();
     limits.low = Vec3(-1.1 * R, -1.1 * half, -1.1 * R);
     limits.high = -limits.low;
-    limits.overlap = 0.5; // soft grains, while they are poured
+    limits.overlap = 0.5; // grains are soft while they are poured
     world.add_resource<Gravity>();
     world.add_resource<BedState>();
     return world;
 }
 
-/// Spheres of a kind in the paper's zones, and their centre.
+/// Number of spheres of one material in the paper's zones 1 and 2, and their mean position (m).
 struct Zones {
     double first = 0, second = 0, x = 0, z = 0;
 };
@@ -98,7 +105,7 @@ Zones zones_of(const World& world, std::uint32_t material) {
     const auto kind = world.column<Bodies, MaterialOf>();
     const auto position = world.column<Bodies, Position>();
     for (const Row b :
-         rows_by_id(world.column<Bodies, BodyId>())) { // in id order: sums have the same bits
+         rows_by_id(world.column<Bodies, BodyId>())) { // the order of ids keeps sums bit-identical
         if (motion[b] != static_cast<std::uint32_t>(Motion::free) || kind[b] != material) continue;
         const Vec3& x = position[b];
         if (x.x() > 0 && x.z() > 0) ++n.first;
@@ -134,7 +141,7 @@ BulkCase make_case(const DrumTest& t, std::uint64_t seed) {
                     m1.z, m2.x, m2.z});
     };
     c.description = [](const Series& series) {
-        return fmt::format("{:.0f} of M1 in zone 2", series.column("zone2_m1").back());
+        return fmt::format("{:.0f} spheres of M1 in zone 2", series.column("zone2_m1").back());
     };
     c.colour = [](const World& world, Row row) {
         return world.column<Bodies, MaterialOf>()[row] == 0 ? Colour{230, 160, 40}
@@ -147,12 +154,12 @@ struct Turn {
     double time = 0, value = 0;
 };
 
-/// Where a curve turns round by more than `swing`: trough, peak, trough ... The first is a trough.
+/// Alternating extrema of a curve that differ by more than `swing`. The first one is a trough.
 std::vector<Turn> turning_points(const std::vector<double>& time, const std::vector<double>& value,
                                  double swing) {
     std::vector<Turn> turns;
     Turn extreme{time[0], value[0]};
-    bool falling = true; // what lies on the left has gone to the right first
+    bool falling = true; // spheres on the left first move to the right
     for (std::size_t k = 1; k < time.size(); ++k) {
         const double sign = falling ? 1 : -1;
         if (sign * (value[k] - extreme.value) < 0) {
@@ -171,9 +178,9 @@ void report(const DrumTest& t, BulkRun& run) {
     const auto &time = series.column("time"), &zone2 = series.column("zone2_m1");
     Summary summary;
     const auto turns = turning_points(time, zone2, 0.05 * t.small_spheres);
-    // What stands in zone 2 at first goes up with the wall a little and comes back as the first
-    // peak. LIGGGHTS from the paper's initial state (open re-run of the case, peclet-examples
-    // 5d9e7d2, MIT): heights of peaks, times of troughs of M1 in zone 2
+    // The spheres in zone 2 at the start rise with the wall a little and return as the first peak.
+    // References are heights of peaks and times of troughs of M1 in zone 2, by LIGGGHTS from the
+    // paper's initial state (open re-run of the case, peclet-examples 5d9e7d2, MIT).
     struct Mark {
         const char* name;
         bool trough;
@@ -226,6 +233,7 @@ std::string explain(const DrumTest& t, const Common& common) {
 
 int main(int argc, char** argv) {
     return run_scenario<DrumTest>(
-        argc, argv, {"drum", "a drum mixes two kinds of spheres (Dosta et al. 2024, case 2)"}, run,
+        argc, argv,
+        {"drum", "A rotating drum mixes two kinds of spheres (Dosta et al. 2024, case 2)."}, run,
         explain);
 }

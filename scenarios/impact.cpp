@@ -1,5 +1,5 @@
-// One impact of a sphere on a sphere or a surface: what comes out of it, beside Hertz's or the
-// linear closed form.
+// One impact of a sphere on a sphere or a surface, compared with the closed form of Hertz or of the
+// linear spring.
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
@@ -46,43 +46,70 @@ struct Shot {
         impact.steps_per_contact = 1000;
     }
     void describe(auto& option) {
-        option("target", target, "", "edge and vertex: where coplanar facets meet", target_names);
-        option("law", law, "", "of contact", law_names);
-        option("radius", impact.radius, "m", "of the sphere", above(0));
-        option("partner_radius", impact.partner_radius, "m", "of a partner sphere", above(0));
-        option("speed", impact.speed, "m/s", "relative", above(0));
-        option("angle", angle, "degrees", "between velocity and normal",
+        option("target", target, "",
+               "Target that the sphere hits. edge and vertex: the shared edge of two coplanar "
+               "facets and the shared vertex of four.",
+               target_names);
+        option("law", law, "", "Contact law.", law_names);
+        option("radius", impact.radius, "m", "Radius of the sphere.", above(0));
+        option("partner_radius", impact.partner_radius, "m", "Radius of a partner sphere.",
+               above(0));
+        option("speed", impact.speed, "m/s", "Relative speed before the impact.", above(0));
+        option("angle", angle, "degrees", "Angle between relative velocity and contact normal.",
                Range{.low = 0, .high = 90, .high_accepted = false});
-        option("partner_share", impact.partner_share, "", "of the speed that a partner sphere has",
-               within(0, 1));
+        option("partner_share", impact.partner_share, "",
+               "Share of the relative speed that a partner sphere has.", within(0, 1));
         option("angular_velocity_x", angular_velocity_x, "rad/s",
-               "of the sphere; it flies along x, z is normal");
-        option("angular_velocity_y", angular_velocity_y, "rad/s", "likewise");
-        option("angular_velocity_z", angular_velocity_z, "rad/s", "likewise");
+               "Initial angular velocity of the sphere about x, the tangential direction of its "
+               "flight.");
+        option("angular_velocity_y", angular_velocity_y, "rad/s",
+               "Initial angular velocity of the sphere about y, perpendicular to the plane of its "
+               "flight.");
+        option("angular_velocity_z", angular_velocity_z, "rad/s",
+               "Initial angular velocity of the sphere about z, the contact normal.");
         option("partner_angular_velocity_x", partner_angular_velocity_x, "rad/s",
-               "of a partner sphere");
-        option("partner_angular_velocity_y", partner_angular_velocity_y, "rad/s", "likewise");
-        option("partner_angular_velocity_z", partner_angular_velocity_z, "rad/s", "likewise");
-        option.group("contact");
-        option("friction", friction, "", "Coulomb coefficient of the pair", at_least(0));
-        option("restitution", restitution, "", "of the pair", within(0, 1));
-        option("rolling_friction", rolling_friction, "", "of the pair; rolling laws", at_least(0));
-        option("twisting_friction", twisting_friction, "", "of the pair; rolling laws",
+               "Initial angular velocity of a partner sphere about x.");
+        option("partner_angular_velocity_y", partner_angular_velocity_y, "rad/s",
+               "Initial angular velocity of a partner sphere about y.");
+        option("partner_angular_velocity_z", partner_angular_velocity_z, "rad/s",
+               "Initial angular velocity of a partner sphere about z.");
+        option.group("Contact");
+        option("friction", friction, "", "Coulomb friction coefficient of the pair.", at_least(0));
+        option("restitution", restitution, "", "Coefficient of restitution of the pair.",
+               within(0, 1));
+        option("rolling_friction", rolling_friction, "",
+               "Rolling friction coefficient of the pair. It acts in rolling laws only.",
                at_least(0));
-        option("tension", tension, "", "whether a dashpot may pull at the end", tension_names);
+        option("twisting_friction", twisting_friction, "",
+               "Twisting friction coefficient of the pair. It acts in rolling laws only.",
+               at_least(0));
+        option(
+            "tension", tension, "",
+            "Policy for tension at the end of a contact. allowed: the dashpot may pull, and "
+            "restitution is exact. cut: the normal force ends at zero, and restitution is higher "
+            "than asked for. calibrated: the same with a stronger dashpot, and restitution is "
+            "exact.",
+            tension_names);
         option("shear_history", history, "",
-               "how the tangential spring follows its stiffness; Hertz", shear_history_names);
+               "Policy by which the tangential spring of a Hertz law follows its changing "
+               "stiffness. rescaled: the force decreases with the stiffness and does not increase "
+               "with it. incremental: the force changes by stiffness times displacement only. "
+               "total: the force is stiffness times stretch.",
+               shear_history_names);
         option("shear_dashpot", impact.policy.shear_dashpot, "",
-               "restitution damps the tangential spring too");
-        option("local_damping", impact.local_damping, "", "fraction of force",
+               "The dashpot that follows from restitution damps the tangential spring too.");
+        option("local_damping", impact.local_damping, "",
+               "Coefficient of local damping, as a fraction of the unbalanced force.",
                Range{.low = 0, .high = 1, .high_accepted = false});
-        option.group("materials");
+        option.group("Materials");
         sphere.describe(option, "", "of the sphere");
         partner.describe(option, "partner_", "of the partner");
-        option.group("accuracy");
+        option.group("Accuracy");
         option("steps_per_contact", impact.steps_per_contact, "",
-               "time steps in the undamped contact time", above(1));
-        option("phase", impact.phase, "", "of a step, from the first touch to the first force",
+               "Number of time steps in the undamped contact time.", above(1));
+        option("phase", impact.phase, "",
+               "Time from the first touch to the first contact force, as a fraction of a time "
+               "step.",
                Range{.low = 0, .high = 1, .high_accepted = false});
     }
     Impact complete() const {
@@ -155,8 +182,8 @@ std::string explain(const Shot& settings, const Common&) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Shot>(
-        argc, argv,
-        {"impact", "one impact of a sphere on a sphere or a surface", "an impact takes a moment"},
-        run, explain);
+    return run_scenario<Shot>(argc, argv,
+                              {"impact", "One impact of a sphere on a sphere or a surface.",
+                               "a run of an impact takes only a moment"},
+                              run, explain);
 }

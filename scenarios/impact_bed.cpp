@@ -1,13 +1,14 @@
 // A steel ball strikes a bed of spheres: case 3 of Dosta et al. (2024), Comput. Phys. Commun.
-// 296:109066. Ball of 20 mm at 5 m/s, its centre 0.06 m high; bed of 25 000, 50 000 or 100 000
-// spheres of 2 mm in a box of 0.10 x 0.06 m, open at the top. Hertz-Mindlin contacts, no rolling
-// resistance, no global damping. The paper's initial states (Zenodo 8252892) are not at hand: the
-// bed is poured here from a shaken lattice, hardened and brought to rest. Its height is this bed's
-// own and is written beside that at which the ball of the reference curves meets theirs (about
-// 0.031 and 0.132 m above the floor for 25 000 and 100 000: loose beds, or heaped, 0.53 to 0.56 of
-// solids);
-// --fill-friction-factor makes a bed looser. In the shallow beds the ball is stopped by spheres
-// that it squeezes against the floor, by a third of their radius and more.
+// 296:109066. The ball has a diameter of 20 mm and a speed of 5 m/s, and starts with its centre at
+// a height of 0.06 m. The bed has 25 000, 50 000 or 100 000 spheres of diameter 2 mm in a box of
+// 0.10 x 0.06 m, open at the top. Hertz-Mindlin contacts, no rolling resistance, no global damping.
+// The paper's initial states (Zenodo 8252892) are not available: here the bed is poured from a
+// shaken lattice, hardened and brought to rest. Its height therefore differs from the paper's and
+// is written to the results. In the reference curves the ball meets the bed at about 0.031 and
+// 0.132 m above the floor for 25 000 and 100 000 spheres: those beds are loose or heaped, with a
+// solid fraction of 0.53 to 0.56. --fill-friction-factor makes a bed looser. In the shallow beds
+// the ball is stopped by spheres that it squeezes against the floor, by a third of their radius and
+// more.
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
@@ -38,21 +39,23 @@ struct ImpactTest {
         .duration = 0.1, .sample_interval = 5e-4, .bed = {.step = 1e-6, .longest_rest = 0.03}};
 
     void describe(auto& option) {
-        option.group("impact");
-        option("spheres", spheres, "", "of the bed: 25 000, 50 000 or 100 000 in the paper",
+        option.group("Impact");
+        option("spheres", spheres, "",
+               "Number of spheres in the bed (25 000, 50 000 or 100 000 in the paper).",
                within(10, 5e6));
-        option("diameter", diameter, "m", "of the spheres", within(1e-4, 0.02));
-        option("ball_diameter", ball_diameter, "m", "of the steel ball", within(1e-3, 0.05));
-        option("speed", speed, "m/s", "of the ball, downwards, at time 0", within(0, 100));
-        option("length", length, "m", "of the box, along x", above(0));
-        option("width", width, "m", "of the box, along y", above(0));
+        option("diameter", diameter, "m", "Diameter of the spheres.", within(1e-4, 0.02));
+        option("ball_diameter", ball_diameter, "m", "Diameter of the steel ball.",
+               within(1e-3, 0.05));
+        option("speed", speed, "m/s", "Downward speed of the ball at time 0.", within(0, 100));
+        option("length", length, "m", "Length of the box along x.", above(0));
+        option("width", width, "m", "Width of the box along y.", above(0));
         bulk.describe(option);
     }
 };
 
 constexpr double box_floor = -0.0902431,
                  drop = 0.06; // m: heights of the floor, as in the paper's mesh, and of the ball
-constexpr double shake = 0.3; // m/s, of the lattice: no order is left of it
+constexpr double shake = 0.3; // m/s, random velocity that destroys the order of the lattice
 constexpr EntityId box = 0, ball = 1;
 
 World make_world_of(const ImpactTest& t, std::uint64_t seed) {
@@ -63,7 +66,7 @@ World make_world_of(const ImpactTest& t, std::uint64_t seed) {
     for (int a = 0; a < 3; ++a) add_plane(world, box, low[a] * Vec3::Unit(a), Vec3::Unit(a));
     for (int a = 0; a < 2; ++a) add_plane(world, box, high[a] * Vec3::Unit(a), -Vec3::Unit(a));
     (void)add_sphere(world, Vec3(0, 0, high.z()), t.ball_diameter / 2, materials.steel,
-                     Motion::fixed); // out of the way until time 0
+                     Motion::fixed); // above the bed until time 0
     const double r = t.diameter / 2;
     std::uint64_t made = 0;
     const auto everywhere = [&](const Vec3& x) {
@@ -73,20 +76,20 @@ World make_world_of(const ImpactTest& t, std::uint64_t seed) {
          lattice_sites({low, high, 1.1 * t.diameter, 0.02, seed}, t.spheres, everywhere)) {
         const EntityId id = add_sphere(world, site, r, materials.m1);
         world.column<Bodies, Velocity>()[id] =
-            shake * Random(seed, 1000000000 + made++).direction(); // rows are ids yet
+            shake * Random(seed, 1000000000 + made++).direction(); // rows are still ids
     }
     auto& limits = world.resource<Limits>();
     limits.low = low - Vec3::Constant(0.01);
     limits.high = Vec3(0.3, 0.3, 1);
-    limits.low.head(2).setConstant(
-        -0.3);            // grains may splash out over the box's height: its walls have no rim
-    limits.overlap = 0.9; // grains squeezed between ball and floor
+    // grains may splash higher than the box, whose walls are planes without an upper rim
+    limits.low.head(2).setConstant(-0.3);
+    limits.overlap = 0.9; // grains are squeezed between ball and floor
     world.add_resource<Gravity>();
     world.add_resource<BedState>();
     return world;
 }
 
-/// Height of the highest grain within a ball's radius of the axis, m.
+/// Height (m) of the highest grain within the distance `reach` (m) of the vertical axis.
 double surface(const World& world, double reach) {
     double top = box_floor;
     const auto position = world.column<Bodies, Position>();
@@ -98,7 +101,7 @@ double surface(const World& world, double reach) {
     return top;
 }
 
-/// Height of the middle of all grains, twice: that of a level bed, m.
+/// Twice the mean height of all grains above the floor, which is the height of a level bed, m.
 double bed_height(const World& world) {
     double sum = 0, count = 0;
     const auto position = world.column<Bodies, Position>();
@@ -122,11 +125,11 @@ void let_go(World& world, const ImpactTest& t) {
     world.column<Bodies, MotionOf>()[row] = static_cast<std::uint32_t>(Motion::free);
     world.column<Bodies, Position>()[row] = Vec3(0, 0, drop);
     world.column<Bodies, Velocity>()[row] =
-        Vec3(0, 0, -t.speed) - 0.5 * dt * world.resource<Gravity>().value; // half a step back
+        Vec3(0, 0, -t.speed) - 0.5 * dt * world.resource<Gravity>().value; // leapfrog: at -dt/2
     invalidate_lists(world);
 }
 
-/// Height of the bed, found when the ball is let go.
+/// Height of the bed when the ball is released.
 struct BedHeight {
     static constexpr auto name = "bed_height";
     static constexpr bool is_state = true;
@@ -161,9 +164,9 @@ BulkCase make_case(const ImpactTest& t, std::uint64_t seed) {
     return c;
 }
 
-// Open re-runs from the paper's initial states (peclet-examples 897965c, MIT): least displacement
-// (m) by LIGGGHTS and MUSEN; of the curves, points by MUSEN. In the shallow beds the end is
-// chaotic.
+// Open re-runs from the paper's initial states (peclet-examples 897965c, MIT): lowest displacement
+// (m) by LIGGGHTS and by MUSEN, and points of MUSEN's curves. In the shallow beds the end of the
+// motion is chaotic.
 struct Reference {
     unsigned spheres;
     double liggghts, musen;
@@ -219,11 +222,11 @@ void report(const ImpactTest& t, BulkRun& run) {
                               .style = Curve::Style::points});
     }
     for (const Curve& curve : run.reference()) curves.push_back(curve);
-    run.report(summary, {{.title = "the ball in the bed",
+    run.report(summary, {{.title = "Displacement of the ball",
                           .x_label = "time (s)",
                           .y_label = "vertical displacement (m)",
                           .curves = curves},
-                         {.title = "its velocity",
+                         {.title = "Velocity of the ball",
                           .x_label = "time (s)",
                           .y_label = "vertical velocity (m/s)",
                           .curves = {{.x = time, .y = series.column("velocity")}}}});
@@ -243,6 +246,6 @@ std::string explain(const ImpactTest& t, const Common& common) {
 int main(int argc, char** argv) {
     return run_scenario<ImpactTest>(
         argc, argv,
-        {"impact_bed", "a steel ball strikes a bed of spheres (Dosta et al. 2024, case 3)"}, run,
+        {"impact_bed", "A steel ball strikes a bed of spheres (Dosta et al. 2024, case 3)."}, run,
         explain);
 }

@@ -1,6 +1,5 @@
-// SMART computing while the test goes on: records of a test machine and of SmartRocks come in as a
-// stream, and at every stage the model says what friction and stiffness are and where all rocks
-// have gone.
+// SMART computing during a test: records of a test machine and of SmartRocks arrive as a stream,
+// and at every stage the model estimates friction, stiffness and the displacements of all rocks.
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
@@ -47,42 +46,47 @@ struct Live {
         triaxial.test.final_axial_strain = 0.025;
     }
     void describe(auto& option) {
-        option.group("stream");
+        option.group("Stream");
         option("stream", stream, "",
-               "records as they come, JSON objects or CSV, a line each: -, a file that grows, a "
-               "pipe, or a folder with recordings.csv and test.csv to be replayed");
+               "Source of the records, one JSON object or CSV line each: - (standard input), a "
+               "growing file, a pipe, or a folder with recordings.csv and test.csv to replay.");
         option("recordings", recordings, "",
-               "a folder with rock_NN.txt and sensor_poses.csv: what is known of the sensor rocks "
-               "beforehand");
+               "Folder with rock_NN.txt and sensor_poses.csv, which describe the sensor rocks "
+               "before the test.");
         option("timeout", live.timeout, "s",
-               "without a record of the test machine, after which the stream has ended and the "
-               "model goes on alone",
+               "Time without a record of the test machine after which the stream counts as ended "
+               "and the model continues alone.",
                above(0));
         option("lateness", live.lateness, "",
-               "axial strain, by which the model waits for records that come late", at_least(0));
+               "Axial strain for which the model waits for late records.", at_least(0));
         option("speed", live.speed, "",
-               "of a replay by the records' times; 1: as it was, 0: as fast as can be",
+               "Speed of a replay relative to the times of the records. 1: real time. 0: as fast "
+               "as possible.",
                at_least(0));
         option("stage_time", stage_time, "s",
-               "that the test took for 0.01 % of strain, in a folder to be replayed whose test.csv "
-               "has no t",
+               "Time that the test took for 0.01 % of axial strain. It applies to a replayed "
+               "folder whose test.csv has no column t.",
                above(0));
         option("rest", live.quality_control.rest, "s",
-               "at the beginning, in which the rocks lie still", above(0));
+               "Time at the beginning during which the rocks are at rest.", above(0));
         option("interval", live.quality_control.interval, "",
-               "axial strain between samples that are used", above(0));
-        option("use_displacement", live.quality_control.displacement, "", "ux uy uz, where sent");
+               "Axial strain between the samples that are used.", above(0));
+        option("use_displacement", live.quality_control.displacement, "",
+               "Use the displacements ux, uy, uz where records contain them.");
         option("use_attitude", live.quality_control.attitude, "",
-               "qw qx qy qz, where sent, else tilt by gravity");
-        option.group("model");
-        option("model_friction", model.friction, "", "of rocks, before anything is measured",
-               above(0));
+               "Use the attitudes qw, qx, qy, qz where records contain them. Otherwise only the "
+               "tilt relative to gravity is used.");
+        option.group("Model");
+        option("model_friction", model.friction, "",
+               "Friction coefficient between rocks in the prior (the median).", above(0));
         option("model_stiffness", model.stiffness, "",
-               "of contacts, of --clump-stiffness, likewise", above(0));
-        option("compare", compare, "", "with the model alone, which is run after the test");
+               "Contact stiffness in the prior (the median), relative to --clump-stiffness.",
+               above(0));
+        option("compare", compare, "",
+               "Compare the analysis with the model alone, which is run after the test.");
         option("catch_up", catch_up, "",
-               "stages that the second generation goes on for each one of the test, until it is "
-               "where the test is",
+               "Number of stages that the second generation of ensemble members advances for each "
+               "stage of the test until it has caught up.",
                within(2, 10000));
         learning.describe(option);
         triaxial.describe(option);
@@ -91,11 +95,11 @@ struct Live {
 
 constexpr auto log_name = "stream.ndjson";
 
-/// Where the lines come from, and the log in the folder of the results.
+/// Prepares the log in the folder of the results and returns the path from which lines are read.
 std::filesystem::path prepare_stream(const Live& s, const Common& common) {
     const auto log = common.out / log_name;
     const bool goes_on = !common.resume.empty() && std::filesystem::is_directory(common.resume);
-    if (!goes_on && std::filesystem::exists(log)) { // it may be all that is left of a test
+    if (!goes_on && std::filesystem::exists(log)) { // it may be the only copy of a test
         auto kept = log.string() + ".before";
         for (int k = 2; std::filesystem::exists(kept); ++k)
             kept = fmt::format("{}.before.{}", log.string(), k);
@@ -122,8 +126,8 @@ public:
         infos_ = infos_of_test(s_.recordings, test_settings_.confining_pressure,
                                read_sensor_infos(s_.recordings));
         require(infos_.size() == scene_.poses.size(),
-                fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as "
-                            "the model has, {}, found {}",
+                fmt::format("--recordings: expected one file rock_NN.txt for each of the model's "
+                            "{} sensor rocks, found {}",
                             scene_.poses.size(), infos_.size()));
         if (s_.stream != "-" && !std::filesystem::exists(s_.stream))
             throw OutputError(fmt::format("cannot read '{}'", s_.stream.string()));
@@ -153,7 +157,7 @@ private:
     BodyFrame first_frame_;
     std::optional<FrameWriter> frames_;
     std::vector<std::vector<double>> rows_;
-    std::vector<double> latencies_; // s, of the answers
+    std::vector<double> latencies_; // s, from the machine's record to the analysis
     std::size_t records_ = 0;
 };
 
@@ -161,15 +165,15 @@ const std::vector<RunFile::Column> columns{
     {"axial_strain"},       {"q", "Pa"},         {"volumetric_strain"},        {"friction"},
     {"friction_deviation"}, {"stiffness_ratio"}, {"stiffness_ratio_deviation"}};
 
-/// A row of the run file for each stage; every 0.1 % of strain: a line, and the table of all stages
-/// so far.
+/// Adds a row to the run file for each stage. Every 0.1 % of strain it prints a line and writes the
+/// table of all stages so far.
 void LiveRun::record_stage(double latest) {
     const TriaxialPoint& now = model_->state().points.back();
     rows_.push_back({now.axial_strain, now.deviatoric_stress, now.volumetric_strain});
     for (const NamedValue& v : describe(model_->estimate()))
         rows_.back().push_back(std::get<double>(v.value));
     frames_->file().add_row("stages", rows_.back());
-    rows_.back().push_back(latest); // not of the test: no two runs have the same
+    rows_.back().push_back(latest); // kept out of the run file, since it differs from run to run
     const auto every =
         static_cast<std::size_t>(std::llround(std::max(1.0, 1e-3 / test_settings_.stage_strain)));
     if ((rows_.size() - 1) % every != 0 && !model_->done()) return;
@@ -183,11 +187,12 @@ void LiveRun::record_stage(double latest) {
         "{:6.2f} %  q {:6.1f} kPa  friction {:.3f} +- {:.3f}  stiffness {:.2f} +- {:.2f}{}\n",
         100 * now.axial_strain, 1e-3 * now.deviatoric_stress, rows_.back()[3], rows_.back()[4],
         rows_.back()[5], rows_.back()[6],
-        std::isnan(latest) ? "  (nothing heard)" : fmt::format("  {:.3f} s behind", latest));
+        std::isnan(latest) ? "  (no new record)" : fmt::format("  latency {:.3f} s", latest));
     std::fflush(stdout);
 }
 
-/// All rocks where the model says they are; on disk then, with all rows so far.
+/// Writes the positions of all rocks in the analysis, and flushes them to disk with all rows so
+/// far.
 void LiveRun::write_frame() {
     const ModelRun& run = model_->state();
     if ((run.points.size() - 1) % s_.triaxial.frame_stages != 0 && !model_->done()) return;
@@ -220,25 +225,25 @@ void LiveRun::follow() {
         const auto ages = test_->ages();
         records_ += ages.size();
         if (!ages.empty())
-            latencies_.push_back(ages.back()); // the machine's record that the answer waited for
+            latencies_.push_back(ages.back()); // of the machine's record that was waited for
         record_stage(ages.empty() ? std::nan("") : ages.back());
         write_frame();
-        model_->advance_members(); // the stage that the test is in now, while nobody waits
+        model_->advance_members(); // compute the test's present stage before its record arrives
     }
 }
 
-/// All that needs no record: the specimen, and the first worlds.
+/// Prepares what needs no record: the specimen and the first ensemble members.
 void LiveRun::prepare() {
     specimen_ = make_specimen(scene_, test_settings_, common_, progress_slot(progress_)).state;
     progress_.pause();
     Simulation at_start = make_simulation(scene_, 1, common_.serial);
     at_start.restore(specimen_);
     first_frame_ = frame_of_bodies(at_start.world());
-    first_frame_.corners.clear(); // the membrane of the test is not known rock by rock
+    first_frame_.corners.clear(); // the analysis has no shape of the membrane
     frames_.emplace(common_.out / "live_triaxial.vtkhdf",
-                    common_.settings); // a run that goes on takes its log first, and writes it anew
+                    common_.settings); // a resumed run reads its log first and rewrites this file
     frames_->file().add_track("stages", columns);
-    frames_->file().flush(); // can be read from now on
+    frames_->file().flush(); // the file is readable from now on
     model_.emplace(LiveModelSettings{s_.model, s_.learning, test_settings_.stage_strain,
                                      test_settings_.final_axial_strain, s_.catch_up},
                    [this](const std::vector<ModelVariant>& variants) {
@@ -256,8 +261,8 @@ void LiveRun::run() {
     test_.emplace(source_, common_.out / log_name, infos_, live);
     progress_.pause();
     if (!common_.quiet)
-        fmt::print("ready; {}\n",
-                   s_.stream == "-" ? "listening" : "following " + s_.stream.string());
+        fmt::print("ready, {}\n", s_.stream == "-" ? "reading records from standard input"
+                                                   : "reading records from " + s_.stream.string());
     try {
         follow();
     } catch (const Interrupted&) {
@@ -271,7 +276,7 @@ void LiveRun::run() {
                 .front();
     progress_.pause();
     if (!free_ || free_->stopped.empty()) return;
-    fmt::print("not compared: {}\n", free_->stopped);
+    fmt::print("no comparison with the model alone: {}\n", free_->stopped);
     free_.reset();
 }
 
@@ -292,11 +297,12 @@ void LiveRun::draw(const RecordedTest& measured) const {
     };
     panel("Deviatoric stress", "q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress);
     panel("Volumetric strain", "volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain);
-    Plot friction{.title = "What the test tells of its rocks",
+    Plot friction{.title = "Estimated friction coefficient",
                   .x_label = "axial strain (%)",
                   .y_label = "friction"};
     for (const auto& [label, sign] :
-         {std::pair{"friction", 0.0}, std::pair{"one deviation", 1.0}, std::pair{"", -1.0}}) {
+         {std::pair{"estimate", 0.0}, std::pair{"one standard deviation", 1.0},
+          std::pair{"", -1.0}}) {
         Curve curve{.label = label, .style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
         for (const auto& row : rows_) {
             curve.x.push_back(100 * row[0]);
@@ -310,7 +316,7 @@ void LiveRun::draw(const RecordedTest& measured) const {
 
 void LiveRun::report() {
     const RecordedTest measured = test_->so_far();
-    constexpr double drift = 1e-3, turn = 0.1; // m and rad, that rocks of the model may be off by
+    constexpr double drift = 1e-3, turn = 0.1; // m and rad, model errors at the end of the test
     const std::string found = fmt::format(
         "{}\n{}", test_->report(),
         observability(measured.recordings, test_settings_.final_axial_strain / 1e-4 * s_.stage_time,
@@ -350,8 +356,9 @@ void LiveRun::report() {
     fmt::print("{}results in {}\n", found, common_.out.string());
 }
 
-/// Both generations stand side by side until the second one has caught up; each world's motions are
-/// kept twice, by the run and by who learns from it, and those of the answers are two runs more.
+/// Refuses more ensemble members than fit in memory. Both generations are in memory until the
+/// second one has caught up. The motions of each member are kept twice, by the run and by the
+/// estimation, and forecast and analysis need as much as two more runs.
 void require_memory_for_members(const Live& s, std::uint64_t limit) {
     const unsigned members = 2 * s.learning.members;
     const double stages = 1 + s.triaxial.test.final_axial_strain / s.triaxial.test.stage_strain;
@@ -361,7 +368,7 @@ void require_memory_for_members(const Live& s, std::uint64_t limit) {
                        2 * s.learning.members * (stages + side_by_side) + 2 * stages);
 }
 
-/// With the poses of the sensor rocks that the recordings came with, unless others are given.
+/// Settings with the sensor poses from the folder of the recordings, unless others are given.
 Live with_poses(Live s) {
     const auto poses = s.recordings / "sensor_poses.csv";
     if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(poses))
@@ -376,12 +383,12 @@ std::string explain(const Live& given, const Common& common) {
 void run(const Live& given, const Common& common) {
     const Live s = with_poses(given);
     require(s.triaxial.confining_pressure.size() == 1,
-            "--confining-pressure: expected one, found several");
+            "--confining-pressure: expected one pressure, found several");
     const std::string folder = folder_of(s.triaxial.confining_pressure.front());
     const bool is_replay =
         std::filesystem::is_directory(s.stream) && s.stream.filename().string().ends_with("kPa");
     require(!is_replay || s.stream.filename() == folder,
-            fmt::format("--stream: expected a test at {}, as --confining-pressure says, found '{}'",
+            fmt::format("--stream: expected a test at {} (--confining-pressure), found '{}'",
                         folder, s.stream.string()));
     check_test(s.triaxial);
     require_memory_for_members(s, common.memory_limit);
@@ -398,7 +405,8 @@ void run(const Live& given, const Common& common) {
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::Live>(argc, argv,
                                           {"live_triaxial",
-                                           "a triaxial test and its SmartRocks followed as their "
-                                           "records come in, and what they tell of all rocks"},
+                                           "Follows a running triaxial test with SmartRocks and "
+                                           "estimates the motion of all rocks while records "
+                                           "arrive."},
                                           bris::run, bris::explain);
 }

@@ -1,5 +1,5 @@
-// Spheres settle in a box under gravity: the bed on which speed is measured, and the shortest
-// complete scenario, from its options to its pictures.
+// Spheres settle in a box under gravity. This is the bed on which speed is measured, and the
+// shortest complete scenario, from options to pictures.
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
@@ -30,32 +30,37 @@ struct Settle {
     bool relax = false;
 
     void describe(auto& option) {
-        option("spheres", bed.spheres, "", "how many", within(1, 50e6));
-        option("radius", bed.radius, "m", "mean of all", above(0));
-        option("size_spread", bed.size_spread, "", "radii lie within radius * (1 -+ this), evenly",
+        option("spheres", bed.spheres, "", "Number of spheres.", within(1, 50e6));
+        option("radius", bed.radius, "m", "Mean radius of the spheres.", above(0));
+        option("size_spread", bed.size_spread, "",
+               "Half width of the uniform distribution of radii, relative to the mean radius.",
                Range{.low = 0, .high = 1, .high_accepted = false});
         option("normal_stiffness", bed.normal_stiffness, "N/m",
-               "of a contact; the tangential one is 2/7 of it", above(0));
-        option("friction", bed.friction, "", "Coulomb coefficient", at_least(0));
+               "Normal stiffness of a contact. The tangential stiffness is 2/7 of it.", above(0));
+        option("friction", bed.friction, "",
+               "Coulomb friction coefficient between spheres and between sphere and wall.",
+               at_least(0));
         option("damping_rate", bed.damping_rate, "1/s",
-               "of the normal dashpot; half of it, tangential", at_least(0));
-        option("density", bed.density, "kg/m3", "of the spheres", above(0));
-        option("step", bed.step, "s", "time step", above(0));
-        option("duration", duration, "s", "simulated", above(0));
+               "Damping rate of the normal dashpot. The tangential one is half of it.",
+               at_least(0));
+        option("density", bed.density, "kg/m3", "Density of the spheres.", above(0));
+        option("step", bed.step, "s", "Time step.", above(0));
+        option("duration", duration, "s", "Simulated time.", above(0));
         option("sleep", sleep, "",
-               "share of its weight up to which forces on a sphere may be out of balance when it "
-               "falls asleep, twice that when it wakes; 0: none sleeps",
+               "Unbalanced force, relative to the weight, below which a sphere falls asleep. It "
+               "wakes at twice this value. 0: no sphere sleeps.",
                at_least(0));
         option("start_overlap", bed.start_overlap, "",
-               "of the mean diameter, by which neighbours overlap at the start", within(0, 1));
-        option("relax", relax, "", "let a start with deep overlaps come to rest first");
+               "Overlap of neighbours at the start, relative to the mean diameter.", within(0, 1));
+        option("relax", relax, "",
+               "Relax deep overlaps of the start before the simulation begins.");
     }
 };
 
 constexpr std::uint64_t samples = 200, samples_per_frame = 4;
 constexpr LawName law = LawName::linear_viscous;
 
-/// The bed with its lists and steps; `relaxed`: the option --relax is honoured.
+/// The bed with its neighbour lists and steps. If `relaxed`, the option --relax applies.
 Simulation make_simulation(const Settle& settings, const Common& common, bool relaxed) {
     require_memory("spheres", settings.bed.spheres, bytes_of_spheres(settings.bed.spheres),
                    common.memory_limit);
@@ -105,12 +110,12 @@ void take_sample(const World& world, double step, Quantities& last, Series& moti
 void draw(const World& world, const Series& motion, const Common& common) {
     const auto& time = motion.column("time");
     draw_plots(common.out / "settle_history.png",
-               {{.title = "motion dies away",
+               {{.title = "Decay of the motion",
                  .x_label = "time (s)",
                  .y_label = "kinetic energy (J)",
                  .curves = {{.x = time, .y = motion.column("kinetic_energy")}},
                  .y_logarithmic = true},
-                {.title = "the floor takes over the weight",
+                {.title = "Weight carried by the floor",
                  .x_label = "time (s)",
                  .y_label = "floor force / weight",
                  .curves = {{.x = time, .y = motion.column("floor_force_over_weight")}}}});
@@ -118,7 +123,7 @@ void draw(const World& world, const Series& motion, const Common& common) {
     View view = view_of_bodies(world, frame, [&](std::size_t body) {
         return scale_colour(std::min(1.0, static_cast<double>(frame.coordination[body]) / 8));
     });
-    view.caption = fmt::format("{} spheres after {:.3g} s, blue to yellow: 0 to 8 contacts",
+    view.caption = fmt::format("{} spheres after {:.3g} s. Blue to yellow: 0 to 8 contacts.",
                                frame.ids.size(), frame.time);
     draw_picture(common.out / "settle.png", {&view, 1});
     motion.write_csv(common.out / "settle.csv");

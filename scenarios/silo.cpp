@@ -1,10 +1,10 @@
-// A silo empties through its orifice: case 1 of Dosta et al. (2024), Comput. Phys. Commun.
-// 296:109066. 100 000 spheres of 4 mm in a barrel of radius 0.1 m on a cone of 45 degrees;
-// Hertz-Mindlin contacts, no rolling resistance, no global damping. The paper's initial states
-// (Zenodo 8252892) are not at hand: the bed is poured here from a shaken lattice onto a plate that
-// closes the orifice, hardened and brought to rest (see bulk_bed.hpp), so its density and its
-// surface are this bed's own; the plate goes away at once at time 0. Wall facets are a polygon of
-// the circle's area.
+// A silo discharges through its orifice: case 1 of Dosta et al. (2024), Comput. Phys. Commun.
+// 296:109066. 100 000 spheres of diameter 4 mm in a cylinder of radius 0.1 m on a cone of 45
+// degrees; Hertz-Mindlin contacts, no rolling resistance, no global damping. The paper's initial
+// states (Zenodo 8252892) are not available: here the bed is poured from a shaken lattice onto a
+// plate that closes the orifice, hardened and brought to rest (see bulk_bed.hpp), so its density
+// and its surface differ from the paper's. The plate is removed at once at time 0. The facets of
+// the wall form a polygon of the circle's area.
 #include "components/body.hpp"
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
@@ -40,16 +40,22 @@ struct SiloTest {
         .duration = 5, .sample_interval = 0.02, .bed = {.step = 3e-6, .longest_rest = 0.05}};
 
     void describe(auto& option) {
-        option.group("silo");
-        option("orifice", orifice, "", "radius 0.03 or 0.02 m", {"large", "small"});
-        option("material", material, "", "of the spheres", {"M1", "M2"});
-        option("spheres", spheres, "", "how many", within(10, 5e6));
-        option("diameter", diameter, "m", "of the spheres", within(1e-4, 0.02));
-        option("sectors", sectors, "", "facets around", within(8, 720));
-        option("window", window, "s", "from,to: of the straight line through the curve",
+        option.group("Silo");
+        option("orifice", orifice, "",
+               "Size of the orifice. large: radius 0.03 m. small: radius 0.02 m.",
+               {"large", "small"});
+        option("material", material, "", "Material of the spheres.", {"M1", "M2"});
+        option("spheres", spheres, "", "Number of spheres.", within(10, 5e6));
+        option("diameter", diameter, "m", "Diameter of the spheres.", within(1e-4, 0.02));
+        option("sectors", sectors, "", "Number of flat sectors of the wall.", within(8, 720));
+        option("window", window, "s",
+               "Start and end of the time window in which the discharge rate is fitted, separated "
+               "by a comma.",
                at_least(0));
         option("other_rate", other_rate, "1/s",
-               "of the other orifice, for the ratio of large to small; 0: not known", at_least(0));
+               "Discharge rate through the other orifice, for the ratio of large to small. 0: not "
+               "known.",
+               at_least(0));
         bulk.describe(option);
     }
 };
@@ -71,17 +77,17 @@ Silo silo_of(const SiloTest& t) {
             .sectors = t.sectors};
 }
 
-/// What is counted besides the State of the bodies.
+/// Count of retired spheres, which the state of the bodies does not contain.
 struct Outflow {
     static constexpr auto name = "outflow";
     static constexpr bool is_state = true;
-    double retired = 0; ///< spheres that fell below the silo and were taken out of the scene
+    double retired = 0; ///< spheres that fell below the silo and were removed from the scene
     void save(Archive& archive) const { put_fields(archive, "outflow", std::tie(retired)); }
     void load(const Archive& archive) { get_fields(archive, "outflow", std::tie(retired)); }
 };
 
 constexpr double retire_below = 0.03; // m under the lip, as in the open re-runs of this case
-constexpr double shake = 0.5;         // m/s, of the lattice: no order is left of it
+constexpr double shake = 0.5;         // m/s, random velocity that destroys the lattice's order
 
 World make_world_of(const SiloTest& t, std::uint64_t seed) {
     World world = make_world(Grains::spheres);
@@ -103,12 +109,12 @@ World make_world_of(const SiloTest& t, std::uint64_t seed) {
         const EntityId id = add_sphere(world, site, r, material);
         world.column<Bodies, Velocity>()[id] =
             shake *
-            Random(seed, std::uint64_t{1000000000} + made++).direction(); // rows are ids yet
+            Random(seed, std::uint64_t{1000000000} + made++).direction(); // rows are still ids
     }
     auto& limits = world.resource<Limits>();
-    limits.low = Vec3(-0.3, -0.3, silo.lip - 0.3); // a sphere is retired long before
+    limits.low = Vec3(-0.3, -0.3, silo.lip - 0.3); // spheres are retired far above this
     limits.high = Vec3(0.3, 0.3, silo.top + 0.1);
-    limits.overlap = 0.5; // soft grains, while they are poured
+    limits.overlap = 0.5; // grains are soft while they are poured
     world.add_resource<Gravity>();
     world.add_resource<BedState>();
     world.add_resource<Outflow>();
@@ -153,7 +159,7 @@ BulkCase make_case(const SiloTest& t, std::uint64_t seed) {
     };
     c.is_over = [=](const World& world) { return count(world, lip).above == 0; };
     c.description = [](const Series& series) {
-        return fmt::format("{:.0f} above the lip", series.column("above").back());
+        return fmt::format("{:.0f} spheres above the lip", series.column("above").back());
     };
     c.colour = [](const World& world, Row row) {
         return scale_colour(std::min(1.0, world.column<Bodies, Velocity>()[row].norm() / 0.15));
@@ -161,15 +167,16 @@ BulkCase make_case(const SiloTest& t, std::uint64_t seed) {
     return c;
 }
 
-// spheres above the lip, large orifice, M1: LIGGGHTS from the paper's initial state, and mean rates
-// (open re-runs of the case, peclet-examples 897965c, MIT)
+// Number of spheres above the lip for the large orifice and M1 by LIGGGHTS from the paper's initial
+// state, and mean rates (open re-runs of the case, peclet-examples 897965c, MIT).
 const std::vector<double> reference_time{0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5, 4, 4.3};
 const std::vector<double> reference_above{100000, 88542, 76015, 63550, 51271,
                                           39070,  27007, 15080, 3953,  96};
 constexpr double reference_large = 24504, reference_small = 7737; // 1/s: LIGGGHTS; MUSEN
 constexpr double paper_rate = 23200, paper_ratio = 3.10; // 1/s +-5 %, +-0.06: mean of eight codes
 
-/// Rate of Beverloo, Leniger and van de Velde (1961), 1/s: C = 0.58, k = 1.4, share of solids 0.6.
+/// Discharge rate (1/s) after Beverloo, Leniger and van de Velde (1961): C = 0.58, k = 1.4, solid
+/// fraction 0.6.
 double beverloo_rate(const SiloTest& t, double orifice_radius) {
     const double open = 2 * orifice_radius - 1.4 * t.diameter,
                  volume = pi / 6 * std::pow(t.diameter, 3);
@@ -178,7 +185,7 @@ double beverloo_rate(const SiloTest& t, double orifice_radius) {
 
 void add_rates(Summary& summary, const SiloTest& t, const Series& series) {
     const auto &time = series.column("time"), &above = series.column("above");
-    // not the last few, whose head is gone
+    // leave out the last spheres, which have no head of grains above them
     const auto last =
         std::ranges::find_if(above, [&](double n) { return n < 0.02 * t.spheres; }) - above.begin();
     const double from = t.window[0],
@@ -187,12 +194,12 @@ void add_rates(Summary& summary, const SiloTest& t, const Series& series) {
                      time[static_cast<std::size_t>(std::max<std::ptrdiff_t>(last, 1) - 1)]),
                  middle = 0.5 * (from + to);
     const auto points = std::ranges::count_if(time, [&](double x) { return x >= from && x <= to; });
-    if (points < 8) return; // too short a run
+    if (points < 8) return; // the run is too short for a fit
     const LinearFit fit = fit_line(time, above, from, to);
     summary.add("window_end_s", to);
     summary.add("discharge_rate_per_s", -fit.slope);
     summary.add("discharge_rate_standard_error_per_s", fit.slope_error);
-    // independent of the head of grains, or not
+    // both halves show whether the rate depends on the head of grains
     summary.add("discharge_rate_first_half_per_s", -fit_line(time, above, from, middle).slope);
     summary.add("discharge_rate_second_half_per_s", -fit_line(time, above, middle, to).slope);
     summary.add("beverloo_rate_per_s", beverloo_rate(t, silo_of(t).orifice_radius));
@@ -240,11 +247,11 @@ void report(const SiloTest& t, BulkRun& run) {
         middle.push_back(0.5 * (time[k] + time[k - 5]));
         rate.push_back((above[k - 5] - above[k]) / (time[k] - time[k - 5]));
     }
-    run.report(summary, {{.title = "spheres above the orifice",
+    run.report(summary, {{.title = "Spheres above the orifice",
                           .x_label = "time (s)",
                           .y_label = "number",
                           .curves = curves},
-                         {.title = "the rate does not feel the head",
+                         {.title = "Discharge rate",
                           .x_label = "time (s)",
                           .y_label = "discharge rate (1/s)",
                           .curves = {{.x = middle, .y = rate}}}});
@@ -265,6 +272,6 @@ std::string explain(const SiloTest& t, const Common& common) {
 
 int main(int argc, char** argv) {
     return run_scenario<SiloTest>(
-        argc, argv, {"silo", "a silo empties through its orifice (Dosta et al. 2024, case 1)"}, run,
-        explain);
+        argc, argv, {"silo", "A silo discharges through its orifice (Dosta et al. 2024, case 1)."},
+        run, explain);
 }

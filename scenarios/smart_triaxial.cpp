@@ -1,6 +1,6 @@
-// SMART computing of a triaxial test: what a test machine and SmartRocks recorded, and the model of
-// it, which learns the friction and stiffness of its rocks from them while the test goes on; beside
-// it the model alone.
+// SMART computing of a recorded triaxial test: a model of the test estimates the friction and
+// stiffness of the rocks from the recordings of a test machine and of SmartRocks, in the order in
+// which they were measured, and is compared with the model alone.
 #include "engine/assets.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
@@ -43,51 +43,64 @@ struct Smart {
         corrections.largest_work_share = 0.005;
     }
     void describe(auto& option) {
-        option.group("recordings");
+        option.group("Recordings");
         option("recordings", recordings, "",
-               "a folder: rock_NN.txt, sensor_poses.csv, and for each pressure recordings.csv (or "
-               "recordings.h5) and test.csv in a folder as 55kPa");
+               "Folder of the recordings: rock_NN.txt, sensor_poses.csv, and for each pressure a "
+               "folder such as 55kPa with recordings.csv (or recordings.h5) and test.csv.");
         option("columns", quality_control.columns, "",
-               "a file that says how recordings.csv is written, where not as by this project: "
-               "names, units, signs, delimiter");
-        option("machine_columns", quality_control.machine_columns, "", "the same of test.csv");
+               "File that maps the columns of recordings.csv if another program wrote it: names, "
+               "units, signs, delimiter.");
+        option("machine_columns", quality_control.machine_columns, "",
+               "File that maps the columns of test.csv in the same way.");
         option("rest", quality_control.rest, "s",
-               "at their beginning, in which the rocks lie still", above(0));
-        option("use_displacement", quality_control.displacement, "",
-               "ux uy uz, where recorded, else what an inertial sensor knows of it: nothing");
-        option("use_attitude", quality_control.attitude, "",
-               "qw qx qy qz, where recorded, else tilt by gravity");
-        option.group("model");
-        option("model_friction", model.friction, "", "of rocks, before anything is measured",
+               "Time at the beginning of the recordings during which the rocks are at rest.",
                above(0));
+        option("use_displacement", quality_control.displacement, "",
+               "Use the displacements ux, uy, uz where they were recorded. An inertial sensor "
+               "alone does not observe displacements.");
+        option("use_attitude", quality_control.attitude, "",
+               "Use the attitudes qw, qx, qy, qz where they were recorded. Otherwise only the tilt "
+               "relative to gravity is used.");
+        option.group("Model");
+        option("model_friction", model.friction, "",
+               "Friction coefficient between rocks in the prior (the median).", above(0));
         option("model_stiffness", model.stiffness, "",
-               "of contacts, of --clump-stiffness, likewise", above(0));
+               "Contact stiffness in the prior (the median), relative to --clump-stiffness.",
+               above(0));
         learning.describe(option);
         option("change", change, "",
-               "of friction or stiffness, from which on the model is told of it", above(0));
-        option.group("corrections of sensor rocks");
+               "Relative change of the estimated friction or stiffness from which the model takes "
+               "over the new estimate.",
+               above(0));
+        option.group("Corrections of sensor rocks");
         option("nudging_stiffness", corrections.nudging.stiffness, "N/m",
-               "of critically damped springs that pull them; 0: their poses are compared, not "
-               "corrected",
+               "Stiffness of the critically damped springs that nudge sensor rocks. 0: their poses "
+               "are compared but not corrected.",
                at_least(0));
         option("largest_nudging_force", corrections.nudging.largest_force, "N",
-               "of spring and dashpot together", at_least(0));
+               "Largest force of spring and dashpot together.", at_least(0));
         option("largest_work_share", corrections.largest_work_share, "",
-               "that they may do of the work of platens and membrane, from one analysis to the "
-               "next; 0: no limit",
+               "Largest work of the corrections from one analysis to the next, relative to the "
+               "work of platens and membrane. 0: no limit.",
                within(0, 1));
-        option("interval", quality_control.interval, "", "axial strain between samples", above(0));
-        option("drift", drift, "m", "that rocks of the model may be off by, at the end", above(0));
-        option("turn", turn, "rad", "likewise", above(0));
-        option("stage_time", stage_time, "s", "that the real test took for 0.01 % of strain",
+        option("interval", quality_control.interval, "", "Axial strain between samples.", above(0));
+        option("drift", drift, "m",
+               "Standard deviation of the model's displacements at the end of the test, for the "
+               "report on observability.",
                above(0));
+        option("turn", turn, "rad",
+               "Standard deviation of the model's rotations at the end of the test, for the report "
+               "on observability.",
+               above(0));
+        option("stage_time", stage_time, "s",
+               "Time that the real test took for 0.01 % of axial strain.", above(0));
         triaxial.describe(option);
     }
 };
 
-/// One test, computed: the model alone and the one that learns.
+/// Results of one test: the model alone and the model that learns.
 struct Computed {
-    RockParameters before; ///< believed when the test began
+    RockParameters before; ///< estimate at the beginning of the test
     Learned learned;
     ModelRun free, fused;
     std::vector<View> views;
@@ -102,8 +115,8 @@ public:
           done_(tests_.size()) {
         const std::size_t recorded = tests_.front().recordings.size();
         require(recorded == scene_.poses.size(),
-                fmt::format("--recordings: expected files rock_NN.txt of as many sensor rocks as "
-                            "the model has, {}, found {}",
+                fmt::format("--recordings: expected one file rock_NN.txt for each of the model's "
+                            "{} sensor rocks, found {}",
                             scene_.poses.size(), recorded));
     }
     void run();
@@ -142,9 +155,10 @@ void Computation::prepare() {
     preparation_wall_ = seconds_since(began);
 }
 
-// The tests are of one specimen, which errs alike at all pressures (correlation 0.9): to know three
-// of them is no surer than one. So each is learned from what was known before them all; the model
-// of it begins with what the one before taught.
+// All tests have the same specimen, whose error is nearly the same at all pressures (correlation
+// 0.9), so three tests give no more certainty than one. Each estimation therefore begins with the
+// prior from before all tests, while the model of a test begins with the estimate of the test
+// before it.
 void Computation::learn() {
     const auto began = this_instant();
     const Gaussian prior = prior_of(s_.model, s_.learning);
@@ -195,7 +209,8 @@ void Computation::show(std::size_t test, const World& world, const TriaxialPoint
     done_[test].views.push_back(std::move(view));
 }
 
-/// What is known at the end of learning, too, however uncertain it is: nothing better comes.
+/// Adds the last estimate to the schedule of a variant, however uncertain it is, since no better
+/// one follows.
 void append_final_estimate(ModelVariant& variant, const std::vector<EstimateAt>& estimates) {
     if (estimates.empty()) return;
     const RockParameters applied =
@@ -217,7 +232,7 @@ void Computation::run_variants() {
                     .corrections = s_.corrections};
         append_final_estimate(fused[k], done_[k].learned.estimates);
         fused[k].corrections.position_noise = fused[k].corrections.attitude_noise = 0;
-        for (const Recording& r : tests_[k].recordings) { // of the worst of them
+        for (const Recording& r : tests_[k].recordings) { // the noise of the worst sensor
             fused[k].corrections.position_noise =
                 std::max(fused[k].corrections.position_noise, r.info.displacement_noise);
             fused[k].corrections.attitude_noise =
@@ -234,7 +249,7 @@ void Computation::run_variants() {
         try {
             return run_model(scene_, settings, specimen_, variant, common_.seed, watch,
                              checkpoint ? &*checkpoint : nullptr);
-        } catch (const SimulationError& error) { // the others go on
+        } catch (const SimulationError& error) { // the other runs continue
             ModelRun none;
             none.stopped = fmt::format("{} at {}: {}", variant.name, folder_of(tests_[k].pressure),
                                        error.what());
@@ -252,7 +267,7 @@ void Computation::run_variants() {
             show(k, world, point, frames[k]);
         };
         done_[k].fused =
-            run(k, fused[k], watch, false); // not kept: its pictures are taken on the way
+            run(k, fused[k], watch, false); // no checkpoint: its pictures are taken during the run
     });
     progress_.pause();
     variants_wall_ = seconds_since(began);
@@ -264,7 +279,7 @@ void Computation::run() {
     run_variants();
 }
 
-/// A hundred of the points, and the last.
+/// About a hundred of the points, and the last one.
 std::vector<TriaxialPoint> thinned(const std::vector<TriaxialPoint>& points) {
     std::vector<TriaxialPoint> some;
     const std::size_t every = std::max<std::size_t>(1, points.size() / 100);
@@ -299,8 +314,8 @@ void Computation::draw() const {
               [](const std::string& label, const auto& points, Curve::Style style) {
                   return curve_of(label, points, 100, &TriaxialPoint::volumetric_strain, style);
               });
-        three(fmt::format("Rings at the end{}", at), "radial strain, widening positive (%)",
-              "ring, from below", profile_of);
+        three(fmt::format("Rings at the end{}", at), "radial strain, expansion positive (%)",
+              "ring, counted from below", profile_of);
     }
     draw_plots(common_.out / "smart_triaxial.png", panels, 3);
     for (std::size_t k = 0; k < tests_.size(); ++k)
@@ -339,7 +354,7 @@ void Computation::report() {
         both("q", "_Pa", free.q, fused.q);
         both("volumetric_strain", "", free.volumetric_strain, fused.volumetric_strain);
         both("ring_strain", "", free.ring_strain, fused.ring_strain);
-        for (const unsigned percent : {2u, 4u}) { // later each specimen goes its own way
+        for (const unsigned percent : {2u, 4u}) { // at larger strain specimens diverge
             const double until = 0.01 * percent;
             if (test.measured.back().axial_strain <= until + 1e-9) continue;
             const Misfit free_then = misfit_of(c.free, test, until),
@@ -364,7 +379,7 @@ void Computation::report() {
     if (!stopped.empty()) throw SimulationError(stopped);
 }
 
-/// With the poses of the sensor rocks that the recordings came with, unless others are given.
+/// Settings with the sensor poses from the folder of the recordings, unless others are given.
 Smart with_poses(Smart s) {
     const auto poses = s.recordings / "sensor_poses.csv";
     if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(poses))
@@ -398,7 +413,7 @@ void run(const Smart& given, const Common& common) {
                                           s.drift, s.turn));
     write_whole(common.out / "quality_control.txt", report);
     for (const RecordedTest& t : tests)
-        fmt::print("{}: {} recordings, {} refused ({})\n", folder_of(t.pressure),
+        fmt::print("{}: {} recordings, {} of them refused (see {})\n", folder_of(t.pressure),
                    t.recordings.size(), t.refused(), (common.out / "quality_control.txt").string());
     Computation computation(s, common, std::move(tests));
     computation.run();
@@ -413,7 +428,7 @@ void run(const Smart& given, const Common& common) {
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::Smart>(argc, argv,
                                            {"smart_triaxial",
-                                            "a triaxial test recorded by SmartRocks, and a model "
-                                            "that learns from the recordings while it runs"},
+                                            "Models a triaxial test recorded with SmartRocks and "
+                                            "learns from the recordings during the run."},
                                            bris::run, bris::explain);
 }

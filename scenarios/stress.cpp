@@ -1,4 +1,4 @@
-// The stress suite: what the engine must stand, or must refuse.
+// The stress suite: hard cases that the engine must compute correctly or refuse.
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
@@ -19,9 +19,11 @@ struct Stress {
     bool full = false, list = false;
 
     void describe(auto& option) {
-        option("case", only, "", "one case, as S6; empty: all");
-        option("list", list, "", "print the cases, run nothing");
-        option("full", full, "", "long runs and many draws: minutes to hours, else seconds");
+        option("case", only, "", "Run one case only, for example S6. Empty: run all cases.");
+        option("list", list, "", "Print the cases and end.");
+        option("full", full, "",
+               "Run long runs and many random draws, which take minutes to hours instead of "
+               "seconds.");
     }
 };
 
@@ -79,8 +81,10 @@ void run(const Stress& stress, const Common& common) {
 
 int main(int argc, char** argv) {
     return run_scenario<Stress>(argc, argv,
-                                {"stress", "what the engine must stand, or must refuse",
-                                 "its cases are short: run one with --case",
-                                 "it runs many small scenes; --list names them"},
+                                {"stress",
+                                 "Runs hard cases that the engine must compute correctly or "
+                                 "refuse.",
+                                 "its cases are short and can be run one by one with --case",
+                                 "it runs many small scenes, which --list prints"},
                                 run);
 }

@@ -1,5 +1,5 @@
-// A rigid body that turns freely, beside Jacobi's solution; or a compound pendulum on its ball,
-// beside its period.
+// A torque-free rigid body, compared with Jacobi's solution, or a compound pendulum that swings
+// about one of its spheres, compared with its exact period.
 #include "scenarios/verification/top.hpp"
 
 #include "engine/errors.hpp"
@@ -18,32 +18,43 @@ struct Turning {
 
     void describe(auto& option) {
         option("kind", kind, "",
-               "free: no torque; pendulum: it swings about a ball in a smooth groove",
+               "Experiment. free: a rigid body rotates without torque. pendulum: a body swings "
+               "about one of its spheres, which lies in a smooth groove.",
                {"free", "pendulum"});
-        option.group("free");
-        option("inertia_1", top.inertia.x(), "kg m2", "least principal moment", above(0));
-        option("inertia_2", top.inertia.y(), "kg m2", "middle one", above(0));
-        option("inertia_3", top.inertia.z(), "kg m2", "greatest one", above(0));
-        option("angular_velocity_1", top.angular_velocity.x(), "rad/s",
-               "at the start, about the axis of the least moment");
-        option("angular_velocity_2", top.angular_velocity.y(), "rad/s", "of the middle one");
-        option("angular_velocity_3", top.angular_velocity.z(), "rad/s", "of the greatest one");
-        option("angle_per_step", top.angle_per_step, "rad", "turned in a time step", above(0));
-        option("duration", top.duration, "s", "simulated", above(0));
-        option.group("pendulum");
-        option("arm", pendulum.arm, "m", "from the centre of mass to the ball's centre", above(0));
-        option("ball_radius", pendulum.radius, "m", "", above(0));
-        option("mass", pendulum.mass, "kg", "", above(0));
-        option("inertia", pendulum.inertia.y(), "kg m2", "about the centre of mass, of the swing",
+        option.group("Free rotation");
+        option("inertia_1", top.inertia.x(), "kg m2", "Smallest principal moment of inertia.",
                above(0));
-        option("amplitude", pendulum.amplitude, "rad", "at the start",
+        option("inertia_2", top.inertia.y(), "kg m2", "Middle principal moment of inertia.",
+               above(0));
+        option("inertia_3", top.inertia.z(), "kg m2", "Largest principal moment of inertia.",
+               above(0));
+        option("angular_velocity_1", top.angular_velocity.x(), "rad/s",
+               "Initial angular velocity about the axis of the smallest moment.");
+        option("angular_velocity_2", top.angular_velocity.y(), "rad/s",
+               "Initial angular velocity about the axis of the middle moment.");
+        option("angular_velocity_3", top.angular_velocity.z(), "rad/s",
+               "Initial angular velocity about the axis of the largest moment.");
+        option("angle_per_step", top.angle_per_step, "rad",
+               "Angle by which the body rotates in a time step.", above(0));
+        option("duration", top.duration, "s", "Simulated time.", above(0));
+        option.group("Pendulum");
+        option("arm", pendulum.arm, "m",
+               "Distance from the centre of mass to the centre of the sphere in the groove.",
+               above(0));
+        option("ball_radius", pendulum.radius, "m", "Radius of the sphere in the groove.",
+               above(0));
+        option("mass", pendulum.mass, "kg", "Mass of the body.", above(0));
+        option("inertia", pendulum.inertia.y(), "kg m2",
+               "Moment of inertia about the centre of mass, for the axis of the swing.", above(0));
+        option("amplitude", pendulum.amplitude, "rad", "Initial angle of the pendulum.",
                Range{.low = 0, .high = pi / 4, .low_accepted = false, .high_accepted = false});
-        option("gravity", pendulum.gravity, "m/s2", "", above(0));
+        option("gravity", pendulum.gravity, "m/s2", "Acceleration of gravity.", above(0));
         option("stiffness_ratio", pendulum.stiffness_ratio, "",
-               "stiffness of a contact times arm over weight", above(10));
-        option("step_share", pendulum.step_share, "", "time step over sqrt(m/k)",
+               "Contact stiffness times arm over weight.", above(10));
+        option("step_share", pendulum.step_share, "",
+               "Time step as a fraction of sqrt(m/k), with the contact stiffness k.",
                Range{.low = 0, .high = 1, .low_accepted = false});
-        option("swings", pendulum.swings, "", "to and fro", within(1, 1000));
+        option("swings", pendulum.swings, "", "Number of full swings.", within(1, 1000));
     }
 };
 
@@ -88,6 +99,7 @@ std::string explain(const Turning&, const Common&) {
 int main(int argc, char** argv) {
     return run_scenario<Turning>(
         argc, argv,
-        {"top", "a rigid body turns freely, or swings as a pendulum", "a top is turned anew"}, run,
-        explain);
+        {"top", "A rigid body rotates without torque, or swings as a compound pendulum.",
+         "a run always starts from the beginning"},
+        run, explain);
 }

@@ -1,5 +1,6 @@
 // Drained triaxial compression of railway ballast (clumps of 30 spheres) inside a servo membrane of
-// 8 rings x 12 elements, after the TRB report: one specimen, tested at each confining pressure.
+// 8 rings x 12 elements, after the SmartRock report: one specimen is tested at each confining
+// pressure.
 
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
@@ -25,7 +26,7 @@ TriaxialSettings settings_at(const Triaxial& t, double pressure) {
     return settings;
 }
 
-// a test's own settings: of several pressures, the one that it has
+// settings of one test: of several pressures, only its own
 std::vector<NamedValue> settings_of(const Common& common, double pressure) {
     std::vector<NamedValue> settings = common.settings;
     for (NamedValue& entry : settings)
@@ -35,16 +36,16 @@ std::vector<NamedValue> settings_of(const Common& common, double pressure) {
 
 constexpr auto test_file = "triaxial.ckpt.h5";
 
-/// What the tests of a run share.
+/// Data that all tests of a run share.
 struct Shared {
     const Triaxial& settings;
     const Common& common;
     const TriaxialScene& scene;
     Progress& progress;
-    MadeSpecimen specimen; ///< empty where a single test is resumed
+    MadeSpecimen specimen; ///< empty if a single test is resumed
 };
 
-/// Of one test, whose results go into a folder of their own.
+/// Common settings of one test, whose results go into a folder of their own.
 Common common_of(const Common& common, double pressure, const std::filesystem::path& folder) {
     Common own = common;
     own.out = common.out / folder;
@@ -53,7 +54,7 @@ Common common_of(const Common& common, double pressure, const std::filesystem::p
     return own;
 }
 
-/// One test at one pressure: runs it and keeps what is to be shown of it.
+/// One test at one pressure: runs it and writes its results.
 class Test {
 public:
     Test(const Shared& shared, std::size_t number, const std::filesystem::path& folder,
@@ -66,7 +67,7 @@ public:
           run_(simulation_, common_, "triaxial",
                progress_slot(shared.progress, static_cast<unsigned>(number))) {}
 
-    /// Begins with the specimen, or goes on from the checkpoint of this test if there is one.
+    /// Begins with the specimen, or resumes from the checkpoint of this test if there is one.
     void begin(const std::filesystem::path& checkpoint) {
         if (checkpoint.empty())
             simulation_.restore(shared_.specimen.state);
@@ -82,7 +83,7 @@ private:
     bool advance();
     void record();
     void finish();
-    /// A file of the whole test, or of the part since it was resumed.
+    /// Path of a file of the whole test, or of the part since it was resumed.
     std::filesystem::path file(const std::string& name, const char* extension) const {
         return common_.out / (first_point_ == 0 ? name + extension
                                                 : fmt::format("{}_from_stage_{}{}", name,
@@ -105,7 +106,7 @@ void Test::run() {
     try {
         run_.go({{.advance = [this](Simulation&) { return advance(); },
                   .progress = [this](const World&) { return test_.progress(); }}});
-    } catch (...) { // what there is of the curve is not lost
+    } catch (...) { // keep the part of the curve that was computed
         if (!state().points.empty()) write_curve(common_.out / "curve.csv", state().points);
         throw;
     }
@@ -171,13 +172,13 @@ Summary Test::summary() const {
     summary.add("coordination_number", s.points.back().coordination);
     summary.add("stages", s.stage);
     run_.describe(summary);
-    if (const MadeSpecimen& made = shared_.specimen; made.count.steps > 0) { // in this process
+    if (const MadeSpecimen& made = shared_.specimen; made.count.steps > 0) { // not resumed
         summary.add("preparation_steps", made.steps);
         summary.add("preparation_wall_time_s", made.count.wall_time);
     }
     for (const NamedValue& entry : shared_.common.settings)
         if (entry.key != "confining_pressure_Pa")
-            summary.add(entry); // this test's own stands above
+            summary.add(entry); // the pressure of this test is already there
     return summary;
 }
 
@@ -188,7 +189,7 @@ void print_table(const std::vector<Summary>& results) {
         for (const NamedValue& entry : result.entries()) {
             if (entry.key == "confining_pressure_Pa")
                 suffix = folder_of(std::get<double>(entry.value));
-            if (entry.key == "stage_strain") break; // settings from here on
+            if (entry.key == "stage_strain") break; // the settings follow
             NamedValue named = entry;
             named.key = suffix + " " + entry.key;
             table.add(named);
@@ -208,7 +209,7 @@ void print_specimen(const Triaxial& t, const TriaxialScene& scene) {
                2 * scene.specimen.radius / scene.grading.sieves.front().size);
 }
 
-/// The specimen of all tests: made now, or as far as `checkpoint` has it, from there.
+/// Makes the specimen of all tests, or resumes from `checkpoint` if it is not empty.
 MadeSpecimen make_specimen(const Shared& shared, const std::filesystem::path& checkpoint) {
     Common common = shared.common;
     common.resume = checkpoint;
@@ -221,7 +222,8 @@ MadeSpecimen make_specimen(const Shared& shared, const std::filesystem::path& ch
     return made;
 }
 
-/// What --resume names: nothing, a specimen, one test, or the directory of a run.
+/// What --resume names: nothing, the checkpoint of a specimen or of one test, or the directory of a
+/// run.
 struct Resume {
     std::filesystem::path specimen, test, directory;
     Resume(const std::filesystem::path& path, std::size_t tests) {
@@ -234,14 +236,14 @@ struct Resume {
             specimen = path;
         } else if (!path.empty()) {
             test = path;
-            require(tests == 1, fmt::format("--resume: expected one --confining-pressure for one "
-                                            "test's checkpoint, found {}; "
-                                            "a run of several goes on from its directory",
+            require(tests == 1, fmt::format("--resume: expected one --confining-pressure for the "
+                                            "checkpoint of one test, found {}; a run of several "
+                                            "tests is resumed from its directory",
                                             tests));
         }
     }
-    /// The checkpoint of the test whose results go into a folder of the run; empty: begins with the
-    /// specimen.
+    /// Checkpoint of the test whose results go into a folder of the run. Empty: the test begins
+    /// with the specimen.
     std::filesystem::path test_in(const std::filesystem::path& folder) const {
         if (directory.empty()) return test;
         const auto file = directory / folder / test_file;
@@ -263,7 +265,7 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
     Summary all;
     for (std::size_t k = 0; k < done.size(); ++k)
         for (const NamedValue& entry : results[k].entries()) {
-            if (entry.key == "stage_strain") break; // settings from here on
+            if (entry.key == "stage_strain") break; // the settings follow
             NamedValue named = entry;
             named.key = folder_of(pressures[k]) + "_" + entry.key;
             all.add(named);
@@ -307,6 +309,8 @@ std::string explain(const Triaxial& t, const Common& common) { return explain_tr
 
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::Triaxial>(
-        argc, argv, {"triaxial", "drained triaxial compression of ballast in a servo membrane"},
+        argc, argv,
+        {"triaxial",
+         "Drained triaxial compression of railway ballast in a servo-controlled membrane."},
         bris::run, bris::explain);
 }

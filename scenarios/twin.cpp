@@ -1,8 +1,9 @@
-// Twin experiment: a true triaxial test whose sensor rocks are recorded, and a model of it with
-// other parameters that is run without and with the recordings. Does the model then know better
-// what the other rocks do? Beside them a run with the true parameters from a start disturbed by
-// less than a grain of dust: no model can know more than that. The model may also be of rocks of
-// other shapes, in other places, or of another packing.
+// Twin experiment: the sensor rocks of a true triaxial test are recorded, and a model of it with
+// other parameters is run without and with the recordings. The experiment measures how much better
+// the model then predicts the other rocks. A run with the true parameters from a start disturbed by
+// less than a grain of dust gives the divergence of perturbed runs, the error below which no model
+// can get. The model may also have rocks of other shapes, rocks in other positions, or another
+// packing.
 #include "scenarios/assimilation/twin.hpp"
 
 #include "engine/errors.hpp"
@@ -56,81 +57,106 @@ struct Twin {
     Twin() {
         triaxial.confining_pressure = {55e3};
         triaxial.test.final_axial_strain = 0.025;
-        corrections.nudging = {5e6, 100, 0.01}; // about the contact forces at 55 kPa
+        corrections.nudging = {5e6, 100, 0.01}; // force of about the contact forces at 55 kPa
         corrections.largest_shift = 1e-6;
         corrections.largest_work_share = 0.005;
         learning.specimen_scatter = -1;
     }
     void describe(auto& option) {
-        option.group("twin");
+        option.group("Twin experiment");
         option(
             "variants", variants, "",
-            "none; or of free: told nothing; perturbed: the truth from a start disturbed; "
-            "inserted: "
-            "sensor rocks put, as in the report; spread: with all "
-            "others along; nudged: by springs of bounded force; learned: friction and stiffness; "
-            "both: learned and nudged; ensemble: what the worlds that learned foretell together; "
-            "load_cell, sensors_only: that, learned without the sensors, or by them alone; "
-            "analysis: as ensemble, and the recordings of the sensors carried to all rocks; null: "
-            "the same with q of this specimen and sensors of another, which should help nobody");
+            "Variants of the model, separated by commas. none: run the truth only. free: no "
+            "assimilation. perturbed: the true parameters from a disturbed start. inserted: "
+            "direct insertion of the sensor rocks' poses, as in the SmartRock report. spread: "
+            "direct insertion that also moves all other rocks. nudged: sensor rocks nudged by "
+            "springs of bounded force. learned: estimated friction and stiffness. both: learned "
+            "and nudged. ensemble: forecast of the ensemble members that learned. load_cell, "
+            "sensors_only: the same, learned without the sensors or from them alone. analysis: "
+            "ensemble, with the recordings of the sensors extended to all rocks. null: analysis "
+            "with q of this specimen and sensors of another, which should bring no improvement.");
         option("model_friction", model.friction, "",
-               "of rocks in the model; the truth's is --friction", above(0));
-        option("model_stiffness", model.stiffness, "", "of contacts in the model, of the truth's",
+               "Friction coefficient between rocks in the model. The true one is --friction.",
                above(0));
+        option("model_stiffness", model.stiffness, "",
+               "Contact stiffness in the model, relative to the true one.", above(0));
         mismatch.describe(option);
-        option("disturbance", disturbance, "m", "of all places, in the perturbed run", at_least(0));
+        option("disturbance", disturbance, "m",
+               "Random displacement of every rock at the start of the perturbed run.", at_least(0));
         learning.describe(option);
         option("change", change, "",
-               "of friction or stiffness, from which on the model is told of it", above(0));
+               "Relative change of the estimated friction or stiffness from which the model takes "
+               "over the new estimate.",
+               above(0));
         option("catch_up", catch_up, "",
-               "begin again with what was learned, else go on from where the model is");
+               "Restart the model from the specimen with each new estimate. false: continue from "
+               "the model's present state.");
         option("layouts", layouts, "",
-               "try other sensor rocks: how many, which, and how often they tell, and what that "
-               "leaves of the error of rocks without (layouts.csv)");
+               "Try other layouts of sensor rocks (how many, which ones, how often they are "
+               "sampled) and write the error that remains in rocks without sensors (layouts.csv).");
         option("record", record, "",
-               "a folder for what the sensors of the truth record, as smart_triaxial reads it; "
-               "empty: none");
-        option("record_format", record_format, "", "of these files", {"csv", "hdf5"});
-        option("filter", filter, "", "what turns recordings into corrections", filter_names);
+               "Folder for the recordings of the truth's sensors, in the form that smart_triaxial "
+               "reads. Empty: no recordings are written.");
+        option("record_format", record_format, "", "Format of these recordings.", {"csv", "hdf5"});
+        option("filter", filter, "",
+               "Filter that turns recordings into corrections. printed: as printed in the "
+               "SmartRock report. corrected: the same filter without its errors, as an error-state "
+               "filter.",
+               filter_names);
         option("sensor_mode", sensors.mode, "",
-               "what they tell: displacement and attitude without error, or tracked with noise; or "
-               "an inertial sensor through quality control: tilt alone",
+               "Observations by the sensors. ideal: displacement and attitude without error. "
+               "tracked: displacement and attitude with noise. honest-imu: an inertial sensor with "
+               "quality control, which observes tilt only.",
                sensor_modes);
-        option("imu", sensors.imu, "", "of honest-imu, and of --record",
+        option("imu", sensors.imu, "",
+               "Model of the inertial sensor for honest-imu and for --record.",
                {"lab-grade", "smartrock-like", "cheap"});
-        option("interval", sensors.interval, "", "axial strain between samples", above(0));
+        option("interval", sensors.interval, "", "Axial strain between samples.", above(0));
         option("injection_steps", corrections.injection_steps, "",
-               "in which a correction enters; 1: it jumps, as in the report", at_least(1));
+               "Number of time steps over which a correction is applied. 1: at once, as in the "
+               "SmartRock report.",
+               at_least(1));
         option("largest_shift", corrections.largest_shift, "m",
-               "of a sensor rock that is put, in a step; 0: whatever is measured", at_least(0));
+               "Largest displacement of a sensor rock by direct insertion in a time step. 0: no "
+               "limit.",
+               at_least(0));
         option("largest_work_share", corrections.largest_work_share, "",
-               "that corrections may do of the work of platens and membrane, from one to the next: "
-               "those that cost more are reduced or refused; 0: no limit",
+               "Largest work of the corrections from one analysis to the next, relative to the "
+               "work of platens and membrane. Corrections that cost more are reduced or refused. "
+               "0: no limit.",
                within(0, 1));
         option("nudging_stiffness", corrections.nudging.stiffness, "N/m",
-               "of critically damped springs that pull sensor rocks", above(0));
+               "Stiffness of the critically damped springs that nudge sensor rocks.", above(0));
         option("largest_nudging_force", corrections.nudging.largest_force, "N",
-               "of spring and dashpot together", at_least(0));
-        option("position_noise", sensors.position_noise, "m", "of tracked displacements", above(0));
-        option("attitude_noise", sensors.attitude_noise, "rad", "of tracked attitudes", above(0));
-        option("dropout", sensors.faults.dropout, "", "share of samples that never come",
+               "Largest force of spring and dashpot together.", at_least(0));
+        option("position_noise", sensors.position_noise, "m",
+               "Standard deviation of tracked displacements.", above(0));
+        option("attitude_noise", sensors.attitude_noise, "rad",
+               "Standard deviation of tracked attitudes.", above(0));
+        option("dropout", sensors.faults.dropout, "", "Fraction of samples that are lost.",
                within(0, 0.99));
         option("outliers", sensors.faults.outliers, "",
-               "share of samples that are 20 mm and half a radian off", within(0, 0.99));
-        option("lateness", lateness, "", "axial strain by which samples come late", at_least(0));
+               "Fraction of samples that are wrong by 20 mm and half a radian.", within(0, 0.99));
+        option("lateness", lateness, "", "Axial strain by which samples arrive late.", at_least(0));
         option("lag", corrections.filter.lag, "",
-               "samples back to which a sensor rock that is put or nudged takes late ones; 0: they "
-               "are refused");
+               "Number of samples by which late ones may lag behind and still be used for an "
+               "inserted or nudged sensor rock. 0: late samples are refused.");
         option("drift", corrections.filter.drift, "m2",
-               "that the model may go astray in a unit of strain", at_least(0));
-        option("turning", corrections.filter.turning, "rad2", "likewise", at_least(0));
+               "Variance of the model's displacement error that accumulates in a unit of axial "
+               "strain.",
+               at_least(0));
+        option("turning", corrections.filter.turning, "rad2",
+               "Variance of the model's rotation error that accumulates in a unit of axial "
+               "strain.",
+               at_least(0));
         triaxial.describe(option);
     }
 };
 
 constexpr std::array shell_names{"sensors", "shell_1", "shell_2", "shell_3", "shell_4"};
 
-/// Calls visit(name, unit, error) for each of a run's errors; those of the first `shells`.
+/// Calls visit(name, unit, error) for each error of a run; errors of rocks for the first `shells`
+/// shells only.
 void visit_errors(const TwinErrors& e, std::size_t shells, auto&& visit) {
     visit("q", "Pa", e.q);
     visit("volumetric_strain", "", e.volumetric_strain);
@@ -141,7 +167,8 @@ void visit_errors(const TwinErrors& e, std::size_t shells, auto&& visit) {
         visit(fmt::format("rotation_{}", shell_names[s]), "rad", e.rotation[s]);
 }
 
-/// By how much specimens differ in ln q that differ so: as measured, or as it was said.
+/// Settings of learning with the scatter of ln q between specimens: as given, or if none is given,
+/// as measured for the mismatch of this experiment.
 Learning learning_for(const Twin& t) {
     Learning learning = t.learning;
     if (learning.specimen_scatter < 0) learning.specimen_scatter = t.mismatch.specimen_scatter();
@@ -150,7 +177,7 @@ Learning learning_for(const Twin& t) {
 
 std::vector<std::string> names_of_variants(const std::string& list) {
     std::vector<std::string> names;
-    if (list == "none") return names; // the truth alone, to be recorded
+    if (list == "none") return names; // only the truth is run, to record it
     std::string all;
     for (const std::string_view name : variant_names)
         all += fmt::format("{}{}", all.empty() ? "" : ", ", name);
@@ -159,19 +186,19 @@ std::vector<std::string> names_of_variants(const std::string& list) {
         require(std::ranges::count(variant_names, name) == 1,
                 fmt::format("--variants: expected {}, found '{}'", all, name));
         require(std::ranges::count(names, name) == 0,
-                fmt::format("--variants: expected each once, found '{}' twice", name));
+                fmt::format("--variants: expected each variant once, found '{}' twice", name));
         names.push_back(name);
     }
     return names;
 }
 
-/// From the worlds that learn, not by a run of its own.
+/// Whether a variant is computed from the ensemble members, without a run of its own.
 bool is_computed(const std::string& variant) {
     return variant == "ensemble" || variant == "load_cell" || variant == "sensors_only" ||
            variant == "analysis" || variant == "null";
 }
 
-/// By what was recorded of the sensors.
+/// Whether a variant is corrected by the recordings of the sensors.
 bool is_corrected(const std::string& variant) {
     constexpr std::array<std::string_view, 6> corrected{"inserted", "spread",   "nudged",
                                                         "both",     "analysis", "null"};
@@ -182,12 +209,12 @@ bool learns(const std::string& variant) {
     return variant == "learned" || variant == "both" || is_computed(variant);
 }
 
-/// What worlds learned, and foretell together.
+/// Estimates from ensemble members, and their forecast.
 struct Assimilated {
     Learned learned;
-    ModelRun forecast = {};   // where it is asked for
-    RockScatter scatter = {}; // likewise
-    std::size_t outliers = 0; // displacements that were left out
+    ModelRun forecast = {};   // if a variant needs it
+    RockScatter scatter = {}; // if a variant needs it
+    std::size_t outliers = 0; // displacements that were rejected
     double wall = 0;
 };
 
@@ -221,8 +248,8 @@ private:
     const PreparedSpecimen& specimen_of(const std::string& variant) const {
         return model_ && variant != "truth" && variant != "perturbed" ? *model_ : true_;
     }
-    /// Whose errors are asked for: of another packing only the sensor rocks are where the truth has
-    /// them.
+    /// Number of shells whose errors are reported. In another packing only the sensor rocks have
+    /// the positions of the truth.
     std::size_t shells_of(const std::string& variant) const {
         return t_.mismatch.packing > 0 && variant != "perturbed" ? 1 : shell_names.size();
     }
@@ -234,20 +261,20 @@ private:
     const Common& common_;
     Learning learning_;
     PreparedSpecimen true_;
-    std::optional<PreparedSpecimen> model_; // where it is another one
+    std::optional<PreparedSpecimen> model_; // if it differs from the truth's
     std::vector<std::string> names_;
     TriaxialSettings test_;
     Progress progress_;
     ModelRun truth_;
     std::optional<SensorObservations> observations_, observations_of_another_;
-    std::optional<Ensemble> first_; // generation, from which all that is learned goes on
-    std::map<std::string, Assimilated>
-        assimilated_; // by teaching; "worlds": by all that was measured
+    std::optional<Ensemble> first_;                  // first generation, shared by all data sets
+    std::map<std::string, Assimilated> assimilated_; // by data set; "all": all measurements
     std::vector<ModelVariant> variants_;
     std::vector<ModelRun> runs_;
 };
 
-// Names of what worlds learn from: arms for whom it is the same share them.
+// Name of the data set from which the ensemble members learn. Variants with the same data set share
+// the result.
 std::string Experiment::data_set_of(const std::string& variant) const {
     const bool sensors_uninformative = t_.sensors.mode == "honest-imu" || !learning_.by_sensors;
     const bool own = variant == "sensors_only" ||
@@ -288,8 +315,9 @@ void Experiment::make_specimens() {
                                      progress_slot(progress_));
     progress_.pause();
     if (t_.mismatch.packing > 0)
-        fmt::print("another packing: only its sensor rocks have rocks of the truth to be compared "
-                   "with; errors of the others are left out\n");
+        fmt::print(
+            "another packing: only the sensor rocks correspond to rocks of the truth, so the "
+            "errors of all other rocks are omitted\n");
 }
 
 std::vector<ModelRun> Experiment::run_all(const std::vector<ModelVariant>& variants,
@@ -299,7 +327,7 @@ std::vector<ModelRun> Experiment::run_all(const std::vector<ModelVariant>& varia
     return run_models(specimens, test_, variants, strain, common_, progress_);
 }
 
-/// The truth of another specimen, packed around sensor rocks in the same places.
+/// The truth of another specimen, packed around sensor rocks in the same positions.
 ModelRun Experiment::run_another() {
     const Common common = common_of_packing(common_, "another", common_.seed + 1000);
     const PreparedSpecimen another =
@@ -351,7 +379,7 @@ Assimilated Experiment::assimilate(const std::string& data_set,
     return assimilated;
 }
 
-/// What the test machine tells of the truth.
+/// Measurements of the truth by the test machine.
 std::vector<TriaxialPoint> Experiment::measured() const {
     std::vector<TriaxialPoint> points = truth_.points;
     Random random(common_.seed, 999);
@@ -360,8 +388,8 @@ std::vector<TriaxialPoint> Experiment::measured() const {
     return points;
 }
 
-/// What the worlds of an arm foretell, and where it is told of sensors, their recordings carried to
-/// all rocks.
+/// Forecast of a variant's ensemble members. If the variant uses sensors, the analysis that extends
+/// their recordings to all rocks.
 ModelRun Experiment::compute(const ModelVariant& variant) {
     const Assimilated& assimilated = assimilated_.at(data_set_of(variant.name));
     if (variant.trajectories.empty()) return assimilated.forecast;
@@ -457,7 +485,7 @@ void Experiment::add_properties(Summary& summary, const std::string& name,
     summary.add(name + "_peak_friction_angle_deg", properties.peak_friction_angle);
 }
 
-/// How far the model's specimen is from the truth's, at the start of shearing.
+/// Adds the differences between the specimens of model and truth at the start of shearing.
 void Experiment::add_starts(Summary& summary) const {
     if (!model_) return;
     const auto put = [&](const std::string& whose, const ModelRun& run) {
@@ -471,17 +499,17 @@ void Experiment::add_starts(Summary& summary) const {
         if (!is_computed(variants_[k].name) && &specimen_of(variants_[k].name) == &*model_ &&
             (model == nullptr || variants_[k].name == "free"))
             model = &runs_[k];
-    if (model == nullptr) return; // no arm runs it
+    if (model == nullptr) return; // no variant runs it
     put("model", *model);
     const StartDifference apart = start_difference(*model, truth_);
     summary.add("model_start_error_sensors_mm", 1e3 * apart.sensor_distance);
     summary.add("model_start_rotation_error_sensors_rad", apart.sensor_angle);
-    if (t_.mismatch.packing > 0) return; // other rocks
+    if (t_.mismatch.packing > 0) return; // its other rocks are not those of the truth
     summary.add("model_start_error_mm", 1e3 * apart.distance);
     summary.add("model_start_rotation_error_rad", apart.angle);
 }
 
-/// `assimilated` by another name than "worlds" says so.
+/// Adds the estimates of a data set. Keys and files carry its name, except for the data set "all".
 void Experiment::add_learned(Summary& summary, const std::string& name,
                              const Assimilated& assimilated) const {
     const std::string whose = name == "all" ? "" : name + "_";
@@ -507,7 +535,7 @@ void Experiment::add_learned(Summary& summary, const std::string& name,
     write_members(common_.out / fmt::format("members{}.csv", file), assimilated.learned.second);
 }
 
-/// The ways of sensor rocks as filters that look back know them.
+/// Writes the smoothed trajectories of the sensor rocks.
 void Experiment::write_smoothed() const {
     for (std::size_t k = 0; k < variants_.size(); ++k) {
         std::vector<std::vector<double>> rows;
@@ -574,20 +602,21 @@ void Experiment::report() const {
 
 void run(const Twin& t, const Common& common) {
     require(t.triaxial.confining_pressure.size() == 1,
-            "--confining-pressure: expected one, found several");
+            "--confining-pressure: expected one pressure, found several");
     const bool faulty = t.sensors.faults.dropout > 0 || t.sensors.faults.outliers > 0;
     require(t.record.empty() || (!faulty && t.lateness == 0),
-            "--record: expected no --dropout, --outliers or --lateness, which it does not record");
+            "--record: expected no --dropout, --outliers or --lateness, which are not recorded");
     require(t.sensors.mode != "honest-imu" || !faulty,
-            "--sensor-mode honest-imu: expected no --dropout or --outliers, which are of tracked "
-            "sensors");
+            "--sensor-mode honest-imu: expected no --dropout or --outliers, which apply to tracked "
+            "sensors only");
     const bool moved = t.mismatch.placement > 0 || t.mismatch.turn > 0;
-    require(t.mismatch.packing == 0 || !moved, "--model-packing: expected no --model-placement or "
-                                               "--model-turn, which are off the truth's places");
+    require(t.mismatch.packing == 0 || !moved,
+            "--model-packing: expected no --model-placement or --model-turn, which move rocks from "
+            "the positions of the truth");
     require(t.mismatch.packing == 0 || t.mismatch.packing != common.seed,
             "--model-packing: expected another seed than --seed");
     require(t.mismatch.packing == 0 || !t.layouts,
-            "--layouts: expected no --model-packing, whose rocks are not those of the truth");
+            "--layouts: expected no --model-packing, whose rocks are not the rocks of the truth");
     require(t.mismatch.spheres == 0 || t.mismatch.spheres >= 4,
             fmt::format("--model-spheres: expected 0 or 4 and more, found {}", t.mismatch.spheres));
     check_test(t.triaxial);
@@ -610,6 +639,7 @@ int main(int argc, char** argv) {
     return bris::run_scenario<bris::Twin>(
         argc, argv,
         {"twin",
-         "a true triaxial test, recorded, and a model of it without and with the recordings"},
+         "Twin experiment: records a simulated triaxial test and models it without and with the "
+         "recordings."},
         bris::run, bris::explain);
 }

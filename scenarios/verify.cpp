@@ -1,4 +1,5 @@
-// The engine against exact answers: every group of checks, one table, and which numbers fail.
+// Compares the engine with exact solutions: every group of checks in one table, with the numbers
+// that fail.
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/run.hpp"
@@ -21,9 +22,9 @@ struct Verify {
     void describe(auto& option) {
         std::vector<std::string> names{""};
         for (const VerificationCase& c : verification_cases()) names.emplace_back(c.name);
-        option("case", only, "", "one group alone", names);
+        option("case", only, "", "Run one group of checks only. Empty: run all groups.", names);
         option("list", list, "",
-               "print the groups and the sources of their exact values, run nothing");
+               "Print the groups with the sources of their exact values and end.");
     }
 };
 
@@ -48,15 +49,15 @@ void run(const Verify& settings, const Common& common) {
     fmt::print("{}", table_of(checks));
     report_results(common, results);
     if (const std::string failing = names_of_failing(checks); !failing.empty())
-        throw SimulationError("failing: " + failing);
+        throw SimulationError("verify: these checks fail: " + failing);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
     return run_scenario<Verify>(argc, argv,
-                                {"verify", "compare the engine with exact answers",
+                                {"verify", "Compares the engine with exact solutions.",
                                  "its runs are short",
-                                 "it runs many small scenes; --list names them"},
+                                 "it runs many small scenes, which --list prints"},
                                 run);
 }

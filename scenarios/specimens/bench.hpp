@@ -24,17 +24,17 @@ struct BenchSettings {
     LawName law = LawName::linear;
     unsigned threads = 1;
     ListSettings lists = {};
-    ScheduleSettings schedule = {}; ///< several threads are used however small the scene is
+    ScheduleSettings schedule = {}; ///< threads are used however few rows the scene has
     bool energy_budget = false;
-    bool unlimited = false; ///< neither overlaps nor speeds are limited: what results is measured
+    bool unlimited = false; ///< overlap and speed have no practical limit
 };
 
 /// Adds the neighbour lists and the steps to a complete scene. Unlike `start` it does not check the
 /// scene.
 Simulation begin(World world, const BenchSettings& settings);
 
-/// Calls side(corner, u, v) for the six sides of a box: the parallelogram from the corner along u
-/// and v, u x v inwards.
+/// Calls side(corner, u, v) for the six sides of a box. A side is the parallelogram from the corner
+/// along u and v, with u x v inwards.
 template <class Side>
 void for_sides_of_box(const Vec3& low, const Vec3& high, Side&& side) {
     const Vec3 d = high - low, x = d.x() * Vec3::UnitX(), y = d.y() * Vec3::UnitY(),
@@ -59,16 +59,16 @@ EntityId add_facet_floor(World& world, double low, double high, int n, std::uint
 /// The same square as two triangles, cut along the diagonal from the low corner.
 EntityId add_triangle_floor(World& world, double low, double high, std::uint32_t material);
 
-/// Six overlapping balls of a rock, about 1 m across.
+/// A clump of six overlapping spheres, about 1 m across.
 Clump small_rock();
 
-/// Factors of the units of a scene.
+/// Factors by which the units of a scene are scaled.
 struct Units {
     double length = 1, mass = 1, time = 1;
 };
 
-/// Grains of radius about 1 cm on a lattice, thrown about, that fall into a corner of a box of
-/// planes; friction and dashpots. Its step for linear_viscous: 2e-5 s.
+/// Grains with a radius of about 1 cm, friction and dashpots, which start on a lattice with random
+/// velocities and fall into a corner of a box of planes. Time step for linear_viscous: 2e-5 s.
 struct Tumble {
     Grains grains = Grains::spheres;
     unsigned bodies = 60;
@@ -78,14 +78,14 @@ struct Tumble {
 };
 World tumbling(const Tumble& t);
 
-/// Upper corner of that box, m; its lower one is the origin.
+/// Upper corner of that box, m. The lower corner is the origin.
 Vec3 box_of(const Tumble& t);
 
-/// A bed like that at rest under its weight: an undamped law, local damping 0.7. At most `ratio` of
-/// its forces are unbalanced.
+/// The same grains at rest under their weight, with a law without dashpots and local damping 0.7.
+/// The unbalanced force ratio is at most `ratio`.
 Simulation bed_at_rest(const Tumble& t, double ratio, double ks_ratio = 0.3);
 
-/// Message of the InputError or SimulationError that `work` throws; empty if it throws none.
+/// Message of the InputError or SimulationError that `work` throws. Empty if it throws none.
 std::string refusal_of(const std::function<void()>& work);
 
 enum class Walls { planes, facets };
@@ -98,12 +98,12 @@ struct BenchBed {
     std::uint64_t seed = 1;
 };
 
-/// Grains of radius about 1 cm on a lattice, thrown about, in a box that they settle in; friction
-/// on.
+/// Grains with a radius of about 1 cm and friction, which start on a lattice with random velocities
+/// and settle in a box of planes or of facets.
 World bed(const BenchBed& bed);
 
-/// A specimen without platens' friction: a membrane of `rings` x `sectors` elements about z, driven
-/// by a servo, closed by two planes.
+/// A cylindrical membrane of `rings` x `sectors` elements about the z axis, driven by a servo and
+/// closed by two planes; the upper one is a platen.
 struct TubeSettings {
     unsigned rings = 2, sectors = 8;
     double radius = 0.05, height = 0.1, pressure = 1e4;
@@ -112,18 +112,18 @@ struct TubeSettings {
 
 void add_tube(World& world, const TubeSettings& s, std::uint32_t material);
 
-/// All touching pairs of the last step, taken together.
+/// Summary of all touching pairs of the last step.
 struct Touch {
     std::size_t pairs = 0;
-    double overlap = 0;        ///< m, the largest
-    double normal_force = 0;   ///< N, sum
-    Vec3 force = Vec3::Zero(); ///< N, on the owners
+    double overlap = 0;        ///< m, largest of all pairs
+    double normal_force = 0;   ///< N, sum over all pairs
+    Vec3 force = Vec3::Zero(); ///< N, sum of the forces on the owners of the pairs
     SpringRow spring{};        ///< of the last pair
-    double friction_ratio = 0; ///< tangential over normal force, the largest
+    double friction_ratio = 0; ///< largest ratio of tangential to normal force
 };
 Touch touch_of(const World& world);
 
-/// Kinetic energy (J) of a body that has been free of forces since the last step.
+/// Kinetic energy (J) of a body on which no force has acted since the last step.
 double free_kinetic_energy(World& world, EntityId body);
 
 } // namespace bris

@@ -1,4 +1,5 @@
-// S20: absurd scenes and options are refused before the first step, by name, with the range.
+// S20: absurd scenes and options are refused before the first step. The message names the quantity
+// and states its range.
 #include "engine/errors.hpp"
 #include "engine/options.hpp"
 #include "scenarios/specimens/bench.hpp"
@@ -17,7 +18,7 @@ namespace {
 constexpr double none = std::numeric_limits<double>::quiet_NaN(),
                  infinite = std::numeric_limits<double>::infinity();
 
-/// How often something was refused as it should be, and the first time that it was not.
+/// Counts how often something was refused correctly, and keeps the first failure.
 struct Tally {
     std::string what;
     unsigned tries = 0, refused = 0;
@@ -34,10 +35,11 @@ struct Tally {
         if (!named && failed.empty()) failed = fmt::format("{}: \"{}\"", attempt, message);
     }
     StressRow row() const {
-        return {"S20", what, fmt::format("all {} refused: name, range, value", tries),
-                fmt::format("{} refused, {}", refused,
-                            failed.empty() ? "as \"" + example + "\"" : "not " + failed),
-                refused == tries};
+        return {
+            "S20", what, fmt::format("all {} are refused with name, range and value", tries),
+            fmt::format("{} refused, {}", refused,
+                        failed.empty() ? "for example \"" + example + "\"" : "but not " + failed),
+            refused == tries};
     }
 };
 
@@ -113,7 +115,7 @@ void add_bodies(StressRows& rows) {
     attempt("orientation", 2, Grains::clumps,
             [&](World& w) { value_of<Orientation>(w, 1).coeffs() *= 2; });
     attempt("material", 7, Grains::spheres, [&](World& w) { value_of<MaterialOf>(w, 1) = 7; });
-    tally.add("body", "a scene of nothing",
+    tally.add("body", "an empty scene",
               refusal_of([] { check_scene(make_world(Grains::spheres), LawName::linear); }));
     tally.add("density", "a grain without density", refusal_of([] {
                   World world = make_world(Grains::spheres);
@@ -123,17 +125,17 @@ void add_bodies(StressRows& rows) {
     rows.push_back(tally.row());
 }
 
-/// What a scenario with a bed of grains can be told.
+/// Options of a scenario with a bed of grains.
 struct Absurd {
     unsigned grains = 100;
     double radius = 0.01, friction = 0.5, restitution = 0.8;
     std::string law = "linear";
     void describe(Options& option) {
-        option("grains", grains, "", "how many", within(1, 50e6));
-        option("radius", radius, "m", "of a grain", above(0));
-        option("friction", friction, "", "Coulomb coefficient", at_least(0));
-        option("restitution", restitution, "", "of an impact", within(0, 1));
-        option("law", law, "", "of contact", {"linear", "hertz"});
+        option("grains", grains, "", "Number of grains.", within(1, 50e6));
+        option("radius", radius, "m", "Radius of a grain.", above(0));
+        option("friction", friction, "", "Coulomb friction coefficient.", at_least(0));
+        option("restitution", restitution, "", "Coefficient of restitution.", within(0, 1));
+        option("law", law, "", "Contact law.", {"linear", "hertz"});
     }
 };
 
@@ -168,7 +170,7 @@ StressRows stress_absurd_parameters(const StressSettings&) {
     add_options(rows);
     World sound = tumbling({.grains = Grains::clumps, .bodies = 3});
     const std::string message = refusal_of([&] { check_scene(sound, LawName::linear_viscous); });
-    rows.push_back({"S20", "a sound scene", "accepted", message.empty() ? "accepted" : message,
+    rows.push_back({"S20", "a valid scene", "accepted", message.empty() ? "accepted" : message,
                     message.empty()});
     return rows;
 }

@@ -4,8 +4,8 @@
 
 namespace bris {
 
-/// One function a file, named for what it tries. Where the engine must refuse, the refusal is the
-/// pass.
+/// One function per file, named after what it tests. Where the engine must refuse a scene, the row
+/// passes if it does.
 
 StressRows stress_determinism(const StressSettings& s);         // S1
 StressRows stress_step_limit(const StressSettings& s);          // S4

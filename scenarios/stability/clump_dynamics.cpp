@@ -1,4 +1,4 @@
-// S27: clumps move as the rigid bodies that they stand for.
+// S27: clumps move as the rigid bodies that they represent.
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
 
@@ -13,12 +13,12 @@ namespace {
 StressRow within_tolerance(const std::string& what, double found, double exact, double tolerance) {
     const double error = std::abs(found / exact - 1);
     return {"S27", what, fmt::format("{:.8g} within {:g} %", exact, 100 * tolerance),
-            fmt::format("{:.8g}, off by {:.2g} %", found, 100 * error), error < tolerance};
+            fmt::format("{:.8g}, error {:.2g} %", found, 100 * error), error < tolerance};
 }
 
-// A roly-poly: one sphere, whose centre is `rise` above the centre of mass, stands on a floor and
-// rocks. Without friction the centre of mass stays above one place: T = 2 pi sqrt(I / (m g d));
-// rolling, the contact is the pivot: I + m (R - d)^2.
+// A rocking body (roly-poly): one sphere, whose centre is `rise` above the centre of mass, rocks on
+// a floor. Without friction the centre of mass moves only vertically: T = 2 pi sqrt(I / (m g d)).
+// With rolling the contact is the pivot, and I + m (R - d)^2 replaces I.
 double rocking_period(bool rolls, double dt, double cycles) {
     constexpr double radius = 0.1, rise = 0.03, gravity = 10, angle = 0.01; // m, m, m/s2, rad
     World world = make_world(Grains::clumps);
@@ -39,7 +39,7 @@ double rocking_period(bool rolls, double dt, double cycles) {
         begin(std::move(world), {.dt = dt,
                                  .law = rolls ? LawName::linear : LawName::linear_frictionless,
                                  .schedule = {.serial = true}});
-    // from the first upward zero of the tilt to one some cycles on, linear between steps
+    // from the first upward zero of the tilt to a later one, interpolated linearly between steps
     double before = angle, first = -1, last = 0, count = 0;
     while (count <= cycles) {
         simulation.advance(1);
@@ -66,9 +66,9 @@ double elliptic_k(double m) {
     return pi / (2 * a);
 }
 
-// A body spun about its middle axis turns over and over (Dzhanibekov): the spin about that axis is
-// an elliptic sine of period 4 K(m) / p (Landau and Lifshitz, Mechanics, section 37; here L^2 < 2 E
-// I2, so that the axes 1 and 3 change roles).
+// A body that rotates about its middle axis flips periodically (Dzhanibekov effect): the angular
+// velocity about that axis is an elliptic sine of period 4 K(m) / p (Landau and Lifshitz,
+// Mechanics, section 37; here L^2 < 2 E I2, so that the axes 1 and 3 change roles).
 void add_flips(StressRows& rows, double dt, int flips) {
     const Vec3 inertia(1, 2, 3), angular_velocity(0.02, 1, 0);
     World world = make_world(Grains::clumps);
@@ -101,19 +101,19 @@ void add_flips(StressRows& rows, double dt, int flips) {
         }
         before = about;
     }
-    rows.push_back(within_tolerance(
-        fmt::format("time between two of {} flips about the middle axis, s", flips),
-        (last - first) / flips, exact, 1e-3));
+    rows.push_back(
+        within_tolerance(fmt::format("mean time between {} flips about the middle axis, s", flips),
+                         (last - first) / flips, exact, 1e-3));
 }
 
 // The spheres that touch an ellipsoid (a > b > c) from inside have their centres in its middle
-// plane: the one at (x, y) has r^2 = c^2 (1 - x^2 / (a^2 - c^2) - y^2 / (b^2 - c^2)). All of them
-// together fill it.
+// plane: the sphere at (x, y) has r^2 = c^2 (1 - x^2 / (a^2 - c^2) - y^2 / (b^2 - c^2)). All these
+// spheres together fill the ellipsoid.
 MassProperties packed_ellipsoid(const Vec3& axes, int rings) {
     const double c = axes.z(), u = std::sqrt(axes.x() * axes.x() - c * c),
                  v = std::sqrt(axes.y() * axes.y() - c * c);
     std::vector<Ball> balls{{Vec3::Zero(), c}};
-    for (int k = 1; k < rings; ++k) // rings of the sheet; the last would have radius zero
+    for (int k = 1; k < rings; ++k) // the spheres of the last ring would have radius zero
         for (int j = 0; j < 6 * k; ++j) {
             const double s = std::sin(0.5 * pi * k / rings),
                          angle = 2 * pi * (j + 0.5 * (k % 2)) / (6 * k);
@@ -132,23 +132,23 @@ void add_ellipsoid(StressRows& rows, int rings) {
     const auto name = [&](const char* what) {
         return fmt::format("ellipsoid of {} spheres: {}", spheres, what);
     };
-    // the error falls with the square of the spacing: two packings tell what the third would be
-    // (Richardson)
+    // the error is of second order in the spacing: Richardson extrapolation from two packings
     const auto extrapolated = [](double fine, double rough) { return fine + (fine - rough) / 3; };
-    rows.push_back(within_tolerance(name("volume, extrapolated, m3"),
+    rows.push_back(within_tolerance(name("extrapolated volume, m3"),
                                     extrapolated(found.volume, coarse.volume), volume, 1e-3));
     const Vec3 squares = axes.cwiseAbs2();
     const Vec3 moments =
         volume / 5 *
         Vec3(squares.y() + squares.z(), squares.z() + squares.x(), squares.x() + squares.y());
-    const std::array names{"moment about its longest axis, m5", "moment about its middle axis, m5",
-                           "moment about its shortest axis, m5"};
+    const std::array names{"moment of inertia about its longest axis, m5",
+                           "moment of inertia about its middle axis, m5",
+                           "moment of inertia about its shortest axis, m5"};
     for (int k = 0; k < 3; ++k)
         rows.push_back(within_tolerance(name(names[static_cast<std::size_t>(k)]),
                                         extrapolated(found.inertia(k, k), coarse.inertia(k, k)),
                                         moments[k], 1e-3));
     const double order = std::log2((volume - coarse.volume) / (volume - found.volume));
-    rows.push_back({"S27", name("order of the volume in their spacing"), "2 within 0.3",
+    rows.push_back({"S27", name("order of the volume in the spacing"), "2 within 0.3",
                     fmt::format("{:.2f}", order), std::abs(order - 2) < 0.3});
 }
 
@@ -157,19 +157,21 @@ void add_unions(StressRows& rows) {
     const std::array<Ball, 2> pair{{{Vec3(-0.5, 0, 0), 1}, {Vec3(0.5, 0, 0), 1}}};
     const MassProperties two = union_properties(pair, 1e-6);
     const double lens = 5 * pi / 12;
-    rows.push_back(within_tolerance("volume of two unit spheres, 1 m apart, m3", two.volume,
+    rows.push_back(within_tolerance("two unit spheres, 1 m apart: volume, m3", two.volume,
                                     8 * pi / 3 - lens, 1e-5));
     rows.push_back(
-        within_tolerance("their moment about the axis, m5", two.inertia(0, 0), 3.0041479750, 1e-5));
+        within_tolerance("two unit spheres, 1 m apart: moment of inertia about the axis, m5",
+                         two.inertia(0, 0), 3.0041479750, 1e-5));
     rows.push_back(
-        within_tolerance("their moment across it, m5", two.inertia(1, 1), 5.2130803096, 1e-5));
-    // three in a row: two lenses, none in common
+        within_tolerance("two unit spheres, 1 m apart: moment of inertia across the axis, m5",
+                         two.inertia(1, 1), 5.2130803096, 1e-5));
+    // three spheres in a row have two separate lenses in common
     const std::array<Ball, 3> row{
         {{Vec3(-1, 0.1, 0), 1}, {Vec3(0, 0.1, 0), 1}, {Vec3(1, 0.1, 0), 1}}};
-    rows.push_back(within_tolerance("volume of three in a row, m3",
+    rows.push_back(within_tolerance("three unit spheres in a row: volume, m3",
                                     union_properties(row, 1e-6).volume, 4 * pi - 2 * lens, 1e-5));
     const std::array<Ball, 2> inside{{{Vec3::Zero(), 1}, {Vec3(0.2, 0.1, 0), 0.5}}};
-    rows.push_back(within_tolerance("volume of a sphere that holds another, m3",
+    rows.push_back(within_tolerance("unit sphere that contains another sphere: volume, m3",
                                     union_properties(inside, 1e-6).volume, 4 * pi / 3, 1e-5));
 }
 
@@ -178,12 +180,12 @@ void add_unions(StressRows& rows) {
 StressRows stress_clump_dynamics(const StressSettings& s) {
     StressRows rows;
     const double cycles = s.full ? 50 : 2;
-    // amplitude 0.01 rad: theta^2/16 = 6e-6 of the period; m g d = 0.3 N m, rolling inertia 4e-3 +
-    // 0.07^2 kg m2
-    rows.push_back(within_tolerance("period of a roly-poly on a smooth floor, s",
+    // the amplitude of 0.01 rad changes the period by theta^2/16 = 6e-6; m g d = 0.3 N m, rolling
+    // inertia 4e-3 + 0.07^2 kg m2
+    rows.push_back(within_tolerance("rocking body (roly-poly) on a smooth floor: period, s",
                                     rocking_period(false, 5e-5, cycles),
                                     2 * pi * std::sqrt(4e-3 / 0.3), 1e-3));
-    rows.push_back(within_tolerance("period of a rolling roly-poly, s",
+    rows.push_back(within_tolerance("rocking body (roly-poly) that rolls: period, s",
                                     rocking_period(true, 2e-5, cycles),
                                     2 * pi * std::sqrt((4e-3 + 0.07 * 0.07) / 0.3), 1e-3));
     add_flips(rows, 0.01, s.full ? 200 : 20);

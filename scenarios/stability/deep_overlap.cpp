@@ -1,4 +1,4 @@
-// S9: starts that stand deep in each other: refused, or relaxed without a bang.
+// S9: initial states with deep overlaps are refused, or relaxed without an explosion.
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/relax.hpp"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double radius = 0.01;
 
-/// Spheres in a row, each overlapping the next by a part of the diameter.
+/// Spheres in a row, each overlapping the next one by a fraction of the diameter.
 World row_of_spheres(unsigned count, double overlap) {
     World world = make_world(Grains::spheres);
     const auto grain = world.resource<Materials>().add(linear_material(1e5, 3e4, 0.5));
@@ -26,11 +26,11 @@ World row_of_spheres(unsigned count, double overlap) {
 
 World spheres_in_a_floor() {
     World world = row_of_spheres(3, 0.3);
-    add_floor(world, 0); // their centres lie in it
+    add_floor(world, 0); // the centres lie in the plane of the floor
     return world;
 }
 
-/// Two clumps, the second `ratio` times as large and `shift` of its radius aside.
+/// Two clumps. The second one is `ratio` times as large and shifted by `shift` bounding radii.
 World clump_in_clump(double ratio, double shift) {
     World world = make_world(Grains::clumps);
     const auto grain = world.resource<Materials>().add(linear_material(1e5, 3e4, 0.5));
@@ -58,7 +58,7 @@ void add_rows(StressRows& rows, const std::string& what, const World& scene) {
     World refused(scene);
     add_lists(refused, LawName::linear);
     const std::string message = refusal_of([&] { check_overlaps(refused); });
-    rows.push_back({"S9", what + ": as it is", "refused before the first step",
+    rows.push_back({"S9", what + ": start without relaxation", "refused before the first step",
                     message.empty() ? "accepted" : message, !message.empty()});
 
     World relaxed(scene), again(scene);
@@ -71,16 +71,17 @@ void add_rows(StressRows& rows, const std::string& what, const World& scene) {
                            : r.left,
                     r.done && r.overlap <= 0.01 && r.speed <= r.speed_limit &&
                         all_finite(positions(relaxed))});
-    rows.push_back({"S9", what + ": on the way", "kinetic energy <= elastic energy of the start",
+    rows.push_back({"S9", what + ": energy during relaxation",
+                    "kinetic energy <= initial elastic energy",
                     fmt::format("{:.3g} of {:.3g} J", r.peak_energy, r.stored_energy),
                     r.peak_energy <= r.stored_energy && r.stored_energy > 0});
     const bool same = same_bits(positions(relaxed), positions(again));
-    rows.push_back({"S9", what + ": once more on 3 threads", "same bits",
-                    same ? "same" : "other places", same});
+    rows.push_back({"S9", what + ": relaxed again on 3 threads", "same bits",
+                    same ? "same" : "other positions", same});
 
     add_lists(relaxed, LawName::linear);
     const std::string still = refusal_of([&] { check_overlaps(relaxed); });
-    rows.push_back({"S9", what + ": the relaxed start", "accepted",
+    rows.push_back({"S9", what + ": start after relaxation", "accepted",
                     still.empty() ? "accepted" : still, still.empty()});
 }
 
@@ -90,13 +91,13 @@ StressRows stress_deep_overlap(const StressSettings& s) {
     StressRows rows;
     add_rows(rows, "two spheres, 50 % overlap", row_of_spheres(2, 0.5));
     add_rows(rows, "two spheres, 99 % overlap", row_of_spheres(2, 0.99));
-    add_rows(rows, "two spheres, one centre", row_of_spheres(2, 1));
-    add_rows(rows, fmt::format("{} spheres, one centre", s.full ? 200 : 20),
+    add_rows(rows, "two spheres, same centre", row_of_spheres(2, 1));
+    add_rows(rows, fmt::format("{} spheres, same centre", s.full ? 200 : 20),
              row_of_spheres(s.full ? 200 : 20, 1));
-    add_rows(rows, "three spheres in a floor", spheres_in_a_floor());
-    add_rows(rows, "identical clumps in one place", clump_in_clump(1, 0));
-    add_rows(rows, "a clump inside a clump", clump_in_clump(0.4, 0.05));
-    add_rows(rows, "clumps half in each other", clump_in_clump(1, 0.8));
+    add_rows(rows, "three spheres, centres in a floor", spheres_in_a_floor());
+    add_rows(rows, "two identical clumps, same position", clump_in_clump(1, 0));
+    add_rows(rows, "a clump inside a larger one", clump_in_clump(0.4, 0.05));
+    add_rows(rows, "two clumps, half inside each other", clump_in_clump(1, 0.8));
     return rows;
 }
 

@@ -1,4 +1,4 @@
-// S1: the same bits on any number of threads, with any skin, in any order of the rows.
+// S1: results have the same bits with any number of threads, any skin and any order of the rows.
 #include "engine/random.hpp"
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
@@ -14,7 +14,7 @@ namespace bris {
 
 namespace {
 
-/// Bodies in another order in memory, spheres with them.
+/// Shuffles the rows of the bodies, and those of their spheres in the same way.
 void shuffle_rows(World& world, std::uint64_t seed) {
     Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
     std::vector<Row> order(bodies.size());
@@ -23,7 +23,7 @@ void shuffle_rows(World& world, std::uint64_t seed) {
     for (std::size_t k = order.size(); k > 1; --k)
         std::swap(order[k - 1], order[random.bits() % k]);
     std::vector<Row> sphere_order;
-    for (const Row b : order) // rows are ids before the first step
+    for (const Row b : order) // before the first step rows are ids
         for (Row s = 0; s < spheres.size(); ++s)
             if (spheres.column<ParentId>()[s] == b) sphere_order.push_back(s);
     bodies.permute(order);
@@ -39,8 +39,7 @@ struct Variant {
 std::vector<Variant> variants(double diameter, unsigned threads) {
     const BenchSettings plain{
         .dt = 2e-5, .law = LawName::linear_viscous, .schedule = {.grain = 16}};
-    std::vector<Variant> list{{"1 thread, skins that follow the work", plain},
-                              {"once more, in another simulation", plain}};
+    std::vector<Variant> list{{"1 thread, automatic skins", plain}, {"1 thread, repeated", plain}};
     for (const unsigned n :
          {2u, 3u, 7u, std::max({threads, std::thread::hardware_concurrency(), 4u})}) {
         list.push_back({fmt::format("{} threads", n), plain});
@@ -54,16 +53,16 @@ std::vector<Variant> variants(double diameter, unsigned threads) {
     }
     list.push_back({"rows shuffled and never sorted", plain, true});
     list.back().setup.lists.sort_every = 0;
-    list.push_back({"rows shuffled, sorted at every refresh", plain, true});
+    list.push_back({"rows shuffled, sorted at every rebuild", plain, true});
     list.back().setup.lists.sort_every = 1;
     list.push_back({"systems in another valid order", plain});
     list.back().setup.schedule.last_order = true;
-    list.push_back({"systems one after the other", plain});
+    list.push_back({"systems in sequence", plain});
     list.back().setup.schedule = {.serial = true, .fused = false, .grain = 16};
     return list;
 }
 
-/// Hashes of all state along a run.
+/// Hashes of the whole state in the course of a run.
 std::vector<std::uint64_t> hashes(const Tumble& scene, const Variant& v, unsigned marks,
                                   unsigned each) {
     World world = tumbling(scene);
@@ -95,7 +94,7 @@ StressRows stress_determinism(const StressSettings& s) {
             rows.push_back(
                 {"S1",
                  fmt::format("{}: {}", grains == Grains::spheres ? "spheres" : "clumps", v.name),
-                 fmt::format("same hash at {} marks, {} steps apart", marks, each),
+                 fmt::format("same hash at {} instants, {} steps apart", marks, each),
                  same ? fmt::format("{:016x} at the end", found.back())
                       : fmt::format("differs at step {}", (mine - found.begin() + 1) * each),
                  same});

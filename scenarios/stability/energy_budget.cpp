@@ -1,4 +1,4 @@
-// S6: energy is booked to the last joule, and friction, dashpots and rolling only ever take.
+// S6: the energy budget closes, and friction, dashpots and rolling resistance only dissipate.
 #include "components/pair.hpp"
 #include "engine/ordering.hpp"
 #include "scenarios/specimens/bench.hpp"
@@ -29,7 +29,7 @@ double sum(const World& world) {
     return total;
 }
 
-/// Kinetic, elastic and of weight, and what has been taken and put in; J.
+/// Energy (kinetic, elastic and potential), dissipated work and work put in, J.
 struct Account {
     double energy = 0, taken = 0, put_in = 0;
     double total() const { return energy + taken - put_in; }
@@ -73,11 +73,11 @@ Material grain(double friction) {
 }
 
 struct Impact {
-    double least = 0;   ///< J, taken in a step over the energy of the start, if negative
-    double closure = 0; ///< of the energy of the start
+    double least = 0;   ///< smallest dissipated work relative to the initial energy, if negative
+    double closure = 0; ///< error of the budget relative to the initial energy
 };
 
-/// A sphere with some spin hits a plane, or another sphere, at an angle from the normal.
+/// A spinning sphere hits a plane or another sphere at an angle (degrees) from the normal.
 Impact impact(LawName law, double degrees, double friction, bool pair, double dt) {
     constexpr double radius = 0.01, speed = 1;
     World world = make_world(Grains::spheres);
@@ -116,8 +116,8 @@ struct Scan {
     std::string where;
 };
 
-/// Impacts from 0 to 89 degrees at `share` of the critical step 2/omega of the linear spring (Hertz
-/// is about as stiff here).
+/// Impacts from 0 to 89 degrees at a fraction `share` of the critical step 2/omega of the linear
+/// spring. Hertz contacts have about the same stiffness here.
 Scan scan(LawName law, const std::vector<double>& frictions, double every, double share) {
     const double dt = share * 2 * std::sqrt(2600 * 4 * pi / 3 * 1e-6 / 1e6);
     std::vector<double> angles{89};
@@ -148,21 +148,21 @@ void add_impacts(StressRows& rows, std::size_t which, const StressSettings& s) {
         const std::string what = fmt::format("{} oblique impacts, friction {}, {}", coarse.count,
                                              high ? "3 and 10" : "0 to 1", law_names[which]);
         rows.push_back(
-            {"S6", what + ": work taken",
-             "never negative, in any step (rounding: 1e-14 of the energy)",
-             fmt::format("least {:.1e} of the energy", std::min(coarse.least, fine.least)),
+            {"S6", what + ": dissipated work",
+             "not negative in any step (rounding: 1e-14 of the energy)",
+             fmt::format("minimum {:.1e} of the energy", std::min(coarse.least, fine.least)),
              std::min(coarse.least, fine.least) >= -1e-14});
         const double order = std::log2(coarse.closure / fine.closure) / 2;
-        rows.push_back({"S6", what + ": closure of the impact",
-                        "< 1e-2 at 0.1 and 1e-3 at 0.025 of the critical step",
+        rows.push_back({"S6", what + ": closure of the energy budget",
+                        "< 1e-2 at 0.1 and < 1e-3 at 0.025 of the critical step",
                         fmt::format("{:.1e} ({}) and {:.1e}, order {:.1f}", coarse.closure,
                                     coarse.where, fine.closure, order),
                         coarse.closure < 1e-2 && fine.closure < 1e-3});
     }
 }
 
-/// Grains tumble into a box whose floor rises under them for a while, and come to rest: start and
-/// end without power.
+/// Closure of the energy budget of grains that fall into a box, whose floor rises for a while, and
+/// come to rest. At start and end no power flows.
 double bed_closure(LawName law, Grains grains, bool shear_dashpot, double share,
                    std::uint64_t seed) {
     World world =
@@ -183,7 +183,7 @@ double bed_closure(LawName law, Grains grains, bool shear_dashpot, double share,
     const EntityId host = add_boundary(world, Vec3::Zero(), 1, Motion::prescribed);
     add_plane(world, host, Vec3::Zero(), Vec3::UnitZ());
     const double dt =
-        share * (is_hertz(law) ? 6e-5 : 3e-5); // of about the step that is just stable
+        share * (is_hertz(law) ? 6e-5 : 3e-5); // fraction of about the largest stable step
     Simulation simulation = begin(std::move(world), {.dt = dt, .law = law, .energy_budget = true});
     const double start = budget_of(simulation.world()).energy;
     const auto steps = [&](double time) {
@@ -211,11 +211,11 @@ void add_bed(StressRows& rows, std::size_t which, Grains grains, bool shear_dash
     }
     const double order = std::log2(closure[0] / closure[2]) / 2;
     rows.push_back({"S6",
-                    fmt::format("{} tumble to rest on a moving floor, {}{}",
+                    fmt::format("{} fall and come to rest on a moving floor, {}{}",
                                 grains == Grains::spheres ? "spheres" : "clumps", law_names[which],
                                 shear_dashpot ? ", also in shear" : ""),
-                    // runs with other steps soon go other ways: each closure scatters by a factor
-                    // of a few, the order by one
+                    // runs with different steps soon diverge: each closure scatters by a factor of
+                    // a few, the order by one
                     "closure < 1e-3 at 0.1 of the stable step, order 2 (0.5 to 3)",
                     fmt::format("{:.1e}, {:.1e}, {:.1e} at 0.4, 0.2, 0.1; order {:.2f}", closure[0],
                                 closure[1], closure[2], order),
@@ -228,7 +228,7 @@ StressRows stress_energy_budget(const StressSettings& s) {
     StressRows rows;
     for (std::size_t which = 0; which < laws.size(); ++which) add_impacts(rows, which, s);
     for (std::size_t which = 0; which < laws.size(); ++which) {
-        // without dashpots only local damping brings rest, and its account wants clumps
+        // without dashpots only local damping brings bodies to rest, and its budget needs clumps
         const bool damped = has_dashpots(laws[which]);
         if (damped) add_bed(rows, which, Grains::spheres, false, s);
         if (!damped || s.full) add_bed(rows, which, Grains::clumps, false, s);

@@ -1,4 +1,4 @@
-// S5: what carries nothing is never in equilibrium.
+// S5: a scene that carries no load is never reported to be in equilibrium.
 #include "scenarios/specimens/equilibrium.hpp"
 
 #include "engine/random.hpp"
@@ -36,21 +36,21 @@ StressRows stress_vacuous_equilibrium(const StressSettings& s) {
             [&] { taken = find_equilibrium(simulation, {.longest = s.full ? 100'000u : 5000u}); });
         const auto at = refusal.find("s: "); // after step and time
         rows.push_back(
-            {"S5", what, wanted.empty() ? "converges" : "refused: " + wanted,
+            {"S5", what, wanted.empty() ? "converges to equilibrium" : "refused: " + wanted,
              refusal.empty() ? fmt::format("in equilibrium after {} steps", taken)
                              : refusal.substr(at + 3),
              wanted.empty() ? refusal.empty() : refusal.find(wanted) != std::string::npos});
     };
     const Vec3 none = Vec3::Zero(), down(0, 0, -9.81);
     add("an empty box", box(0, 0.03, 0, down, s.seed), "no load path");
-    add("one sphere that nothing touches", box(1, 0.03, 0, none, s.seed), "no load path");
-    add("rattlers: spheres at rest, apart, without weight", box(27, 0.03, 0, none, s.seed),
+    add("one sphere without contacts", box(1, 0.03, 0, none, s.seed), "no load path");
+    add("rattlers: separate spheres at rest without gravity", box(27, 0.03, 0, none, s.seed),
         "no load path");
-    add("a gas: spheres that fly about", box(27, 0.03, 1, none, s.seed), "no ");
-    World exploded = box(27, 0.019, 0, none, s.seed); // deep in each other, and no wall
+    add("a gas: moving spheres without gravity", box(27, 0.03, 1, none, s.seed), "no ");
+    World exploded = box(27, 0.019, 0, none, s.seed); // deep overlaps and no wall
     exploded.table<Planes>().resize(0);
     exploded.resource<Limits>().overlap = 1;
-    add("exploded: spheres that burst apart", std::move(exploded), "no load path");
+    add("an explosion: spheres driven apart by deep overlaps", std::move(exploded), "no load path");
     World bed = box(27, 0.021, 0, down, s.seed);
     bed.resource<LocalDamping>().fraction = 0.7;
     add("a bed under its weight", std::move(bed), "");

@@ -1,4 +1,4 @@
-// S15: a scene that flies, is turned, or stands far away is the same scene.
+// S15: results do not depend on the reference frame: moving, rotated or shifted.
 #include "components/boundary.hpp"
 #include "engine/random.hpp"
 #include "scenarios/specimens/bench.hpp"
@@ -40,8 +40,8 @@ void take_to(World& world, const Frame& f) {
     world.resource<Gravity>().value = f.turn * world.resource<Gravity>().value;
 }
 
-/// Places of the bodies in the frame's own axes, by id. `nudge` (m) moves every body a little at
-/// the start.
+/// Positions (m) of the bodies in the axes of the frame, by id. `nudge` (m) is an initial random
+/// displacement of every body.
 std::vector<Vec3> positions(const Tumble& scene, const Frame& f, unsigned steps, double nudge = 0) {
     World world = tumbling(scene);
     Random random(scene.seed, 15);
@@ -93,16 +93,17 @@ StressRows stress_frames(const StressSettings& s) {
         const double diameter = 2 * mean_radius(tumbling(scene)), nudge = 1e-9 * diameter;
         const double condition =
             std::max(1.0, difference(reference, positions(scene, {}, steps, nudge)) / nudge);
-        // every step rounds a place of this size by eps, which kicks a body by k eps size dt / m; n
-        // kicks of random sign move it by (omega dt)^2 n^1.5 eps size, omega dt = 0.1 here, and the
-        // run amplifies that by its condition; the worst of 60 bodies is three such deviations off
+        // Every step rounds a position of this size by eps, which changes the velocity of a body by
+        // k eps size dt / m. n changes of random sign move it by (omega dt)^2 n^1.5 eps size, with
+        // omega dt = 0.1 here, and the run amplifies this by its condition. The largest error of 60
+        // bodies is three such deviations.
         const double rounding =
             3 * condition * 0.01 * std::pow(steps, 1.5) * std::numeric_limits<double>::epsilon();
         const auto add = [&](const std::string& name, const Frame& f, double size) {
             const double error = difference(reference, positions(scene, f, steps));
             const double allowed = rounding * size;
             rows.push_back({"S15", fmt::format("{}: {}", what, name),
-                            fmt::format("places equal within three deviations of rounding x "
+                            fmt::format("same positions within three deviations of rounding x "
                                         "condition {:.0f}: {:.1e} m",
                                         condition, allowed),
                             fmt::format("{:.1e} m", error), error <= allowed});
@@ -112,16 +113,16 @@ StressRows stress_frames(const StressSettings& s) {
             worst = std::max(worst, difference(reference, positions(scene, {.turn = turn}, steps)));
         const double allowed = rounding * 0.2;
         rows.push_back(
-            {"S15", fmt::format("{}: turned 24 ways", what),
-             fmt::format(
-                 "places equal within three deviations of rounding x condition {:.0f}: {:.1e} m",
-                 condition, allowed),
-             fmt::format("{:.1e} m at worst", worst), worst <= allowed});
-        add("turned by 0.3, 0.7, -0.4 rad",
+            {"S15", fmt::format("{}: the 24 rotations of a cube", what),
+             fmt::format("same positions within three deviations of rounding x condition {:.0f}: "
+                         "{:.1e} m",
+                         condition, allowed),
+             fmt::format("at most {:.1e} m", worst), worst <= allowed});
+        add("rotated by 0.3, 0.7, -0.4 rad",
             {.turn = exponential_map(Vec3(0.3, 0.7, -0.4)).toRotationMatrix()}, 0.2);
-        add("flying at (3, -2, 1) m/s", {.boost = Vec3(3, -2, 1)}, 0.2);
-        add("1 km away", {.offset = Vec3(1e3, -1e3, 1e3)}, 1.7e3);
-        add("1000 km away", {.offset = Vec3(1e6, -1e6, 1e6)}, 1.7e6);
+        add("moving at (3, -2, 1) m/s", {.boost = Vec3(3, -2, 1)}, 0.2);
+        add("shifted by 1 km along each axis", {.offset = Vec3(1e3, -1e3, 1e3)}, 1.7e3);
+        add("shifted by 1000 km along each axis", {.offset = Vec3(1e6, -1e6, 1e6)}, 1.7e6);
     }
     return rows;
 }

@@ -1,4 +1,5 @@
-// S25: lists made anew in every step, with next to no skin, or at random, are the same lists.
+// S25: neighbour lists that are rebuilt in every step, at random, or with almost no skin give the
+// same results.
 #include "systems/broadphase/lists.hpp"
 
 #include "engine/random.hpp"
@@ -16,7 +17,7 @@ struct Outcome {
     std::uint64_t hash, rebuilds, prunes;
 };
 
-/// `chance`: of being told in a step that everything has changed.
+/// `chance` is the probability that the lists are invalidated in a step.
 Outcome run(const Tumble& scene, const ListSettings& lists, double chance, unsigned steps) {
     Simulation simulation =
         begin(tumbling(scene), {.dt = 2e-5, .law = LawName::linear_viscous, .lists = lists});
@@ -45,7 +46,7 @@ StressRows stress_lists(const StressSettings& s) {
                 {"S25",
                  fmt::format("{}: {}", grains == Grains::spheres ? "spheres" : "clumps", what),
                  fmt::format("same hash after {} steps", steps),
-                 fmt::format("{:016x}, {} refreshes, {} prunes", found.hash, found.rebuilds,
+                 fmt::format("{:016x}, {} rebuilds, {} prunes", found.hash, found.rebuilds,
                              found.prunes),
                  found.hash == reference.hash && found.prunes > reference.prunes});
         };
@@ -55,8 +56,8 @@ StressRows stress_lists(const StressSettings& s) {
              .largest_skin = 2 * least,
              .tune = false},
             0);
-        add("all lists anew in every step", {}, 1);
-        add("all lists anew at random", {}, 0.2);
+        add("all lists rebuilt in every step", {}, 1);
+        add("all lists rebuilt at random", {}, 0.2);
     }
     return rows;
 }

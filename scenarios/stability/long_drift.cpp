@@ -1,4 +1,4 @@
-// S12: what should stay the same over very many steps stays the same.
+// S12: conserved quantities stay constant over very many steps.
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
 #include "scenarios/stability/cases.hpp"
@@ -10,8 +10,8 @@ namespace bris {
 
 namespace {
 
-/// A free body with three different moments that tumbles through all its attitudes, 0.01 rad a
-/// step.
+/// A free body with three different principal moments that tumbles through all attitudes, by
+/// 0.01 rad per step.
 void add_top(StressRows& rows, std::uint64_t steps) {
     World world = make_world(Grains::clumps);
     Clump shape;
@@ -41,20 +41,21 @@ void add_top(StressRows& rows, std::uint64_t steps) {
         const double error = std::abs(energy() / begun - 1);
         (k < marks / 2 ? first : last) = std::max(k < marks / 2 ? first : last, error);
     }
-    const std::string what = fmt::format("a free top, {} steps: ", steps);
+    const std::string what = fmt::format("a torque-free top, {} steps: ", steps);
     rows.push_back({"S12", what + "norm of the quaternion", "within 1e-12 of 1",
                     fmt::format("{:.1e}", norm), norm < 1e-12});
     rows.push_back({"S12", what + "angular momentum", "constant within 1e-9",
                     fmt::format("{:.1e}", turn), turn < 1e-9});
-    // turn() is of fourth order and not symplectic: the energy drifts by less than (0.01 rad)^5 /
-    // 120 a step
+    // turn() is of fourth order and not symplectic: the energy drifts by less than
+    // (0.01 rad)^5 / 120 per step
     const double bound = 1e-10 / 120 * static_cast<double>(steps);
-    rows.push_back({"S12", what + "energy", fmt::format("within {:.1e} of the start", bound),
+    rows.push_back({"S12", what + "energy",
+                    fmt::format("within {:.1e} of the initial energy", bound),
                     fmt::format("{:.1e} in the first half, {:.1e} in the second", first, last),
                     std::max(first, last) < bound});
     const Clock& clock = simulation.world().resource<Clock>();
     const double exact = static_cast<double>(steps / marks * marks) * dt;
-    rows.push_back({"S12", what + "time", "number of steps x dt, to the bit",
+    rows.push_back({"S12", what + "time", "exactly number of steps x dt",
                     fmt::format("{:.17g} s", clock.time()), clock.time() == exact});
 }
 
@@ -78,7 +79,7 @@ void add_bed(StressRows& rows, Grains grains, std::uint64_t steps, std::uint64_t
                     fmt::format("a bed of {} at rest, {} steps",
                                 grains == Grains::spheres ? "spheres" : "clumps", steps),
                     "creep < 1e-6 diameters",
-                    fmt::format("{:.1e} at half time, {:.1e} at the end", half, creep),
+                    fmt::format("{:.1e} after half of the steps, {:.1e} at the end", half, creep),
                     creep < 1e-6});
 }
 

@@ -1,4 +1,4 @@
-// S16: nobody outside, so momentum and its moment stay.
+// S16: without external forces momentum and angular momentum are conserved.
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
 
@@ -10,8 +10,8 @@ namespace {
 
 struct Momentum {
     Vec3 linear = Vec3::Zero(), angular = Vec3::Zero(); // kg m/s, kg m2/s about the origin
-    double linear_sum = 0,
-           angular_sum = 0; // of |p|, and of |x| |p| and |L|: what rounding is relative to
+    // sums of |p|, and of |x| |p| and |L|, to which rounding is relative
+    double linear_sum = 0, angular_sum = 0;
 };
 
 Momentum momentum_of(const World& world) {
@@ -43,7 +43,7 @@ StressRows stress_momentum(const StressSettings& s) {
         Vec3 centre = Vec3::Zero();
         const auto position = world.column<Bodies, Position>();
         for (const Vec3& x : position) centre += x / static_cast<double>(position.size());
-        for (std::size_t b = 0; b < position.size(); ++b) { // towards each other: many collisions
+        for (std::size_t b = 0; b < position.size(); ++b) { // move inwards, for many collisions
             world.column<Bodies, Velocity>()[b] += 30 * (centre - position[b]) + Vec3(0, 0, 0.5);
             position[b] -= centre;
         }

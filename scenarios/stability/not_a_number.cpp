@@ -1,5 +1,5 @@
-// S22: a number that is none, anywhere in the state, is caught at once, and the last good state
-// goes on.
+// S22: a NaN anywhere in the state is detected at once, and the run continues from the last valid
+// state.
 #include "components/pair.hpp"
 #include "engine/random.hpp"
 #include "scenarios/specimens/bench.hpp"
@@ -19,10 +19,10 @@ namespace {
 constexpr unsigned block = 50; // steps
 constexpr double none = std::numeric_limits<double>::quiet_NaN();
 
-/// Places in the state that are hit in turn.
+/// Quantities of the state into which a NaN is inserted in turn.
 constexpr std::array columns{"position", "velocity", "angular momentum", "spring"};
 
-/// Puts a NaN where `column` says, at a body of the scene.
+/// Inserts a NaN into a quantity of a body, or of a random contact.
 void hit(World& world, std::size_t column, EntityId body, Random& random) {
     const auto axis = static_cast<Eigen::Index>(random.bits() % 3);
     if (column == 0)
@@ -43,7 +43,7 @@ void hit(World& world, std::size_t column, EntityId body, Random& random) {
     }
 }
 
-/// Whether nothing of it is left: a spring whose pair parts in the next step is thrown away unread.
+/// Whether no NaN is left: a spring whose pair separates in the next step is discarded unread.
 bool all_finite(const World& world) {
     const Table& bodies = world.table<Bodies>();
     for (Row b = 0; b < bodies.size(); ++b)
@@ -67,7 +67,7 @@ void attack(const Tumble& scene, std::size_t column, std::uint64_t draw, Outcome
     simulation.advance(block);
     const auto expected = fingerprint(simulation.snapshot());
     simulation.restore(good);
-    simulation.advance(1); // lists are there when the number turns bad
+    simulation.advance(1); // so that lists exist when the NaN is inserted
     const auto body = static_cast<EntityId>(random.bits() % scene.bodies);
     hit(simulation.world(), column, body, random);
     const std::string message = refusal_of([&] { simulation.advance(block); });
@@ -96,12 +96,14 @@ StressRows stress_not_a_number(const StressSettings& s) {
             const char* what = grains == Grains::spheres ? "spheres" : "clumps";
             rows.push_back(
                 {"S22", fmt::format("{}: NaN in a {}", what, columns[column]),
-                 fmt::format("caught within {} steps, body named; or gone with its contact", block),
-                 fmt::format("{} of {} caught, {} named, {} gone", o.caught, o.tries, o.named,
+                 fmt::format("detected within {} steps with the body's name, or gone with its "
+                             "contact",
+                             block),
+                 fmt::format("{} of {} detected, {} with name, {} gone", o.caught, o.tries, o.named,
                              o.discarded),
                  o.caught + o.discarded == tries && o.named == o.caught && o.caught > 0});
-            rows.push_back({"S22", fmt::format("{}: going on from the snapshot before it", what),
-                            "same hash as if nothing had been",
+            rows.push_back({"S22", fmt::format("{}: continued from the snapshot before it", what),
+                            "same hash as an undisturbed run",
                             fmt::format("{} of {}", o.recovered, o.tries), o.recovered == tries});
         }
     return rows;

@@ -12,8 +12,8 @@ namespace bris {
 inline constexpr double position_deviation = 1e-5, velocity_deviation = 1e-2,
                         attitude_deviation = 1e-2; // m, m/s and rad/s, rad
 
-/// What a body does at the end of the last step, as a sensor that tells everything sees it, with
-/// those deviations.
+/// Measurement of all quantities of a body at the end of the last step, with noise of the standard
+/// deviations above.
 inline Measured observed(Simulation& sim, EntityId body, Random& random) {
     const auto noise = [&](double deviation) -> Vec3 {
         return deviation * Vec3(random.normal(), random.normal(), random.normal());

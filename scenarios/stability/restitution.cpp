@@ -1,4 +1,4 @@
-// S13: restitution from 0 to 1 and friction from 0 to 10 are those asked for.
+// S13: restitution from 0 to 1 and friction from 0 to 10 have their nominal values.
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
 
@@ -26,8 +26,8 @@ double contact_time(LawName law, double mass, double speed) {
            speed; // Johnson (1985), eq. 11.24
 }
 
-/// Speed after an impact on a plane over that before. The contact begins `phase` of a step before
-/// the first step in touch.
+/// Speed after an impact on a plane over speed before. The contact begins a fraction `phase` of a
+/// step before the first step with contact.
 double rebound(LawName law, double restitution, Tension tension, double steps, double phase) {
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();
@@ -47,7 +47,7 @@ double rebound(LawName law, double restitution, Tension tension, double steps, d
 }
 
 void add_restitution(StressRows& rows, LawName law, Tension tension) {
-    // a fiftieth of the critical step 2/omega of the stiffest moment: omega t_c is pi for a linear
+    // a 50th of the critical step 2/omega at the largest stiffness: omega t_c is pi for a linear
     // spring and, from the energies of a Hertz contact, 2.9433 sqrt(15/8) = 4.0302
     const double steps = 50 * (is_hertz(law) ? 4.0302 : pi) / 2;
     constexpr int phases = 16;
@@ -64,14 +64,13 @@ void add_restitution(StressRows& rows, LawName law, Tension tension) {
              fmt::format("restitution {}, {}, tension {}", e, is_hertz(law) ? "Hertz" : "linear",
                          tension == Tension::allowed ? "allowed" : "calibrated"),
              "mean within 1e-3 at a 50th of the critical step",
-             fmt::format("{:.5f} ({:+.1e}); {:.1e} at the worst moment of first touch", mean,
-                         mean - e, worst),
+             fmt::format("{:.5f} ({:+.1e}); largest error {:.1e} for any instant of first touch",
+                         mean, mean - e, worst),
              std::abs(mean - e) < 1e-3});
     }
 }
 
-/// Energy of a ball that bounces between two planes, e = 1, over that at the start: the largest
-/// deviation.
+/// Largest relative change of the energy of a ball that bounces between two planes with e = 1.
 double bouncing_error(LawName law, double steps, unsigned bounces) {
     World world = make_world(Grains::spheres);
     const auto grain = world.resource<Materials>().add(bouncing(1));
@@ -103,8 +102,8 @@ void add_bounces(StressRows& rows, const StressSettings& s) {
     for (const LawName law : {LawName::linear_frictionless, LawName::hertz_frictionless}) {
         const double coarse = bouncing_error(law, 50, bounces),
                      fine = bouncing_error(law, 200, bounces);
-        // one bounce is wrong by fourth order in dt, 1.4e-8 of the energy at a 200th, always the
-        // same way
+        // each bounce has an error of fourth order in dt, 1.4e-8 of the energy at a 200th of the
+        // contact time, always of the same sign
         const double bound = 4e-8 * bounces;
         rows.push_back(
             {"S13",
@@ -116,8 +115,8 @@ void add_bounces(StressRows& rows, const StressSettings& s) {
     }
 }
 
-/// A sphere set down at speed on a floor slides until it rolls: 2/7 of v0 / (mu g) later, at 5/7 of
-/// v0.
+/// A sphere placed on a floor with a speed v0 slides until it rolls: after 2/7 v0 / (mu g), at
+/// 5/7 v0.
 void add_friction(StressRows& rows) {
     for (const double mu : {0.0, 1e-3, 1e-2, 0.1, 0.5, 1.0, 10.0}) {
         World world = make_world(Grains::spheres);
@@ -146,9 +145,11 @@ void add_friction(StressRows& rows) {
         const double exact = mu > 0 ? 5.0 / 7 : 1, exact_angular_velocity = mu > 0 ? 5.0 / 7 : 0;
         rows.push_back(
             {"S13", fmt::format("friction {}: from sliding to rolling", mu),
-             fmt::format("v / v0 = {:.5f} at half time, then {:.5f}, rolling, within 1e-3",
+             fmt::format("v / v0 = {:.5f} halfway through sliding, then {:.5f} and rolling, within "
+                         "1e-3",
                          exact_halfway, exact),
-             fmt::format("{:.5f}, then {:.5f}, surface {:.5f}", halfway, found, angular_velocity),
+             fmt::format("{:.5f}, then {:.5f}, R omega / v0 = {:.5f}", halfway, found,
+                         angular_velocity),
              std::abs(found - exact) < 1e-3 &&
                  std::abs(angular_velocity - exact_angular_velocity) < 1e-3 &&
                  std::abs(halfway - exact_halfway) < 1e-3});

@@ -1,5 +1,5 @@
-// S11: what sensors may say wrong: the state stays finite, what cannot be is refused, and the
-// bodies go on as without it.
+// S11: faulty sensors: the state stays finite, impossible samples are refused, and the bodies move
+// as without these samples.
 #include "engine/random.hpp"
 #include "engine/signal/imu.hpp"
 #include "scenarios/recordings/quality_control.hpp"
@@ -19,7 +19,7 @@ namespace bris {
 namespace {
 
 constexpr double dt = 2e-5, interval = 1e-3;         // s
-constexpr std::uint64_t steps_each = 50;             // of an interval
+constexpr std::uint64_t steps_each = 50;             // per interval
 constexpr unsigned good_ones = 20, all_of_them = 40; // samples of each sensor
 constexpr std::array<EntityId, 2> hosts{3, 17};
 constexpr EntityId another = 39;
@@ -32,7 +32,7 @@ Simulation start(World world) {
     return begin(std::move(world), {.dt = dt, .law = LawName::linear_viscous});
 }
 
-/// What sensors on the hosts, and one on another rock, record of a bed that tumbles.
+/// Recordings of the sensors on the hosts, and of one on another rock, in a bed that tumbles.
 std::vector<Samples> record(std::uint64_t seed) {
     Simulation truth = start(tumbling(bed(seed)));
     Random random(seed, 1100);
@@ -46,16 +46,16 @@ std::vector<Samples> record(std::uint64_t seed) {
     return all;
 }
 
-/// What is wrong with a sample, from the middle of the recording on.
+/// A fault of all samples from the middle of the recording on.
 struct Fault {
     const char* what;
     void (*spoil)(TimedMeasurement& sample, const Samples& good,
                   const TimedMeasurement& of_another);
-    bool is_found = true; ///< by a filter, sample for sample: none is let in
+    bool is_found = true; ///< a filter refuses every faulty sample
     double gate = 0.999, largest_shift = 0;
 };
 
-/// Only this is said.
+/// A measurement of the position only.
 Measured position(const Vec3& x) {
     Measured m;
     m.position = x;
@@ -70,8 +70,8 @@ Measured attitude(const Quat& q) {
 }
 
 constexpr std::array faults{
-    Fault{"dies", [](auto& m, auto&, auto&) { m.what = {}; }},
-    Fault{"infinities",
+    Fault{"no data", [](auto& m, auto&, auto&) { m.what = {}; }},
+    Fault{"infinite values",
           [](auto& m, auto&, auto&) {
               m.what.position = m.what.velocity = m.what.angular_velocity =
                   Vec3(infinite, 0, -infinite),
@@ -81,33 +81,33 @@ constexpr std::array faults{
           [](auto& m, auto&, auto&) { m.what = position(m.what.position + Vec3(0, 1, 0)); }},
     Fault{"spikes of 1e300 m",
           [](auto& m, auto&, auto&) { m.what = position(Vec3::Constant(1e300)); }},
-    Fault{"millimetres for metres",
+    Fault{"millimetres instead of metres",
           [](auto& m, auto&, auto&) { m.what = position(1e3 * m.what.position); }},
-    Fault{"degrees for radians",
+    Fault{"degrees instead of radians",
           [](auto& m, auto&, auto&) {
               m.what.angular_velocity *= 180 / pi,
                   m.what.position = m.what.velocity = Measured().position,
                   m.what.attitude = Measured().attitude;
           },
           false},
-    Fault{"the opposite sign", [](auto& m, auto&, auto&) { m.what = position(-m.what.position); }},
-    Fault{"another frame",
+    Fault{"opposite sign", [](auto& m, auto&, auto&) { m.what = position(-m.what.position); }},
+    Fault{"attitude in another frame",
           [](auto& m, auto&, auto&) { m.what = attitude(m.what.attitude * Quat(0, 1, 0, 0)); }},
     Fault{"a quaternion of zeros",
           [](auto& m, auto&, auto&) { m.what = attitude(Quat(0, 0, 0, 0)); }},
-    Fault{"a quaternion twice as long",
+    Fault{"a quaternion of norm 2",
           [](auto& m, auto&, auto&) {
               m.what = attitude(Quat(Eigen::Vector4d(2 * m.what.attitude.coeffs())));
           }},
-    Fault{"the id of another",
+    Fault{"data of another sensor",
           [](auto& m, auto&, const TimedMeasurement& other) {
               m.what = position(other.what.position);
           }},
-    Fault{"the last good one again",
+    Fault{"the last good sample repeated",
           [](TimedMeasurement& m, const Samples& good, auto&) {
               m = {good[good_ones - 1].time, good[good_ones - 1].what, m.time};
           }},
-    Fault{"late",
+    Fault{"late samples",
           [](auto& m, auto&, auto&) {
               m = {m.time - 5 * interval, m.what, m.time};
           }},
@@ -119,16 +119,16 @@ constexpr std::array faults{
           [](auto& m, auto&, auto&) {
               m = {m.time + 10, m.what, m.time + 10};
           }},
-    Fault{"ten diameters off, no gate",
+    Fault{"a shift of ten diameters, no gate",
           [](auto& m, auto&, auto&) {
               m.what = position(m.what.position + Vec3(10 * diameter, 0, 0));
           },
           true, 1, 1e-6},
     Fault{
-        "stuck",
+        "a stuck sensor",
         [](TimedMeasurement& m, const Samples& good, auto&) { m.what = good[good_ones - 1].what; },
         false, 0.999, 1e-6},
-    Fault{"a bias of ten deviations",
+    Fault{"a bias of ten standard deviations",
           [](auto& m, auto&, auto&) { m.what.position += 10 * position_deviation * Vec3(1, 0, 0); },
           false, 0.999, 1e-6},
 };
@@ -148,7 +148,7 @@ Simulation with_sensors(std::uint64_t seed, std::vector<Samples> samples, const 
     return start(std::move(world));
 }
 
-/// All State but that of sensors and filters.
+/// Hash of the whole state except that of sensors and filters.
 std::uint64_t mechanics(const Simulation& sim) {
     const Archive all = sim.snapshot();
     Archive some;
@@ -177,7 +177,7 @@ std::uint64_t counted(const Simulation& sim) {
     return sum;
 }
 
-/// Energy (J) of the bed's motion at the start: what corrections may put in is a small part of it.
+/// Initial kinetic energy (J) of the bed. Corrections may add a small fraction of it only.
 double energy_of(std::uint64_t seed) {
     const World world = tumbling(bed(seed));
     const auto mass = world.column<Bodies, Mass>();
@@ -205,21 +205,21 @@ void add_fault(StressRows& rows, std::uint64_t seed, const Fault& fault,
                assimilated = counted<Accepted>(without) > hosts.size() * good_ones;
     const double work = fusion_work(with.world()), energy = energy_of(seed);
     const auto found =
-        fmt::format("{}, {} refused, {} too late, {} withheld, work {:.1e} of {:.1e} J, {}",
+        fmt::format("{}, {} refused, {} too late, {} withheld, work {:.1e} J of {:.1e} J, {}",
                     finite ? "finite" : "not finite",
                     counted<Refused>(with) - counted<Refused>(without), counted<TooLate>(with),
                     counted<Withheld>(with), work, energy, same ? "the same bits" : "other bits");
     rows.push_back(
         {"S11", fmt::format("sensors in a bed: {}", fault.what),
          fault.is_found
-             ? "finite, bodies as if the recordings had ended"
+             ? "finite, bodies move as if the recordings had ended"
              : "finite, work of fusion below the sensors' share of the bed's energy, 5 %",
          stop.empty() ? found : stop,
          stop.empty() && finite && assimilated &&
              (fault.is_found ? same : std::abs(work) < 0.05 * energy)});
 }
 
-/// Every third sample a spike: those between are followed as if it were not there.
+/// Every third sample has a spike. The good samples between are used as if the spikes were absent.
 void add_spikes_between(StressRows& rows, std::uint64_t seed,
                         const std::vector<Samples>& recorded) {
     std::vector<Samples> spiked(recorded.begin(), recorded.begin() + hosts.size()),
@@ -241,14 +241,14 @@ void add_spikes_between(StressRows& rows, std::uint64_t seed,
         error = std::max(
             error, (value_of<Position>(with, host) - value_of<Position>(without, host)).norm());
     rows.push_back(
-        {"S11", "sensors in a bed: a spike of 0.1 m every third sample",
-         "sensors' bodies where they are without, to a deviation, 1e-5 m",
+        {"S11", "sensors in a bed: a spike of 0.1 m in every third sample",
+         "sensor bodies within one standard deviation, 1e-5 m, of a run without spikes",
          fmt::format("{} refused, {:.1e} m", counted<Refused>(with) - counted<Refused>(without),
                      error),
          error < position_deviation && counted<Refused>(with) > counted<Refused>(without)});
 }
 
-/// Five seconds of a rock that lies still for two and is shaken then.
+/// Recording of five seconds of a rock that is at rest for two seconds and then shaken.
 Recording recording(std::uint64_t seed) {
     const ImuModel model = imu_preset("smartrock-like");
     const Vec3 earth(0, 0, -9.81);
@@ -279,14 +279,14 @@ Recording recording(std::uint64_t seed) {
 }
 
 struct Spoilt {
-    const char *what, *check; ///< and the word under which it is refused
+    const char *what, *check; ///< fault, and name of the check that refuses it
     void (*spoil)(Recording& r);
 };
 constexpr std::array recordings{
-    Spoilt{"nothing wrong", "", [](Recording&) {}},
+    Spoilt{"no fault", "", [](Recording&) {}},
     Spoilt{"NaN in a force", "numbers",
            [](Recording& r) { r.force[700].y() = std::numeric_limits<double>::quiet_NaN(); }},
-    Spoilt{"an infinite rate", "numbers", [](Recording& r) { r.rate[700].x() = infinite; }},
+    Spoilt{"an infinite angular rate", "numbers", [](Recording& r) { r.rate[700].x() = infinite; }},
     Spoilt{"forces in g", "gravity",
            [](Recording& r) {
                for (Vec3& f : r.force) f /= 9.81;
@@ -299,9 +299,9 @@ constexpr std::array recordings{
            [](Recording& r) {
                for (Vec3& f : r.force) f = Vec3(f.y(), f.z(), f.x());
            }},
-    Spoilt{"a force that is stuck", "stuck",
+    Spoilt{"a stuck force channel", "stuck",
            [](Recording& r) { std::fill(r.force.begin() + 500, r.force.end(), r.force[500]); }},
-    Spoilt{"a sample twice", "twice", [](Recording& r) { r.time[700] = r.time[699]; }},
+    Spoilt{"a duplicate sample", "twice", [](Recording& r) { r.time[700] = r.time[699]; }},
     Spoilt{"samples out of order", "order",
            [](Recording& r) { std::swap(r.time[700], r.time[705]); }},
     Spoilt{"a clock that gains 1 %", "clock",
@@ -310,7 +310,7 @@ constexpr std::array recordings{
            }},
     Spoilt{"a quaternion of zeros", "attitude",
            [](Recording& r) { r.attitude[700].coeffs().setZero(); }},
-    Spoilt{"a sensor that dies at once", "length", [](Recording& r) { r.time.resize(1); }},
+    Spoilt{"a sensor that fails at once", "length", [](Recording& r) { r.time.resize(1); }},
 };
 
 void add_recordings(StressRows& rows, std::uint64_t seed) {
@@ -322,8 +322,8 @@ void add_recordings(StressRows& rows, std::uint64_t seed) {
         const bool refused = refusal != findings.end(), wanted = *spoilt.check != '\0';
         rows.push_back(
             {"S11", fmt::format("quality control: {}", spoilt.what),
-             wanted ? fmt::format("refused: {}", spoilt.check) : "taken",
-             refused ? fmt::format("refused: {}: {}", refusal->check, refusal->text) : "taken",
+             wanted ? fmt::format("refused: {}", spoilt.check) : "accepted",
+             refused ? fmt::format("refused: {}: {}", refusal->check, refusal->text) : "accepted",
              refused == wanted && (!wanted || refusal->check == spoilt.check)});
     }
 }

@@ -1,5 +1,5 @@
-// S7: the servo of membrane and platen keeps its pressure, its speed limit and its distance, or
-// says that it cannot.
+// S7: the servo of membrane and platen reaches its target pressure within its speed limit, and
+// walls do not pass through each other; otherwise the run stops with a reason.
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
 #include "engine/errors.hpp"
@@ -23,18 +23,18 @@ constexpr double tube_radius = 0.05, grain_radius = 0.0075;
 struct Tube {
     double stiffness = 1e5;    ///< N/m, of all contacts
     double pressure = 1e4;     ///< Pa, target of rings and platen
-    double speed = 0;          ///< m/s, of the grains at the start
-    double damping = 0.7;      ///< local, of the grains
-    double wall_damping = 0.7; ///< local, of rings and platen
-    int layers = 5;            ///< of grains, 0: none
-    int columns = 4;           ///< of grains, squared
+    double speed = 0;          ///< m/s, initial speed of the grains
+    double damping = 0.7;      ///< local damping of the grains
+    double wall_damping = 0.7; ///< local damping of rings and platen
+    int layers = 5;            ///< number of layers of grains; 0: no grains
+    int columns = 4;           ///< number of grains along each side of a layer
     double height = 0.1;       ///< m
-    double filling = 1;        ///< size of the grains, of what fits
+    double filling = 1;        ///< size of the grains relative to the size that fits
     std::uint64_t seed = 1;
 };
 
-/// Grains on a lattice in a membrane of 2 x 8 elements, closed by a floor and a driven platen. No
-/// weight.
+/// Grains on a lattice in a membrane of 2 x 8 elements, which is closed by a floor and a servo
+/// platen. There is no gravity.
 Simulation make_tube(const Tube& t) {
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();
@@ -75,19 +75,19 @@ Simulation make_tube(const Tube& t) {
         value_of<Velocity>(world, id) = t.speed * random.direction();
     }
     if (t.layers == 0) mass = 1;
-    world.resource<Limits>().speed = 1e9; // only the servo's own limit counts
+    world.resource<Limits>().speed = 1e9; // no limit but the servo's own one
     return begin(std::move(world),
                  {.dt = 0.2 * std::sqrt(mass / t.stiffness), .law = LawName::linear});
 }
 
-/// What was seen of the walls in a run.
+/// Observations of the walls in a run.
 struct Watch {
-    double fastest = 0;          ///< of walls, over their limit
+    double fastest = 0;          ///< largest speed of a wall relative to its limit
     double least_radius = 1e300; ///< m
     double least_height = 1e300; ///< m
     double peak = 0;             ///< Pa, the highest pressure of any wall
-    std::vector<double> late;    ///< Pa, mean of the walls in the last tenth of the run
-    std::string stop;            ///< why it stopped, if it did
+    std::vector<double> late;    ///< Pa, mean pressures of the walls in the last tenth of the run
+    std::string stop;            ///< reason for which the run stopped; empty: it did not
 
     double mean() const {
         return late.empty() ? 0
@@ -101,7 +101,7 @@ struct Watch {
     }
 };
 
-/// Looks at the walls every so many steps.
+/// Runs a simulation and observes the walls every `every` steps.
 Watch watch(Simulation& simulation, std::uint64_t steps, std::uint64_t every = 1) {
     Watch w;
     const World& world = simulation.world();
@@ -133,25 +133,27 @@ Watch watch(Simulation& simulation, std::uint64_t steps, std::uint64_t every = 1
 
 void add_walls(StressRows& rows, const std::string& what, const Watch& w) {
     rows.push_back(
-        {"S7", what + ": walls", "within their speed limit, none through another",
-         fmt::format("speed {:.3f} of the limit, least radius {:.1f} mm, height {:.1f} mm",
+        {"S7", what + ": walls", "within the speed limit, no wall passes through another",
+         fmt::format("{:.3f} of the speed limit, smallest radius {:.1f} mm, height {:.1f} mm",
                      w.fastest, 1e3 * w.least_radius, 1e3 * w.least_height),
          w.fastest <= 1 + 1e-12 && w.least_radius > 0 && w.least_height > 0});
 }
 
-/// `may_stop`: where there is too little to push against, the run may also stop, and say why.
+/// If `may_stop`, the run may also stop with a reason, since there is too little to push against.
 void add_settled(StressRows& rows, const std::string& what, const Watch& w, double target,
                  bool may_stop = false) {
-    const double scale = target > 0 ? target : Tube{}.pressure; // none is left of what was
+    // with a target of 0 the error is relative to the pressure before
+    const double scale = target > 0 ? target : Tube{}.pressure;
     const bool settled = w.stop.empty() && std::abs(w.mean() - target) < 0.01 * scale &&
                          w.deviation() < 1e-3 * scale;
     rows.push_back(
         {"S7", what + ": pressure",
-         may_stop ? "settles at the target: mean within 1 %, std below 0.1 %; or stops and says why"
-                  : "settles at the target: mean within 1 %, std below 0.1 %",
-         w.stop.empty()
-             ? fmt::format("mean {:.5g} of {:.5g} Pa, std {:.1e}", w.mean(), target, w.deviation())
-             : w.stop,
+         may_stop ? "settles at the target: mean within 1 %, standard deviation below 0.1 %; or "
+                    "stops with a reason"
+                  : "settles at the target: mean within 1 %, standard deviation below 0.1 %",
+         w.stop.empty() ? fmt::format("mean {:.5g} of {:.5g} Pa, standard deviation {:.1e} Pa",
+                                      w.mean(), target, w.deviation())
+                        : w.stop,
          settled || (may_stop && !w.stop.empty())});
 }
 
@@ -166,7 +168,7 @@ void set_target(Simulation& simulation, double pressure) {
     simulation.world().resource<Platen>().target_pressure = pressure;
 }
 
-/// All grains at a smaller size: every contact is gone.
+/// Makes all grains smaller, so that every contact is lost.
 void shrink(Simulation& simulation, double factor) {
     for (Ball& ball : simulation.world().column<Spheres, LocalBall>()) ball.radius *= factor;
     invalidate_lists(simulation.world());
@@ -179,7 +181,7 @@ void add_gas_and_few(StressRows& rows, std::uint64_t steps) {
         add_walls(rows, what, w);
         add_settled(rows, what, w, t.pressure, true);
     };
-    try_tube("nothing in the tube", {.layers = 0});
+    try_tube("an empty tube", {.layers = 0});
     try_tube("a gas", {.speed = 1, .damping = 0, .layers = 4, .columns = 3, .filling = 0.5});
     try_tube("one grain", {.layers = 1, .columns = 1});
 }
@@ -189,8 +191,8 @@ void add_loaded(StressRows& rows, double wall_damping, std::uint64_t steps) {
     Simulation simulation = make_tube(t);
     const Watch first = watch(simulation, steps);
     const std::string bed = fmt::format("a bed, wall damping {}: ", wall_damping);
-    add_walls(rows, bed + "filled", first);
-    add_settled(rows, bed + "filled", first, t.pressure);
+    add_walls(rows, bed + "first loading", first);
+    add_settled(rows, bed + "first loading", first, t.pressure);
     const Archive settled = simulation.snapshot();
     const auto again = [&](const std::string& what, double target,
                            const std::function<void()>& change) {
@@ -218,7 +220,7 @@ void add_loaded(StressRows& rows, double wall_damping, std::uint64_t steps) {
     add_overshoot(rows, bed + "target x 100", w, t.pressure);
 }
 
-/// Stiffer grains let the walls take shorter steps, so the same way takes more of them.
+/// Stiffer grains force the walls to take shorter steps, so the same displacement needs more steps.
 void add_stiffnesses(StressRows& rows, double stiffest, std::uint64_t all_steps) {
     for (const double stiffness : {1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10}) {
         if (stiffness > stiffest) continue;

@@ -1,4 +1,4 @@
-// S8: small bodies between large ones, light ones under heavy ones.
+// S8: small bodies between large ones and light bodies under heavy ones.
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
 #include "scenarios/stability/cases.hpp"
@@ -10,14 +10,15 @@ namespace bris {
 
 namespace {
 
-// The trap of three bodies (Vyas et al. 2025): a small sphere in the groove between two large,
-// fixed ones that touch each other. With static friction it rolls out of the groove, on a circle of
-// radius rho around the line of their centres, with angular acceleration g rho sin(angle) / (rho^2
-// + 2/5 (R + r)^2): its spin is (R + r) / r times that of its centre. Normals and velocities of
-// different times act as a friction that holds it.
+// The three-body trap (Vyas et al. 2025): a small sphere in the groove between two large fixed
+// spheres that touch each other. With static friction it rolls out of the groove on a circle of
+// radius rho around the line of their centres, with the angular acceleration
+// g rho sin(angle) / (rho^2 + 2/5 (R + r)^2); its angular velocity is (R + r) / r times that of its
+// centre. In a code that uses normals and velocities of different times, a spurious friction holds
+// it.
 struct Groove {
     double ratio;
-    static constexpr double small = 0.01, gravity = 10, begin = 0.5; // m, m/s2, rad from the top
+    static constexpr double small = 0.01, gravity = 10, begin = 0.5; // m, m/s2, rad from vertical
     double large() const { return ratio * small; }
     double rho() const {
         return std::sqrt((large() + small) * (large() + small) - large() * large());
@@ -26,7 +27,8 @@ struct Groove {
         return gravity * rho() / (rho() * rho() + 0.4 * (large() + small) * (large() + small));
     }
 
-    /// Angle of the rigid rolling sphere at a time (Runge-Kutta, 1000 steps: error below 1e-12).
+    /// Angle (rad) of a rigid rolling sphere at a time (s), by 1000 Runge-Kutta steps. Error below
+    /// 1e-12.
     double rigid(double time) const {
         double angle = begin, speed = 0;
         const double h = time / 1000;
@@ -42,8 +44,8 @@ struct Groove {
     }
 };
 
-/// Mean angle of the small sphere from 0.9 to 1 of `time`, with steps of time / `steps`; a multiple
-/// of ten.
+/// Mean angle (rad) of the small sphere from 0.9 to 1 of `time` (s), with `steps` time steps in
+/// `time`. The number of steps is a multiple of ten.
 double rolled(const Groove& g, LawName law, double time, std::uint64_t steps) {
     World world = make_world(Grains::spheres);
     const double mass = 2600 * 4 * pi / 3 * std::pow(Groove::small, 3);
@@ -64,7 +66,7 @@ double rolled(const Groove& g, LawName law, double time, std::uint64_t steps) {
     world.add_resource<Gravity>({Vec3(0, 0, -Groove::gravity)});
     world.resource<Limits>().overlap = 1;
     const double dt = time / static_cast<double>(steps);
-    // at rest at t = 0: half a step back the velocity is that of the acceleration down the groove
+    // at rest at t = 0; the velocity at -dt/2 follows from the acceleration down the groove
     const Vec3 down(0, std::cos(Groove::begin), -std::sin(Groove::begin));
     const double turning = g.rate2() * std::sin(Groove::begin);
     value_of<Velocity>(world, ball) = -0.5 * dt * turning * g.rho() * down;
@@ -73,7 +75,7 @@ double rolled(const Groove& g, LawName law, double time, std::uint64_t steps) {
                                              Vec3(-1, 0, 0);
     Simulation simulation =
         begin(std::move(world), {.dt = dt, .law = law, .schedule = {.serial = true}});
-    // the mean over the last tenth: the contacts vibrate a little about the way
+    // the mean over the last tenth removes small vibrations of the contacts
     const std::uint64_t last = steps / 10;
     simulation.advance(steps - last);
     double sum = 0;
@@ -88,7 +90,7 @@ double rolled(const Groove& g, LawName law, double time, std::uint64_t steps) {
 void add_trap(StressRows& rows, double ratio, LawName law, bool full) {
     const Groove g{ratio};
     const double time = 0.6 / std::sqrt(g.rate2());
-    // the first run has 4 steps a radian of the contact's vibration
+    // the first run has 4 steps per radian of the contact's vibration
     const double mass = 2600 * 4 * pi / 3 * std::pow(Groove::small, 3);
     const double kn = 0.5 * mass * Groove::gravity * std::cos(Groove::begin) *
                       (g.large() + Groove::small) / g.rho() / (1e-4 * Groove::small);
@@ -101,20 +103,20 @@ void add_trap(StressRows& rows, double ratio, LawName law, bool full) {
                          Groove::begin,
                  gone = reference - Groove::begin;
     const std::string what =
-        fmt::format("trap of three, 1:{:g}, {}", ratio,
+        fmt::format("three-body trap, size ratio 1:{:g}, {}", ratio,
                     law == LawName::linear ? "springs" : "springs and dashpots");
-    rows.push_back({"S8", what + ": leaves", "as a rigid sphere that rolls, within 1 %",
-                    fmt::format("{:.5f} of {:.5f} rad", gone, rigid),
+    rows.push_back({"S8", what + ": angle rolled", "that of a rigid rolling sphere within 1 %",
+                    fmt::format("{:.5f} rad, rigid {:.5f} rad", gone, rigid),
                     std::abs(gone / rigid - 1) < 0.01});
     const double order = std::log2(error / finer);
-    const std::string found = fmt::format("{:.1e} and {:.1e} of the way, order {:.2f}",
+    const std::string found = fmt::format("{:.1e} and {:.1e} of the angle, order {:.2f}",
                                           error / gone, finer / gone, order);
-    // without dashpots the contacts go on vibrating, at a phase that differs from step to step: at
-    // most (omega dt)^2 of the overlap of 1e-4 radii, which is seen as an angle on a circle of rho
+    // without dashpots the contacts keep vibrating with a phase that depends on the step: by at
+    // most (omega dt)^2 of the overlap of 1e-4 radii, seen as an angle on a circle of radius rho
     const double vibration = 1.0 / 16 * 1e-4 * Groove::small / g.rho();
     if (law == LawName::linear)
         rows.push_back({"S8", what + ": error",
-                        fmt::format("below {:.0e} of the way: the vibration of the contacts",
+                        fmt::format("below {:.0e} of the angle, the vibration of the contacts",
                                     vibration / gone),
                         found, error < vibration});
     else
@@ -122,16 +124,16 @@ void add_trap(StressRows& rows, double ratio, LawName law, bool full) {
                         order > 1.8 && order < 2.5});
 }
 
-/// A sphere ten times as large and a thousand times as dense on three light ones: mass ratio 1e6.
-/// The light ones would roll out from under it; friction holds them, since surfaces that lean by
-/// less than twice its angle grip.
+/// A sphere ten times as large and a thousand times as dense lies on three light ones: mass ratio
+/// 1e6. Without friction the light ones would roll out from under it. Friction holds them, because
+/// the angle between the surfaces is less than twice the friction angle.
 void add_heavy_on_light(StressRows& rows) {
     constexpr double radius = 0.005, stiffness = 1e6, gravity = 0.5;
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();
     const auto light = materials.add(linear_material(stiffness, 3e5, 0.5)),
                heavy = materials.add(linear_material(stiffness, 3e5, 0.5, 2600e3));
-    constexpr double beside = 1.5 * radius; // from the axis
+    constexpr double beside = 1.5 * radius; // m, distance from the axis
     for (int k = 0; k < 3; ++k)
         add_sphere(
             world,
@@ -153,13 +155,13 @@ void add_heavy_on_light(StressRows& rows) {
     const double carried = q.boundary_force.z() / q.weight.z(),
                  gone =
                      (value_of<Position>(simulation, 0) - Vec3(beside, 0, radius)).head<2>().norm();
-    rows.push_back({"S8", fmt::format("a sphere on three, mass ratio {:.3g}", ratio),
-                    "at rest, floor force = weight within 1e-4, the light ones gripped",
-                    refusal.empty()
-                        ? fmt::format("force / weight {:.7f}, light ones moved {:.1e} radii aside",
-                                      carried, gone / radius)
-                        : refusal,
-                    refusal.empty() && std::abs(carried - 1) < 1e-4 && gone < 0.1 * radius});
+    rows.push_back(
+        {"S8", fmt::format("a heavy sphere on three light ones, mass ratio {:.3g}", ratio),
+         "at rest, floor force = weight within 1e-4, light spheres held by friction",
+         refusal.empty() ? fmt::format("force / weight {:.7f}, light spheres moved by {:.1e} radii",
+                                       carried, gone / radius)
+                         : refusal,
+         refusal.empty() && std::abs(carried - 1) < 1e-4 && gone < 0.1 * radius});
 }
 
 } // namespace

@@ -1,4 +1,4 @@
-// S4: where the step becomes too long, against theory, and what the engine itself says of it.
+// S4: the largest stable time step, compared with theory and with the engine's own estimate.
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "scenarios/specimens/bench.hpp"
@@ -18,7 +18,8 @@ namespace {
 constexpr double radius = 0.01, kn = 1e5, density = 2600;
 constexpr double mass = density * 4 * pi / 3 * radius * radius * radius;
 
-/// The step (s) between `low`, stable, and `high`, unstable, at which a scene stops being stable.
+/// Largest stable step (s) by bisection between `low` (stable) and `high` (unstable), which are
+/// adjusted if necessary.
 double measured_limit(const std::function<bool(double)>& stable, double low, double high) {
     while (stable(high)) high *= 1.5;
     while (!stable(low)) low /= 1.5;
@@ -29,7 +30,7 @@ double measured_limit(const std::function<bool(double)>& stable, double low, dou
     return 0.5 * (low + high);
 }
 
-/// Disturbs every free body at random, to a speed that would move it 1e-9 radii in a step.
+/// Gives every free body a random velocity that moves it by 1e-9 radii in a step.
 void disturb(World& world, double dt, std::uint64_t seed) {
     Table& bodies = world.table<Bodies>();
     Random random(seed, 4);
@@ -43,8 +44,8 @@ void disturb(World& world, double dt, std::uint64_t seed) {
     }
 }
 
-/// Whether a disturbed scene stays near where it was: no body gets farther than 1e-4 radii. At 1 %
-/// below the limit a mode grows tenfold before it swings back; at 0.1 % above it, a hundred steps
+/// Whether a disturbed scene is stable: no body moves by more than 1e-4 radii. At 1 % below the
+/// limit a mode grows tenfold before it swings back; at 0.1 % above the limit a hundred steps
 /// multiply it by 1e7.
 bool stays(Simulation& simulation, const Archive& begin, double dt, std::uint64_t steps,
            std::uint64_t seed) {
@@ -75,7 +76,7 @@ double limit_of(Simulation& simulation, double guess, std::uint64_t steps, std::
 
 LawName law_of(double ratio) { return ratio > 0 ? LawName::linear : LawName::linear_frictionless; }
 
-/// A sphere that weight presses 1e-3 radii into a floor.
+/// A sphere whose weight causes an overlap of 1e-3 radii with a floor.
 Simulation on_wall(double ratio) {
     World world = make_world(Grains::spheres);
     const auto grain =
@@ -86,15 +87,15 @@ Simulation on_wall(double ratio) {
     return begin(std::move(world), {.dt = 1e-6, .law = law_of(ratio)});
 }
 
-/// Two free spheres that two walls, ten thousand times softer, press together: but for the walls
-/// the pair alone.
+/// Two free spheres that are pressed together by two walls. The walls are ten thousand times softer
+/// than the contact, so the pair is nearly isolated.
 Simulation pressed_pair(double ratio) {
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();
     const auto grain = materials.add(linear_material(kn, ratio * kn, 1e3, density));
     Material soft;
     soft.name = "soft wall";
-    soft.normal_stiffness = 1e-4 * kn; // of the contact, nearly: in series with 2 kn
+    soft.normal_stiffness = 1e-4 * kn; // about that of the contact, in series with 2 kn
     const auto wall = materials.add(soft);
     const double squeeze = 1e-5 * radius,
                  wall_squeeze = 0.1 * radius; // 1e-4 of the stiffness, 1e4 times the overlap
@@ -107,7 +108,8 @@ Simulation pressed_pair(double ratio) {
     return begin(std::move(world), {.dt = 1e-6, .law = law_of(ratio)});
 }
 
-/// A face-centred cubic crystal of `cells` cells a side, squeezed by 1e-3; its skin is fixed.
+/// A face-centred cubic crystal of `cells` cells along each side, compressed by 1e-3. Its outermost
+/// spheres are fixed.
 Simulation crystal(double ratio, int cells) {
     World world = make_world(Grains::spheres);
     const auto grain =
@@ -133,7 +135,7 @@ void add_analytic(StressRows& rows, const StressSettings& s) {
         simulation.advance(1);
         rows.push_back(
             {"S4", what, fmt::format("limit {:.4f} sqrt(m/kn) within 2 %", theory),
-             fmt::format("{:.4f}, off by {:.2f} %; the engine's estimate {:.3f}", found,
+             fmt::format("{:.4f}, error {:.2f} %; estimate of the engine {:.3f}", found,
                          100 * (found / theory - 1), stable_step(simulation.world()) / unit),
              std::abs(found / theory - 1) < 0.02});
     };
@@ -143,15 +145,16 @@ void add_analytic(StressRows& rows, const StressSettings& s) {
     add("a sphere on a wall, ks = kn", on_wall(1), 2 / std::sqrt(3.5), 1000);
     add("two spheres, ks = 0", pressed_pair(0), std::sqrt(2.0), 1000);
     add("two spheres, ks = kn", pressed_pair(1), 2 / std::sqrt(7.0), 1000);
-    // infinite crystals; in a finite one with a fixed skin the shortest waves are a little slower
+    // theory is for infinite crystals; in a finite one with a fixed surface the shortest waves are
+    // a little slower
     const int cells = s.full ? 12 : 6;
-    add(fmt::format("a face-centred crystal of {} cells a side, ks = 0", cells), crystal(0, cells),
-        std::sqrt(0.5), 1000);
-    add(fmt::format("a face-centred crystal of {} cells a side, ks = kn", cells), crystal(1, cells),
-        std::sqrt(0.1), 1000);
+    add(fmt::format("a face-centred cubic crystal, {} cells along each side, ks = 0", cells),
+        crystal(0, cells), std::sqrt(0.5), 1000);
+    add(fmt::format("a face-centred cubic crystal, {} cells along each side, ks = kn", cells),
+        crystal(1, cells), std::sqrt(0.1), 1000);
 }
 
-/// A bed at rest in which no contact can slide: the elastic system around its state.
+/// A bed at rest in which no contact can slide, so that it is an elastic system about its state.
 Simulation loaded_bed(const Tumble& t, double ks_ratio) {
     Simulation simulation = bed_at_rest(t, 1e-8, ks_ratio);
     World& world = simulation.world();
@@ -162,8 +165,8 @@ Simulation loaded_bed(const Tumble& t, double ks_ratio) {
     return simulation;
 }
 
-/// False: this bed has a body that goes on rolling, and would be told from an unstable one only by
-/// its pace.
+/// Adds the rows of a bed. Returns false and adds nothing if a body of this bed keeps rolling,
+/// since only its speed would distinguish it from an unstable one.
 bool add_bed(StressRows& rows, Grains grains, double ks_ratio, const StressSettings& s,
              std::uint64_t seed) {
     const unsigned bodies = grains == Grains::spheres ? 40 : 20;
@@ -188,19 +191,19 @@ bool add_bed(StressRows& rows, Grains grains, double ks_ratio, const StressSetti
                     estimate / limit >= 0.6 && estimate / limit <= 1});
     const std::uint64_t steps = s.full ? 100'000 : 5000;
     const bool stable = stays(simulation, begin, estimate, steps, seed);
-    // a body that rolls away does so whatever the step; an instability of the step is gone at a
-    // quarter of it
+    // a body that rolls away does so with any step; an instability of the integration disappears
+    // with a quarter of the step
     const bool rolls = !stable && !stays(simulation, begin, 0.25 * estimate, 4 * steps, seed);
     rows.push_back(
-        {"S4", what + ", at the estimate",
-         fmt::format("stable over {} steps, or moves as with a quarter of the step", steps),
+        {"S4", what + ": step equal to the estimate",
+         fmt::format("stable over {} steps, or the same motion with a quarter of the step", steps),
          stable  ? "stable"
-         : rolls ? "moves, as with a quarter of the step"
+         : rolls ? "moves, also with a quarter of the step"
                  : "diverges",
          stable || rolls});
     const bool diverges = !stays(simulation, begin, 1.5 * limit, 2000, seed);
-    rows.push_back({"S4", what + ", at 1.5 times the limit", "diverges, or is stopped",
-                    diverges ? "does" : "stays", diverges});
+    rows.push_back({"S4", what + ": step of 1.5 times the limit", "diverges or is stopped",
+                    diverges ? "diverges or is stopped" : "stays stable", diverges});
     return true;
 }
 

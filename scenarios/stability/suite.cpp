@@ -13,23 +13,24 @@ namespace bris {
 namespace {
 
 constexpr std::array cases{
-    StressCase{"S1", "threads, skins and the order of rows", stress_determinism},
-    StressCase{"S4", "limit of the time step", stress_step_limit},
-    StressCase{"S5", "equilibria of nothing", stress_vacuous_equilibrium},
+    StressCase{"S1", "bit-identical results with any threads, skins and order of rows",
+               stress_determinism},
+    StressCase{"S4", "largest stable time step", stress_step_limit},
+    StressCase{"S5", "no equilibrium without load", stress_vacuous_equilibrium},
     StressCase{"S6", "energy budget", stress_energy_budget},
-    StressCase{"S7", "servo", stress_servo},
-    StressCase{"S8", "ratios of size and mass", stress_size_ratio},
-    StressCase{"S9", "deep overlaps", stress_deep_overlap},
+    StressCase{"S7", "servo of membrane and platen", stress_servo},
+    StressCase{"S8", "large ratios of size and mass", stress_size_ratio},
+    StressCase{"S9", "deep overlaps at the start", stress_deep_overlap},
     StressCase{"S10", "fast impacts", stress_fast_impact},
-    StressCase{"S11", "sensors that say what cannot be", stress_sensors},
-    StressCase{"S12", "long drift", stress_long_drift},
+    StressCase{"S11", "faulty sensors", stress_sensors},
+    StressCase{"S12", "drift over many steps", stress_long_drift},
     StressCase{"S13", "restitution and friction", stress_restitution},
-    StressCase{"S14", "units", stress_unit_scaling},
-    StressCase{"S15", "frames of reference", stress_frames},
-    StressCase{"S16", "momentum", stress_momentum},
+    StressCase{"S14", "independence of units", stress_unit_scaling},
+    StressCase{"S15", "independence of the reference frame", stress_frames},
+    StressCase{"S16", "conservation of momentum", stress_momentum},
     StressCase{"S20", "absurd parameters", stress_absurd_parameters},
-    StressCase{"S22", "what is not a number", stress_not_a_number},
-    StressCase{"S25", "lists made anew", stress_lists},
+    StressCase{"S22", "NaN in the state", stress_not_a_number},
+    StressCase{"S25", "rebuilt neighbour lists", stress_lists},
     StressCase{"S27", "clumps as rigid bodies", stress_clump_dynamics},
 };
 
@@ -50,7 +51,7 @@ StressRows run_case(const StressCase& which, const StressSettings& settings) {
     try {
         return which.run(settings);
     } catch (const SimulationError& error) {
-        return {{std::string(which.id), "the case", "comes to its end", error.what(), false}};
+        return {{std::string(which.id), "the whole case", "runs to its end", error.what(), false}};
     }
 }
 

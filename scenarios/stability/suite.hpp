@@ -8,17 +8,17 @@
 
 namespace bris {
 
-/// How hard the engine is stressed.
+/// Settings of the stress suite.
 struct StressSettings {
-    bool full = false; ///< long runs and many draws; else sizes that take seconds
+    bool full = false; ///< long runs and many random draws, instead of sizes that take seconds
     unsigned threads = 2;
     std::uint64_t seed = 1; ///< of every random scene
 };
 
-/// One thing that was tried.
+/// One test of a case and its result.
 struct StressRow {
-    std::string id; ///< of its case, as S6
-    std::string what;
+    std::string id;        ///< of its case, for example S6
+    std::string what;      ///< what is tested
     std::string criterion; ///< what must hold
     std::string found;     ///< text, or a number with its unit
     bool pass = false;
@@ -33,16 +33,16 @@ struct StressCase {
 /// All cases, in the order of their numbers.
 std::span<const StressCase> stress_cases();
 
-/// The case of an id. Throws InputError with the ids there are.
+/// The case with an id. Throws InputError with all ids for an unknown one.
 const StressCase& stress_case(std::string_view id);
 
-/// Runs a case. Where a scene of it stops that should not, that is a row that fails.
+/// Runs a case. If one of its scenes stops unexpectedly, the result is a single failing row.
 StressRows run_case(const StressCase& which, const StressSettings& settings);
 
-/// Aligned columns, a line per row.
+/// A table of aligned columns with one line per row.
 std::string table_of(const StressRows& rows);
 
-/// How many rows fail.
+/// Number of failing rows.
 std::size_t failures(const StressRows& rows);
 
 } // namespace bris

@@ -1,4 +1,4 @@
-// S14: a scene in other units is the same scene.
+// S14: results do not depend on the units of a scene.
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/stability/cases.hpp"
 
@@ -8,7 +8,7 @@ namespace bris {
 
 namespace {
 
-/// Positions, velocities and spins without units, by id.
+/// Positions, velocities and angular velocities without units, by id.
 std::vector<double> bare_state(const Tumble& t, unsigned steps) {
     Simulation simulation =
         begin(tumbling(t), {.dt = 2e-5 * t.units.time, .law = LawName::linear_viscous});
@@ -30,7 +30,7 @@ double largest(const std::vector<double>& list) {
     return most;
 }
 
-/// Largest difference, relative to the largest number of its kind.
+/// Largest difference relative to the largest value of the same quantity.
 double difference(const std::vector<double>& a, const std::vector<double>& b) {
     double worst = 0;
     for (std::size_t kind = 0; kind < 3; ++kind) {
@@ -57,8 +57,8 @@ StressRows stress_unit_scaling(const StressSettings& s) {
         Tumble scene{
             .grains = grains, .bodies = grains == Grains::spheres ? 60u : 20u, .seed = s.seed};
         const char* what = grains == Grains::spheres ? "spheres" : "clumps";
-        // powers of two scale every rounding with them: not a bit may differ, however long and
-        // chaotic the run
+        // powers of two scale every rounding error with them: all bits must be equal even after a
+        // long and chaotic run
         const unsigned long_run = s.full ? 20'000 : 2500;
         const auto exact = bare_state(scene, long_run);
         for (const Units& u : {Units{0x1p-20, 1, 1}, Units{0x1p20, 1, 1}, Units{1, 0x1p-40, 1},
@@ -66,18 +66,18 @@ StressRows stress_unit_scaling(const StressSettings& s) {
             scene.units = u;
             const double error = difference(exact, bare_state(scene, long_run));
             rows.push_back({"S14", fmt::format("{}: {}", what, describe(u)),
-                            fmt::format("every bit the same after {} steps", long_run),
-                            error == 0 ? "same" : fmt::format("differs by {:.2e}", error),
+                            fmt::format("all bits equal after {} steps", long_run),
+                            error == 0 ? "equal" : fmt::format("differs by {:.2e}", error),
                             error == 0});
         }
-        // other factors round anew; a short run with contacts does not yet amplify that
+        // other factors change rounding errors, which a short run with contacts hardly amplifies
         constexpr unsigned short_run = 300;
         scene.units = {};
         const auto plain = bare_state(scene, short_run);
         std::vector<Units> systems{{1e3, 1e-3, 1}, {1e6, 1, 1}, {1e-6, 1, 1}, {1, 1e6, 1},
                                    {1, 1e-6, 1},   {1, 1, 1e6}, {1, 1, 1e-6}};
         for (const double stiffness : {1e3, 1e4, 1e6, 1e8, 1e10})
-            systems.push_back({1, 1, std::sqrt(1e5 / stiffness)}); // speeds to match
+            systems.push_back({1, 1, std::sqrt(1e5 / stiffness)}); // with speeds to match
         for (const Units& u : systems) {
             scene.units = u;
             const double error = difference(plain, bare_state(scene, short_run));

@@ -10,7 +10,7 @@ namespace bris {
 
 ImpactArrayResult run_experiment(const ImpactArray& s) {
     require(s.impact.target == Target::plane && s.count > 1,
-            "array: expected a plane, and two spheres or more");
+            "array: expected a plane as target and at least two spheres");
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();
     const auto mine = materials.add(s.impact.material),
@@ -20,7 +20,7 @@ ImpactArrayResult run_experiment(const ImpactArray& s) {
     add_floor(world, other);
     ImpactArrayResult r;
     std::vector<EntityId> ids;
-    // one step for all, that of a normal impact; each meets the plane in the middle of a step
+    // all impacts have the time step of a normal impact and begin in the middle of a step
     const double dt = normal_contact(s.impact).time() / s.impact.steps_per_contact;
     std::uint64_t steps = 0;
     for (unsigned k = 0; k < s.count; ++k) {

@@ -6,16 +6,17 @@
 
 namespace bris {
 
-/// Many spheres side by side meet a plane at once, each at its own angle (MFiX DEM05).
+/// Many spheres side by side hit a plane in one scene, each at its own angle (MFiX DEM05).
 struct ImpactArray {
-    Impact impact; ///< of each, on a plane; its angle is not used
-    unsigned count = 93;
-    double least_angle = 0.05, greatest_angle = 1.48; ///< rad, evenly between
+    Impact impact;       ///< of each sphere on a plane; its angle is not used
+    unsigned count = 93; ///< number of spheres
+    double least_angle = 0.05, greatest_angle = 1.48; ///< rad, of evenly spaced angles
 };
 struct ImpactArrayResult {
     std::vector<double> angle, tangential_restitution; ///< rad; -
-    double largest_difference =
-        0; ///< of velocity (over the speed) and surface speed of spin, from the same impact alone
+    /// Largest difference between an impact in the array and the same impact alone, in velocity and
+    /// in surface speed of rotation, both relative to the impact speed.
+    double largest_difference = 0;
 };
 ImpactArrayResult run_experiment(const ImpactArray& array);
 

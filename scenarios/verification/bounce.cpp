@@ -13,7 +13,7 @@ namespace bris {
 
 std::vector<BounceRecord> run_experiment(const Bounce& s) {
     require(s.height > s.radius && s.gravity > 0,
-            "bounce: expected a height above the radius, and gravity above 0");
+            "bounce: expected a height above the radius and a gravity above 0");
     World world = make_world(Grains::spheres);
     Material m = linear_material(s.stiffness, 0, 0, s.density);
     m.restitution = s.restitution;
@@ -43,7 +43,7 @@ std::vector<BounceRecord> run_experiment(const Bounce& s) {
         const double last = value_of<Velocity>(sim, ball).z(); // half a step ago
         if (touching) overlap.add(touch_of(sim.world()).overlap);
         if (z < s.radius && !touching) {
-            // back along the parabola of the flight
+            // trace the parabola of the flight back to the first touch
             touching = true;
             const double now = last - 0.5 * g * dt,
                          in = std::sqrt(now * now - 2 * g * (s.radius - z));
@@ -62,7 +62,7 @@ std::vector<BounceRecord> run_experiment(const Bounce& s) {
             if (list.size() == s.bounces) return list;
         }
     }
-    throw SimulationError("bounce: it has come to rest before the last bounce");
+    throw SimulationError("bounce: the sphere came to rest before the last bounce");
 }
 
 StackResult run_experiment(const Stack& s) {
@@ -98,8 +98,8 @@ StackResult run_experiment(const Stack& s) {
     StackResult r;
     r.steps = static_cast<std::uint64_t>(std::ceil(s.duration / wanted));
     const double dt = s.duration / static_cast<double>(r.steps);
-    // Taylor's series of the exponential: steps are far below the period, 12 terms are exact to
-    // rounding
+    // Taylor series of the matrix exponential: the step is far below the period, so 12 terms are
+    // exact to rounding
     Eigen::Matrix<double, 5, 5> term = Eigen::Matrix<double, 5, 5>::Identity(), step = term;
     for (int i = 1; i <= 12; ++i) {
         term = term * system * (dt / i);
@@ -115,7 +115,7 @@ StackResult run_experiment(const Stack& s) {
         sim.advance();
         state = step * state;
         if (n > 0 && touch_of(sim.world()).pairs != 3)
-            throw SimulationError("stack: the spheres have come apart");
+            throw SimulationError("stack: a contact has opened");
         for (std::size_t i = 0; i < 2; ++i) {
             r.height[i] = value_of<Position>(sim, ids[i]).z();
             r.exact[i] = state[static_cast<Eigen::Index>(i)];
@@ -133,7 +133,8 @@ double run_experiment(const DampedFall& s) {
     value_of<Velocity>(world, ball).z() = s.speed;
     world.add_resource<Gravity>({Vec3(0, 0, -s.gravity)});
     world.add_resource(LocalDamping{s.fraction});
-    const double dt = 0.5 * std::abs(s.speed) / (s.gravity * s.steps); // it does not turn round
+    // so short that the velocity keeps its sign
+    const double dt = 0.5 * std::abs(s.speed) / (s.gravity * s.steps);
     Simulation sim =
         begin(std::move(world), {.dt = dt, .law = LawName::linear_frictionless, .unlimited = true});
     sim.advance(s.steps);

@@ -6,16 +6,16 @@
 
 namespace bris {
 
-/// A group of checks: an experiment with an exact answer, or a family of them.
+/// A group of checks: one experiment with an exact solution, or a family of such experiments.
 struct VerificationCase {
     const char* name;
-    const char* source; ///< of the exact values
+    const char* source; ///< source of the exact values
     void (*run)(Checks&);
 };
 
 std::span<const VerificationCase> verification_cases();
 
-/// Runs a group. Throws InputError for a name that is none.
+/// Runs a group of checks. Throws InputError for an unknown name.
 std::vector<Check> verify(const std::string& name);
 
 namespace detail {

@@ -12,7 +12,7 @@ namespace bris {
 
 namespace {
 
-/// Adds beads along x at a spacing; the outermost are held if `held`.
+/// Adds beads along x at a spacing (m). If `held`, the two outermost beads are fixed.
 std::vector<EntityId> add_beads(World& world, unsigned count, double spacing, double radius,
                                 std::uint32_t material, bool held) {
     std::vector<EntityId> ids;
@@ -42,7 +42,7 @@ ChainWaveResult run_experiment(const ChainWave& s) {
     const auto material = world.resource<Materials>().add(s.material);
     const auto ids = add_beads(world, s.beads + 2, spacing, s.radius, material, true);
     const auto shape = [&](unsigned i) { return std::sin(q * i); };
-    // at its turning point at t = 0; the velocity half a step back is the difference of positions
+    // the wave is at its turning point at t = 0; the velocity at -dt/2 is a difference of positions
     const double a = s.amplitude * gap,
                  begin_speed = a * (1 - std::cos(r.discrete_frequency * dt)) / dt;
     for (unsigned i = 1; i <= s.beads; ++i) {
@@ -50,7 +50,7 @@ ChainWaveResult run_experiment(const ChainWave& s) {
         value_of<Velocity>(world, ids[i]).x() = begin_speed * shape(i);
     }
     Simulation sim = begin(std::move(world), {.dt = dt, .law = s.law, .unlimited = true});
-    const auto amplitude = [&](auto component) { // of the mode, by projection
+    const auto amplitude = [&](auto component) { // projection onto the mode
         double sum = 0;
         for (unsigned i = 1; i <= s.beads; ++i) {
             const double x = value_of<decltype(component)>(sim, ids[i]).x();
@@ -60,7 +60,7 @@ ChainWaveResult run_experiment(const ChainWave& s) {
     };
     r.steps = static_cast<std::uint64_t>(std::round(2 * pi * s.periods / (r.exact_frequency * dt)));
     sim.advance(r.steps);
-    // x(t) and v(t - dt/2) of x = A cos(w t): the phase, with the number of turns that was expected
+    // phase of x = A cos(w t) from x(t) and v(t - dt/2), plus the expected number of full turns
     const double x = amplitude(Position{}), v = amplitude(Velocity{}),
                  half = 0.5 * r.discrete_frequency * dt;
     // v = -2/dt A sin(half) sin(phase - half)
@@ -75,7 +75,7 @@ ChainWaveResult run_experiment(const ChainWave& s) {
 
 ChainPulseResult run_experiment(const ChainPulse& s) {
     require(s.beads >= 10 && s.front > 0 && s.front < s.rear && s.rear < 1,
-            "chain: expected 10 beads or more, and 0 < front < rear < 1");
+            "chain: expected at least 10 beads and 0 < front < rear < 1");
     const NormalContact c = like_spheres(s.material, s.law, s.radius, s.speed);
     const double mass = 2 * c.mass;
     ChainPulseResult r;
@@ -91,7 +91,7 @@ ChainPulseResult run_experiment(const ChainPulse& s) {
     std::vector<Peak> force(s.beads - 1), velocity(s.beads);
     const double length =
         s.rear * s.beads /
-        (c.hertz ? 0.8 : 1.0); // time for the pulse to be well past the last bead asked for
+        (c.hertz ? 0.8 : 1.0); // time after which the pulse is well past the rear bead
     const auto steps = static_cast<std::uint64_t>((length + 5) / s.step);
     for (std::uint64_t k = 0; k < steps; ++k) {
         sim.advance();

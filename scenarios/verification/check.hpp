@@ -8,7 +8,7 @@
 
 namespace bris {
 
-/// One measured number beside its exact value.
+/// A computed number and its exact value.
 struct Check {
     enum class Rule {
         relative, ///< |found - expected| <= tolerance |expected|
@@ -20,8 +20,8 @@ struct Check {
     double expected = 0, found = 0;
     double tolerance = 0;
     Rule rule = Rule::relative;
-    double published = std::numeric_limits<double>::quiet_NaN(); ///< best error by the same rule
-                                                                 ///< that other codes report
+    /// Smallest error by the same rule that other codes report. NaN: none is known.
+    double published = std::numeric_limits<double>::quiet_NaN();
 
     double error() const {
         const double difference = found - expected;

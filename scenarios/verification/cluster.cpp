@@ -23,8 +23,8 @@ Material grain() {
     return m;
 }
 
-/// Between the plain description and another: x' = length (R M x + offset), a pseudo-vector turns
-/// back in a mirror.
+/// Transforms vectors between the plain description and another: x' = length (R M x + offset). A
+/// pseudovector changes its sign in a mirror.
 struct Frame {
     explicit Frame(const Description& description)
         : d(description), turn(d.rotation.toRotationMatrix()) {
@@ -54,7 +54,7 @@ struct Frame {
 };
 
 struct Outcome {
-    std::vector<Vec3> positions, velocities; // in the plain description, by sphere
+    std::vector<Vec3> positions, velocities; // of each sphere in the plain description
     double contacts = 0;
 };
 

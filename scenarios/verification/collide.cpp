@@ -16,17 +16,17 @@ namespace {
 constexpr EntityId first = 0;
 
 void check(const Collide& s) {
-    require(s.balls >= 2, fmt::format("collide: expected two balls or more, found {}", s.balls));
+    require(s.balls >= 2, fmt::format("collide: expected at least two balls, found {}", s.balls));
     require(s.radius > 0 && s.speed > 0 && s.gap > 0 && s.after > 0 && s.sampling_rate > 0,
-            "collide: expected a radius, speed, gap, time after and sampling rate above 0");
+            "collide: expected radius, speed, gap, time after the touch and sampling rate above 0");
     require(std::abs(s.offset) < 2 && std::abs(s.offset + s.model_offset) < 2,
             "collide: expected offsets of the path within two radii");
     require(s.model_speed > 0,
             fmt::format("collide: expected a model speed above 0, found {:g}", s.model_speed));
 }
 
-/// The balls that are hit: the first touches the origin's place, the others stand behind it in
-/// rows.
+/// Positions (m) of the balls that are hit: the first one lies at the origin, the others lie in
+/// rows behind it.
 std::vector<Vec3> targets(const Collide& s) {
     std::vector<Vec3> positions;
     const double pitch = 2.001 * s.radius;
@@ -86,18 +86,19 @@ double error_of_others(const std::vector<Vec3>& found, const std::vector<Vec3>& 
     return std::sqrt(sum / static_cast<double>(truth.size() - 1));
 }
 
-/// The first ball when it touches the second.
+/// State of the first ball when it touches the second.
 struct FirstTouch {
     bool seen = false;
-    Vec3 velocity = Vec3::Zero(), line = Vec3::UnitX(); ///< m/s, just before; of centres
+    /// Velocity just before the touch, m/s, and unit vector along the line of centres.
+    Vec3 velocity = Vec3::Zero(), line = Vec3::UnitX();
 
-    /// Velocity (m/s) that a frictionless touch gives to a second ball of the same mass.
+    /// Velocity (m/s) that a frictionless impact gives to a second ball of the same mass.
     Vec3 given(double restitution) const {
         return 0.5 * (1 + restitution) * velocity.dot(line) * line;
     }
 };
 
-/// One step; notes the first touch.
+/// Advances by one step and records the first touch.
 void advance(Simulation& run, FirstTouch& touch) {
     const Vec3 before = value_of<Velocity>(run, first);
     run.advance();
@@ -116,14 +117,14 @@ CollideResult run_experiment(const Collide& s) {
     CollideResult r;
     r.steps = steps;
 
-    // the truth, and what its sensor records
+    // the truth and the recording of its sensor
     std::vector<TimedMeasurement> recording;
     Simulation truth = make_run(s, {s.speed, s.offset, s.material.restitution}, nullptr, dt);
     Random random(s.seed, 0);
     const auto noise = [&](double deviation) -> Vec3 {
         return deviation * Vec3(random.normal(), random.normal(), random.normal());
     };
-    const double least_deviation = 1e-12; // of a sensor without noise
+    const double least_deviation = 1e-12; // standard deviation of a sensor without noise
     FirstTouch true_touch;
     for (std::uint64_t k = 0; k < steps; ++k) {
         advance(truth, true_touch);

@@ -14,7 +14,7 @@ namespace bris {
 
 namespace {
 
-/// Twice the kinetic energy of translation, J; of smooth spheres that turn none.
+/// Twice the translational kinetic energy, J. The spheres are smooth and do not rotate.
 double motion_of(const World& world) {
     const auto velocity = world.column<Bodies, Velocity>();
     const auto mass = world.column<Bodies, InertialMass>();
@@ -27,7 +27,7 @@ double motion_of(const World& world) {
 
 CoolingResult run_experiment(const Cooling& s) {
     require(s.material.restitution > 0 && s.material.restitution < 1,
-            "cooling: expected a restitution between 0 and 1");
+            "cooling: expected a coefficient of restitution between 0 and 1");
     require(s.pitch > 1 && s.from <= 1 && s.to < s.from && s.to > 0,
             "cooling: expected a pitch above 1 and 1 >= from > to > 0");
     const double dt = like_spheres(s.material, s.law, s.radius, s.speed).time() /
@@ -63,7 +63,7 @@ CoolingResult run_experiment(const Cooling& s) {
         time.push_back(sim.world().resource<Clock>().time() / unit);
         root.push_back(1 / std::sqrt(left));
     }
-    if (left > s.to) throw SimulationError("cooling: it does not cool");
+    if (left > s.to) throw SimulationError("cooling: the gas does not reach the final temperature");
     const LinearFit fit = fit_line(time, root, time.front(), time.back());
     const double n = static_cast<double>(fit.points), squares = fit.slope * fit.slope;
     r.r_squared = squares / (squares + (n - 2) * fit.slope_error * fit.slope_error);

@@ -12,15 +12,15 @@ namespace bris {
 
 namespace {
 
-constexpr double heavy = 1e30; // kg/m3: no force moves it
+constexpr double heavy = 1e30; // kg/m3, so heavy that no force moves it
 
 double contact_force(const Crystal& s) {
     const double each =
-        0.5 * static_cast<double>(neighbours(s.lattice).size()); // contacts a sphere
+        0.5 * static_cast<double>(neighbours(s.lattice).size()); // contacts per sphere
     return 3 * s.pressure * cell_volume(s.lattice) * s.spacing * s.spacing / each;
 }
 
-/// Overlap at a contact force; radii are half the spacing and half the overlap.
+/// Overlap (m) at a contact force (N). The radius is half the spacing plus half the overlap.
 double overlap_at(const Crystal& s, double force) {
     if (!is_hertz(s.law)) return force / (0.5 * s.material.normal_stiffness);
     const double modulus =
@@ -33,7 +33,7 @@ double overlap_at(const Crystal& s, double force) {
 }
 
 struct Strained {
-    Mat3 stress = Mat3::Zero(); // Pa, compression positive: change without turning of contacts
+    Mat3 stress = Mat3::Zero(); // Pa, compression positive: change without rotation of contacts
     double pressure = 0, unbalanced = 0;
 };
 
@@ -53,7 +53,7 @@ Strained strain(const Crystal& s, double overlap, const Mat3& tensor) {
     Strained r;
     sim.advance();
     const auto before = touching_pairs<SpherePairs>(sim.world());
-    std::vector<Vec3> branch; // from the neighbour, before
+    std::vector<Vec3> branch; // branch vectors from the neighbours before the strain
     for (const TouchingPair& p : before)
         branch.push_back(-s.spacing * neighbours(s.lattice).at(p.names.partner - 1));
     sim.advance(steps);
@@ -99,7 +99,7 @@ CrystalResult run_experiment(const Crystal& s) {
     r.contact_force = contact_force(s);
     r.overlap = overlap_at(s, r.contact_force);
     require(s.strain < 0.1 * r.overlap / s.spacing,
-            "crystal: expected a strain well below overlap over spacing");
+            "crystal: expected a strain below a tenth of overlap over spacing");
     const auto modulus = [&](int strained_a, int strained_b, int i, int j) {
         Mat3 tensor = Mat3::Zero();
         tensor(strained_a, strained_b) = tensor(strained_b, strained_a) = s.strain;
@@ -110,7 +110,7 @@ CrystalResult run_experiment(const Crystal& s) {
     };
     r.c11 = modulus(0, 0, 0, 0);
     r.c12 = modulus(0, 0, 1, 1);
-    r.c44 = 0.5 * modulus(0, 1, 0, 1); // a tensor's shear is half the engineer's
+    r.c44 = 0.5 * modulus(0, 1, 0, 1); // tensor shear strain is half the engineering shear strain
     r.bulk = (r.c11 + 2 * r.c12) / 3;
     return r;
 }
@@ -130,7 +130,7 @@ std::vector<Neighbour> in_phase(Lattice lattice) {
 std::vector<Neighbour> zone_boundary(Lattice lattice) {
     std::vector<Neighbour> list;
     for (const Vec3& n : neighbours(lattice)) {
-        // R and H: all in antiphase; X: those out of the planes x = const
+        // points R and H: all neighbours in antiphase; X: those outside the plane x = const
         const double sign = lattice == Lattice::face_centred && n.x() == 0 ? 1 : -1;
         list.push_back({n, sign, sign});
     }
@@ -143,7 +143,7 @@ namespace {
 
 constexpr double spacing = 0.02, kn = 1e5;
 
-/// Whether a disturbance grows out of bounds.
+/// Whether a disturbance grows by a factor of 1e4 at a step in units of sqrt(m/kn).
 bool grows(const StabilityLimit& s, double step) {
     World world = make_world(Grains::spheres);
     const auto material =
@@ -152,7 +152,7 @@ bool grows(const StabilityLimit& s, double step) {
     const EntityId middle = add_sphere(world, Vec3::Zero(), radius, material);
     const double mass = value_of<InertialMass>(world, middle),
                  disturbance = 1e-6 * s.overlap * spacing;
-    Vec3 push = Vec3::Zero(); // of the neighbours at rest
+    Vec3 push = Vec3::Zero(); // N, of the neighbours at rest; gravity balances it
     for (const Neighbour& n : s.around) {
         add_sphere(world, spacing * n.direction, radius, material, Motion::fixed);
         push -= kn * s.overlap * spacing * n.direction;
@@ -162,7 +162,7 @@ bool grows(const StabilityLimit& s, double step) {
     value_of<Velocity>(world, middle) = disturbance / dt * Vec3(0.5, 0.7, -0.6);
     set_angular_velocity(world, middle, disturbance / (radius * dt) * Vec3(-0.6, 0.5, 0.8));
     Simulation sim = begin(std::move(world), {.dt = dt, .law = LawName::linear, .unlimited = true});
-    const auto copy = [&] { // the images of the sphere
+    const auto copy = [&] { // moves the neighbours as the sphere moves
         World& w = sim.world();
         const Vec3 x = value_of<Position>(w, middle), v = value_of<Velocity>(w, middle);
         const Vec3 angular_velocity = value_of<AngularVelocity>(w, middle),
@@ -189,8 +189,10 @@ bool grows(const StabilityLimit& s, double step) {
 } // namespace
 
 double run_experiment(const StabilityLimit& s) {
-    double low = 0.05, high = 4; // sqrt(m/kn): of a dozen stiff contacts, and twice that of one
-    if (grows(s, low)) throw SimulationError("stability limit: below 0.05 sqrt(m/kn)");
+    // sqrt(m/kn): the limit of a dozen stiff contacts, and twice the limit of one contact
+    double low = 0.05, high = 4;
+    if (grows(s, low))
+        throw SimulationError("stability limit: expected at least 0.05 sqrt(m/kn), found less");
     if (!grows(s, high)) return std::numeric_limits<double>::infinity();
     while (high - low > 2e-4 * high) {
         const double middle = 0.5 * (low + high);

@@ -13,13 +13,13 @@ namespace bris {
 
 namespace {
 
-/// Layers of a crystal along x, each with its free sphere and the images of that.
+/// Layers of a crystal along x, each with its free sphere and the images of this sphere.
 class Layers {
 public:
     Layers(World& world, const Crystal& s, double radius, std::uint32_t material, std::size_t count)
         : around_(neighbours(s.lattice)) {
         for (Vec3& n : around_) n *= s.spacing;
-        const Vec3 next = around_.back(); // of the layer above: they are listed in the order of x
+        const Vec3 next = around_.back(); // in the layer above, since neighbours are sorted by x
         height_ = next.x();
         for (std::size_t k = 0; k < count; ++k) {
             const Vec3 shift = k % 2 == 0 ? Vec3(Vec3::Zero()) : Vec3(0, next.y(), next.z());
@@ -42,7 +42,7 @@ public:
             }
     }
 
-    double height() const { return height_; } ///< m, of a layer
+    double height() const { return height_; } ///< m, distance of layers
     EntityId sphere(std::size_t layer) const { return layers_[layer].front().id; }
 
     void move_images(World& world) const {
@@ -59,7 +59,7 @@ public:
                 value_of<StepAngularVelocity>(world, image->id) = step_angular_velocity;
             }
         }
-        show_velocities(world); // moved by far less than the lists' skin
+        show_velocities(world); // displacements are far smaller than the lists' skin
     }
 
 private:
@@ -79,11 +79,11 @@ CrystalWaveResult run_experiment(const CrystalWave& s) {
             "crystal wave: expected a wavelength, a path, an amplitude and a step above 0");
     const CrystalResult still = run_experiment(s.crystal);
     const double radius = 0.5 * (s.crystal.spacing + still.overlap);
-    const double height = neighbours(s.crystal.lattice).back().x(); // of a layer, over the spacing
+    const double height = neighbours(s.crystal.lattice).back().x(); // of a layer, in spacings
     const auto layers_in = [&](double spacings) {
         return static_cast<std::size_t>(std::ceil(spacings / height));
     };
-    // the half that runs backwards comes back from the held end a wavelength behind the other
+    // the half that travels backwards is reflected at the held end and follows a wavelength behind
     const std::size_t start = layers_in(0.5 * s.wavelength) + 1,
                       near = start + layers_in(s.wavelength), far = near + layers_in(s.path);
 
@@ -107,8 +107,8 @@ CrystalWaveResult run_experiment(const CrystalWave& s) {
 
     CrystalWaveResult r;
     Peak first, last;
-    // until the far layer is past its peak by a quarter of the wavelength: no wave is slower than a
-    // tenth of sqrt(k/m) spacings
+    // run until the peak is a quarter of the wavelength past the far layer; every wave is faster
+    // than a tenth of sqrt(k/m) spacings
     const auto limit = static_cast<std::uint64_t>(10 * (2 * s.wavelength + s.path) / s.step);
     const double quarter = 0.25 * s.wavelength / s.path;
     const auto is_past = [&] {

@@ -6,30 +6,34 @@
 
 namespace bris {
 
-/// A plane pulse that travels along [100] of a crystal. Spheres of a layer across that direction
-/// move alike, so one free sphere stands for each layer; of the others there are those that it or
-/// the next layers' spheres touch: images, which are given the place, the velocity and the spin of
-/// their layer's free sphere after every step. The outermost layers are held.
+/// A plane pulse that travels along [100] of a crystal. All spheres of a layer perpendicular to
+/// that direction move in the same way, so one free sphere represents each layer. The other spheres
+/// that it or the spheres of the next layers touch are images: after every step they get the
+/// displacement, velocity and angular velocity of their layer's free sphere. The outermost layers
+/// are held.
 struct CrystalWave {
-    Crystal crystal;             ///< a friction that holds, as 10
-    Vec3 motion = Vec3(1, 0, 0); ///< unit: along x a wave of pressure, across it one of shear
-    double wavelength = 20;      ///< of the pulse, over the spacing, > 0
-    double path = 20; ///< over the spacing: between the two layers at which its peak is timed, > 0
-    double amplitude =
-        1e-3;          ///< velocity over sqrt(F h / m), F and h force and overlap of a contact
-    double step = 0.1; ///< dt over sqrt(m / k), k the tangent normal stiffness; the crystals'
-                       ///< limits are 0.3 to 1
+    Crystal crystal;             ///< with a friction that prevents slip, such as 10
+    Vec3 motion = Vec3(1, 0, 0); ///< unit vector: along x a pressure wave, across x a shear wave
+    double wavelength = 20;      ///< of the pulse, relative to the spacing, > 0
+    double path = 20; ///< distance of the layers at which the peak is timed, in spacings, > 0
+    /// Velocity relative to sqrt(F h / m), with force F and overlap h of a contact.
+    double amplitude = 1e-3;
+    /// dt / sqrt(m / k) with the tangent normal stiffness k. The crystals' stability limits are 0.3
+    /// to 1.
+    double step = 0.1;
 };
 struct CrystalWaveResult {
-    double speed = 0; ///< m/s, of the peak of velocity
-    double amplitude =
-        0; ///< of the peak at the far layer, over half of the one given: d'Alembert's
+    double speed = 0; ///< m/s, of the velocity peak
+    /// Velocity of the peak at the far layer, relative to half the initial one (d'Alembert).
+    double amplitude = 0;
     std::uint64_t steps = 0;
 };
-/// A stretch of the crystal at rest is given the velocities of one period of 1 + cos, of which one
-/// half runs either way. Slower than sqrt(modulus / density) by the lattice's dispersion: by (pi h
-/// / wavelength)^2 / 6 for a wave of that length and layers h apart, up to three times that for the
-/// peak of a pulse; and by half the pressure over the modulus.
+/// Runs the experiment: a section of the crystal at rest gets the velocities of one period of
+/// 1 + cos, half of which travels in each direction. The speed is below sqrt(modulus / density)
+/// because of the lattice's dispersion, by (pi h / wavelength)^2 / 6 for a wave of that length and
+/// layers at a distance h and by up to three times as much for the peak of a pulse, and by half the
+/// pressure over the modulus. Throws InputError for settings that are not above 0, SimulationError
+/// if the pulse does not arrive.
 CrystalWaveResult run_experiment(const CrystalWave& wave);
 
 } // namespace bris

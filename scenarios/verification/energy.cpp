@@ -13,7 +13,7 @@ void verify_gas(Checks& checks) {
     struct Published {
         double steps, hertz, linear;
     };
-    // accuracy of a widely used code for 64 spheres without friction
+    // accuracy that a widely used code reports for 64 spheres without friction
     constexpr Published list[]{
         {20, 1.8e-4, 1.8e-3}, {50, 5.1e-5, 1.75e-4}, {100, 3.5e-6, 2.6e-5}, {200, 1.3e-6, 6.9e-6}};
     Gas gas;
@@ -25,33 +25,34 @@ void verify_gas(Checks& checks) {
             gas.law = law;
             gas.steps_per_contact = p.steps;
             const GasResult r = run_experiment(gas);
-            // where contacts begin and end it is of third order and more, but several at a time
-            // disturb each other
-            checks.absolute(fmt::format("{}, t_c/{}: largest change of energy",
+            // where a contact begins or ends the error is of third order or higher, but
+            // simultaneous contacts disturb each other
+            checks.absolute(fmt::format("{}, dt = t_c/{}: largest relative change of energy",
                                         is_hertz(law) ? "Hertz" : "linear", p.steps),
                             "", 0, r.largest_change, 0.1 * (pi / p.steps) * (pi / p.steps),
                             is_hertz(law) ? p.hertz : p.linear);
             if (p.steps == 20)
-                checks.at_least(
-                    fmt::format("{}: touching pairs, mean", is_hertz(law) ? "Hertz" : "linear"), "",
-                    1, r.contacts);
+                checks.at_least(fmt::format("{}: mean number of touching pairs",
+                                            is_hertz(law) ? "Hertz" : "linear"),
+                                "", 1, r.contacts);
         }
     gas.steps_per_contact = 200;
     gas.law = LawName::hertz_mindlin;
     gas.material.friction = 0.5;
-    checks.at_most("Hertz-Mindlin with friction 0.5: largest gain of energy", "", 0,
+    checks.at_most("Hertz-Mindlin with friction 0.5: largest relative gain of energy", "", 0,
                    run_experiment(gas).largest_gain, 4e-6, 4e-6);
     gas.law = LawName::hertz_mindlin_viscous;
     gas.material.restitution = 0.8;
     const GasResult damped = run_experiment(gas);
-    checks.at_most("restitution 0.8: largest rise of energy", "", 0, damped.largest_rise, 4e-6);
-    checks.at_most("restitution 0.8: energy left", "", 0.9, damped.last);
+    checks.at_most("restitution 0.8: largest rise of energy between samples", "", 0,
+                   damped.largest_rise, 4e-6);
+    checks.at_most("restitution 0.8: fraction of energy left", "", 0.9, damped.last);
 
     for (const double factor : {2.0, 0.5}) {
         const StiffeningResult r = run_experiment(Stiffening{.factor = factor});
-        checks.relative(fmt::format("stiffness times {} in contact: energy put in", factor), "",
+        checks.relative(fmt::format("stiffness times {} during contact: added energy", factor), "",
                         r.exact, r.injected, 1e-4);
-        checks.relative(fmt::format("stiffness times {} in contact: restitution", factor), "",
+        checks.relative(fmt::format("stiffness times {} during contact: restitution", factor), "",
                         std::sqrt(factor), r.restitution, 1e-3);
     }
 }
@@ -65,7 +66,7 @@ void verify_cooling(Checks& checks) {
     for (const LawName law : {LawName::linear_viscous, LawName::hertz_mindlin_viscous}) {
         s.law = law;
         checks.at_least(
-            fmt::format("{}, restitution 0.9: R^2 of 1/sqrt(T) over t, T from 1/2 to 1/20",
+            fmt::format("{}, restitution 0.9: R^2 of 1/sqrt(T) over time, T from 1/2 to 1/20",
                         is_hertz(law) ? "Hertz" : "linear"),
             "", 0.9997, run_experiment(s).r_squared);
     }
@@ -75,17 +76,19 @@ void verify_rest(Checks& checks) {
     for (const double ratio : {3.0, 10.0, 50.0}) {
         const RestResult r = run_experiment(SmallBetweenLarge{.ratio = ratio});
         const auto name = [&](const char* what) {
-            return fmt::format("small sphere between two {} times as large: {}", ratio, what);
+            return fmt::format("sphere at rest between two spheres {} times as large: {}", ratio,
+                               what);
         };
         checks.absolute(name("speed over sqrt(g r)"), "", 0, r.speed, 1e-9);
-        checks.absolute(name("travel over r"), "", 0, r.travel, 1e-9);
-        checks.absolute(name("resultant over weight"), "", 0, r.unbalanced, 1e-9);
+        checks.absolute(name("displacement over r"), "", 0, r.travel, 1e-9);
+        checks.absolute(name("resultant force over weight"), "", 0, r.unbalanced, 1e-9);
     }
     const PackingResult r = run_experiment(Packing{});
-    checks.at_most("packing: unbalanced over mean force", "", 1e-11, r.unbalanced_ratio);
-    checks.absolute("packing: force on the box over weight", "", 1, 1 + r.floor_force_error, 1e-6);
-    checks.absolute("packing: contact stress against boundary tractions", "", 0, r.stress_mismatch,
-                    1e-10);
+    checks.at_most("packing at rest: unbalanced force ratio", "", 1e-11, r.unbalanced_ratio);
+    checks.absolute("packing at rest: force on the box over weight", "", 1, 1 + r.floor_force_error,
+                    1e-6);
+    checks.absolute("packing at rest: stress mismatch (boundary vs. contact)", "", 0,
+                    r.stress_mismatch, 1e-10);
 }
 
 } // namespace bris::detail

@@ -9,8 +9,8 @@ namespace bris::detail {
 
 namespace {
 
-/// Tangential force after the surfaces have moved by `slid` (m) and the stiffness has gone from
-/// `before` to `now`.
+/// Tangential force (N) after the surfaces have slid by `slid` (m) and the tangential stiffness has
+/// changed from `before` to `now` (N/m).
 double spring_force(ShearHistory history, double force, double slid, double before, double now) {
     double kept = 1;
     if (history == ShearHistory::total) kept = before > 0 ? now / before : 0;
@@ -22,7 +22,7 @@ double spring_force(ShearHistory history, double force, double slid, double befo
 
 ImpactResult integrate_finely(const Impact& s, Arm arm, double steps) {
     require(is_hertz(s.law) && s.target == Target::plane,
-            "fine integration: expected Hertz's law and a plane");
+            "fine integration: expected a Hertz law and a plane as target");
     const NormalContact c = normal_contact(s);
     const Material& m = s.material;
     const double shear = m.young_modulus / (2 * (1 + m.poisson_ratio) * (2 - m.poisson_ratio)),
@@ -38,8 +38,8 @@ ImpactResult integrate_finely(const Impact& s, Arm arm, double steps) {
     r.slip_before = along - s.radius * omega;
     const double along_before = along;
     do {
-        // half a drift, a kick, half a drift; the dashpot sees the velocity before the kick, the
-        // spring the mean motion
+        // half a drift, a kick, half a drift; the dashpot uses the velocity before the kick, the
+        // spring the mean displacement
         const double lever = arm == Arm::surface ? s.radius : s.radius - 0.5 * x,
                      slip = along - lever * omega;
         x += 0.5 * h * in;

@@ -4,13 +4,15 @@
 
 namespace bris::detail {
 
-/// Where friction acts on a sphere: the surface (radius), as published integrations have it, or the
-/// middle of the overlap, as the engine has it. The difference is half the overlap.
+/// Lever arm of the friction force on a sphere: to the undeformed surface (the radius), as in
+/// published integrations, or to the middle of the overlap, as in the engine. The difference is
+/// half the overlap.
 enum class Arm { surface, middle };
 
-/// The law of Hertz and Mindlin with Coulomb's limit, integrated in `steps` steps a contact time
-/// for a sphere on a rigid wall, apart from the engine: plain numbers in a plane. Error about 1e-5
-/// at 60 000 steps. Fills the fields of speeds, spin and energy.
+/// Integrates the law of Hertz and Mindlin with Coulomb's limit for a sphere on a rigid wall in a
+/// plane, independently of the engine, with `steps` time steps per contact time. Error about 1e-5
+/// at 60 000 steps. Sets the result's speeds, restitutions, angular velocity and energies only.
+/// Throws InputError unless the law is Hertz's and the target a plane.
 ImpactResult integrate_finely(const Impact& impact, Arm arm, double steps = 60'000);
 
 } // namespace bris::detail

@@ -31,7 +31,7 @@ GasResult run_experiment(const Gas& s) {
 
     GasResult r;
     r.steps = static_cast<std::uint64_t>(s.contacts_long * s.steps_per_contact);
-    // records are of the positions before the last move: so are these velocities
+    // contact records belong to the positions before the last move, so velocities are taken there
     const auto energy = [&] {
         const World& w = sim.world();
         const auto velocity = w.column<Bodies, Velocity>(),
@@ -103,7 +103,7 @@ StiffeningResult run_experiment(const Stiffening& s) {
             return r;
         }
         if (changed || v <= 0) continue;
-        // it has turned round: the coming step has the new stiffness at this overlap
+        // the sphere rebounds: the next step has the new stiffness at this overlap
         changed = true;
         r.overlap = overlap;
         r.exact = (s.factor - 1) * 0.4 * contact.stiffness * std::pow(overlap, 2.5) /

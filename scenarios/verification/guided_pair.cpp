@@ -13,7 +13,7 @@ constexpr EntityId heavy = 0, led = 1;
 Simulation make_pair(const GuidedPair::Settings& s) {
     World world = make_world(Grains::spheres);
     Material m = s.material;
-    m.density = 1e30; // no force moves it
+    m.density = 1e30; // so heavy that no force moves it
     const auto material = world.resource<Materials>().add(m);
     world.resource<Materials>().policy = s.policy;
     world.resource<Materials>().mix();
@@ -30,7 +30,7 @@ GuidedPair::GuidedPair(const Settings& settings)
 GuidedPair::Answer GuidedPair::step(const Vec3& shift, const Vec3& turn, const Vec3& heavy_turn) {
     World& world = simulation_.world();
     value_of<DriveVelocity>(world, led) = shift / dt_;
-    // spins of the coming displacement: they are read when the new places are
+    // angular velocities of the coming displacement, which are read with the new positions
     value_of<AngularVelocity>(world, led) = value_of<StepAngularVelocity>(world, led) = turn / dt_;
     set_angular_velocity(world, heavy, heavy_turn / dt_);
     simulation_.advance();
@@ -50,7 +50,7 @@ ShearLoopResult run_experiment(const ShearLoop& s) {
     GuidedPair pair(settings);
     const double limit = s.friction * s.stiffness * s.overlap,
                  reach = 2 * settings.radius - s.overlap;
-    // the led sphere turns to and fro about its own centre: surfaces shear, nothing else moves
+    // the guided sphere oscillates about its own centre: surfaces shear, centres stay in place
     const double arm = 0.5 * reach;
     ShearLoopResult r;
     r.exact = 4 * limit * (s.amplitude - limit / (s.shear_ratio * s.stiffness));
@@ -60,7 +60,7 @@ ShearLoopResult run_experiment(const ShearLoop& s) {
     double before = 0;
     for (unsigned k = 0; k <= 2 * s.steps; ++k) {
         const GuidedPair::Answer now = pair.step(Vec3::Zero(), Vec3(0, angle(k + 1) - angle(k), 0));
-        // the led sphere's lowest point moves by -arm * turn along x and drags the heavy one along
+        // the lowest point of the guided sphere moves by -arm * turn along x
         if (k > s.steps)
             r.work += 0.5 * (now.force.x() + before) * -arm * (angle(k) - angle(k - 1));
         before = now.force.x();
@@ -101,7 +101,7 @@ double run_experiment(const RollAndTwist& s) {
     GuidedPair::Settings settings;
     settings.law = LawName::linear_rolling;
     settings.material =
-        linear_material(1e6, 5e5, 0); // frictionless: the torque is that of rolling alone
+        linear_material(1e6, 5e5, 0); // without friction only rolling and twisting give a torque
     settings.material.rolling_friction = s.rolling_friction;
     settings.material.twisting_friction = s.twisting_friction;
     GuidedPair pair(settings);

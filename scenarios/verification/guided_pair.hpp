@@ -5,73 +5,73 @@
 
 namespace bris {
 
-/// Two equal spheres of which one is led by hand: what a contact answers to a given motion. The
-/// other stays (it is too heavy to be moved) and spins as told. At first the led one stands above
-/// it, along z.
+/// Two equal spheres of which one, the guided sphere, has a prescribed motion: the response of a
+/// contact to this motion. The other one, the heavy sphere, is too heavy to be moved by forces and
+/// rotates as prescribed. Initially the guided sphere is above it along z.
 class GuidedPair {
 public:
     struct Settings {
         double radius = 0.01;  ///< m
-        double overlap = 1e-5; ///< m, at the beginning
+        double overlap = 1e-5; ///< m, initial
         Material material;
         LawName law = LawName::linear;
         ContactPolicy policy;
         double dt = 1e-5; ///< s
     };
-    /// What the heavy sphere feels.
+    /// Force (N), torque (N m) and normal force (N) on the heavy sphere.
     struct Answer {
         Vec3 force, torque;
         double normal_force;
     };
 
     explicit GuidedPair(const Settings& settings);
-    /// Answers at the places as they are, reached by the motion of the last step; then moves the
-    /// led sphere by `shift` (m), turning it by `turn` and the heavy one by `heavy_turn` (rotation
-    /// vectors, rad).
+    /// Returns the response at the present positions, which the motion of the last step has
+    /// reached. Then moves the guided sphere by `shift` (m) and rotates it by `turn` and the heavy
+    /// sphere by `heavy_turn` (rotation vectors, rad).
     Answer step(const Vec3& shift, const Vec3& turn = Vec3::Zero(),
                 const Vec3& heavy_turn = Vec3::Zero());
-    Vec3 position() const; ///< m, of the led sphere
+    Vec3 position() const; ///< m, of the guided sphere
 
 private:
     Simulation simulation_;
     double dt_;
 };
 
-/// A slow oscillation of the led sphere along x, at constant overlap (its circle about the heavy
-/// one is followed).
+/// A slow oscillatory rotation of the guided sphere about its own centre, which shears the contact
+/// at constant overlap.
 struct ShearLoop {
     double stiffness = 1e6, shear_ratio = 0.5; ///< N/m, ks / kn
-    double friction = 0.5, overlap = 1e-5;     ///< overlap in m
-    double amplitude = 2e-5;                   ///< m, of the surfaces
-    unsigned steps = 4000;                     ///< a cycle
+    double friction = 0.5, overlap = 1e-5;     ///< -, m
+    double amplitude = 2e-5;                   ///< m, tangential displacement of the surfaces
+    unsigned steps = 4000;                     ///< per cycle
 };
 struct ShearLoopResult {
-    double work = 0;          ///< J, taken in the second cycle
+    double work = 0;          ///< J, dissipated in the second cycle
     double exact = 0;         ///< J: 4 mu N (A - mu N / ks)
-    double largest_ratio = 0; ///< tangential over normal force, over mu
+    double largest_ratio = 0; ///< largest ratio of tangential force to mu times normal force
 };
-/// Corners of the loop are cut: first order in the step.
+/// Runs the experiment. Corners of the loop are cut, so the error is of first order in the step.
 ShearLoopResult run_experiment(const ShearLoop& loop);
 
-/// A loaded pair, sheared and then turned once as one rigid body.
+/// A loaded pair is sheared and then rotated by a full turn as one rigid body.
 struct RigidTurn {
     Vec3 axis = Vec3::UnitX();
-    double stretch = 1e-4; ///< m, of the spring, before
+    double stretch = 1e-4; ///< m, of the tangential spring before the turn
     double radius = 0.01;  ///< m
-    unsigned steps = 1000; ///< a turn
+    unsigned steps = 1000; ///< per turn
 };
 struct RigidTurnResult {
-    double length_drift = 0; ///< largest | |F_t| / |F_t at first| - 1 |
-    double angle = 0;        ///< rad, between the tangential force before and after
+    double length_drift = 0; ///< largest | |F_t| / |initial F_t| - 1 |
+    double angle = 0;        ///< rad, between the tangential force before and after the turn
 };
 RigidTurnResult run_experiment(const RigidTurn& turn);
 
-/// The led sphere rolls and twists at once until both springs slip.
+/// The guided sphere rolls, twists or does both until the springs slip.
 struct RollAndTwist {
     double rolling_friction = 0.1, twisting_friction = 0.1;
     bool roll = true, twist = true;
 };
-/// Torque over the radius (of both, R*) times normal force.
+/// Torque relative to the normal force times the reduced radius R*.
 double run_experiment(const RollAndTwist& motion);
 
 } // namespace bris

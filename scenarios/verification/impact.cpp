@@ -40,7 +40,7 @@ void add_target(World& world, const Impact& s, std::uint32_t material) {
             for (const double y : {-a, a}) add_square(world, host, Vec3(x, y, 0), a);
 }
 
-/// A running impact and what is read from it.
+/// The simulation of an impact, and the quantities that are read from it.
 struct Run {
     Simulation sim;
     EntityId ball, partner;
@@ -56,7 +56,7 @@ struct Run {
                       : Vec3(Vec3::UnitZ());
     }
     Vec3 relative_velocity() { return value_of<Velocity>(sim, ball) - partner_of(Velocity{}); }
-    /// Velocity of the sphere's surface against the partner's where they meet.
+    /// Velocity of the sphere's surface relative to the partner's at the contact.
     Vec3 slip() {
         const Vec3 n = normal(), u = relative_velocity() -
                                      radius * value_of<AngularVelocity>(sim, ball).cross(n) -
@@ -72,7 +72,7 @@ struct Run {
         if (sphere) p += value_of<InertialMass>(sim, partner) * value_of<Velocity>(sim, partner);
         return p;
     }
-    Vec3 angular_momentum() { // x(t) x p(t - dt/2) + L(t - dt/2): what the leapfrog keeps
+    Vec3 angular_momentum() { // x(t) x p(t - dt/2) + L(t - dt/2), which the leapfrog conserves
         Vec3 sum = Vec3::Zero();
         for (const EntityId b : {ball, partner})
             if (b == ball || sphere)
@@ -122,21 +122,21 @@ void check(const Impact& s) {
             fmt::format("impact: expected an angle in [0, 90) degrees, found {:g}",
                         s.angle * 180 / pi));
     require(s.steps_per_contact > 1,
-            fmt::format("impact: expected more than 1 step a contact, found {:g}",
+            fmt::format("impact: expected more than 1 step per contact, found {:g}",
                         s.steps_per_contact));
     const double e = std::sqrt(s.material.restitution * s.partner_material.restitution);
     require(
         e > 0 || s.policy.tension != Tension::calibrated,
         fmt::format(
-            "impact: restitution under calibrated tension: expected above 0 to 1, found {:g}", e));
+            "impact: restitution with calibrated tension: expected above 0 to 1, found {:g}", e));
     const NormalContact c = normal_contact(s);
     require(c.stiffness > 0 && std::isfinite(c.stiffness),
             is_hertz(s.law) ? "impact: expected Young's moduli above 0 Pa"
                             : "impact: expected normal stiffnesses above 0 N/m");
 }
 
-/// A dashpot that takes more than the whole speed in a step turns it round: the leapfrog is stable
-/// up to c dt = m.
+/// Refuses a dashpot that takes more than the whole speed in a step and would reverse it: the
+/// leapfrog is stable up to c dt = m. Throws InputError.
 void check_dashpot(const Run& run, const Impact& s, double dt) {
     const NormalContact c = normal_contact(s);
     const auto& materials = run.sim.world().resource<Materials>();
@@ -146,7 +146,7 @@ void check_dashpot(const Run& run, const Impact& s, double dt) {
     const double part = dt * (row.normal_ratio * std::sqrt(tangent / c.mass) + row.normal_rate);
     require(part < 1,
             fmt::format("impact: expected a dashpot that takes less than the whole speed in a "
-                        "step, found {:.2g} times: {:.0f} steps a contact "
+                        "step, found {:.2g} times the speed: {:.0f} steps per contact "
                         "are not enough, {:.0f} are",
                         part, s.steps_per_contact, std::ceil(1.01 * part * s.steps_per_contact)));
 }
@@ -219,7 +219,7 @@ ImpactResult run_experiment(const Impact& s) {
     const auto limit = static_cast<std::uint64_t>(50 * s.steps_per_contact) + 10;
     for (std::uint64_t k = 0;; ++k) {
         if (k > limit)
-            throw SimulationError(fmt::format("impact: no end of contact in {} steps", k));
+            throw SimulationError(fmt::format("impact: the contact does not end in {} steps", k));
         run.sim.advance();
         const Touch touch = touch_of(run.sim.world());
         overlap.add(touch.overlap);

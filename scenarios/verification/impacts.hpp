@@ -5,7 +5,8 @@
 
 namespace bris::detail {
 
-/// Elastic constants and density of a metal or plastic, as Chung and Ooi (2011) list them.
+/// A material with the elastic constants and density of a metal or plastic, as listed by Chung and
+/// Ooi (2011). Moduli in Pa, density in kg/m3.
 inline Material elastic(const char* name, double young, double poisson, double density,
                         double restitution = 1, double friction = 0) {
     Material m;
@@ -18,7 +19,7 @@ inline Material elastic(const char* name, double young, double poisson, double d
     return m;
 }
 
-/// A sphere on a rigid wall: the pair has the sphere's own restitution and friction.
+/// An impact of a sphere on a rigid wall. The pair has the sphere's own restitution and friction.
 inline Impact on_wall(const Material& material, double radius, double speed, LawName law) {
     Impact s;
     s.radius = radius;

@@ -17,7 +17,8 @@ void verify_chains(Checks& checks) {
             s.material = linear_material(1e5);
             const ChainWaveResult r = run_experiment(s);
             checks.relative(
-                fmt::format("linear chain, mode {} of 31, dt = {} sqrt(m/k): discrete frequency",
+                fmt::format("linear chain, mode {} of 31, dt = {} sqrt(m/k): frequency of the "
+                            "leapfrog",
                             mode, step),
                 "rad/s", r.discrete_frequency, r.frequency, 1e-12);
         }
@@ -30,21 +31,23 @@ void verify_chains(Checks& checks) {
     hertz.overlap = 1e-3;
     hertz.mode = 8;
     const ChainWaveResult wave = run_experiment(hertz);
-    checks.relative("precompressed Hertz chain, mode 8 of 31: discrete frequency", "rad/s",
+    checks.relative("precompressed Hertz chain, mode 8 of 31: frequency of the leapfrog", "rad/s",
                     wave.discrete_frequency, wave.frequency, 1e-6);
 
-    // reference/data/nesterenko_chain.json
+    // exact values from an independent integration of the chain in fine steps
     ChainPulse pulse;
     pulse.material = hertz.material;
     const ChainPulseResult r = run_experiment(pulse);
-    checks.relative("Nesterenko's wave: speed", "beads/time", 0.8405089136297338, r.pulse_speed,
-                    1e-4, 0.012);
-    checks.relative("Nesterenko's wave: force", "", 0.6395548312578665, r.largest_force, 1e-4);
-    checks.relative("Nesterenko's wave: bead velocity", "", 0.6816313746928143, r.largest_velocity,
-                    1e-4);
-    checks.relative("Nesterenko's wave: speed / force^(1/6)", "", 0.9055157867054164,
+    checks.relative("Nesterenko's solitary wave: speed", "beads/time", 0.8405089136297338,
+                    r.pulse_speed, 1e-4, 0.012);
+    checks.relative("Nesterenko's solitary wave: largest contact force", "", 0.6395548312578665,
+                    r.largest_force, 1e-4);
+    checks.relative("Nesterenko's solitary wave: largest bead velocity", "", 0.6816313746928143,
+                    r.largest_velocity, 1e-4);
+    checks.relative("Nesterenko's solitary wave: speed / force^(1/6)", "", 0.9055157867054164,
                     r.pulse_speed / std::pow(r.largest_force, 1.0 / 6), 1e-4, 0.012);
-    checks.absolute("Nesterenko's wave: momentum", "", 0, r.momentum_change, 1e-12);
+    checks.absolute("Nesterenko's solitary wave: change of momentum", "", 0, r.momentum_change,
+                    1e-12);
 }
 
 namespace {
@@ -57,7 +60,7 @@ struct Moduli {
     Lattice lattice;
     double pressure, c11, c12, c44;
 };
-// reference/data/crystal_moduli_hertz_mindlin.csv, 40 mm spheres of 5 GPa
+// closed forms for spheres of diameter 40 mm and Young's modulus 5 GPa, Pa
 constexpr Moduli hertzian[]{
     {Lattice::simple, 110e3, 1.05472799e+08, 0, 4.52026280e+07},
     {Lattice::face_centred, 10e3, 8.80754533e+07, 3.38751743e+06, 4.40377266e+07},
@@ -67,7 +70,7 @@ struct LinearModuli {
     Lattice lattice;
     double ratio, c11, c12, c44;
 };
-// reference/data/crystal_moduli_linear.csv, over kn / d
+// closed forms in units of kn / d
 constexpr LinearModuli linear[]{{Lattice::simple, 0.5, 1, 0, 0.25},
                                 {Lattice::body_centred, 0, 0.577350269, 0.577350269, 0.577350269},
                                 {Lattice::body_centred, 0.8, 1.501110700, 0.115470054, 0.808290377},
@@ -78,7 +81,7 @@ constexpr LinearModuli linear[]{{Lattice::simple, 0.5, 1, 0, 0.25},
 void check_moduli(Checks& checks, const std::string& name, const CrystalResult& r, double scale,
                   const Vec3& exact, double tolerance) {
     checks.relative(name + ": C11", scale == 1 ? "Pa" : "kn/d", exact[0], r.c11 / scale, tolerance);
-    // a modulus of zero is compared with the largest
+    // a modulus of zero is compared with the largest modulus
     if (exact[1] == 0)
         checks.absolute(name + ": C12 over C11", "", 0, r.c12 / r.c11, tolerance);
     else
@@ -104,7 +107,7 @@ void verify_crystals(Checks& checks) {
             r, 1, Vec3(m.c11, m.c12, m.c44), 1e-3);
         if (m.lattice == Lattice::face_centred) (soft == 0 ? soft : stiff) = r.bulk;
     }
-    checks.absolute("Hertz-Mindlin FCC: exponent of the bulk modulus in pressure", "", 1.0 / 3,
+    checks.absolute("Hertz-Mindlin FCC: exponent of pressure in the bulk modulus", "", 1.0 / 3,
                     std::log(stiff / soft) / std::log(11.0), 1e-3);
     for (const LinearModuli& m : linear) {
         Crystal s;
@@ -118,19 +121,20 @@ void verify_crystals(Checks& checks) {
 }
 
 void verify_waves(Checks& checks) {
-    // dispersion alone: 0.2 % for a wave of that length, 0.6 % for its group
+    // dispersion alone reduces the speed by 0.2 % for a wave of that length, by 0.6 % for its group
     const auto check = [&](const std::string& name, const Crystal& crystal, double c11,
                            double c44) {
         const double density = crystal.material.density * pi / 6 / cell_volume(crystal.lattice);
         for (const bool shear : {false, true}) {
             const CrystalWaveResult r = run_experiment(CrystalWave{
                 .crystal = crystal, .motion = shear ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitX())});
-            checks.relative(name + (shear ? ": shear wave of 20 d along [100]"
-                                          : ": pressure wave of 20 d along [100]"),
+            checks.relative(name + (shear ? ": speed of a shear wave of length 20 d along [100]"
+                                          : ": speed of a pressure wave of length 20 d along "
+                                            "[100]"),
                             "m/s", std::sqrt((shear ? c44 : c11) / density), r.speed, 1e-2);
         }
     };
-    Crystal hertz; // 40 mm spheres of 5 GPa: 315.9 and 223.4 m/s
+    Crystal hertz; // diameter 40 mm, Young's modulus 5 GPa: 315.9 and 223.4 m/s
     hertz.material.density = 2650;
     hertz.material.young_modulus = 5e9;
     hertz.material.poisson_ratio = 0.25;
@@ -148,21 +152,21 @@ void verify_stability(Checks& checks) {
     const auto limit = [](std::vector<Neighbour> around, double ratio) {
         return run_experiment(StabilityLimit{.around = std::move(around), .shear_ratio = ratio});
     };
-    // bisection: 2e-4; the published limits have three to six digits
+    // the bisection stops at 2e-4; the published limits have three to six digits
     constexpr double tolerance = 1e-3;
-    checks.relative("sphere on a held partner, ks = 0", "sqrt(m/kn)", 2, limit(one_held(), 0),
-                    tolerance, 0.02);
-    checks.relative("sphere on a held partner, ks = kn", "sqrt(m/kn)", 1.0690, limit(one_held(), 1),
-                    tolerance, 0.02);
-    checks.relative("free pair, ks = 0", "sqrt(m/kn)", std::sqrt(2.0), limit(free_pair(), 0),
-                    tolerance, 0.02);
-    checks.relative("free pair, ks = kn", "sqrt(m/kn)", 2 / std::sqrt(7.0), limit(free_pair(), 1),
-                    tolerance, 0.02);
+    checks.relative("sphere on a fixed partner, ks = 0: largest stable step", "sqrt(m/kn)", 2,
+                    limit(one_held(), 0), tolerance, 0.02);
+    checks.relative("sphere on a fixed partner, ks = kn: largest stable step", "sqrt(m/kn)", 1.0690,
+                    limit(one_held(), 1), tolerance, 0.02);
+    checks.relative("free pair, ks = 0: largest stable step", "sqrt(m/kn)", std::sqrt(2.0),
+                    limit(free_pair(), 0), tolerance, 0.02);
+    checks.relative("free pair, ks = kn: largest stable step", "sqrt(m/kn)", 2 / std::sqrt(7.0),
+                    limit(free_pair(), 1), tolerance, 0.02);
     struct Limit {
         Lattice lattice;
         double ratio, step;
     };
-    // reference/data/critical_timestep_lattices.csv
+    // limits from lattice dynamics, as 2 / omega of the highest frequency
     constexpr Limit list[]{{Lattice::simple, 0, 1},
                            {Lattice::simple, 2.0 / 7, 0.7977},
                            {Lattice::simple, 0.5, 0.632456},
@@ -178,8 +182,9 @@ void verify_stability(Checks& checks) {
     for (const Limit& l : list) {
         const double found =
             std::min(limit(in_phase(l.lattice), l.ratio), limit(zone_boundary(l.lattice), l.ratio));
-        checks.relative(fmt::format("{}, ks/kn = {:.3g}", name_of(l.lattice), l.ratio),
-                        "sqrt(m/kn)", l.step, found, tolerance, 0.02);
+        checks.relative(
+            fmt::format("{}, ks/kn = {:.3g}: largest stable step", name_of(l.lattice), l.ratio),
+            "sqrt(m/kn)", l.step, found, tolerance, 0.02);
     }
 }
 

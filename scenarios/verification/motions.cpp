@@ -14,7 +14,7 @@ void verify_bouncing(Checks& checks) {
     struct Contact {
         double stiffness, restitution, begin, in, end, out, overlap;
     };
-    // reference/data/single_contact_closed_forms.json
+    // closed forms of a damped linear contact under gravity
     constexpr Contact list[]{{1e4, 1.0, 0.2855686245854129, 2.8014282071829006, 0.3968390511194056,
                               2.8014282072380388, 0.1037499709379679},
                              {1e4, 0.6, 0.2855686245854129, 2.8014282071829006, 0.4012990088045103,
@@ -34,14 +34,14 @@ void verify_bouncing(Checks& checks) {
         const auto name = [&](const char* what) {
             return fmt::format("DEM01 k = {:g} N/m, e = {}: {}", c.stiffness, c.restitution, what);
         };
-        checks.relative(name("contact begins"), "s", c.begin, r.begin, 1e-9);
-        checks.relative(name("speed then"), "m/s", c.in, r.speed_in, 1e-9);
-        checks.relative(name("contact ends"), "s", c.end, r.end, 5e-4, 0.05);
-        checks.relative(name("speed then"), "m/s", c.out, r.speed_out, 5e-4, 0.05);
-        checks.relative(name("overlap"), "m", c.overlap, r.overlap, 5e-4, 0.05);
+        checks.relative(name("beginning of contact"), "s", c.begin, r.begin, 1e-9);
+        checks.relative(name("speed at the beginning of contact"), "m/s", c.in, r.speed_in, 1e-9);
+        checks.relative(name("end of contact"), "s", c.end, r.end, 5e-4, 0.05);
+        checks.relative(name("speed at the end of contact"), "m/s", c.out, r.speed_out, 5e-4, 0.05);
+        checks.relative(name("largest overlap"), "m", c.overlap, r.overlap, 5e-4, 0.05);
     }
-    // DEM02: apex heights go to r + (h0 - r) e^(2k), with a difference of first order in 1 /
-    // sqrt(k)
+    // DEM02: for k bounces the apex height tends to r + (h0 - r) e^(2k), with a difference of first
+    // order in 1 / sqrt(stiffness)
     const auto height = [](double stiffness, unsigned bounces, double e) {
         Bounce s;
         s.stiffness = stiffness;
@@ -53,12 +53,16 @@ void verify_bouncing(Checks& checks) {
     const double hard = 0.1 + 0.4 * std::pow(0.9, 6);
     const double soft = height(5e4, 3, 0.9) - hard, middle = height(5e5, 3, 0.9) - hard,
                  stiff = height(5e6, 3, 0.9) - hard;
-    checks.relative("DEM02 third apex, k = 5e6 N/m, e = 0.9", "m", hard, hard + stiff, 0.01, 0.05);
-    checks.absolute("DEM02 order of the difference in 1/sqrt(k), 5e4 to 5e5 N/m", "", 1,
-                    2 * std::log10(std::abs(soft / middle)), 0.1);
-    checks.absolute("DEM02 order of the difference in 1/sqrt(k), 5e5 to 5e6 N/m", "", 1,
-                    2 * std::log10(std::abs(middle / stiff)), 0.1);
-    checks.relative("DEM02 sixteenth apex, e = 1", "m", 0.5, height(5e4, 16, 1), 9.4e-4, 9.4e-4);
+    checks.relative("DEM02 k = 5e6 N/m, e = 0.9: height of the third apex", "m", hard, hard + stiff,
+                    0.01, 0.05);
+    checks.absolute("DEM02 k = 5e4 to 5e5 N/m: order in 1/sqrt(k) of the difference to hard "
+                    "contacts",
+                    "", 1, 2 * std::log10(std::abs(soft / middle)), 0.1);
+    checks.absolute("DEM02 k = 5e5 to 5e6 N/m: order in 1/sqrt(k) of the difference to hard "
+                    "contacts",
+                    "", 1, 2 * std::log10(std::abs(middle / stiff)), 0.1);
+    checks.relative("DEM02 e = 1: height of the sixteenth apex", "m", 0.5, height(5e4, 16, 1),
+                    9.4e-4, 9.4e-4);
 }
 
 void verify_stack(Checks& checks) {
@@ -66,18 +70,18 @@ void verify_stack(Checks& checks) {
         Stack s;
         s.restitution = e;
         const StackResult r = run_experiment(s);
-        checks.absolute(fmt::format("DEM03 e = {}: largest error of a height over its travel", e),
+        checks.absolute(fmt::format("DEM03 e = {}: largest error of height over displacement", e),
                         "", 0, r.largest_error / r.travel, 5e-4, 0.05);
         Stack fine = s;
         fine.step = 0.5 * s.step;
-        checks.absolute(fmt::format("DEM03 e = {}: order in dt", e), "", 2,
+        checks.absolute(fmt::format("DEM03 e = {}: order of the error in dt", e), "", 2,
                         std::log2(r.largest_error / run_experiment(fine).largest_error), 0.15);
     }
 }
 
 namespace {
 
-/// 1 mm spheres of 1e4 kg/m3, as MFiX has them.
+/// A sphere of diameter 1 mm and density 1e4 kg/m3, as in MFiX DEM04.
 RollingSphere grain_on_plane(double friction) {
     RollingSphere s;
     s.radius = 5e-4;
@@ -113,13 +117,13 @@ void verify_rolling(Checks& checks) {
         const auto name = [&](const char* what) {
             return fmt::format("DEM04 friction {}: {}", friction, what);
         };
-        checks.relative(name("time of slip over v0/(mu g)"), "", 2.0 / 7,
+        checks.relative(name("duration of slip over v0/(mu g)"), "", 2.0 / 7,
                         r.slip_end * friction * s.gravity / s.speed, 5e-3, 4e-4);
-        checks.relative(name("speed over v0"), "", 5.0 / 7, r.speed / s.speed, 2e-4, 5e-6);
-        checks.relative(name("R spin over v0"), "", 5.0 / 7,
+        checks.relative(name("final speed over v0"), "", 5.0 / 7, r.speed / s.speed, 2e-4, 5e-6);
+        checks.relative(name("final R omega over v0"), "", 5.0 / 7,
                         r.angular_velocity * s.radius / s.speed, 2e-4, 1e-5);
-        checks.at_most(name("friction over normal force"), "", friction, r.friction_ratio,
-                       1e-14 * friction);
+        checks.at_most(name("largest ratio of friction to normal force"), "", friction,
+                       r.friction_ratio, 1e-14 * friction);
     }
     check_slope(checks, 15, 0);
     check_slope(checks, 15, 0.05);
@@ -134,35 +138,37 @@ void verify_rolling(Checks& checks) {
     checks.absolute("slope 5 degrees, rolling friction 0.1: acceleration", "m/s2", 0,
                     run_experiment(at_rest).acceleration, 1e-9);
 
-    RollingSphere flat = grain_on_plane(0.5); // rolls from the start, and slows down
+    RollingSphere flat = grain_on_plane(0.5); // rolls from the start and slows down
     flat.law = LawName::linear_rolling;
     flat.material.rolling_friction = 0.1;
     flat.speed = 0.1;
     flat.angular_velocity = flat.speed / flat.radius;
     flat.duration = 0.1;
-    checks.relative("flat, rolling friction 0.1: acceleration", "m/s2", -5.0 / 7 * 0.1 * 9.81,
+    checks.relative("flat floor, rolling friction 0.1: acceleration", "m/s2", -5.0 / 7 * 0.1 * 9.81,
                     run_experiment(flat).acceleration, 1e-3);
     flat.policy.rolling_damping_ratio = 0.3;
     flat.duration = 0.5; // it stops after 0.143 s
     const RollingSphereResult stopped = run_experiment(flat);
-    checks.at_most("stopped: kinetic energy over that at the start", "", 1e-12,
-                   stopped.kinetic_energy / stopped.first_kinetic_energy);
+    checks.at_most("flat floor, after stopping: kinetic energy over initial kinetic energy", "",
+                   1e-12, stopped.kinetic_energy / stopped.first_kinetic_energy);
 
     RollingSphere twisting = grain_on_plane(0.5);
     twisting.law = LawName::linear_rolling;
     twisting.material.twisting_friction = 0.1;
     twisting.twist = 100;
     twisting.duration = 0.01;
-    checks.relative("spin about the normal, twisting friction 0.1: deceleration", "rad/s2",
+    checks.relative("rotation about the normal, twisting friction 0.1: acceleration", "rad/s2",
                     -2.5 * 0.1 * 9.81 / twisting.radius,
                     run_experiment(twisting).twist_acceleration, 1e-3);
 }
 
 void verify_local_damping(Checks& checks) {
     for (const double fraction : {0.1, 0.5, 0.7}) {
-        checks.relative(fmt::format("fraction {}: fall over g", fraction), "", 1 - fraction,
-                        run_experiment(DampedFall{.fraction = fraction, .speed = -3}), 1e-12);
-        checks.relative(fmt::format("fraction {}: rise over g", fraction), "", 1 + fraction,
+        checks.relative(
+            fmt::format("damping {}: acceleration of a falling sphere over g", fraction), "",
+            1 - fraction, run_experiment(DampedFall{.fraction = fraction, .speed = -3}), 1e-12);
+        checks.relative(fmt::format("damping {}: acceleration of a rising sphere over g", fraction),
+                        "", 1 + fraction,
                         run_experiment(DampedFall{.fraction = fraction, .speed = 3}), 1e-12);
         for (const LawName law : {LawName::linear_frictionless, LawName::hertz_frictionless}) {
             Material m = is_hertz(law) ? elastic("glass", 4.8e10, 0.2, 2800) : linear_material(1e6);
@@ -170,7 +176,7 @@ void verify_local_damping(Checks& checks) {
             if (!is_hertz(law)) s.partner_material = m;
             s.local_damping = fraction;
             s.steps_per_contact = 1000;
-            checks.relative(fmt::format("fraction {}, {}: restitution", fraction,
+            checks.relative(fmt::format("damping {}, {}: restitution", fraction,
                                         is_hertz(law) ? "Hertz" : "linear"),
                             "", std::sqrt((1 - fraction) / (1 + fraction)),
                             run_experiment(s).normal_restitution, 1e-4, 0.01);

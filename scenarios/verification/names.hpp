@@ -12,8 +12,7 @@
 
 namespace bris {
 
-// The words by which a user chooses among the laws and policies; the order is that of the
-// enumerations.
+// Names by which a user chooses among laws and policies, in the order of the enumerations.
 
 inline const std::vector<std::string> law_names{
     "linear_frictionless", "linear",        "linear_viscous",        "linear_rolling",
@@ -23,7 +22,7 @@ inline const std::vector<std::string> shear_history_names{"rescaled", "increment
 inline const std::vector<std::string> target_names{"sphere", "plane", "facet", "edge", "vertex"};
 inline const std::vector<std::string> lattice_names{"sc", "bcc", "fcc"};
 
-/// The value whose word it is. Throws InputError.
+/// The value that a name stands for. Throws InputError if there is none.
 template <class Enumeration>
 Enumeration named(const std::vector<std::string>& names, const std::string& word);
 extern template LawName named(const std::vector<std::string>&, const std::string&);
@@ -33,23 +32,27 @@ extern template Target named(const std::vector<std::string>&, const std::string&
 extern template Lattice named(const std::vector<std::string>&, const std::string&);
 extern template FilterKind named(const std::vector<std::string>&, const std::string&);
 
-/// What runs, and what does not, in a step of two spheres on a plane under a law: for --explain.
+/// The text of --explain: the systems that run, and those that do not, in a step of two spheres on
+/// a plane under a law.
 std::string explain_step(LawName law, Grains grains);
 
-/// A material as options: the elastic constants of both families of laws, with friction and
-/// restitution.
+/// The density of a material and its elastic constants for both families of laws, as options.
 struct MaterialOptions {
     Material material;
     explicit MaterialOptions(Material initial) : material(std::move(initial)) {}
 
     void describe(auto& option, const std::string& prefix, const std::string& of) {
-        option(prefix + "density", material.density, "kg/m3", of, above(0));
-        option(prefix + "young_modulus", material.young_modulus, "Pa", of + "; Hertz", above(0));
-        option(prefix + "poisson_ratio", material.poisson_ratio, "", of + "; Hertz",
+        option(prefix + "density", material.density, "kg/m3", "Density " + of + ".", above(0));
+        option(prefix + "young_modulus", material.young_modulus, "Pa",
+               "Young's modulus " + of + " for Hertz laws.", above(0));
+        option(prefix + "poisson_ratio", material.poisson_ratio, "",
+               "Poisson's ratio " + of + " for Hertz laws.",
                Range{.low = -1, .high = 0.5, .low_accepted = false});
         option(prefix + "normal_stiffness", material.normal_stiffness, "N/m",
-               of + "; linear laws, in series with the partner's", above(0));
-        option(prefix + "shear_stiffness", material.shear_stiffness, "N/m", of + "; likewise",
+               "Normal stiffness " + of + " for linear laws, in series with the partner's.",
+               above(0));
+        option(prefix + "shear_stiffness", material.shear_stiffness, "N/m",
+               "Tangential stiffness " + of + " for linear laws, in series with the partner's.",
                at_least(0));
     }
 };

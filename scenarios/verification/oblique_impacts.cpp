@@ -18,16 +18,18 @@ Impact alumina_at(double angle, double speed = 3.9) {
     return s;
 }
 
-// Published integrations let friction act at the radius, the engine in the middle of the overlap:
-// at 3.9 m/s that is 1.6e-3 less. A result without dimension depends on speed through overlap /
-// radius alone (~ v^(4/5)), so at a hundredth of the speed, where this is 8e-5, the engine is to
-// meet the published numbers; at full speed, the same law integrated with the engine's arm.
+// In published integrations the lever arm of friction is the radius, in the engine it reaches to
+// the middle of the overlap: at 3.9 m/s it is shorter by 1.6e-3. A dimensionless result depends on
+// the speed only through overlap / radius (~ v^(4/5)). At a hundredth of the speed, where this
+// ratio is 8e-5, the engine is therefore compared with the published numbers, and at full speed
+// with the same law integrated with the engine's lever arm.
 constexpr double slow = 0.01;
 
 struct Oblique {
     double angle, et, angular_velocity, rebound;
 };
-// reference/data/chung_ooi_test4_oblique_reference.csv, columns *_incr
+// Chung and Ooi (2011), test 4: tangential restitution, angular velocity (rad/s), rebound angle
+// (degrees) by an integration with incremental tangential springs
 constexpr Oblique oblique[]{{5, 0.861184, 47.1845, 2.6280},    {10, 0.710567, 196.0120, -0.1342},
                             {20, 0.620098, 506.7427, -6.9802}, {30, 0.684480, 615.2647, -3.5169},
                             {40, 0.782903, 544.2354, 11.6197}, {50, 0.847144, 456.6686, 29.4873},
@@ -38,12 +40,13 @@ void check_oblique(Checks& checks, const std::string& name, const Impact& impact
     const ImpactResult r = run_experiment(impact);
     checks.relative(name + "tangential restitution", "", expected.et, r.tangential_restitution,
                     1e-3, 1.3e-4);
-    checks.relative(name + "spin", "rad/s", expected.angular_velocity * angular_velocity_unit,
-                    r.angular_velocity.y(), 1e-3, 1.3e-4);
-    // an angle near 0 has no relative error: 1e-3 of 45 degrees
+    checks.relative(name + "angular velocity", "rad/s",
+                    expected.angular_velocity * angular_velocity_unit, r.angular_velocity.y(), 1e-3,
+                    1.3e-4);
+    // a relative error is meaningless for an angle near 0, so the tolerance is 1e-3 of 45 degrees
     checks.absolute(name + "rebound angle", "degrees", expected.rebound, r.rebound_angle / degree,
                     0.045);
-    checks.at_most(name + "friction over normal force", "", impact.material.friction,
+    checks.at_most(name + "largest ratio of friction to normal force", "", impact.material.friction,
                    r.friction_ratio, 1e-14 * impact.material.friction);
 }
 
@@ -51,21 +54,23 @@ void check_oblique(Checks& checks, const std::string& name, const Impact& impact
 
 void verify_oblique_impacts(Checks& checks) {
     for (const Oblique& o : oblique) {
-        // two integrations of first order where sticking ends: at 5 degrees they differ by 1.3e-4,
-        // elsewhere by 1e-6
+        // both integrations are of first order where sticking ends: at 5 degrees they differ by
+        // 1.3e-4, at other angles by 1e-6
         const ImpactResult fine = integrate_finely(alumina_at(o.angle), Arm::surface);
-        checks.relative(fmt::format("own fine integration, arm R, {} degrees: spin", o.angle),
+        checks.relative(fmt::format("{} degrees, own fine integration with lever arm R: angular "
+                                    "velocity",
+                                    o.angle),
                         "rad/s", o.angular_velocity, fine.angular_velocity.y(), 2e-4);
-        check_oblique(checks, fmt::format("{} degrees, published: ", o.angle),
+        check_oblique(checks, fmt::format("{} degrees, published value: ", o.angle),
                       alumina_at(o.angle, slow * 3.9), o, slow);
         const ImpactResult law = integrate_finely(alumina_at(o.angle), Arm::middle);
-        check_oblique(checks, fmt::format("{} degrees, 3.9 m/s, fine steps: ", o.angle),
+        check_oblique(checks, fmt::format("{} degrees, 3.9 m/s, fine integration: ", o.angle),
                       alumina_at(o.angle),
                       {o.angle, law.tangential_restitution, law.angular_velocity.y(),
                        law.rebound_angle / degree},
                       1);
     }
-    // gross sliding, exact in the limit e = 1: onset of it, tan = 3.5 mu (1 + e)
+    // gross sliding, which is exact in the limit e = 1, begins at tan(angle) = 3.5 mu (1 + e)
     Impact sliding = on_wall(alumina(), alumina_radius, 3.9, LawName::hertz_mindlin_viscous);
     sliding.material.restitution = sliding.partner_material.restitution = 1;
     sliding.angle = 45 * degree;
@@ -76,10 +81,10 @@ void verify_oblique_impacts(Checks& checks) {
                     (1 - r.tangential_restitution) * 3.9 * std::sin(sliding.angle) /
                         (0.092 * 2 * normal),
                     1e-4);
-    checks.relative("e = 1, 45 degrees: spin over 5/2 mu (1 + e) v_n / R", "", 1,
+    checks.relative("e = 1, 45 degrees: angular velocity over 5/2 mu (1 + e) v_n / R", "", 1,
                     r.angular_velocity.y() * alumina_radius / (2.5 * 0.092 * 2 * normal),
-                    2e-3); // the arm is 1.2e-3 short
-    // experiment, where it slides (Kharaz et al. 2001): tangential restitution
+                    2e-3); // the lever arm is shorter than R by 1.2e-3
+    // experiment of Kharaz et al. (2001) at angles with sliding: tangential restitution
     struct Measured {
         double angle, et;
     };
@@ -93,7 +98,8 @@ void verify_slip_impacts(Checks& checks) {
     struct Slip {
         double ratio, steel, polyethylene;
     };
-    // slip'/v_n' of reference/data/chung_ooi_test5_6_reference.csv, column incr
+    // Chung and Ooi (2011), test 5: slip'/v_n' by an integration with incremental tangential
+    // springs
     constexpr Slip list[]{{0.1, 0.051035, 0.035497},   {0.3, 0.124516, 0.068758},
                           {0.5, 0.037530, -0.015738},  {0.7, -0.148123, -0.200412},
                           {1.0, -0.350708, -0.398246}, {1.4, -0.440308, -0.470801},
@@ -112,18 +118,18 @@ void verify_slip_impacts(Checks& checks) {
             const auto name = [&](const char* what) {
                 return fmt::format("{}, slip/v_n = {}, {}", m.name, x.ratio, what);
             };
-            // a thousandth of the speed, for the arm: overlap / radius 3e-5 and 2e-4
+            // a thousandth of the speed makes the lever arms equal: overlap / radius 3e-5 and 2e-4
             const double normal_speed = 5e-3;
             const ImpactResult r = run_experiment(impact(m, x.ratio, normal_speed));
-            checks.absolute(name("published: slip'/v_n'"), "",
+            checks.absolute(name("published value: slip'/v_n'"), "",
                             m.name == "steel" ? x.steel : x.polyethylene,
                             r.slip / (normal_speed * r.normal_restitution), 1e-3, 0.015);
-            if (x.ratio >= 2.25) // slides throughout
-                checks.relative(name("R spin/(mu v_n)"), "", 5,
+            if (x.ratio >= 2.25) // the sphere slides throughout
+                checks.relative(name("R omega/(mu v_n)"), "", 5,
                                 r.angular_velocity.y() * 1e-5 / (0.3 * normal_speed), 1e-3, 0.01);
             const ImpactResult law = integrate_finely(impact(m, x.ratio, 5), Arm::middle),
                                fast = run_experiment(impact(m, x.ratio, 5));
-            checks.absolute(name("5 m/s, fine steps: slip'/v_n'"), "",
+            checks.absolute(name("5 m/s, fine integration: slip'/v_n'"), "",
                             law.slip / (5 * law.normal_restitution),
                             fast.slip / (5 * fast.normal_restitution), 1e-3, 0.015);
         }
@@ -131,7 +137,7 @@ void verify_slip_impacts(Checks& checks) {
 
 namespace {
 
-/// Test 6: slip over normal speed after an impact of a sphere that spins, before it: `ratio`.
+/// Test 6: the impact of a spinning sphere. `ratio` is slip over normal speed before the impact.
 ImpactResult spinning(const Material& m, double ratio, const Material* partner, Tension tension) {
     Impact s = on_wall(m, 0.1, 0.2, LawName::hertz_mindlin_viscous);
     if (partner != nullptr) {
@@ -154,9 +160,9 @@ void verify_spinning_impacts(Checks& checks) {
         return r.slip / (0.2 * r.normal_restitution);
     };
     // test 6: rigid bodies would give 1.300
-    checks.absolute("test 6, slip'/v_n' at slip/v_n = 2.75, tension allowed", "", 1.214,
+    checks.absolute("test 6, slip/v_n = 2.75, tension allowed: slip'/v_n'", "", 1.214,
                     slip(2.75, nullptr, Tension::allowed), 5e-3, 0.034);
-    checks.absolute("test 6, slip'/v_n' at slip/v_n = 2.75, calibrated", "", 1.376,
+    checks.absolute("test 6, slip/v_n = 2.75, tension calibrated: slip'/v_n'", "", 1.376,
                     slip(2.75, nullptr, Tension::calibrated), 5e-3, 0.034);
 
     // test 7: the surfaces do not slip
@@ -168,19 +174,19 @@ void verify_spinning_impacts(Checks& checks) {
     pair.angular_velocity = Vec3(0, 7, 0);
     pair.partner_angular_velocity = -pair.angular_velocity;
     const ImpactResult r = run_experiment(pair);
-    checks.absolute("test 7, change of spin", "rad/s", 0,
+    checks.absolute("test 7: change of angular velocities", "rad/s", 0,
                     (r.angular_velocity - pair.angular_velocity).norm() +
                         (r.partner_angular_velocity - pair.partner_angular_velocity).norm(),
                     1e-12, 0);
-    checks.absolute("test 7, slip after", "m/s", 0, std::abs(r.slip), 1e-12, 0);
+    checks.absolute("test 7: slip after the impact", "m/s", 0, std::abs(r.slip), 1e-12, 0);
 
-    // test 8: a partner a thousand times as dense and stiff is a wall
+    // test 8: a partner a thousand times as dense and as stiff acts as a wall
     Material stone = alloy;
     stone.young_modulus *= 1000;
     stone.density *= 1000;
     for (const double ratio : {0.5, 1.5, 2.75})
-        checks.absolute(fmt::format("test 8, slip'/v_n' at slip/v_n = {} against test 6", ratio),
-                        "", slip(ratio, nullptr, Tension::allowed),
+        checks.absolute(fmt::format("test 8, slip/v_n = {}: slip'/v_n' as in test 6", ratio), "",
+                        slip(ratio, nullptr, Tension::allowed),
                         slip(ratio, &stone, Tension::allowed), 5e-3, 0.042);
 }
 
@@ -188,7 +194,7 @@ void verify_energy_defect(Checks& checks) {
     struct Defect {
         double angle, total, rescaled, incremental;
     };
-    // reference/data/tangential_spring_energy_defect.csv
+    // relative change of energy by an independent integration of each spring without slip
     constexpr Defect list[]{
         {5, 5.9213e-05, -1.4195e-03, 2.1255e-05},   {10, 2.3506e-04, -5.6350e-03, -5.9925e-06},
         {20, 9.1199e-04, -2.1862e-02, -6.1419e-04}, {30, 1.9493e-03, -4.6730e-02, -2.5245e-03},
@@ -205,7 +211,7 @@ void verify_energy_defect(Checks& checks) {
     };
     for (const Defect& d : list) {
         const auto name = [&](const char* law) {
-            return fmt::format("{} spring, energy change at {} degrees", law, d.angle);
+            return fmt::format("{} spring, {} degrees: relative change of energy", law, d.angle);
         };
         checks.absolute(name("total"), "", d.total, defect(d.angle, ShearHistory::total), 5e-4);
         checks.absolute(name("rescaled"), "", d.rescaled, defect(d.angle, ShearHistory::rescaled),
@@ -216,10 +222,9 @@ void verify_energy_defect(Checks& checks) {
     double most = -1;
     for (int angle = 0; angle <= 89; ++angle)
         most = std::max(most, defect(angle, ShearHistory::rescaled));
-    // passive in the law; what is left is the leapfrog's own, (omega dt)^2 of a contact in 1000
-    // steps
-    checks.at_most("rescaled spring, largest energy change from 0 to 89 degrees", "", 0, most,
-                   2e-6);
+    // the law is passive; the remainder is the leapfrog's (omega dt)^2 for a contact of 1000 steps
+    checks.at_most("rescaled spring, 0 to 89 degrees: largest relative change of energy", "", 0,
+                   most, 2e-6);
 }
 
 void verify_surfaces(Checks& checks) {
@@ -235,10 +240,13 @@ void verify_surfaces(Checks& checks) {
             const ImpactResult r = run(target, angle);
             const double angular_velocity = (r.angular_velocity - plane.angular_velocity).norm() /
                                             std::max(1.0, plane.angular_velocity.norm());
-            checks.absolute(fmt::format("{} against plane, {} degrees: restitution", name, angle),
-                            "", plane.normal_restitution, r.normal_restitution, 1e-12);
-            checks.absolute(fmt::format("{} against plane, {} degrees: spin", name, angle), "", 0,
-                            angular_velocity, 1e-12);
+            checks.absolute(
+                fmt::format("{} compared with plane, {} degrees: restitution", name, angle), "",
+                plane.normal_restitution, r.normal_restitution, 1e-12);
+            checks.absolute(
+                fmt::format("{} compared with plane, {} degrees: difference of angular velocity",
+                            name, angle),
+                "", 0, angular_velocity, 1e-12);
         };
         compare("facet", Target::facet);
         compare("shared edge", Target::edge);

@@ -2,8 +2,8 @@
 
 namespace bris {
 
-/// Largest value of an evenly sampled quantity, by the parabola through the largest sample and its
-/// neighbours: third order in the interval for a smooth quantity.
+/// Largest value of an evenly sampled quantity, from the parabola through the largest sample and
+/// its neighbours. Third order in the sampling interval for a smooth quantity.
 class Peak {
 public:
     void add(double x) {
@@ -22,7 +22,7 @@ public:
     double value() const {
         return bend() < 0 ? middle_ - slope() * slope() / (8 * bend()) : middle_;
     }
-    /// Place of the peak, in samples from the first.
+    /// Time of the peak in sampling intervals after the first sample.
     double time_index() const { return at_ + (bend() < 0 ? -0.5 * slope() / bend() : 0); }
 
 private:

@@ -21,7 +21,7 @@ RestResult run_experiment(const SmallBetweenLarge& s) {
     const double large = s.ratio * radius, reach = large + radius;
     for (const double x : {-large, large})
         add_sphere(world, Vec3(x, 0, 0), large, material, Motion::fixed);
-    // beside the middle, on one of the two: it rolls down into the valley
+    // the small sphere begins on one of the large ones and rolls down into the groove
     const double x = s.offset * radius, z = std::sqrt(reach * reach - (large + x) * (large + x));
     const EntityId small = add_sphere(
         world, Vec3(-x, 0, std::max(z, std::sqrt(reach * reach - (large - x) * (large - x)))),
@@ -48,7 +48,7 @@ PackingResult run_experiment(const Packing& s) {
     Material m = linear_material(kn, 0.8 * kn, 0.5);
     const double omega = std::sqrt(kn / (m.density * 4 / 3 * pi * radius * radius * radius));
     m.normal_damping = m.shear_damping =
-        0.2 * omega; // six contacts a sphere, and 5/2 of it for its spin: below 2 / dt
+        0.2 * omega; // six contacts per sphere, times 5/2 for its rotation, stay below 2 / dt
     const auto material = world.resource<Materials>().add(m);
     const double pitch = 2.05 * radius;
     for (unsigned i = 0; i < s.side * s.side * s.side; ++i) {
@@ -60,7 +60,7 @@ PackingResult run_experiment(const Packing& s) {
     }
     add_box(world, Vec3::Zero(), pitch * Vec3(s.side, s.side, 3 * s.side), material);
     world.add_resource<Gravity>();
-    world.add_resource(LocalDamping{0.5}); // calms what rolls freely, which no contact does
+    world.add_resource(LocalDamping{0.5}); // damps free rolling, which no contact damps
     Simulation sim = begin(std::move(world),
                            {.dt = 0.1 / omega, .law = LawName::linear_viscous, .unlimited = true});
     PackingResult r;

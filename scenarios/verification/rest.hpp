@@ -4,22 +4,23 @@
 
 namespace bris {
 
-/// A small sphere that comes to rest between two large ones that are held (Vyas et al. 2025): it
-/// must stay.
+/// A small sphere that comes to rest between two large fixed spheres (Vyas et al. 2025) and must
+/// stay at rest.
 struct SmallBetweenLarge {
-    double ratio = 10; ///< radius of the large ones over that of the small one, >= 1
+    double ratio = 10; ///< large radius over small radius, >= 1
     double friction = 0.5;
-    double offset = 0.2; ///< of the small radius, from the middle at the start
+    double offset = 0.2; ///< initial distance from the middle, in small radii
 };
+/// Motion of the small sphere (radius r) at the end.
 struct RestResult {
-    double speed = 0;            ///< of the small one at the end, over sqrt(g r)
-    double angular_velocity = 0; ///< rad/s sqrt(r / g), likewise
-    double travel = 0;           ///< of r, in the last tenth of the run
-    double unbalanced = 0;       ///< resultant over weight
+    double speed = 0;            ///< relative to sqrt(g r)
+    double angular_velocity = 0; ///< relative to sqrt(g / r)
+    double travel = 0;           ///< displacement in the last tenth of the run, in r
+    double unbalanced = 0;       ///< resultant force relative to the weight
 };
 RestResult run_experiment(const SmallBetweenLarge& scene);
 
-/// A packing of spheres of several sizes in a box, at rest under its weight.
+/// A packing of spheres of several sizes at rest in a box under its weight.
 struct Packing {
     unsigned side = 3;
     std::uint64_t seed = 1;
@@ -27,9 +28,9 @@ struct Packing {
 struct PackingResult {
     double unbalanced_ratio = 0;
     double floor_force_error = 0; ///< |force of the grains on the box / weight - 1|
-    double stress_mismatch =
-        0; ///< of contact stress (Love 1927, Weber 1966) and boundary tractions
-    double coordination = 0;
+    /// Mismatch of contact stress (Love 1927, Weber 1966) and stress from boundary tractions.
+    double stress_mismatch = 0;
+    double coordination = 0; ///< coordination number
 };
 PackingResult run_experiment(const Packing& packing);
 

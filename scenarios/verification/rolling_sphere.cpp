@@ -9,8 +9,9 @@
 namespace bris {
 
 RollingSphereResult run_experiment(const RollingSphere& s) {
-    require(!is_hertz(s.law), "roll: expected a linear law");
-    require(s.slope >= 0 && s.slope < pi / 2, "roll: expected a slope from 0 to pi/2 rad");
+    require(!is_hertz(s.law), "rolling sphere: expected a linear law");
+    require(s.slope >= 0 && s.slope < pi / 2,
+            "rolling sphere: expected a slope of at least 0 and below pi/2 rad");
     World world = make_world(Grains::spheres);
     const auto material = world.resource<Materials>().add(s.material);
     world.resource<Materials>().policy = s.policy;
@@ -20,7 +21,7 @@ RollingSphereResult run_experiment(const RollingSphere& s) {
     const double mass = value_of<InertialMass>(world, ball), kn = 0.5 * s.material.normal_stiffness;
     const double dt = s.step * std::sqrt(mass / kn);
     value_of<Position>(world, ball).z() =
-        s.radius - mass * s.gravity * std::cos(s.slope) / kn; // in balance from the start
+        s.radius - mass * s.gravity * std::cos(s.slope) / kn; // in equilibrium from the start
     value_of<Velocity>(world, ball).x() = s.speed;
     set_angular_velocity(world, ball, Vec3(0, s.angular_velocity, s.twist));
     world.add_resource<Gravity>({s.gravity * Vec3(std::sin(s.slope), 0, -std::cos(s.slope))});

@@ -29,7 +29,7 @@ std::string quoted(std::string text) {
     return '"' + text + '"';
 }
 
-/// Zero tolerance leaves no room: any error is beyond it.
+/// Error over tolerance. Infinite for any error if the tolerance is zero.
 double share_of_tolerance(const Check& c) {
     if (c.error() <= 0) return 0;
     return c.tolerance > 0 ? c.error() / c.tolerance : std::numeric_limits<double>::infinity();

@@ -7,14 +7,14 @@
 
 namespace bris {
 
-/// A line for each check: group, quantity, expected, found, error, tolerance, best error of other
-/// codes, verdict.
+/// A table with one line for each check: group, quantity, expected, found, error, tolerance,
+/// smallest error of other codes, verdict.
 std::string table_of(const std::vector<Check>& checks);
-/// The same as CSV with a header; numbers read back to the same bits.
+/// The same table as CSV with a header. Numbers read back to the same bits.
 std::string csv_of(const std::vector<Check>& checks);
-/// Numbers of checks and of failures, and the largest error over tolerance of each group.
+/// Adds the numbers of checks and of failures, and the largest error over tolerance of each group.
 void add_checks(Summary& summary, const std::vector<Check>& checks);
-/// "group: quantity; ..." of what fails; empty if all pass.
+/// The failing checks as "group: quantity; ...". Empty if all pass.
 std::string names_of_failing(const std::vector<Check>& checks);
 
 } // namespace bris

@@ -52,7 +52,7 @@ Clump shape_of(const Ball& ball, const Vec3& inertia, double reach) {
 FreeTop::FreeTop(const Vec3& inertia, const Vec3& angular_velocity) {
     const double i1 = inertia.x(), i2 = inertia.y(), i3 = inertia.z();
     require(i1 > 0 && i1 <= i2 && i2 <= i3 && i1 < i3,
-            "top: expected ascending moments above 0 kg m2, not all equal");
+            "top: expected ascending principal moments above 0 kg m2, not all equal");
     const Vec3 squares = angular_velocity.cwiseAbs2();
     const double energy = squares.dot(inertia),
                  momentum = squares.dot(inertia.cwiseAbs2()); // 2 T and L^2
@@ -60,9 +60,10 @@ FreeTop::FreeTop(const Vec3& inertia, const Vec3& angular_velocity) {
     const double high = energy * i3 - momentum, low = momentum - energy * i1,
                  split = momentum - energy * i2;
     require(std::abs(split) > 1e-12 * momentum,
-            "top: expected a spin off the separatrix (its motion has no period)");
+            "top: expected an angular velocity off the separatrix, on which the motion has no "
+            "period");
     require(high > 1e-14 * momentum && low > 1e-14 * momentum,
-            "top: expected a spin about more than one axis");
+            "top: expected an angular velocity about more than one axis");
     const double a1 = std::sqrt(high / (i1 * (i3 - i1))), a3 = std::sqrt(low / (i3 * (i3 - i1)));
     double a2 = 0;
     if (circled_ == 2) {
@@ -74,7 +75,8 @@ FreeTop::FreeTop(const Vec3& inertia, const Vec3& angular_velocity) {
         rate_ = std::sqrt((i2 - i1) * high / (i1 * i2 * i3));
         m_ = (i3 - i2) * low / ((i2 - i1) * high);
     }
-    // the circled component keeps its sign, and I2 w2' = (I3 - I1) w3 w1 gives that of the second
+    // the component along the circled axis keeps its sign, and I2 w2' = (I3 - I1) w3 w1 gives the
+    // sign of the second component
     const double sign = angular_velocity[circled_] < 0 ? -1 : 1;
     amplitude_ = circled_ == 2 ? Vec3(a1, sign * a2, sign * a3) : Vec3(sign * a1, sign * a2, a3);
     begin_ = std::ellint_1(std::sqrt(m_),
@@ -143,7 +145,8 @@ TopResult run_experiment(const Top& s) {
 
 PendulumResult run_experiment(const Pendulum& s) {
     require(s.amplitude > 0 && s.amplitude < pi / 4,
-            "pendulum: expected an amplitude from 0 to pi/4 rad (both planes are to hold it)");
+            "pendulum: expected an amplitude above 0 and below pi/4 rad, so that both planes carry "
+            "load");
     World world = make_world(Grains::clumps);
     const double weight = s.mass * s.gravity, k = s.stiffness_ratio * weight / s.arm,
                  dt = s.step_share * std::sqrt(s.mass / k);
@@ -187,7 +190,7 @@ PendulumResult run_experiment(const Pendulum& s) {
         before = angle;
     }
     r.steps = sim.world().resource<Clock>().step;
-    if (crossings <= s.swings) throw SimulationError("pendulum: it does not swing");
+    if (crossings <= s.swings) throw SimulationError("pendulum: expected full swings, found fewer");
     r.period = (last - first) / s.swings;
     return r;
 }

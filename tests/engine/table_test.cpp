@@ -26,7 +26,7 @@ struct Place : Derived<Vec3> {
 } // namespace
 
 TEST_SUITE("engine/table") {
-    TEST_CASE("new rows are zero, also where a table was larger before") {
+    TEST_CASE("new rows are zero, also if the table was larger before") {
         Table table("things");
         table.add<Heat>();
         table.resize(10);
@@ -39,7 +39,8 @@ TEST_SUITE("engine/table") {
         CHECK(std::count(heat.begin() + 4, heat.end(), 0.0) == 996);
     }
 
-    TEST_CASE("a column added late has a zero for every row, and adding it again changes nothing") {
+    TEST_CASE("a column that is added later is zero in every row, and adding it again changes "
+              "nothing") {
         Table table("things");
         table.add<Name>();
         table.resize(5);
@@ -62,7 +63,7 @@ TEST_SUITE("engine/table") {
             table.column<Name>()[r] = r;
             table.column<Heat>()[r] = 0.5 * r;
             table.column<Place>()[r] = Vec3(r, 2 * r, 3 * r);
-            new_to_old[r] = (7 * r + 11) % n; // 7 and 300 have no common divisor
+            new_to_old[r] = (7 * r + 11) % n; // a permutation, since 7 and 300 are coprime
         }
         for (Row r = 0; r < n; ++r) inverse[new_to_old[r]] = r;
         table.permute(new_to_old);
@@ -85,7 +86,7 @@ TEST_SUITE("engine/table") {
         }
     }
 
-    TEST_CASE("a copy of a table is a table of its own") {
+    TEST_CASE("a copy of a table is independent of the original") {
         Table table("things");
         table.add<Heat>();
         table.resize(3);
@@ -98,8 +99,7 @@ TEST_SUITE("engine/table") {
         CHECK(copy.size() == 9);
     }
 
-    TEST_CASE("asking for a column that is not there is a programmer's mistake with the table's "
-              "name in it") {
+    TEST_CASE("access to a missing column throws a logic error with the name of the table") {
         Table table("things");
         CHECK_THROWS_WITH_AS(table.column<Heat>(), doctest::Contains("things"), std::logic_error);
     }

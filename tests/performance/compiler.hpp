@@ -4,7 +4,7 @@
 
 namespace bris {
 
-/// Of this binary, with its version.
+/// Name and version of the compiler of this binary.
 inline std::string compiler() {
 #ifdef __clang__
     return "clang " __clang_version__;

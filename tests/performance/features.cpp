@@ -1,6 +1,7 @@
-// What each feature costs: a settled bed of spheres, with one thing more at a time. Blocks of
-// steps, interleaved over the variants; one CSV line each with the median, the least, and what the
-// scene's floor says of the physics.
+// Cost of each feature: a settled bed of spheres runs with one feature more at a time. Blocks of
+// steps are interleaved over the variants. Each variant gives one CSV line with the median and the
+// minimum of its blocks, and with the coordination number and floor force as a check of the
+// physics.
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
 #include "engine/assets.hpp"
@@ -36,10 +37,10 @@ struct Bench {
         assets_folder().parent_path() / "tests/performance/results/features.csv";
 
     void describe(auto& option) {
-        option("spheres", spheres, "", "of the bed", within(100, 1e6));
-        option("rounds", rounds, "", "blocks timed for each", within(1, 1000));
-        option("steps", steps, "", "of a block", within(1, 1e9));
-        option("out", out, "", "CSV file to be written");
+        option("spheres", spheres, "", "Number of spheres in the bed.", within(100, 1e6));
+        option("rounds", rounds, "", "Number of timed blocks of each variant.", within(1, 1000));
+        option("steps", steps, "", "Number of time steps in a block.", within(1, 1e9));
+        option("out", out, "", "CSV file to write.");
     }
 };
 
@@ -57,7 +58,7 @@ enum class Also {
 
 struct Variant {
     const char* name;
-    const char* against; ///< the variant that it adds to
+    const char* against; ///< the variant with which it is compared
     LawName law;
     Also also = Also::nothing;
 };
@@ -79,7 +80,7 @@ constexpr Variant variants[] = {
      Also::servo},
 };
 
-/// That of the bed, with what the law needs besides.
+/// Material of the bed, with the additional constants that the law needs.
 Material grain_of(LawName law) {
     Material grain{.name = "grain",
                    .density = SphereBed{}.density,
@@ -108,8 +109,8 @@ World bed_under(const Bench& s, LawName law) {
     return world;
 }
 
-/// The spheres of that bed that stand in a tube, with a membrane around them and a platen on top in
-/// the place of the box.
+/// The spheres of that bed inside a cylinder, with a membrane around them and a platen on top
+/// instead of the box.
 World bed_in_membrane(const Variant& v, double radius, const std::vector<Vec3>& positions) {
     const SphereBed bed;
     World world = make_world(Grains::spheres);
@@ -141,7 +142,7 @@ World bed_in_membrane(const Variant& v, double radius, const std::vector<Vec3>& 
     return world;
 }
 
-/// Membrane and platen stay where they are.
+/// Stops membrane and platen in their present positions.
 void hold(World& world) {
     world.resource<Membrane>().active = false;
     std::ranges::fill(world.column<Elements, ElementSpeed>(), 0.0);
@@ -149,7 +150,7 @@ void hold(World& world) {
     world.resource<Platen>().speed = 0;
 }
 
-/// Where the spheres of a settled bed are, in the order of their ids.
+/// Positions (m) of the spheres of a settled bed, in the order of their ids.
 std::vector<Vec3> settled(const Bench& s) {
     World world = bed_under(s, LawName::linear_viscous);
     add_lists(world, LawName::linear_viscous);
@@ -203,7 +204,7 @@ Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& positi
                                         steps(v.law, v.also == Also::energy_budget), 1),
            nullptr, spheres};
     c.simulation->advance(
-        std::max<std::uint64_t>(s.steps, 12000)); // to rest, with warm caches and lists
+        std::max<std::uint64_t>(s.steps, 12000)); // until it is at rest, with warm caches and lists
     if (v.also == Also::membrane) hold(c.simulation->world());
     return c;
 }
@@ -284,6 +285,7 @@ int main(int argc, char** argv) {
         if (options.parse({argv + 1, argv + argc}))
             run(settings);
         else
-            fmt::print("{}", options.help("features", "what each feature of a scene costs"));
+            fmt::print("{}",
+                       options.help("features", "Measures the cost of each feature of a scene."));
     });
 }

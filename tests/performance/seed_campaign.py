@@ -1,4 +1,4 @@
-"""What campaigns over seeds share: a table of numbers of each seed and pressure, which is added to and never run twice."""
+"""Common parts of campaigns over seeds: a table with the numbers of each seed and pressure. Seeds that are in it are not run again."""
 import argparse
 import csv
 import math
@@ -13,27 +13,27 @@ STUDENT = (12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262)  # 97
 
 
 def half_width(numbers):
-    """Of the interval of 95 % of their mean (Student's t); 0 for one."""
+    """Half width of the 95 % confidence interval of the mean (Student's t). 0 for a single number."""
     if len(numbers) < 2:
         return 0
     return (STUDENT[len(numbers) - 2] if len(numbers) < 11 else 1.96) * statistics.stdev(numbers) / math.sqrt(len(numbers))
 
 
 def interval(numbers):
-    """Their geometric mean, with that interval."""
+    """Text of the geometric mean with its 95 % confidence interval."""
     logarithms = [math.log(x) for x in numbers]
     mean, half = statistics.mean(logarithms), half_width(logarithms)
     return f'{math.exp(mean):.2f} ({math.exp(mean - half):.2f}-{math.exp(mean + half):.2f})' if half else f'{math.exp(mean):.2f}'
 
 
 def parser(doc, seeds, table):
-    """`table`: name of the CSV file among the results. Runs go to a folder of the campaign's name."""
+    """Argument parser of a campaign. `table` is the name of the CSV file in the results folder. Runs go to a folder with the campaign's name."""
     arguments = argparse.ArgumentParser(description=doc, formatter_class=argparse.RawDescriptionHelpFormatter)
-    arguments.add_argument('--seeds', type=lambda text: [int(word) for word in text.split(',')], default=list(seeds))
-    arguments.add_argument('--threads', type=int, default=2)
-    arguments.add_argument('--bin', type=Path, default=ROOT / 'build' / 'bin')
-    arguments.add_argument('--work', type=Path, default=ROOT / 'results' / Path(sys.argv[0]).name)
-    arguments.add_argument('--csv', type=Path, default=ROOT / 'tests' / 'performance' / 'results' / table)
+    arguments.add_argument('--seeds', type=lambda text: [int(word) for word in text.split(',')], default=list(seeds), help='Seeds, separated by commas.')
+    arguments.add_argument('--threads', type=int, default=2, help='Number of threads of a run.')
+    arguments.add_argument('--bin', type=Path, default=ROOT / 'build' / 'bin', help='Folder of the executables.')
+    arguments.add_argument('--work', type=Path, default=ROOT / 'results' / Path(sys.argv[0]).name, help='Folder of the runs.')
+    arguments.add_argument('--csv', type=Path, default=ROOT / 'tests' / 'performance' / 'results' / table, help='Table of the results.')
     return arguments
 
 
@@ -42,7 +42,7 @@ def options(doc, seeds, table):
 
 
 def scenario(args, name, words, out):
-    """Runs a scenario; what it prints goes to OUT.log."""
+    """Runs a scenario and writes its output to OUT.log."""
     out.parent.mkdir(parents=True, exist_ok=True)
     with open(f'{out}.log', 'w') as log:
         command = [args.bin / name, '--quiet', '--threads', args.threads, *words, '--out', out]
@@ -54,7 +54,7 @@ def rows_of(args):
 
 
 def add(args, seed, numbers):
-    """`numbers`: by (pressure, quantity)."""
+    """Adds the numbers of a seed to the table. `numbers` is a dictionary by (pressure, quantity)."""
     fresh = not args.csv.exists()
     with open(args.csv, 'a') as out:
         if fresh:

@@ -13,14 +13,14 @@ namespace bris::peers {
 Bed read_bed(const std::filesystem::path& path) {
     std::ifstream in(path);
     require(in.good(),
-            fmt::format("{}: expected a bed, found no file that can be read", path.string()));
+            fmt::format("{}: expected the file of a bed, found no readable file", path.string()));
     Bed bed;
     std::size_t count = 0, number = 1;
     std::string line;
     std::getline(in, line);
     std::istringstream head(line);
     require(bool(head >> count >> bed.box.x() >> bed.box.y() >> bed.box.z()),
-            fmt::format("{}:1: expected a number of spheres and three sides (m), found '{}'",
+            fmt::format("{}:1: expected the number of spheres and three sides (m), found '{}'",
                         path.string(), line));
     while (std::getline(in, line)) {
         ++number;
@@ -35,7 +35,7 @@ Bed read_bed(const std::filesystem::path& path) {
         if (words >> rock) bed.rocks.push_back(rock);
     }
     require(bed.balls.size() == count && (bed.rocks.empty() || bed.rocks.size() == count),
-            fmt::format("{}: expected {} spheres, found {}, {} of them in stones", path.string(),
+            fmt::format("{}: expected {} spheres, found {}, {} of them in clumps", path.string(),
                         count, bed.balls.size(), bed.rocks.size()));
     return bed;
 }

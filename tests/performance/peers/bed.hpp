@@ -8,17 +8,17 @@
 
 namespace bris::peers {
 
-/// The bed that every code starts from, at rest and without history: a box with a corner at the
-/// origin and the spheres in it. As text: "N Lx Ly Lz", then a line "x y z r" (m) for each sphere,
-/// followed by the number of its stone, counted from 1, if the spheres are those of stones; stones
-/// stand together.
+/// The bed from which every code starts, at rest and without contact history: a box with a corner
+/// at the origin, and the spheres in it. The file has a line "N Lx Ly Lz" and then a line "x y z r"
+/// (m) for each sphere. If the spheres belong to clumps, the number of the clump, counted from 1,
+/// follows in each line, and the spheres of a clump are in consecutive lines.
 struct Bed {
-    Vec3 box = Vec3::Zero(); ///< m
+    Vec3 box = Vec3::Zero(); ///< m, sides
     std::vector<Ball> balls;
-    std::vector<std::size_t> rocks; ///< of each ball; empty: each ball is a body of its own
+    std::vector<std::size_t> rocks; ///< clump of each sphere; empty: each sphere is a body
 };
 
-/// Throws InputError with file and line, what was expected and what was found.
+/// Reads a bed. Throws InputError with file and line, what was expected and what was found.
 Bed read_bed(const std::filesystem::path& path);
 
 /// Writes a bed so that read_bed returns the same bits. Throws OutputError.

@@ -1,6 +1,6 @@
-// One run of a scene that other codes run too, on the bed that they all read: first the steps after
-// which the codes are compared, then the timed ones; one line of key=value. With --make it makes
-// the bed.
+// One run of a scene of the comparison with other codes, on the bed that all codes read: first the
+// steps after which the codes are compared, then the timed steps. The result is one line of
+// key=value. With --make it makes the bed instead.
 #include "components/kinds.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
@@ -40,47 +40,53 @@ struct Bench {
     std::uint64_t check_steps = 200, steps = 1000;
 
     void describe(auto& option) {
-        option("scene", scene, "", "its stiffness, step and weight",
+        option("scene", scene, "", "Scene, which determines stiffness, time step and gravity.",
                {"settle", "fall", "shear", "quiet", "poly", "clumps", "drop", "triaxial",
                 "triaxial_spheres"});
-        option("low", low, "m", "spheres whose centres start below it are held");
-        option("high", high, "m", "spheres whose centres start above it are drawn along x");
-        option("speed", speed, "m/s", "at which they are", at_least(0));
-        option("strain", strain, "", "axial, that a pressed bed is brought to in check_steps",
+        option("low", low, "m", "Spheres whose centres start below this height are held.");
+        option("high", high, "m",
+               "Spheres whose centres start above this height move along x at --speed.");
+        option("speed", speed, "m/s", "Speed of the spheres above --high.", at_least(0));
+        option("strain", strain, "",
+               "Axial strain to which a bed under pressure is compressed in --check-steps.",
                within(0, 0.1));
-        option("law", law, "", "of contact", {"linear", "hertz"});
-        option("bed", bed, "", "file of the bed");
-        option("positions", positions, "", "file for the spheres after check_steps");
-        option("make", make, "", "make the bed instead of a run");
-        option("spheres", spheres, "", "of the bed to be made (settle, quiet)", within(1, 50e6));
-        option("sleep", sleep, "", "let bodies sleep that have come to rest");
-        option("skin", skin, "", "of the pair lists, of the mean radius; 0: BRIS finds it",
+        option("law", law, "", "Contact law.", {"linear", "hertz"});
+        option("bed", bed, "", "File of the bed.");
+        option("positions", positions, "",
+               "File to which the spheres are written after --check-steps.");
+        option("make", make, "", "Make the bed and end.");
+        option("spheres", spheres, "", "Number of spheres of the bed to make (settle, quiet).",
+               within(1, 50e6));
+        option("sleep", sleep, "", "Let bodies at rest sleep.");
+        option("skin", skin, "",
+               "Skin of the neighbour lists, relative to the mean radius. 0: automatic.",
                at_least(0));
         option("outer", outer, "",
-               "skin of the outer lists, of that; 1: there are none but the inner ones",
+               "Skin of the outer neighbour lists, relative to --skin. 1: inner lists only.",
                at_least(1));
         option("sort_every", sort_every, "",
-               "rebuilds of the lists between re-orderings of rows; 0: never");
-        option("widest_ratio", widest_ratio, "", "of radii in a grid of the search for pairs",
-               above(1));
+               "Number of rebuilds of the neighbour lists between sorts of the rows. 0: never.");
+        option("widest_ratio", widest_ratio, "",
+               "Largest ratio of radii in one grid of the neighbour search.", above(1));
         option("one_pass", one_pass, "",
-               "run systems that work row by row in one pass over the rows");
+               "Run systems that work row by row in one pass over the rows.");
         option("least_rows", least_rows, "",
-               "of all tables, from which on several threads are used");
-        option("huge_pages", huge_pages, "", "let large columns have them");
+               "Number of rows of all tables from which on several threads are used.");
+        option("huge_pages", huge_pages, "", "Allow huge pages for large columns.");
         option("worlds", worlds, "",
-               "copies of the scene, one a thread at a time, each on one thread if there are "
-               "several; the first is described",
+               "Number of copies of the scene. Several copies run at once, each on one thread, and "
+               "the result describes the first one.",
                within(1, 10000));
-        option("threads", threads, "", "to run on", within(1, 4096));
-        option("step", step, "s", "time step; 0: that of the scene", at_least(0));
-        option("check_steps", check_steps, "", "before the physics is measured", within(1, 1e9));
-        option("steps", steps, "", "timed", within(1, 1e9));
-        option("profile", profile, "", "print the seconds of each system in the timed steps");
+        option("threads", threads, "", "Number of threads.", within(1, 4096));
+        option("step", step, "s", "Time step. 0: the time step of the scene.", at_least(0));
+        option("check_steps", check_steps, "",
+               "Number of time steps before the physics is compared.", within(1, 1e9));
+        option("steps", steps, "", "Number of timed steps.", within(1, 1e9));
+        option("profile", profile, "", "Print the time of each system in the timed steps.");
     }
 };
 
-/// J, of the centres of mass: what all codes report.
+/// Kinetic energy (J) of the centres of mass, which all codes report.
 double translational_energy(const World& world) {
     const auto motion = world.column<Bodies, MotionOf>();
     const auto velocity = world.column<Bodies, Velocity>();
@@ -106,23 +112,23 @@ ListSettings lists_of(const Bench& s, const peers::Bed& bed) {
     return lists;
 }
 
-/// MB, of the process so far.
+/// Peak memory (MB) of the process so far.
 double peak_memory() {
     rusage usage{};
     getrusage(RUSAGE_SELF, &usage);
     return static_cast<double>(usage.ru_maxrss) * 1024 / 1e6;
 }
 
-/// What the run of one world came to.
+/// Results of the run of one scene.
 struct Outcome {
-    std::vector<Vec3> pressures;     ///< Pa, on the planes of a pressed bed
-    double check_wall = 0, wall = 0; ///< s
-    double energy = 0, stable_step = 0, coordination = 0,
-           peak_memory = 0; ///< J, s, spheres touching a sphere, MB
+    std::vector<Vec3> pressures;     ///< Pa, on the moving planes of a bed under pressure
+    double check_wall = 0, wall = 0; ///< s, wall time of the check steps and of the timed steps
+    /// J, s, number of spheres in contact with a sphere, MB.
+    double energy = 0, stable_step = 0, coordination = 0, peak_memory = 0;
     Quantities quantities;
     std::uint64_t fingerprint = 0, rebuilds = 0, prunes = 0;
     std::size_t sleepers = 0;
-    std::map<std::string, double> seconds; ///< of each system in the timed steps
+    std::map<std::string, double> seconds; ///< s, of each system in the timed steps
 };
 
 Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& bed,
@@ -145,7 +151,7 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     if (!s.positions.empty())
         peers::write_bed(s.positions, {bed.box, peers::balls_now(world), bed.rocks});
     o.energy = translational_energy(world);
-    simulation.advance(1); // contacts and forces are those at its beginning
+    simulation.advance(1); // contacts and forces belong to the beginning of this step
     o.quantities = compute_quantities(world);
     o.stable_step = stable_step(world);
     o.coordination = 2 * static_cast<double>(touching_pairs<SpherePairs>(world).size()) /
@@ -191,8 +197,8 @@ void run(const Bench& s) {
     require(!s.bed.empty(), "--bed: expected a file, found none");
     if (s.make) return write_bed(s.bed, make_bed(scene, s.spheres, s.threads));
     require(s.strain == 0 || (scene.pressed && s.check_steps % peers::path_parts == 0),
-            fmt::format("--strain: expected triaxial or triaxial_spheres and check_steps in {} "
-                        "parts, found {} and {}",
+            fmt::format("--strain: expected triaxial or triaxial_spheres and --check-steps as a "
+                        "multiple of {}, found {} and {}",
                         peers::path_parts, s.scene, s.check_steps));
     if (s.step > 0) scene.step = s.step;
     std::tie(scene.low, scene.high, scene.speed) = std::tuple(s.low, s.high, s.speed);
@@ -202,7 +208,7 @@ void run(const Bench& s) {
     std::vector<Outcome> outcomes(s.worlds);
     run_ensemble(s.worlds, s.threads,
                  [&](std::size_t k) { outcomes[k] = run_world(s, scene, bed, 1); });
-    // a thread has run its share of them one after the other
+    // each thread runs its share of the copies in sequence
     double wall = 0;
     for (const Outcome& o : outcomes) wall += o.wall / s.threads;
     outcomes[0].wall = wall;
@@ -221,6 +227,7 @@ int main(int argc, char** argv) {
         else
             fmt::print("{}",
                        options.help("peers_bench",
-                                    "one run of a scene that other codes run too, or its bed"));
+                                    "Runs a scene of the comparison with other codes, or makes its "
+                                    "bed."));
     });
 }

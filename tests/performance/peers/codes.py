@@ -1,4 +1,4 @@
-"""What the comparisons share: the codes, the scenes, and how each code is run on them."""
+"""Common parts of the comparisons: the codes, the scenes, and the commands that run each code."""
 import csv
 import functools
 import math
@@ -19,7 +19,7 @@ MPIRUN = ['mpirun', '--allow-run-as-root', '--oversubscribe', '--bind-to', 'none
 CODES = {'lammps': 'lmp', 'liggghts': 'liggghts', 'yade': 'yade', 'bris': str(BENCH)}
 PACKAGES = {'lmp': 'lammps', 'liggghts': 'liggghts', 'yade': 'yade', 'mpirun': 'openmpi-bin'}
 
-# as scene.cpp has them; skin: m, of the pair lists of the peers (BRIS finds its own); every: steps between new lists, 0: when due
+# the same as in scene.cpp; skin: m, of the neighbour lists of the other codes (BRIS sets its own); every: steps between rebuilds, 0: when necessary
 SCENES = {
     'settle': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, rocks=0),
     'fall': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=9.81, every=0, rocks=0),
@@ -31,17 +31,17 @@ SCENES = {
     'triaxial': dict(dt=2e-5, skin=2e-3, kn=1e6, gn=1250, gz=0, every=0, rocks=1),
     'triaxial_spheres': dict(dt=1e-5, skin=2e-3, kn=1e6, gn=5838, gz=0, every=0, rocks=0),
 }
-PRESSED = ['triaxial', 'triaxial_spheres']  # beds in a box of which three planes move
-STRAIN = 0.005  # that those are brought to
+PRESSED = ['triaxial', 'triaxial_spheres']  # beds under pressure in a box with three moving planes
+STRAIN = 0.005  # to which these beds are compressed
 PARTS = 20  # of the path, after each of which pressures are printed; the same in moving_walls.hpp, lammps.in and yade.py
-# scene, law, spheres, steps after which the codes are compared
-BASES = {'settle': 16000, 'clumps': 11880}  # spheres of the bed that larger ones are laid together from
-SHEAR_SPEED = 0.1  # m/s, along x, of the uppermost spheres of a bed that is sheared; the lowest stand still
-LONGEST = 900  # s, of a run: one that hangs must not stop the campaign
+# a case: scene, law, spheres, steps after which the codes are compared
+BASES = {'settle': 16000, 'clumps': 11880}  # spheres of the bed of which larger beds are made
+SHEAR_SPEED = 0.1  # m/s, along x, of the uppermost spheres of a sheared bed; the lowest are held
+LONGEST = 900  # s, limit of a run, so that a hanging run does not stop the campaign
 
 
 def installed(codes):
-    """The codes that can be run; says what the others lack."""
+    """The codes that can be run. Prints the packages that are missing for the others."""
     missing = sorted({PACKAGES[tool] for tool in PACKAGES if not shutil.which(tool)
                       and (tool == 'mpirun' or tool in [CODES[c] for c in codes])})
     if missing:
@@ -52,7 +52,7 @@ def installed(codes):
 
 
 def tile(base, spheres, bed):
-    """Beds of `base` side by side, as nearly square as can be, in random order."""
+    """Writes a bed of copies of `base` side by side, as nearly square as possible, with single spheres in random order."""
     head, *lines = base.read_text().splitlines()
     count, *box = head.split()
     x, y, z = map(float, box)
@@ -77,7 +77,7 @@ def tile(base, spheres, bed):
 
 
 def make_bed(case, work):
-    """The bed of a case as BRIS and Yade read it, and as the data file of the other two."""
+    """Makes the bed of a case if necessary. Returns the file that BRIS and Yade read, and the data file of LAMMPS and LIGGGHTS."""
     scene, _, spheres, _ = case
     scene = 'settle' if scene == 'shear' else scene
     bed = work / f'{scene}_{spheres}.txt'
@@ -95,7 +95,7 @@ def make_bed(case, work):
     if not data.exists() or data.stat().st_mtime < bed.stat().st_mtime:
         head, *lines = bed.read_text().splitlines()
         count, *box = head.split()
-        if scene in PRESSED:  # planes move apart: the data's box is not theirs
+        if scene in PRESSED:  # planes move outwards, so the box of the data file is larger than theirs
             box = [1.05 * float(side) for side in box]
         rows = [line.split() for line in lines]
         with open(data, 'w') as out:
@@ -110,18 +110,18 @@ def make_bed(case, work):
 
 
 def rough_walls(bed):
-    """m: below the one height the centres of a tenth of a bed's spheres stand, above the other as many."""
+    """Heights (m) below and above which the centres of a tenth of the bed's spheres lie."""
     heights = sorted(float(line.split()[2]) for line in bed.read_text().splitlines()[1:])
     return heights[len(heights) // 10], heights[-len(heights) // 10]
 
 
 def pressures_in(text):
-    """Pa, on the three planes that move, at the twentieths of the path."""
+    """Pressures (Pa) on the three moving planes after each part of the path."""
     return [tuple(map(float, line.split()[1:4])) for line in re.findall(r'^pressure .*$', text, re.M)][-PARTS:]
 
 
 def command(code, case, threads, steps, bed, data, step=None, places='none'):
-    """A run of a case; `step`: s, other than the scene's; `places`: file for the spheres after the check steps."""
+    """Command that runs a case. `step`: time step (s) instead of the scene's. `places`: file for the positions after the check steps."""
     scene, law, _, check = case
     s = dict(SCENES[scene], dt=step or SCENES[scene]['dt'])
     low, high = rough_walls(bed) if scene == 'shear' else (-1e9, 1e9)
@@ -146,7 +146,7 @@ def busy_seconds():
 
 
 def execute(words, log):
-    """Runs a command; its output, the cores that other processes used meanwhile, and MB of memory (of ranks: of the largest)."""
+    """Runs a command. Returns its output, the number of cores used by other processes, and its peak memory in MB (with ranks: of the largest)."""
     began, busy = time.time(), busy_seconds()
     with open(log, 'w') as out:
         process = subprocess.Popen(['timeout', str(LONGEST), *map(str, words)], stdin=subprocess.DEVNULL, stdout=out,
@@ -163,7 +163,7 @@ def execute(words, log):
 
 @functools.cache
 def here():
-    """Machine and version that is measured (+: with changes): times are only comparable on one machine."""
+    """Machine and version that are measured (+: with uncommitted changes). Times are comparable on one machine only."""
     about = open('/proc/cpuinfo').read()
     field = lambda name: (re.findall(rf'^{name}\s*: (.*)$', about, re.M) or ['unknown'])[0]
     git = lambda *words: subprocess.run(['git', '-C', ROOT, *words], capture_output=True, text=True).stdout.strip() if shutil.which('git') else ''
@@ -180,13 +180,13 @@ def of_here(rows):
 
 
 def of_last(rows):
-    """Those measured on the machine and of the version of the last one."""
+    """Rows with the same machine and version as the last row."""
     version = lambda row: (row.get('machine'), row.get('commit'))
     return [row for row in rows if version(row) == version(rows[-1])]
 
 
 def append(path, columns, row):
-    """Adds a line to a CSV file, with machine and version; a file of fewer columns gets the new ones, empty."""
+    """Adds a line to a CSV file, with machine and version. New columns are added to an older file and stay empty in its lines."""
     path.parent.mkdir(parents=True, exist_ok=True)
     columns = [*columns, *here()]
     rows = read_rows(path)
@@ -200,7 +200,7 @@ def append(path, columns, row):
 
 
 def measured(text, check, steps):
-    """What a run printed: key=value, or the tables of LAMMPS and LIGGGHTS."""
+    """Results in the output of a run: key=value, or the tables of LAMMPS and LIGGGHTS."""
     line = re.findall(r'^code=.*$', text, re.M)
     if line:
         return {name: value for name, value in (word.split('=', 1) for word in line[-1].split())}

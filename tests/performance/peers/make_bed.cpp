@@ -22,17 +22,17 @@ namespace bris::peers {
 namespace {
 
 constexpr std::uint64_t seed = 7;
-constexpr double slippery = 0.1; // friction, for a bed as dense as one that was shaken
+constexpr double slippery = 0.1; // low friction, which gives a bed as dense as a shaken one
 
 struct Stage {
-    double weight; ///< times the scene's
+    double weight; ///< gravity relative to the scene's
     double friction;
-    double damping; ///< local
-    double falls;   ///< lasts so many times the fall of the lattice under this weight
-    double speed;   ///< m/s, at which bodies are thrown about at the start
+    double damping; ///< local damping
+    double falls;   ///< duration relative to the fall of the lattice under this gravity
+    double speed;   ///< m/s, initial speed of bodies in random directions
 };
 
-/// Radii 10 mm, on a cube of a lattice.
+/// Spheres of radius 10 mm on a lattice with a square base.
 Bed loose_spheres(unsigned spheres) {
     const double radius = 0.01, pitch = 2.05 * radius;
     const auto side = static_cast<unsigned>(std::ceil(std::cbrt(spheres)));
@@ -43,7 +43,7 @@ Bed loose_spheres(unsigned spheres) {
     return bed;
 }
 
-/// Fouled ballast: 30 spheres of radius 20 mm, 15 000 of 2 mm between them.
+/// Fouled ballast: 30 spheres of radius 20 mm with 15 000 spheres of radius 2 mm between them.
 Bed loose_mixture() {
     const double large = 0.02, small = 0.002, wide = 2.1 * large, narrow = 2.05 * small;
     const unsigned across = 3, larges = 30, smalls = 15000;
@@ -66,8 +66,8 @@ Bed loose_mixture() {
     return bed;
 }
 
-/// One stone of 30 spheres of 8 to 10 mm, about 50 x 42 x 34 mm: spheres on a spiral over an
-/// ellipsoid.
+/// A clump of 30 spheres with radii of 8 to 10 mm on a spiral over an ellipsoid, about
+/// 50 x 42 x 34 mm.
 std::vector<Ball> rock() {
     const unsigned balls = 30;
     const double golden = pi * (3 - std::sqrt(5.0));
@@ -83,7 +83,7 @@ std::vector<Ball> rock() {
     return rock;
 }
 
-/// 396 copies of it, turned at random.
+/// 396 copies of the clump in random orientations.
 Bed loose_rocks() {
     const std::array<unsigned, 3> sides{6, 6, 11};
     const std::vector<Ball> one = rock();
@@ -104,7 +104,7 @@ Bed loose_rocks() {
     return bed;
 }
 
-/// A scene with another friction of its grains, and local damping.
+/// A scene with another friction coefficient of its grains and with local damping.
 World damped_scene(const Bed& bed, const Scene& scene, double rough, double damping) {
     World world = make_scene(bed, scene, LawName::linear_viscous);
     auto& materials = world.resource<Materials>();
@@ -116,9 +116,9 @@ World damped_scene(const Bed& bed, const Scene& scene, double rough, double damp
 
 void settle(Bed& bed, Scene scene, const Stage& stage, unsigned threads) {
     scene.gravity *= stage.weight;
-    scene.step *= 2; // stable as well
+    scene.step *= 2; // also stable
     World world = damped_scene(bed, scene, stage.friction, stage.damping);
-    world.resource<Limits>().overlap = 1; // the first blow may be hard
+    world.resource<Limits>().overlap = 1; // the first impacts may be strong
     const auto motion = world.column<Bodies, MotionOf>();
     const auto velocity = world.column<Bodies, Velocity>();
     for (Row r = 0; r < velocity.size(); ++r) {
@@ -126,7 +126,7 @@ void settle(Bed& bed, Scene scene, const Stage& stage, unsigned threads) {
         if (motion[r] == static_cast<std::uint32_t>(Motion::free))
             velocity[r] = stage.speed * random.direction();
     }
-    // a loose lattice sinks by about a third of its height at most
+    // a loose lattice sinks by at most about a third of its height
     const double fall = std::sqrt(2 * bed.box.z() / 3 / scene.gravity);
     add_lists(world, LawName::linear_viscous);
     Simulation simulation(std::move(world), steps(LawName::linear_viscous), threads);
@@ -134,10 +134,10 @@ void settle(Bed& bed, Scene scene, const Stage& stage, unsigned threads) {
     bed.balls = balls_now(simulation.world());
 }
 
-/// Presses a settled bed from above and from two sides, to the same pressure on all.
+/// Compresses a settled bed from above and from two sides until all three pressures are equal.
 void press(Bed& bed, const Scene& scene, double rough, unsigned threads) {
-    constexpr double pressure = 55e3, rate = 0.2; // Pa, of strain a second
-    constexpr int longest = 2000, block = 50;     // steps a block
+    constexpr double pressure = 55e3, rate = 0.2; // Pa, strain per second
+    constexpr int longest = 2000, block = 50;     // largest number of blocks, steps per block
     double top = 0;
     for (const Ball& b : bed.balls) top = std::max(top, b.centre.z() + b.radius);
     bed.box.z() = std::min(bed.box.z(), top);
@@ -155,7 +155,7 @@ void press(Bed& bed, const Scene& scene, double rough, unsigned threads) {
     }
     if (!(lacking.cwiseAbs().maxCoeff() < 1e-2))
         throw SimulationError(fmt::format(
-            "{}: expected pressures of {:g} Pa, found none nearer than {:.1f} % in {} steps",
+            "{}: expected pressures of {:g} Pa, found differences of {:.1f} % after {} steps",
             scene.name, pressure, 100 * lacking.cwiseAbs().maxCoeff(), longest * block));
     bed.box = sides_of(simulation.world());
     bed.balls = balls_now(simulation.world());
@@ -181,12 +181,12 @@ Bed make_bed(const Scene& scene, unsigned spheres, unsigned threads) {
     Bed bed = scene.name == "poly"     ? loose_mixture()
               : scene.name == "clumps" ? loose_rocks()
                                        : loose_spheres(spheres);
-    // poly is heavy already
+    // poly already has a large gravity
     const double more = scene.name == "poly" ? 1 : 10,
                  speed = 0.05 * std::sqrt(more * scene.gravity * bed.box.z());
     settle(bed, scene, {more, slippery, 0.2, 2, speed}, threads);
     settle(bed, scene, {1, slippery, 0.5, 0.3, 0}, threads);
-    // without history a bed has to find its rest anew, each time nearer by
+    // without contact history a bed must come to rest again, each time by a smaller displacement
     const int rests = scene.name == "quiet" ? 4 : 1;
     for (int k = 0; k < rests; ++k) settle(bed, scene, {1, friction, 0.5, 0.3, 0}, threads);
     if (bed.rocks.empty()) shuffle(bed.balls);

@@ -9,20 +9,21 @@
 
 namespace bris::peers {
 
-/// A box of six planes with a corner at the origin; those opposite to it can move. They are the
-/// last three bodies.
+/// Adds a box of six planes with a corner at the origin. The three planes opposite to the origin
+/// can move and are the last three bodies.
 void add_moving_box(World& world, const Vec3& box, std::uint32_t material);
 
-/// m, where they are.
+/// Positions (m) of the moving planes, which are the sides of the box.
 Vec3 sides_of(const World& world);
-/// Pa, of the grains on them in the last step.
+/// Pressures (Pa) of the grains on the moving planes in the last step.
 Vec3 pressure_on(const World& world);
-/// m/s, outwards.
+/// Sets the outward velocities (m/s) of the moving planes.
 void move_walls(Simulation& simulation, const Vec3& velocity);
 
-/// The path that every code takes in `steps` steps: nothing moves for a tenth of them, then the box
-/// becomes lower by `strain` and half as much wider each way at a steady speed (to first order its
-/// volume stays), then a tenth of rest. Returns the pressures at the ends of its parts.
+/// The path that every code takes in `steps` steps: for a tenth of them nothing moves, then the
+/// height of the box decreases by `strain` and each width increases by half of it at constant speed
+/// (to first order the volume is constant), then for a tenth nothing moves. Returns the pressures
+/// (Pa) at the ends of the path's parts.
 inline constexpr unsigned path_parts = 20;
 std::vector<Vec3> compress(Simulation& simulation, double strain, std::uint64_t steps);
 

@@ -80,7 +80,7 @@ LawName law_named(const std::string& name) {
 
 World make_scene(const Bed& bed, const Scene& scene, LawName law) {
     World world = make_world(bed.rocks.empty() ? Grains::spheres : Grains::clumps);
-    // two partners act in series: each has twice the stiffness of their contact
+    // two partners act in series, so each has twice the stiffness of the contact
     Material grain{.name = "grain",
                    .density = density,
                    .normal_stiffness = 2 * scene.normal_stiffness,

@@ -1,8 +1,8 @@
 """A scene of the comparison in Yade: yade -n -x -jT yade.py BED name=value ... (names as in lammps.in).
 
-Linear law: ViscElMat, whose pair has the stiffnesses and dashpots of both partners in series. Its dashpot does not know
-the reduced mass: it is that of two equal bodies, and twice that at a wall; so the bed of two sizes has another one.
-Hertz: MindlinPhys with a restitution of 0.3. Stones: mass and inertia summed over their spheres.
+Linear law: ViscElMat, with the stiffnesses and dashpots of both partners in series. Its dashpot does not depend on the
+reduced mass: it is that of two equal bodies, and twice as large at a wall, so the bed of two sizes has another dashpot.
+Hertz: MindlinPhys with a restitution of 0.3. Mass and inertia of clumps are summed over their spheres.
 """
 import math
 import os
@@ -26,7 +26,7 @@ mass = min(sum(4 / 3 * math.pi * density * row[3]**3 for row in group) for group
 
 if words['law'] == 'linear':
     grain = ViscElMat(kn=2 * kn, ks=2 * kt, cn=mass * gn, cs=mass * gt, density=density, frictionAngle=angle)
-    stiff = 1e12  # in series with it a grain's dashpot is what is left: that of its whole mass
+    stiff = 1e12  # in series with it the grain's dashpot remains, with the whole mass of the grain
     wall = ViscElMat(kn=2 * kn, ks=2 * kt, cn=stiff, cs=stiff, density=density, frictionAngle=angle)
     physics, law = Ip2_ViscElMat_ViscElMat_ViscElPhys(), Law2_ScGeom_ViscElPhys_Basic()
 else:
@@ -55,7 +55,7 @@ if number['speed'] > 0:
             continue
         body.state.blockedDOFs = 'xyzXYZ'
         body.state.vel = Vector3(number['speed'] if body.state.pos[2] > number['high'] else 0, 0, 0)
-        body.groupMask = 3 if body.state.vel[0] == 0 else 5  # nothing depends on forces among themselves
+        body.groupMask = 3 if body.state.vel[0] == 0 else 5  # their forces on each other have no effect
         driven.add(n)
 
 O.engines = [
@@ -67,7 +67,7 @@ O.engines = [
 O.dt = dt
 
 def compress(part, strain):
-    """The path of lammps.in: the three walls opposite to the origin move."""
+    """The path of lammps.in, in which the three walls opposite to the origin move."""
     moving = [O.bodies[n] for n in walls[1::2]]
     for k in range(20):
         rate = strain / (16 * part * dt) if 2 <= k < 18 else 0.
@@ -95,14 +95,14 @@ for n in movers:
         continue
     body = O.bodies[n].state
     force = O.forces.f(n, sync=True) if len(rows[0]) == 4 else sum((O.forces.f(m) for m in O.bodies[n].shape.members), Vector3.Zero)
-    # velocities are those of the half step
+    # velocities belong to the half step
     velocity = body.vel + dt / 2 * (force / body.mass + Vector3(0, 0, -gz))
     energy += body.mass * velocity.squaredNorm() / 2
     weight += body.mass * gz
-O.run(1, wait=True)  # contacts and forces are those at its beginning
+O.run(1, wait=True)  # contacts and forces belong to the beginning of this step
 spheres = {b.id for b in O.bodies if isinstance(b.shape, Sphere)}
 contacts = sum(1 for i in O.interactions if i.id1 in spheres and i.id2 in spheres and i.geom.penetrationDepth > 0)
-# what grains do to the walls
+# force of the grains on the walls
 push = -sum(O.forces.f(n)[2] for n in walls)
 
 began = time.time()

@@ -1,7 +1,8 @@
-// S1: a sphere meets a rigid wall. Time is that of a whole impact, the making of its scene
-// included, so short runs cost alike; steps tell more. A linear dashpot sets in at once: of e = 0.2
-// the largest force is nearly that of the first touch, and the record of the first step, a mean
-// over the step times its share, is no measure of it (share_of_kick).
+// S1: a sphere hits a rigid wall. The wall time is that of a whole impact with the construction of
+// its scene, so short runs have the same cost, and the number of steps says more. A linear dashpot
+// acts at once: for e = 0.2 the largest force is nearly that at the first touch, and the recorded
+// force of the first step, a mean over the step times its share, does not measure it
+// (share_of_kick).
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/impact.hpp"
 #include "scenarios/verification/names.hpp"
@@ -18,19 +19,20 @@ struct Exact {
     double overlap, force, time;
 }; // m, N, s
 
-/// m x'' + c x' + k x = 0 from x = 0 at speed v: x'' to x^(n) turn its phase by acos(-b) each.
+/// Solution of m x'' + c x' + k x = 0 from x = 0 with speed v. Each derivative shifts the phase by
+/// acos(-b).
 Exact linear_impact(const NormalContact& c, double b) {
     const double omega = std::sqrt(c.stiffness / c.mass), root = std::sqrt(1 - b * b),
                  turn = std::acos(-b);
     const double at = std::max(
-        0.0, 2 * pi - 3 * turn); // omega_d t of the largest force; b >= 1/2: at the first touch
+        0.0, 2 * pi - 3 * turn); // omega_d t of the largest force; 0 (first touch) for b >= 1/2
     const double force = at > 0 ? std::exp(-b / root * at) : 2 * b;
     return {c.speed / omega * std::exp(-b / root * std::atan2(root, b)),
             c.mass * omega * c.speed * force, pi / (omega * root)};
 }
 
-/// Hertz with the dashpot of Tsuji, Tanaka and Ishida (1992), by Runge and Kutta's method in steps
-/// so fine that its error (relative, 1e-8 at 20 000 steps) does not count.
+/// Hertz contact with the dashpot of Tsuji, Tanaka and Ishida (1992), integrated by the Runge-Kutta
+/// method of fourth order. The relative error of 1e-8 at 20 000 steps is negligible.
 Exact hertz_impact(const NormalContact& c, double b) {
     if (b == 0) return {c.largest_overlap(), c.largest_force(), c.time()};
     const double h = c.time() / 20'000;
@@ -57,7 +59,7 @@ Exact hertz_impact(const NormalContact& c, double b) {
 
 Impact impact_of(const Settings& settings) {
     const bool hertz = settings.word("law").starts_with("hertz");
-    // aluminium oxide of Chung and Ooi (2011), test 3
+    // aluminium oxide as in Chung and Ooi (2011), test 3
     Material m = linear_material(1e6, 0, 0, 4000);
     m.young_modulus = 3.8e11;
     m.poisson_ratio = 0.23;
@@ -75,8 +77,8 @@ Impact impact_of(const Settings& settings) {
 
 Outcome run(const Settings& settings, std::uint64_t seed) {
     Impact impact = impact_of(settings);
-    // where in a step the contact begins is a matter of chance: each seed has another phase, evenly
-    // spread
+    // the phase of a step at which the contact begins is a matter of chance: the phases of the
+    // seeds are evenly spread
     const double golden = 0.5 * (std::sqrt(5.0) - 1) * static_cast<double>(seed);
     impact.phase = golden - std::floor(golden);
     ImpactResult r;

@@ -1,6 +1,6 @@
-// S4: spheres fall into a box and come to rest. What a packing is like depends on how it came
-// about; so all variants start from the same spheres of a seed, and a variant's error is the mean
-// difference from its reference over seeds.
+// S4: spheres fall into a box and come to rest. A packing depends on its history, so all variants
+// of a seed start from the same spheres, and the error of a variant is the mean difference to its
+// reference over the seeds.
 #include "components/settings.hpp"
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
@@ -26,10 +26,11 @@ namespace {
 
 constexpr unsigned spheres = 1000;
 constexpr double radius = 0.01, spread = 0.2; // m, of radii
-constexpr double speed = 0.5; // m/s, at which Hertz's contacts last as long as linear ones
-constexpr double longest = 3; // s, simulated
+constexpr double speed = 0.5; // m/s, at which Hertz contacts last as long as linear contacts
+constexpr double longest = 3; // s, largest simulated time
 
-/// Of a pair of mean spheres a contact lasts as long whatever the law.
+/// Material with a stiffness for which a contact of two mean spheres lasts equally long with every
+/// law.
 Material grain_of(const Settings& settings) {
     const double kn = settings.number("stiffness");
     Material m = linear_material(kn, settings.number("shear_ratio") * kn, 0.5);
@@ -39,7 +40,7 @@ Material grain_of(const Settings& settings) {
     const double linear = like_spheres(m, LawName::linear, radius, speed).time();
     const double hertz = like_spheres(m, LawName::hertz_mindlin, radius, speed).time();
     m.young_modulus *=
-        std::pow(hertz / linear, 2.5); // contact time goes with the modulus to the power -2/5
+        std::pow(hertz / linear, 2.5); // contact time is proportional to modulus^(-2/5)
     return m;
 }
 
@@ -62,7 +63,7 @@ Simulation make_bed(const Settings& settings, std::uint64_t seed, double& contac
     materials.mix();
     contact_time = like_spheres(materials.list.front(), LawName::linear, radius, speed).time();
     world.resource<Clock>().dt = settings.number("step") * contact_time;
-    // so fast that the lattice is forgotten
+    // random velocities large enough to destroy the order of the lattice
     const auto mass = world.column<Bodies, Mass>();
     for (Row b = 0; b < mass.size(); ++b) {
         Random random(seed, 4000 + world.column<Bodies, BodyId>()[b]);
@@ -74,13 +75,13 @@ Simulation make_bed(const Settings& settings, std::uint64_t seed, double& contac
     return Simulation(std::move(world), steps(law));
 }
 
-/// Share of solids below twice the height of the centre of gravity: the whole bed, walls and
-/// surface included. That makes it smaller than in the bulk, and so precise that few seeds tell its
-/// changes.
+/// Solid fraction below twice the height of the centre of gravity, which is the whole bed including
+/// the regions near walls and surface. It is smaller than in the bulk, but so precise that a few
+/// seeds show its changes.
 double solid_fraction(const World& world, double width) {
     const Table& bodies = world.table<Bodies>();
     double mass = 0, moment = 0, volume = 0;
-    for (const Row b : rows_by_id(bodies.column<BodyId>())) { // the sum must not depend on the rows
+    for (const Row b : rows_by_id(bodies.column<BodyId>())) { // sums do not depend on row order
         const double m = bodies.column<Mass>()[b];
         mass += m;
         moment += m * bodies.column<Position>()[b].z();
@@ -89,8 +90,8 @@ double solid_fraction(const World& world, double width) {
     return volume / (width * width * 2 * moment / mass);
 }
 
-/// Mean number of partners of the spheres that have at least two: one that has fewer carries
-/// nothing.
+/// Mean number of partners of the spheres with at least two partners. A sphere with fewer carries
+/// no load.
 double coordination(const World& world) {
     double sum = 0, carriers = 0;
     for (const float z : frame_of_bodies(world).coordination)

@@ -9,8 +9,8 @@
 
 namespace bris::time_vs_error {
 
-/// What a run is told, as words: the columns of the CSV can hold them, and two runs are the same if
-/// their texts are.
+/// Settings of a run as text, which fits into the columns of the CSV file. Two runs are equal if
+/// their texts are equal.
 class Settings {
 public:
     Settings() = default;
@@ -20,31 +20,31 @@ public:
     const std::string& word(const std::string& name) const { return words_.at(name); }
     double number(const std::string& name) const { return std::stod(words_.at(name)); }
     void set(const std::string& name, const std::string& value) { words_.at(name) = value; }
-    /// These settings but for some.
+    /// These settings with some of them replaced.
     Settings with(const Settings& others) const;
-    /// "damping=0.3 law=linear ...", by name.
+    /// The settings as "damping=0.3 law=linear ...", sorted by name.
     std::string text() const;
 
 private:
     std::map<std::string, std::string> words_;
 };
 
-/// A quantity that a scene is judged by.
+/// A quantity whose error is measured in a scene.
 struct Kind {
     std::string name;
     double tolerance;      ///< of the error
-    bool relative = false; ///< error over the reference; else the difference
-    bool exact =
-        false; ///< each run knows its own reference; else it is another run of the same seed
+    bool relative = false; ///< the error is relative to the reference; else a difference
+    /// Each run has an exact reference; else the reference is another run of the same seed.
+    bool exact = false;
 };
 
-/// One setting that is varied while the others stay.
+/// A setting that is varied while all others are constant.
 struct Knob {
     std::string label; ///< of its curve
     std::string name;  ///< of the setting
     std::vector<std::string> values;
-    Settings with = {};      ///< what else differs from the scene's standard
-    Settings reference = {}; ///< what the reference differs by, from the standard and `with`
+    Settings with = {};      ///< other settings that differ from the scene's standard
+    Settings reference = {}; ///< settings of the reference that differ from standard and `with`
     bool exact = false;      ///< no value may change a bit of the result
 };
 
@@ -54,28 +54,29 @@ struct Measured {
     double value = unknown, reference = unknown;
 };
 
-/// What one run came to.
+/// Result of one run.
 struct Outcome {
-    double wall_time = 0; ///< s, of the steps alone where a scene is costly to prepare
+    double wall_time = 0; ///< s, of the steps only if the scene is costly to prepare
     std::uint64_t steps = 0;
-    double contacts = 0; ///< touching pairs: at the end, or the mean over the run
+    double contacts = 0; ///< number of touching pairs, at the end or as a mean over the run
     std::string fingerprint;
-    std::vector<Measured> measured = {};                ///< one for each kind of the scene
-    std::string note = {};                              ///< why a run failed, or what else it says
-    std::string compiler = {}, machine = {}, load = {}; ///< of the wall time
+    std::vector<Measured> measured = {}; ///< one for each kind of the scene
+    std::string note = {};               ///< reason of a failure, or further information
+    std::string compiler = {}, machine = {}, load = {}; ///< when the wall time was measured
 };
 
-/// A scene of section 6 of the accuracy reference: what is varied, how it is judged, how it is run.
+/// A scene: the settings that are varied, the errors that are measured, and the function that runs
+/// it.
 struct Scene {
     std::string name, title;
     Settings standard;
     std::vector<Kind> kinds;
     std::vector<Knob> knobs;
     std::function<Outcome(const Settings& settings, std::uint64_t seed)> run;
-    const char* cost_unit = ""; ///< of which the wall time is one
+    const char* cost_unit = ""; ///< what the wall time is for, for example "impact"
 };
 
-/// Hash of what was measured, for runs that keep no state: sixteen hexadecimal digits.
+/// Hash of the measured values as sixteen hexadecimal digits, for runs without a state.
 std::string fingerprint_of(const std::vector<Measured>& measured);
 
 /// Median wall time (s) of `rounds` calls, or of fewer if they last `longest` seconds together.
@@ -85,7 +86,7 @@ Scene single_impacts();
 Scene free_top();
 Scene gas();
 Scene packing();
-/// `work`: where specimens and clump libraries are kept between runs.
+/// `work` is the folder in which specimens and clump libraries are kept between runs.
 Scene triaxial(const std::string& work);
 
 } // namespace bris::time_vs_error

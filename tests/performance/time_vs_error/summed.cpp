@@ -1,4 +1,4 @@
-// What the rows say together: errors with their uncertainty, recommended settings, plots.
+// Summary of the rows: errors with their uncertainty, recommended settings, plots.
 #include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
 #include "tests/performance/time_vs_error/results.hpp"
@@ -13,8 +13,8 @@ namespace bris::time_vs_error {
 
 namespace {
 
-/// Student's distribution: what its absolute value exceeds with 5 % (two-sided) or 10 %
-/// probability.
+/// Value that the absolute value of Student's t exceeds with a probability of 5 % (two-sided) or 10
+/// %.
 double student(std::size_t freedom, bool five_percent) {
     constexpr std::array two{12.706, 4.303, 3.182, 2.776, 2.571, 2.447, 2.365, 2.306, 2.262};
     constexpr std::array one{6.314, 2.920, 2.353, 2.132, 2.015, 1.943, 1.895, 1.860, 1.833};
@@ -30,9 +30,9 @@ double median(std::vector<double> values) {
     return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
 }
 
-/// Where a run knows its exact answer, its worst seed counts. Else equivalence is tested: the mean
-/// error and what it may be wrong by with 5 % probability (one-sided, Schuirmann 1987) must stay
-/// within the tolerance.
+/// Verdict on a summary. If runs have an exact reference, the worst seed decides. Otherwise
+/// equivalence is tested: the mean error plus its uncertainty (one-sided with a probability of 5 %,
+/// Schuirmann 1987) must be within the tolerance.
 std::string verdict_of(const Summed& s, const Kind& kind, double tolerance) {
     if (s.seeds == 0) return "failed";
     if (kind.exact) return s.failed == 0 && s.worst <= tolerance ? "meets" : "fails";
@@ -99,7 +99,7 @@ const Summed* find(const std::vector<Summed>& all, const Knob& knob, const std::
     return found == all.end() ? nullptr : &*found;
 }
 
-/// What is drawn: the worst seed where runs know their answer, else the mean.
+/// Error in the plots: that of the worst seed if runs have an exact reference, else the mean.
 double drawn_error(const Summed& s, const Kind& kind) {
     return kind.exact ? s.worst : std::abs(s.bias);
 }
@@ -122,8 +122,8 @@ std::string cheapest(const Knob& knob, const Kind& kind, double tolerance,
 Plot panel(const Scene& scene, const Kind& kind, const std::vector<Summed>& all, bool steps) {
     Plot plot{.title = fmt::format("{}: {}", scene.name, kind.name),
               .x_label = fmt::format("error of {}{}", kind.name, kind.relative ? ", relative" : ""),
-              .y_label = steps ? fmt::format("steps a {}", scene.cost_unit)
-                               : fmt::format("wall time (s) a {}", scene.cost_unit),
+              .y_label = steps ? fmt::format("steps per {}", scene.cost_unit)
+                               : fmt::format("wall time (s) per {}", scene.cost_unit),
               .x_logarithmic = true,
               .y_logarithmic = true};
     std::size_t number = 0;
@@ -133,7 +133,7 @@ Plot panel(const Scene& scene, const Kind& kind, const std::vector<Summed>& all,
         for (const std::string& value : knob.values) {
             const Summed* s = find(all, knob, value, kind);
             if (!s || s->seeds == 0 || s->is_reference) continue;
-            line.x.push_back(drawn_error(*s, kind)); // exact zeros are not on a logarithmic axis
+            line.x.push_back(drawn_error(*s, kind)); // a logarithmic axis does not show zeros
             line.y.push_back(steps ? s->steps : s->wall_time);
         }
         Curve points{.x = line.x, .y = line.y, .style = Curve::Style::points};
@@ -172,8 +172,8 @@ void write_summed(const std::filesystem::path& csv, const std::vector<Summed>& a
 }
 
 void print_summed(const Scene& scene, const std::vector<Summed>& all) {
-    fmt::print("\n{}: {}; medians over seeds, bias +- 95 % of the mean (worst seed where the "
-               "answer is exact)\n",
+    fmt::print("\n{}: {}. Medians over seeds, mean error +- 95 % (worst seed if the reference is "
+               "exact)\n",
                scene.name, scene.title);
     fmt::print("{:30} {:22} {:>9} {:>9}", "knob", "value", "wall (s)", "steps");
     for (const Kind& kind : scene.kinds) fmt::print("  {:>22.22}", kind.name);
@@ -197,16 +197,15 @@ void print_summed(const Scene& scene, const std::vector<Summed>& all) {
 }
 
 void print_recommendation(const Scene& scene, const std::vector<Summed>& all) {
-    fmt::print("{}: cheapest value that meets a tolerance (10 times, once, a tenth; \"?\": too few "
-               "seeds to say, \"-\": none but the "
-               "reference)\n",
+    fmt::print("{}: fastest value that meets the tolerance times 10, 1 and 0.1 (\"?\": too few "
+               "seeds to decide, \"-\": none but the reference)\n",
                scene.name);
     for (const Knob& knob : scene.knobs) {
         if (std::none_of(all.begin(), all.end(),
                          [&](const Summed& x) { return x.knob == knob.label; }))
             continue;
         if (knob.exact) {
-            fmt::print("  {:30} every value gives the same bits: the quickest\n", knob.label);
+            fmt::print("  {:30} all values give the same bits: use the fastest\n", knob.label);
             continue;
         }
         for (const Kind& kind : scene.kinds)

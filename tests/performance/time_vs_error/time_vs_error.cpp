@@ -1,6 +1,5 @@
-// What accuracy costs: settings are varied one at a time over five scenes, and wall time is held
-// against error, with its uncertainty over seeds. A campaign stopped anywhere goes on where it
-// stopped.
+// Cost of accuracy: settings are varied one at a time in five scenes, and wall time is compared
+// with error, with its uncertainty over seeds. An interrupted campaign can be continued.
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
@@ -30,14 +29,18 @@ struct Campaign {
     double longest = 1e9;
 
     void describe(auto& option) {
-        option("scenes", scenes, "", "S1 impacts, S2 rotation, S3 gas, S4 packing, S5 triaxial");
+        option("scenes", scenes, "",
+               "Scenes, separated by commas: S1 impacts, S2 rotation, S3 gas, S4 packing, S5 "
+               "triaxial test.");
         option("knobs", knobs, "",
-               "only these curves, by the beginnings of their names, as step;skin; without it all");
-        option("seeds", seeds, "", "of each value", within(1, 1000));
-        option("out", out, "", "CSV file; rows that are there are not run again");
-        option("plots", plots, "", "directory of the PNG files");
-        option("work", work, "", "directory of the specimens and clump libraries of S5");
-        option("longest", longest, "s", "beyond which no run is begun; the next campaign goes on",
+               "Beginnings of the names of the curves to run, separated by semicolons, for example "
+               "step;skin. Empty: run all.");
+        option("seeds", seeds, "", "Number of seeds of each value.", within(1, 1000));
+        option("out", out, "", "CSV file of the results. Runs that are in it are not repeated.");
+        option("plots", plots, "", "Directory of the PNG files.");
+        option("work", work, "", "Directory of the specimens and clump libraries of S5.");
+        option("longest", longest, "s",
+               "Wall time after which no further run begins. The next campaign continues.",
                above(0));
     }
 };
@@ -65,7 +68,7 @@ class Running {
 public:
     Running(const Campaign& campaign) : campaign_(campaign), results_(campaign.out) {}
 
-    /// False if the time is over.
+    /// Runs a scene. Returns false if the time limit is reached.
     bool run(const Scene& scene) {
         for (std::uint64_t seed = 1; seed <= campaign_.seeds; ++seed)
             for (const Knob& knob : scene.knobs)
@@ -94,7 +97,7 @@ private:
             return settings;
         };
         std::vector<std::string> values =
-            knob.values; // the reference first: it has been run, and is to be kept
+            knob.values; // the reference comes first, since it has been run and must be recorded
         std::stable_partition(values.begin(), values.end(), [&](const std::string& value) {
             return settings_at(value).text() == base.with(knob.reference).text();
         });
@@ -106,14 +109,14 @@ private:
             results_.add(scene, knob, value, settings, seed, *outcome, reference);
             if (knob.exact && outcome->fingerprint != reference->fingerprint) {
                 same_bits_ = false;
-                fmt::print(stderr, "{} {} = {}, seed {}: other bits\n", scene.name, knob.label,
+                fmt::print(stderr, "{} {} = {}, seed {}: different bits\n", scene.name, knob.label,
                            value, seed);
             }
         }
         return true;
     }
 
-    /// From the file, from this campaign, or by a run; nothing if there is no time for one.
+    /// Outcome from the file, from this campaign, or by a run. Empty if there is no time for a run.
     std::optional<Outcome> obtain(const Scene& scene, const Settings& settings,
                                   std::uint64_t seed) {
         const std::string key = fmt::format("{} {} {}", scene.name, seed, settings.text());
@@ -125,7 +128,7 @@ private:
         Outcome outcome;
         try {
             outcome = scene.run(settings, seed);
-        } catch (const SimulationError& error) { // a setting may be too bold: that is a result too
+        } catch (const SimulationError& error) { // an unstable setting is a result, too
             outcome = {};
             outcome.note = error.what();
         }
@@ -153,7 +156,7 @@ void run(const Campaign& campaign) {
         if (!(complete = running.run(scene))) break;
     std::vector<Summed> everything;
     for (const char* name :
-         {"S1", "S2", "S3", "S4", "S5"}) { // what earlier campaigns left is summed up too
+         {"S1", "S2", "S3", "S4", "S5"}) { // results of earlier campaigns are included
         const Scene scene = scene_of(name, campaign);
         const auto all = sum_up(scene, running.results().lines());
         everything.insert(everything.end(), all.begin(), all.end());
@@ -170,14 +173,16 @@ void run(const Campaign& campaign) {
     for (const Line& line : running.results().lines())
         machines.insert(line.machine + ", " + line.compiler);
     if (machines.size() > 1)
-        fmt::print("\nwall times of {} kinds of machine or compiler are mixed in these rows\n",
+        fmt::print("\nthese rows mix wall times of {} different machines or compilers\n",
                    machines.size());
     auto summary = campaign.out;
     write_summed(summary.replace_extension().string() + "_summary.csv", everything);
-    fmt::print("\n{}; rows in {}\n", complete ? "complete" : "time is over: call again to go on",
+    fmt::print("\n{}; rows in {}\n",
+               complete ? "complete" : "time limit reached: run again to continue",
                campaign.out.string());
     if (!running.same_bits())
-        throw SimulationError("expected the same bits whatever the skin, found others");
+        throw SimulationError(
+            "time_vs_error: expected the same bits with every skin, found others");
 }
 
 } // namespace
@@ -192,9 +197,8 @@ int main(int argc, char** argv) {
         if (options.parse({argv + 1, argv + argc}))
             bris::time_vs_error::run(campaign);
         else
-            fmt::print(
-                "{}",
-                options.help("time_vs_error",
-                             "hold wall time against error, setting by setting, over five scenes"));
+            fmt::print("{}", options.help(
+                                 "time_vs_error",
+                                 "Compares wall time with error for each setting in five scenes."));
     });
 }

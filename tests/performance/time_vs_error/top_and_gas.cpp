@@ -1,5 +1,5 @@
-// S2: a rigid body that turns freely, against Jacobi's solution. S3: a gas of 64 smooth elastic
-// spheres, whose energy must stay.
+// S2: a torque-free rigid body, compared with Jacobi's solution. S3: a gas of 64 smooth elastic
+// spheres, whose energy must be constant.
 #include "engine/random.hpp"
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/gas.hpp"
@@ -13,14 +13,14 @@ namespace bris::time_vs_error {
 
 namespace {
 
-/// The first is the top of the reference, of moments 1, 2, 3 and spin (1, 0, 1); the others are
-/// drawn.
+/// Seed 1 is the standard top with moments 1, 2, 3 and angular velocity (1, 0, 1). The tops of
+/// other seeds are random.
 Top top_of(std::uint64_t seed) {
     Top top;
     if (seed == 1) return top;
     Random random(seed, 1);
     const double middle =
-        random.uniform(1.3, 2.2); // the largest must be below the sum of the others
+        random.uniform(1.3, 2.2); // the largest moment must be below the sum of the others
     top.inertia = Vec3(1, middle, random.uniform(middle + 0.1, middle + 0.8));
     top.angular_velocity = random.direction() * std::sqrt(2.0);
     return top;

@@ -1,6 +1,6 @@
 // S5: drained triaxial compression of a small specimen. A seed has one specimen for each clump
-// library, kept in a checkpoint; every variant is consolidated and sheared from there, so
-// differences of two variants of a seed are those of the method, and of the chaos of a few hundred
+// library, kept in a checkpoint. Every variant is consolidated and sheared from there, so two
+// variants of a seed differ by the method and by the divergence of perturbed runs of a few hundred
 // rocks.
 #include "scenarios/triaxial/triaxial.hpp"
 
@@ -32,19 +32,20 @@ namespace {
 
 constexpr std::size_t rocks = 240;
 constexpr double pressure = 110e3;     // Pa
-constexpr double final_strain = 0.024; // 2 % and some, a multiple of every stage
+constexpr double final_strain = 0.024; // a little more than 2 %, a multiple of every stage
 constexpr double stiffness = 0.63e8;   // N/m, of one partner
 
-/// The porosity that a library's specimens are brought to: of sharp rocks the usual one; where
-/// libraries are compared, one that spheres too can reach.
+/// Porosity of the specimens of a library: the usual one for angular rocks, and one that spheres
+/// can also reach where libraries are compared.
 double porosity_of(const std::string& library) { return library == "assets" ? 0.32 : 0.36; }
 
-/// Rocks of the given number of spheres, made once; one sphere: as large as the sieve.
+/// Folder of the clumps with the given number of spheres, which are made once. A single sphere has
+/// the sieve size as diameter.
 std::filesystem::path library_folder(const std::filesystem::path& work,
                                      const std::string& library) {
     if (library == "assets") return assets_folder() / "clumps";
     const auto folder = work / ("clumps_" + library);
-    if (std::filesystem::exists(folder / "report.csv")) return folder; // written last
+    if (std::filesystem::exists(folder / "report.csv")) return folder; // this file is written last
     if (library == "1") {
         const std::vector<Ball> ball{{Vec3::Zero(), 0.5}};
         std::filesystem::create_directories(folder);
@@ -53,7 +54,7 @@ std::filesystem::path library_folder(const std::filesystem::path& work,
         return folder;
     }
     LibrarySettings settings;
-    settings.fill.restarts = 2; // of four, the usual number: made in half the time
+    settings.fill.restarts = 2; // instead of the usual four, to halve the time
     settings.fill.fit.spheres = static_cast<std::size_t>(std::stoul(library));
     settings.cube = false;
     settings.out = folder;
@@ -61,7 +62,8 @@ std::filesystem::path library_folder(const std::filesystem::path& work,
     return folder;
 }
 
-/// A specimen's rocks and its mould. No sensor rocks: a small specimen has no room for them.
+/// The rocks of a specimen and its mould, without sensor rocks, for which a small specimen has no
+/// space.
 World make_world_of(const std::vector<Clump>& clumps, double initial_porosity, std::uint64_t seed) {
     const Grading grading = read_grading(assets_folder() / "gradings" / "arema_4.csv");
     const RockSample sample = sample_rocks(grading, clumps, rocks, seed);
@@ -84,7 +86,7 @@ private:
     const Archive& specimen(const std::string& library, std::uint64_t seed);
 
     std::filesystem::path work_;
-    std::string ready_name_; // of the specimen that was used last
+    std::string ready_name_; // name of the specimen that was used last
     Archive ready_;
 };
 
@@ -113,7 +115,7 @@ Simulation Bench::begin(const Settings& settings, std::uint64_t seed) const {
     world.resource<Materials>().policy.patch = patch;
     ListSettings lists;
     if (settings.word("skin") != "tuned") {
-        const double skin = settings.number("skin") * 0.025; // of a rock's size
+        const double skin = settings.number("skin") * 0.025; // m, with a rock size of 0.025 m
         lists = {
             .outer_skin = 3 * skin, .inner_skin = skin, .largest_skin = 3 * skin, .tune = false};
     }
@@ -125,7 +127,7 @@ Simulation Bench::begin(const Settings& settings, std::uint64_t seed) const {
     return simulation;
 }
 
-/// As made by the scene's standard settings, up to where the pressure begins to matter.
+/// Specimen made with the standard settings of the scene, before consolidation.
 const Archive& Bench::specimen(const std::string& library, std::uint64_t seed) {
     const std::string name = fmt::format("specimen_{}_seed_{}", library, seed);
     if (name == ready_name_) return ready_;
@@ -156,7 +158,8 @@ const Archive& Bench::specimen(const std::string& library, std::uint64_t seed) {
     return ready_;
 }
 
-/// Stiffness of the test's contacts; masses and step are made to fit before the first step.
+/// Sets the contact stiffnesses of the test, and adapts masses and time step to them before the
+/// first step.
 void set_stiffness(World& world, const Settings& settings, const TriaxialSettings& test) {
     auto& materials = world.resource<Materials>();
     const auto& specimen = world.resource<Specimen>();
@@ -184,8 +187,8 @@ void set_stiffness(World& world, const Settings& settings, const TriaxialSetting
     invalidate_lists(world);
 }
 
-/// Mean of a curve from a quarter percent of strain before `strain` to as much beyond it: single
-/// points of a small specimen jump as force chains break.
+/// Mean of a curve over axial strains within 0.25 % of `strain`, since single points of a small
+/// specimen jump when force chains break.
 double around(const std::vector<TriaxialPoint>& points, double strain,
               double TriaxialPoint::*value) {
     double sum = 0, count = 0;

@@ -13,8 +13,8 @@
 using namespace bris;
 
 TEST_SUITE("verification/experiments") {
-    TEST_CASE("what cannot be run is refused with a reason") {
-        CHECK_THROWS_AS(run_experiment(Impact{}), InputError); // no density, no moduli
+    TEST_CASE("an experiment with impossible settings is refused") {
+        CHECK_THROWS_AS(run_experiment(Impact{}), InputError); // neither density nor moduli
         Impact grazing;
         grazing.law = LawName::linear;
         grazing.material = grazing.partner_material = linear_material(1e5);
@@ -41,8 +41,8 @@ TEST_SUITE("verification/experiments") {
         CHECK_THROWS_AS(verify("no such group"), InputError);
     }
 
-    TEST_CASE("Jacobi's solution keeps energy and momentum, and Euler's equations, on both sides "
-              "of the separatrix") {
+    TEST_CASE("Jacobi's solution conserves energy and angular momentum and satisfies Euler's "
+              "equations on both sides of the separatrix") {
         const Vec3 inertia(1, 1.7, 2.4);
         for (const Vec3& angular_velocity :
              {Vec3(0.2, 0.3, 1), Vec3(-0.4, 0.1, -0.9), Vec3(1, -0.2, 0.3), Vec3(-1, 0.3, 0.2),
@@ -57,20 +57,21 @@ TEST_SUITE("verification/experiments") {
                           .epsilon(1e-13));
                 CHECK(momentum.norm() ==
                       about(angular_velocity.cwiseProduct(inertia).norm()).epsilon(1e-13));
-                // dL/dt = L x w; the central difference is off by h^2/6 of a third derivative, and
-                // by rounding / h
+                // dL/dt = L x w; the central difference has an error of h^2/6 times the third
+                // derivative plus rounding / h
                 const double h = 1e-5;
                 const Vec3 rate =
                     (top.angular_velocity(t + h) - top.angular_velocity(t - h)) / (2 * h);
                 CHECK((rate.cwiseProduct(inertia) - momentum.cross(w)).norm() < 1e-9);
-                // the attitude takes the momentum back to where it was
+                // in the space frame the angular momentum is constant
                 CHECK((top.attitude(t, 5000) * momentum - angular_velocity.cwiseProduct(inertia))
                           .norm() < 1e-11);
             }
         }
     }
 
-    TEST_CASE("a check fails when its number is off, is no number, or has the wrong sign") {
+    TEST_CASE("a check fails if its number is out of tolerance, NaN, or on the wrong side of a "
+              "limit") {
         Checks checks("group");
         checks.relative("right", "m", 2, 2.0001, 1e-4);
         checks.relative("off", "m", 2, 2.001, 1e-4);

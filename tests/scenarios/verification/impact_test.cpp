@@ -7,8 +7,8 @@
 using namespace bris;
 
 TEST_SUITE("verification/impact") {
-    TEST_CASE("a step that a strong dashpot would turn round is refused, and the one that is named "
-              "will do") {
+    TEST_CASE("a step in which a strong dashpot would reverse the velocity is refused, and the "
+              "number of steps in the message is sufficient") {
         struct Case {
             LawName law;
             double restitution, steps;

@@ -10,7 +10,7 @@ using bris::testing::order_of;
 
 namespace {
 
-/// Root mean square error of a restitution over where in a step the contact begins.
+/// Root mean square error of restitution over the phase of a step at which the contact begins.
 double restitution_error(Impact s, double expected, double steps) {
     s.steps_per_contact = steps;
     double sum = 0;
@@ -32,14 +32,14 @@ Impact damped(LawName law, Tension tension) {
     return s;
 }
 
-// asked for 0.5; 0.5503 if the force may not pull (Schwager and Poeschel 2007)
+// nominal restitution 0.5; 0.5503 if tension is cut (Schwager and Poeschel 2007)
 constexpr std::pair<Tension, double> policies[]{
     {Tension::allowed, 0.5}, {Tension::cut, 0.55028317}, {Tension::calibrated, 0.5}};
 
 } // namespace
 
 TEST_SUITE("verification/orders") {
-    TEST_CASE("restitution of a linear contact converges with the second order of dt") {
+    TEST_CASE("restitution of a linear contact converges with second order in dt") {
         for (const auto& [tension, expected] : policies) {
             const Impact s = damped(LawName::linear_viscous, tension);
             const double coarse = restitution_error(s, expected, 50),
@@ -50,9 +50,9 @@ TEST_SUITE("verification/orders") {
         }
     }
 
-    // the dashpot of Hertz's contact begins as the fourth root of time: even steps integrate that
-    // with order 1 + 1/4 in the limit; parts of second order, of the other sign, die out before
-    TEST_CASE("restitution of a Hertz contact converges faster than with the first order of dt") {
+    // the dashpot force of a Hertz contact begins as the fourth root of time: equal steps integrate
+    // this with order 1 + 1/4 in the limit; parts of second order and opposite sign decay before
+    TEST_CASE("restitution of a Hertz contact converges faster than with first order in dt") {
         for (const auto& [tension, expected] : policies) {
             const Impact s = damped(LawName::hertz_mindlin_viscous, tension);
             const double coarse = restitution_error(s, expected, 400),
@@ -63,7 +63,8 @@ TEST_SUITE("verification/orders") {
         }
     }
 
-    TEST_CASE("the spin after an oblique impact converges faster than with the first order of dt") {
+    TEST_CASE("the angular velocity after an oblique impact converges faster than with first order "
+              "in dt") {
         Impact s = on_wall(elastic("Al oxide", 3.8e11, 0.23, 4000, 1, 0.092), 0.0025, 3.9,
                            LawName::hertz_mindlin);
         s.angle = 20 * degree;
@@ -74,14 +75,14 @@ TEST_SUITE("verification/orders") {
             return std::abs(run_experiment(s).angular_velocity.y() / exact - 1);
         };
         const double coarse = error(100), fine = error(400);
-        MESSAGE("spin at 20 degrees: errors ", coarse, " at t_c/100, ", fine, " at t_c/400, order ",
-                0.5 * order_of(coarse, fine));
+        MESSAGE("angular velocity at 20 degrees: errors ", coarse, " at t_c/100, ", fine,
+                " at t_c/400, order ", 0.5 * order_of(coarse, fine));
         CHECK(coarse < 1e-3);
         CHECK(0.5 * order_of(coarse, fine) > 1.2); // sliding begins and ends within a step
     }
 
-    TEST_CASE("the work booked in an impact is the energy that it loses, the better the smaller "
-              "the step") {
+    TEST_CASE("the dissipated work of an impact equals its loss of energy, and the error decreases "
+              "with the step") {
         Impact s = on_wall(elastic("Al oxide", 3.8e11, 0.23, 4000, 0.7, 0.3), 0.0025, 3.9,
                            LawName::hertz_mindlin_viscous);
         s.angle = 40 * degree;
@@ -90,7 +91,7 @@ TEST_SUITE("verification/orders") {
             return std::abs(run_experiment(s).energy_budget_error);
         };
         const double coarse = error(100), fine = error(800);
-        MESSAGE("ledger off by ", coarse, " at t_c/100, ", fine, " at t_c/800");
+        MESSAGE("error of the energy budget: ", coarse, " at t_c/100, ", fine, " at t_c/800");
         CHECK(coarse < 1e-2);
         CHECK(fine < 1e-3);
         CHECK(fine < coarse / 4);
