@@ -87,7 +87,7 @@ struct Shot {
             "tension", tension, "",
             "Policy for tension at the end of a contact. allowed: the dashpot may pull, and "
             "restitution is exact. cut: the normal force ends at zero, and restitution is higher "
-            "than asked for. calibrated: the same with a stronger dashpot, and restitution is "
+            "than nominal. calibrated: the same with a stronger dashpot, and restitution is "
             "exact.",
             tension_names);
         option("shear_history", history, "",

@@ -96,11 +96,11 @@ StressRows stress_not_a_number(const StressSettings& s) {
             const char* what = grains == Grains::spheres ? "spheres" : "clumps";
             rows.push_back(
                 {"S22", fmt::format("{}: NaN in a {}", what, columns[column]),
-                 fmt::format("detected within {} steps with the body's name, or gone with its "
+                 fmt::format("detected within {} steps with the body's name, or discarded with its "
                              "contact",
                              block),
-                 fmt::format("{} of {} detected, {} with name, {} gone", o.caught, o.tries, o.named,
-                             o.discarded),
+                 fmt::format("{} of {} detected, {} with name, {} discarded", o.caught, o.tries,
+                             o.named, o.discarded),
                  o.caught + o.discarded == tries && o.named == o.caught && o.caught > 0});
             rows.push_back({"S22", fmt::format("{}: continued from the snapshot before it", what),
                             "same hash as an undisturbed run",

@@ -115,8 +115,6 @@ CrystalResult run_experiment(const Crystal& s) {
     return r;
 }
 
-// ---------------------------------------------------------------------------------------------------------
-
 std::vector<Neighbour> held(Lattice lattice) {
     std::vector<Neighbour> list;
     for (const Vec3& n : neighbours(lattice)) list.push_back({n, 0, 0});
