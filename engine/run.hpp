@@ -117,7 +117,8 @@ public:
     /// after resuming it is NAME_from_N.EXT, where N is the step within the phase.
     std::filesystem::path file(const std::string& name, const std::string& extension) const;
 
-    /// Adds the results that every run has: steps of the last phase, wall times, and the fingerprint of the State.
+    /// Adds the results that every run has: steps of the last phase, wall times, and the
+    /// fingerprint of the State.
     void describe(Summary& summary) const;
 
 private:
