@@ -37,31 +37,31 @@ struct Chain {
                {"pulse", "wave"});
         option("law", law, "", "Contact law.", law_names);
         option("beads", beads, "", "Number of moving beads.", within(1, 10000));
-        option("radius", radius, "m", "Radius of a bead.", above(0));
+        option("radius", radius, "m", "Radius of a bead.", above(0, 1e3));
         option("step", step, "",
                "Time step. In a pulse it is a fraction of (m^2/(K^2 v0))^(1/5) (linear laws: of "
                "sqrt(m/k)), in a wave a fraction of sqrt(m/k).",
-               Range{.low = 0, .high = 1, .low_accepted = false});
+               above(0, 1));
         material.describe(option, "", "of the beads");
         option.group("Pulse");
-        option("speed", pulse.speed, "m/s", "Initial speed of the first bead.", above(0));
+        option("speed", pulse.speed, "m/s", "Initial speed of the first bead.", above(0, 1e4));
         option("front", pulse.front, "",
                "Position along the chain, as a fraction of its length, at which the pulse is timed "
                "first.",
-               Range{.low = 0, .high = 1, .low_accepted = false});
+               above(0, 1));
         option("rear", pulse.rear, "",
                "Position along the chain, as a fraction of its length, at which the pulse is timed "
                "last.",
-               Range{.low = 0, .high = 1, .low_accepted = false, .high_accepted = false});
+               between(0, 1));
         option.group("Wave");
         option("mode", wave.mode, "", "Number of half waves in the chain.", within(1, 10000));
         option("overlap", wave.overlap, "",
                "Overlap of neighbouring beads before the wave, as a fraction of the radius.",
-               Range{.low = 0, .high = 0.5, .low_accepted = false});
+               above(0, 0.5));
         option("amplitude", wave.amplitude, "",
-               "Amplitude of the wave, as a fraction of the overlap.",
-               Range{.low = 0, .high = 0.4, .low_accepted = false});
-        option("periods", wave.periods, "", "Simulated time, in periods of the wave.", above(0.1));
+               "Amplitude of the wave, as a fraction of the overlap.", above(0, 0.4));
+        option("periods", wave.periods, "", "Simulated time, in periods of the wave.",
+               above(0.1, 1e6));
     }
 };
 

@@ -41,14 +41,15 @@ struct Settings {
         option.group("Moduli");
         option("law", law, "", "Contact law.", law_names);
         option("spacing", crystal.spacing, "m",
-               "Distance between the centres of neighbouring spheres under pressure.", above(0));
-        option("pressure", crystal.pressure, "Pa", "Isotropic pressure.", above(0));
+               "Distance between the centres of neighbouring spheres under pressure.",
+               above(0, 1e3));
+        option("pressure", crystal.pressure, "Pa", "Isotropic pressure.", above(0, 1e12));
         option("strain", crystal.strain, "",
                "Strain applied in both directions to measure the moduli. It must be far below "
                "overlap over spacing.",
-               above(0));
+               above(0, 0.1));
         option("friction", friction, "", "Coulomb friction coefficient between spheres.",
-               at_least(0));
+               within(0, 1e6));
         material.describe(option, "", "of the spheres");
         option.group("Stability");
         option("shear_ratio", shear_ratio, "", "Ratio of tangential to normal contact stiffness.",

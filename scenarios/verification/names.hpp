@@ -42,18 +42,18 @@ struct MaterialOptions {
     explicit MaterialOptions(Material initial) : material(std::move(initial)) {}
 
     void describe(auto& option, const std::string& prefix, const std::string& of) {
-        option(prefix + "density", material.density, "kg/m3", "Density " + of + ".", above(0));
+        constexpr double rigid = 1e30; // N/m or Pa: no softer than a rigid wall
+        option(prefix + "density", material.density, "kg/m3", "Density " + of + ".", above(0, 1e6));
         option(prefix + "young_modulus", material.young_modulus, "Pa",
-               "Young's modulus " + of + " for Hertz laws.", above(0));
+               "Young's modulus " + of + " for Hertz laws.", above(0, rigid));
         option(prefix + "poisson_ratio", material.poisson_ratio, "",
-               "Poisson's ratio " + of + " for Hertz laws.",
-               Range{.low = -1, .high = 0.5, .low_accepted = false});
+               "Poisson's ratio " + of + " for Hertz laws.", above(-1, 0.5));
         option(prefix + "normal_stiffness", material.normal_stiffness, "N/m",
                "Normal stiffness " + of + " for linear laws, in series with the partner's.",
-               above(0));
+               above(0, rigid));
         option(prefix + "shear_stiffness", material.shear_stiffness, "N/m",
                "Tangential stiffness " + of + " for linear laws, in series with the partner's.",
-               at_least(0));
+               within(0, rigid));
     }
 };
 
