@@ -100,7 +100,7 @@ struct Game {
 
 void run(const Game& game, const Common& common) {
     Collide s = game.collide;
-    s.law = named<LawName>(law_names, game.law);
+    s.law = named<LawName>(law_names(), game.law);
     s.material = game.material.material;
     s.material.friction = game.friction;
     s.material.restitution = game.restitution;

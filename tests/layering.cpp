@@ -58,7 +58,7 @@ std::vector<Include> all_includes(const fs::path& root) {
     return list;
 }
 
-/// "systems/contact/laws/law.hpp" -> "contact", "systems/steps.cpp" -> "steps",
+/// "systems/contact/gather.hpp" -> "contact", "systems/steps.cpp" -> "steps",
 /// "scenarios/settle.cpp" -> "settle".
 std::string room(const std::string& path) {
     const std::string remaining = path.substr(path.find('/') + 1);

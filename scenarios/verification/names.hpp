@@ -12,11 +12,9 @@
 
 namespace bris {
 
-// Names by which a user chooses among laws and policies, in the order of the enumerations.
+// Names by which a user chooses among policies, in the order of the enumerations. The names of laws
+// are in the table of laws (law_names).
 
-inline const std::vector<std::string> law_names{
-    "linear_frictionless", "linear",        "linear_viscous",        "linear_rolling",
-    "hertz_frictionless",  "hertz_mindlin", "hertz_mindlin_viscous", "hertz_mindlin_rolling"};
 inline const std::vector<std::string> tension_names{"allowed", "cut", "calibrated"};
 inline const std::vector<std::string> shear_history_names{"rescaled", "incremental", "total"};
 inline const std::vector<std::string> target_names{"sphere", "plane", "facet", "edge", "vertex"};

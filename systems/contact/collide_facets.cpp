@@ -196,10 +196,10 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
 } // namespace
 
 System collide_facets(LawName law, const StepChoices& choices) {
-    return with_law(law, {.energy_budget = choices.energy_budget},
-                    []<class Law, class Near, class Pairs>() {
-                        return system("collide_facets", Collide<Law, Near, Pairs>::facets);
-                    });
+    return system_of_law(law, {.energy_budget = choices.energy_budget},
+                         []<class Law, class Near, class Pairs>() {
+                             return system("collide_facets", Collide<Law, Near, Pairs>::facets);
+                         });
 }
 
 } // namespace bris

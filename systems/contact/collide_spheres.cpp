@@ -143,7 +143,7 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
 } // namespace
 
 System collide_spheres(LawName law, const StepChoices& choices) {
-    return with_law(law, choices, []<class Law, class Near, class Pairs>() {
+    return system_of_law(law, choices, []<class Law, class Near, class Pairs>() {
         return system("collide_spheres", Collide<Law, Near, Pairs>::spheres);
     });
 }

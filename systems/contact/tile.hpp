@@ -7,7 +7,7 @@
 #include "engine/clock.hpp"
 #include "engine/prefetch.hpp"
 #include "engine/rows.hpp"
-#include "systems/contact/laws/composed.hpp"
+#include "systems/contact/columns_of_law.hpp"
 
 #include <vector>
 
@@ -52,7 +52,7 @@ template <class Law, class NearRows, class PairRowsOf>
 TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const Materials& materials,
                      const Clock& clock) {
     WorkRow* work = column_or_null<PairWork>(near);
-    const auto& laws = Law::Normal::varying ? materials.hertz_pairs : materials.linear_pairs;
+    const auto& laws = Law::Normal::rows(materials);
     return {near.template column<NearPair>(),
             column_or_null<Spring>(pairs),
             column_or_null<Roll>(pairs),

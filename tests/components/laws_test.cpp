@@ -1,9 +1,12 @@
+#include "components/laws/table.hpp"
 #include "engine/math.hpp"
 #include "engine/random.hpp"
-#include "systems/contact/laws/composed.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>
+
+#include <algorithm>
+#include <string>
 
 using namespace bris;
 
@@ -36,6 +39,57 @@ struct Contact {
 } // namespace
 
 TEST_SUITE("contact/laws") {
+    TEST_CASE("the table tells of every law what its file states") {
+        const auto& names = law_names();
+        REQUIRE(names.size() > 7);
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            const auto law = static_cast<LawName>(k);
+            const LawTraits& t = traits(law);
+            CAPTURE(t.name);
+            CHECK(names[k] == t.name);
+            CHECK(std::count(names.begin(), names.end(), names[k]) == 1);
+            CHECK(names[k].starts_with(t.hertz ? "hertz" : "linear"));
+            CHECK(t.springs == (names[k].find("frictionless") == std::string::npos));
+            CHECK((t.springs || !t.rolling));
+            CHECK((t.dashpots || !t.rolling));
+            CHECK((t.springs || !t.reaches));
+            CHECK(t.of_pairs.size() <= most_own_coefficients);
+            const auto reads = [&](double Material::*member) {
+                return std::ranges::any_of(
+                    t.of_materials, [&](const Coefficient& c) { return c.of_material == member; });
+            };
+            CHECK(reads(&Material::young_modulus) == t.hertz);
+            CHECK(reads(&Material::normal_stiffness) == !t.hertz);
+            CHECK(reads(&Material::friction) == t.springs);
+            CHECK(reads(&Material::restitution) == t.dashpots);
+            CHECK(reads(&Material::rolling_friction) == t.rolling);
+            const bool same = with_law(law, [&]<class L>() { return L::id == law; });
+            CHECK(same);
+        }
+    }
+
+    TEST_CASE("stiffnesses of one contact are those of the kernel, and the energy is the integral "
+              "of its force") {
+        const LawRow row{1e9, 8e8, 0.5, 0, 0, 0, 0, 0};
+        const auto check = [&]<class L>(Contact<L> contact) {
+            const LawTraits& t = traits(L::id);
+            const double overlap = 1e-5, radius = 0.005;
+            const Elasticity e = t.elasticity(row, overlap, radius);
+            double energy = 0;
+            constexpr int n = 1000;
+            for (int k = 0; k < n; ++k) // midpoints: of second order
+                energy += contact.step((k + 0.5) / n * overlap, Vec3::Zero()).z[0] * overlap / n;
+            CHECK(e.energy == about(energy).epsilon(1e-6));
+            const double h = 1e-3 * overlap,
+                         slope = (contact.step(overlap + h, Vec3::Zero()).z[0] -
+                                  contact.step(overlap - h, Vec3::Zero()).z[0]) /
+                                 (2 * h);
+            CHECK(e.normal == about(slope).epsilon(1e-6));
+        };
+        check(Contact<LinearFrictionless>{});
+        check(Contact<HertzFrictionless>{});
+    }
+
     TEST_CASE("the force of Hertz is 4/3 E* sqrt(R*) overlap^1.5") {
         Contact<HertzFrictionless> contact;
         for (const double overlap : {1e-7, 1e-5, 1e-4})
