@@ -35,7 +35,7 @@ struct Chain {
                "Experiment. pulse: the first bead is thrown at a chain of beads that just touch. "
                "wave: a compressed chain between two held beads oscillates in a standing wave.",
                {"pulse", "wave"});
-        option("law", law, "", "Contact law.", law_names());
+        option("law", law, "", "Contact law.", law_choices());
         option("beads", beads, "", "Number of moving beads.", within(1, 10000));
         option("radius", radius, "m", "Radius of a bead.", above(0, 1e3));
         option("step", step, "",
@@ -70,7 +70,7 @@ Summary pulse_results(const Chain& s, const Common& common) {
     pulse.beads = s.beads;
     pulse.radius = s.radius;
     pulse.step = s.step;
-    pulse.law = named<LawName>(law_names(), s.law);
+    pulse.law = law_named(s.law);
     pulse.material = s.material.material;
     const ChainPulseResult r = run_experiment(pulse);
     std::vector<std::vector<double>> rows;
@@ -95,7 +95,7 @@ Summary wave_results(const Chain& s) {
     wave.beads = s.beads;
     wave.radius = s.radius;
     wave.step = s.step;
-    wave.law = named<LawName>(law_names(), s.law);
+    wave.law = law_named(s.law);
     wave.material = s.material.material;
     const ChainWaveResult r = run_experiment(wave);
     Summary t;
@@ -117,7 +117,7 @@ void run(const Chain& settings, const Common& common) {
 }
 
 std::string explain(const Chain& settings, const Common&) {
-    return explain_step(named<LawName>(law_names, settings.law), Grains::spheres);
+    return explain_step(law_named(settings.law), Grains::spheres);
 }
 
 } // namespace

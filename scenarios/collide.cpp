@@ -47,7 +47,7 @@ struct Game {
                within(0, 100));
         option("restitution", restitution, "", "Coefficient of restitution between balls.",
                within(0, 1));
-        option("law", law, "", "Contact law.", law_names);
+        option("law", law, "", "Contact law.", law_choices());
         material.describe(option, "", "of the balls");
         option.group("Model");
         option("model_speed", collide.model_speed, "",
@@ -100,7 +100,7 @@ struct Game {
 
 void run(const Game& game, const Common& common) {
     Collide s = game.collide;
-    s.law = named<LawName>(law_names(), game.law);
+    s.law = law_named(game.law);
     s.material = game.material.material;
     s.material.friction = game.friction;
     s.material.restitution = game.restitution;
@@ -132,7 +132,7 @@ void run(const Game& game, const Common& common) {
 }
 
 std::string explain(const Game& game, const Common&) {
-    return explain_step(named<LawName>(law_names, game.law), Grains::spheres);
+    return explain_step(law_named(game.law), Grains::spheres);
 }
 
 } // namespace

@@ -50,7 +50,7 @@ struct Shot {
                "Target that the sphere hits. edge and vertex: the shared edge of two coplanar "
                "facets and the shared vertex of four.",
                target_names);
-        option("law", law, "", "Contact law.", law_names());
+        option("law", law, "", "Contact law.", law_choices());
         option("radius", impact.radius, "m", "Radius of the sphere.", above(0, 1e3));
         option("partner_radius", impact.partner_radius, "m", "Radius of a partner sphere.",
                above(0, 1e3));
@@ -119,7 +119,7 @@ struct Shot {
     Impact complete() const {
         Impact s = impact;
         s.target = named<Target>(target_names, target);
-        s.law = named<LawName>(law_names(), law);
+        s.law = law_named(law);
         s.policy.tension = named<Tension>(tension_names, tension);
         s.policy.shear_history = named<ShearHistory>(shear_history_names, history);
         s.angle = angle * degree;

@@ -13,7 +13,7 @@
 namespace bris {
 
 // Names by which a user chooses among policies, in the order of the enumerations. The names of laws
-// are in the table of laws (law_names).
+// come from the table of laws.
 
 inline const std::vector<std::string> tension_names{"allowed", "cut", "calibrated"};
 inline const std::vector<std::string> shear_history_names{"rescaled", "incremental", "total"};
@@ -23,12 +23,17 @@ inline const std::vector<std::string> lattice_names{"sc", "bcc", "fcc"};
 /// The value that a name stands for. Throws InputError if there is none.
 template <class Enumeration>
 Enumeration named(const std::vector<std::string>& names, const std::string& word);
-extern template LawName named(const std::vector<std::string>&, const std::string&);
 extern template Tension named(const std::vector<std::string>&, const std::string&);
 extern template ShearHistory named(const std::vector<std::string>&, const std::string&);
 extern template Target named(const std::vector<std::string>&, const std::string&);
 extern template Lattice named(const std::vector<std::string>&, const std::string&);
 extern template FilterKind named(const std::vector<std::string>&, const std::string&);
+
+/// Names of the laws whose coefficients materials alone state: choices of an option where pairs of
+/// materials have none of their own.
+std::vector<std::string> law_choices();
+/// The law of that name. Throws InputError.
+LawName law_named(const std::string& word);
 
 /// The text of --explain: the systems that run, and those that do not, in a step of two spheres on
 /// a plane under a law.
