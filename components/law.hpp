@@ -25,7 +25,8 @@ enum class LawName : std::uint32_t {
     hertz_frictionless,
     hertz_mindlin,
     hertz_mindlin_viscous,
-    hertz_mindlin_rolling
+    hertz_mindlin_rolling,
+    linear_bridge
 };
 
 /// A number that a law reads: its name, its unit, and the range in which it makes sense.

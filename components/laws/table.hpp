@@ -5,6 +5,7 @@
 #include "components/laws/hertz_mindlin_rolling.hpp"
 #include "components/laws/hertz_mindlin_viscous.hpp"
 #include "components/laws/linear.hpp"
+#include "components/laws/linear_bridge.hpp"
 #include "components/laws/linear_frictionless.hpp"
 #include "components/laws/linear_rolling.hpp"
 #include "components/laws/linear_viscous.hpp"
@@ -17,7 +18,7 @@ struct LawList {};
 /// All contact laws, in the order of LawName. A new law is a file, a name in LawName, and a line
 /// here.
 using Laws = LawList<LinearFrictionless, Linear, LinearViscous, LinearRolling, HertzFrictionless,
-                     HertzMindlin, HertzMindlinViscous, HertzMindlinRolling>;
+                     HertzMindlin, HertzMindlinViscous, HertzMindlinRolling, LinearBridge>;
 
 namespace detail {
 
