@@ -90,6 +90,48 @@ TEST_SUITE("contact/laws") {
         check(Contact<HertzFrictionless>{});
     }
 
+    TEST_CASE("the potential of a liquid bridge is the work of its force, and zero at rupture") {
+        const LawTraits& t = traits(LawName::linear_bridge);
+        const OwnRow row =
+            t.own_row(LiquidBridge{.surface_tension = 0.07, .contact_angle = 0.3, .volume = 2e-12}
+                          .coefficients());
+        const double radius = 0.0005, end = t.reach(row, radius);
+        CHECK(end == about(1.15 * std::cbrt(2e-12)).epsilon(1e-14));
+        CHECK(t.potential(row, -end, radius) == 0);
+        CHECK(t.potential(row, -2 * end, radius) == 0);
+        Contact<LinearBridge> contact; // touches once, then is held
+        const auto own = [&] {
+            OwnLanes lanes_of_row;
+            for (std::size_t k = 0; k < most_own_coefficients; ++k)
+                lanes_of_row.value[k] = lanes(row.value[k]);
+            return lanes_of_row;
+        }();
+        const auto force = [&](double overlap) {
+            ContactLanes c{lanes(0), lanes(0), lanes(1), lanes(overlap), lanes(10), lanes(radius)};
+            return LinearBridge::force(c, contact.k, own, contact.rolling,
+                                       LawStep(contact.policy, contact.dt, true), contact.spring,
+                                       contact.roll);
+        };
+        const ForceLanes first = force(1e-12);
+        CHECK(first.work.viscous[0] == about(-t.potential(row, 0, radius)).epsilon(1e-9));
+        double work = 0;
+        constexpr int n = 1000;
+        for (int k = 0; k < n; ++k) {
+            const ForceLanes f = force(-(k + 0.5) / n * end);
+            CHECK(f.work.viscous[0] == 0); // it has formed
+            work -= f.z[0] * end / n;
+        }
+        CHECK(work == about(-t.potential(row, 0, radius)).epsilon(1e-5));
+    }
+
+    TEST_CASE("a liquid bridge of no volume, and one that has not formed, pull nothing") {
+        const LawTraits& t = traits(LawName::linear_bridge);
+        const OwnRow dry = t.own_row(LiquidBridge{.surface_tension = 0.07}.coefficients());
+        CHECK(t.reach(dry, 1) == 0);
+        CHECK(t.potential(dry, 1e-6, 1) == 0);
+        CHECK(traits(LawName::linear).reach(dry, 1) == 0);
+    }
+
     TEST_CASE("the force of Hertz is 4/3 E* sqrt(R*) overlap^1.5") {
         Contact<HertzFrictionless> contact;
         for (const double overlap : {1e-7, 1e-5, 1e-4})
