@@ -103,7 +103,7 @@ struct LinearBridge : Law<LinearNormal, Dashpots, CoulombSpring> {
             *part = touches ? *part : lanes(0);
         spring = {touches ? begun.x : lanes(0), touches ? begun.y : lanes(0),
                   touches ? begun.z : lanes(0), touches ? begun.stiffness : lanes(held_apart)};
-        const Lane pull = nudging_of(c, own, step, forms);
+        const Lane pull = pull_of(c, own, step, forms);
         f.normal -= pull;
         f.x -= pull * c.nx;
         f.y -= pull * c.ny;
@@ -118,8 +118,8 @@ private:
 
     /// Force of the bridge, N. Where it forms or ruptures within a step it acts for a part of the
     /// step only (PartialStep).
-    static Lane nudging_of(const ContactLanes& c, const OwnLanes& own, const LawStep& step,
-                           LaneMask forms) {
+    static Lane pull_of(const ContactLanes& c, const OwnLanes& own, const LawStep& step,
+                        LaneMask forms) {
         const Lane radius = 2.0 * c.radius, gap = max(-c.overlap, lanes(0));
         const Lane s = 0.5 * gap * sqrt(radius / own.value[volume]);
         const Lane whole = own.value[wetting] * radius / (1.0 + s * (first + second * s));

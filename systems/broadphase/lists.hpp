@@ -18,7 +18,7 @@ bool lists_are_due(const World& world);
 /// the lists are new, or velocities were changed from outside the step.
 bool positions_are_due(const World& world);
 /// Records that contacts read current velocities.
-void note_positions(ListState& state);
+void note_positions(World& world);
 
 /// Finds the candidate pairs within the outer skin and carries their springs over; every few
 /// rebuilds it first sorts the rows along a Morton curve. It does nothing more than update the

@@ -196,7 +196,7 @@ bool lists_are_due(const World& world) {
 bool positions_are_due(const World& world) {
     return world.resource<ListState>().velocities_changed || lists_are_due(world);
 }
-void note_positions(ListState& state) { state.velocities_changed = false; }
+void note_positions(World& world) { world.resource<ListState>().velocities_changed = false; }
 void show_velocities(World& world) { world.resource<ListState>().velocities_changed = true; }
 
 detail::ListDistances detail::list_distances(const World& world, double skin) {
