@@ -31,25 +31,26 @@ struct Settle {
 
     void describe(auto& option) {
         option("spheres", bed.spheres, "", "Number of spheres.", within(1, 50e6));
-        option("radius", bed.radius, "m", "Mean radius of the spheres.", above(0));
+        option("radius", bed.radius, "m", "Mean radius of the spheres.", above(0, 1e3));
         option("size_spread", bed.size_spread, "",
                "Half width of the uniform distribution of radii, relative to the mean radius.",
-               Range{.low = 0, .high = 1, .high_accepted = false});
+               half_open(0, 1));
         option("normal_stiffness", bed.normal_stiffness, "N/m",
-               "Normal stiffness of a contact. The tangential stiffness is 2/7 of it.", above(0));
+               "Normal stiffness of a contact. The tangential stiffness is 2/7 of it.",
+               above(0, 1e15));
         option("friction", bed.friction, "",
                "Coulomb friction coefficient between spheres and between sphere and wall.",
-               at_least(0));
+               within(0, 100));
         option("damping_rate", bed.damping_rate, "1/s",
                "Damping rate of the normal dashpot. The tangential one is half of it.",
-               at_least(0));
-        option("density", bed.density, "kg/m3", "Density of the spheres.", above(0));
-        option("step", bed.step, "s", "Time step.", above(0));
-        option("duration", duration, "s", "Simulated time.", above(0));
+               within(0, 1e9));
+        option("density", bed.density, "kg/m3", "Density of the spheres.", above(0, 1e6));
+        option("step", bed.step, "s", "Time step.", above(0, 1));
+        option("duration", duration, "s", "Simulated time.", above(0, 1e6));
         option("sleep", sleep, "",
                "Unbalanced force, relative to the weight, below which a sphere falls asleep. It "
                "wakes at twice this value. 0: no sphere sleeps.",
-               at_least(0));
+               within(0, 10));
         option("start_overlap", bed.start_overlap, "",
                "Overlap of neighbours at the start, relative to the mean diameter.", within(0, 1));
         option("relax", relax, "",

@@ -1,4 +1,5 @@
 #include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "tests/temporary_directory.hpp"
 
@@ -75,7 +76,24 @@ TEST_SUITE("engine/scenario") {
         CHECK(exit_code({"--threads", "many"}, run) == 2);
         CHECK(exit_code({"--out", "/proc/none"}, run) == 4);
         CHECK(exit_code({"--help"}, run) == 0);
+        CHECK(exit_code({"--version"}, run) == 0);
         CHECK_FALSE(ran);
+    }
+
+    TEST_CASE("a scenario that refuses its input leaves no empty folder, and keeps what it wrote") {
+        const TemporaryDirectory directory;
+        const auto refuse = [](const Nothing&, const Common&) {
+            throw InputError("told to the reader of the log: input");
+        };
+        CHECK(exit_code({"--out", directory / "a" / "b" / ""}, refuse) == 2);
+        CHECK_FALSE(std::filesystem::exists(directory / "a"));
+        CHECK(exit_code({"--out", directory.path()}, refuse) == 2); // made by someone else
+        CHECK(std::filesystem::exists(directory.path()));
+        CHECK(exit_code({"--out", directory / "a" / "b"}, [&](const Nothing& n, const Common& c) {
+                  write_whole(c.out / "quality_control.txt", "why it is refused");
+                  refuse(n, c);
+              }) == 2);
+        CHECK(std::filesystem::exists(directory / "a" / "b" / "quality_control.txt"));
     }
 
     TEST_CASE(
