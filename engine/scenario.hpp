@@ -13,7 +13,7 @@
 
 namespace bris {
 
-/// What every scenario can be told, whatever it simulates.
+/// What the common flags set for every scenario.
 struct Common {
     std::string scenario;         ///< its name
     std::filesystem::path out;    ///< directory of the results; exists when the scenario runs

@@ -54,9 +54,9 @@ struct LawStep {
     double dt;          ///< s
     double least_force; ///< N, of the normal force: 0 where tension is cut
     double least_ratio,
-        largest_ratio; ///< of spring stretch kept when the stiffness changes (ShearHistory)
-    bool shared;       ///< patches share one stiffness: that of a contact changes
-    bool book;         ///< an energy ledger wants the work
+        largest_ratio;    ///< of spring stretch kept when the stiffness changes (ShearHistory)
+    bool shared;          ///< patches share one stiffness: that of a contact changes
+    bool accumulate_work; ///< the energy budget needs the work
 
     LawStep(const ContactPolicy& policy, double step, bool energy_budget);
 };

@@ -35,7 +35,7 @@ struct LiquidBridge {
 ///
 /// Energy: the potential is that of F, zero at rupture, and counts as elastic energy. Where a
 /// bridge forms, its potential falls at once by the work W of pulling the surfaces from touch to
-/// rupture; liquid that spreads dissipates this, so W is booked as viscous work. Of a touch and a
+/// rupture; liquid that spreads dissipates this, so W counts as viscous work. Of a touch and a
 /// separation thus W is lost, and nothing at rupture.
 struct LinearBridge : Law<LinearNormal, Dashpots, CoulombSpring> {
     using Dry = Law<LinearNormal, Dashpots, CoulombSpring>;
@@ -108,7 +108,7 @@ struct LinearBridge : Law<LinearNormal, Dashpots, CoulombSpring> {
         f.x -= pull * c.nx;
         f.y -= pull * c.ny;
         f.z -= pull * c.nz;
-        if (step.book) f.work.viscous += spent_on_forming(c, own, forms);
+        if (step.accumulate_work) f.work.viscous += spent_on_forming(c, own, forms);
         return f;
     }
 

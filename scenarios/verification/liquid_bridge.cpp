@@ -1,5 +1,5 @@
 #include "components/laws/linear_bridge.hpp"
-#include "scenarios/verification/bench.hpp"
+#include "scenarios/specimens/bench.hpp"
 #include "scenarios/verification/cases.hpp"
 #include "scenarios/verification/guided_pair.hpp"
 #include "systems/output/quantities.hpp"
@@ -118,8 +118,10 @@ Parted meet(double speed, bool plane, double dt, double duration) {
         lower = add_sphere(world, Vec3(0, 0, -radius), radius, grain);
         value_of<Velocity>(world, lower) = up(0.5 * speed);
     }
-    Simulation sim = begin(std::move(world), LawName::linear_bridge, dt, true);
-    const double start = run_experiment(sim.world()).kinetic_energy;
+    Simulation sim =
+        begin(std::move(world),
+              {.dt = dt, .law = LawName::linear_bridge, .energy_budget = true, .unlimited = true});
+    const double start = compute_quantities(sim.world()).kinetic_energy;
     Parted result;
     const auto gap_now = [&] {
         const double z = value_of<Position>(sim, upper).z();
@@ -130,7 +132,7 @@ Parted meet(double speed, bool plane, double dt, double duration) {
         result.farthest = std::max(result.farthest, gap_now());
     }
     result.speed = value_of<Velocity>(sim, upper).z() * (plane ? 1 : 2);
-    const Quantities q = run_experiment(sim.world());
+    const Quantities q = compute_quantities(sim.world());
     double taken = 0;
     for (const double w : sim.world().column<Bodies, ViscousWork>()) taken += w;
     for (const double w : sim.world().column<Bodies, FrictionWork>()) taken += w;

@@ -191,7 +191,7 @@ TEST_SUITE("engine/options") {
             "  --help, -h\n"));
     }
 
-    TEST_CASE("ranges are told with their ends") {
+    TEST_CASE("ranges are described with their ends") {
         double x = 0.5;
         const auto expected = [&](const Range& range) {
             Options options;

@@ -59,12 +59,12 @@ TEST_SUITE("engine/scenario") {
             return exit_code({"--out", out}, [&](const Nothing&, const Common&) { throwing(); });
         };
         CHECK(code_after([] {}) == 0);
-        CHECK(code_after([] { throw InputError("told to the reader of the log: input"); }) == 2);
-        CHECK(code_after([] { throw SimulationError("told: guard"); }) == 3);
-        CHECK(code_after([] { throw OutputError("told: files"); }) == 4);
-        CHECK(code_after([] { throw Interrupted("told: interrupted"); }) == 130);
+        CHECK(code_after([] { throw InputError("message of an input error"); }) == 2);
+        CHECK(code_after([] { throw SimulationError("message of a guard"); }) == 3);
+        CHECK(code_after([] { throw OutputError("message about files"); }) == 4);
+        CHECK(code_after([] { throw Interrupted("message of an interruption"); }) == 130);
         CHECK(code_after([] { throw std::bad_alloc(); }) == 3);
-        CHECK(code_after([] { throw std::logic_error("told: mistake"); }) == 1);
+        CHECK(code_after([] { throw std::logic_error("message of a mistake"); }) == 1);
         CHECK(code_after([] { std::filesystem::current_path("/none"); }) == 4);
     }
 
@@ -83,7 +83,7 @@ TEST_SUITE("engine/scenario") {
     TEST_CASE("a scenario that refuses its input leaves no empty folder, and keeps what it wrote") {
         const TemporaryDirectory directory;
         const auto refuse = [](const Nothing&, const Common&) {
-            throw InputError("told to the reader of the log: input");
+            throw InputError("message of an input error");
         };
         CHECK(exit_code({"--out", directory / "a" / "b" / ""}, refuse) == 2);
         CHECK_FALSE(std::filesystem::exists(directory / "a"));

@@ -27,7 +27,7 @@ void make_wet(World& world) {
 
 struct Scene {
     std::string name;
-    BedSettings bed;
+    BenchBed bed;
     bool membrane = false; ///< around the grains, and the box moves to the middle of it
 };
 const std::vector<Scene>& scenes() {
@@ -54,7 +54,7 @@ World make(const Scene& scene) {
 
 constexpr unsigned steps_taken = 2400;
 
-RunSettings with_skins(double outer, double inner) {
+BenchSettings with_skins(double outer, double inner) {
     return {.dt = 2e-5,
             .law = LawName::linear_bridge,
             .lists = {.outer_skin = outer, .inner_skin = inner, .tune = false},
@@ -87,8 +87,8 @@ TEST_SUITE("invariance/reach") {
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
             CAPTURE(seed);
-            const auto run = [&](const RunSettings& settings, bool look = false) {
-                Simulation sim = start(make(scene), settings);
+            const auto run = [&](const BenchSettings& settings, bool look = false) {
+                Simulation sim = begin(make(scene), settings);
                 std::ptrdiff_t spheres = 0, boundaries = 0;
                 for (unsigned k = 0; k < steps_taken; k += 100) {
                     sim.advance(100);
@@ -104,11 +104,11 @@ TEST_SUITE("invariance/reach") {
             CHECK(run(with_skins(0.0002, 0.0001)) == reference);
             CHECK(run(with_skins(0.0012, 0.0011)) == reference);
             CHECK(run(with_skins(0.01, 0.004)) == reference); // beyond the reach
-            RunSettings threads = with_skins(0.004, 0.0004);
+            BenchSettings threads = with_skins(0.004, 0.0004);
             threads.threads = 3;
             threads.schedule.serial = false;
             CHECK(run(threads) == reference);
-            RunSettings free = with_skins(0, 0);
+            BenchSettings free = with_skins(0, 0);
             free.lists = {.sort_every = 1};
             CHECK(run(free) == reference);
         }
@@ -117,11 +117,11 @@ TEST_SUITE("invariance/reach") {
     TEST_CASE("a restored run remembers which pairs have touched") {
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
-            Simulation whole = start(make(scene), with_skins(0.004, 0.0004));
+            Simulation whole = begin(make(scene), with_skins(0.004, 0.0004));
             whole.advance(steps_taken / 2);
             const Archive saved = whole.snapshot();
             whole.advance(steps_taken / 2);
-            Simulation other = start(make(scene), with_skins(0.0005, 0.0001));
+            Simulation other = begin(make(scene), with_skins(0.0005, 0.0001));
             other.restore(saved);
             CHECK(fingerprint(other.snapshot()) == fingerprint(saved));
             other.advance(steps_taken / 2);
@@ -133,9 +133,9 @@ TEST_SUITE("invariance/reach") {
         Random random(seed, 5);
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
-            Simulation plain = start(make(scene), with_skins(0.004, 0.0004));
+            Simulation plain = begin(make(scene), with_skins(0.004, 0.0004));
             plain.advance(steps_taken);
-            Simulation sim = start(make(scene), with_skins(0.004, 0.0004));
+            Simulation sim = begin(make(scene), with_skins(0.004, 0.0004));
             for (unsigned k = 0; k < steps_taken; ++k) {
                 if (random.uniform() < 0.05) invalidate_lists(sim.world());
                 sim.advance();
@@ -159,8 +159,8 @@ TEST_SUITE("invariance/reach") {
                 add_floor(world, grain);
             else
                 add_strips(world, strips, grain);
-            RunSettings settings = with_skins(2.5 * inner_skin, inner_skin);
-            Simulation sim = start(std::move(world), settings);
+            BenchSettings settings = with_skins(2.5 * inner_skin, inner_skin);
+            Simulation sim = begin(std::move(world), settings);
             double sum = 0, highest = 0;
             for (int k = 0; k < 8000; ++k) {
                 sim.advance();

@@ -9,11 +9,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fcntl.h>
 #include <filesystem>
 #include <limits>
 #include <regex>
+#include <set>
 #include <spawn.h>
 #include <sstream>
 #include <string>
@@ -114,7 +116,7 @@ void check_refusal(const Command& command, const Outcome& outcome, int code,
 
 /// A flag that takes a number, or several, as --help describes it.
 struct NumericOption {
-    std::string flag;
+    std::string flag, text = {};
     bool is_integer = false;
     double low = -std::numeric_limits<double>::infinity();
     double high = std::numeric_limits<double>::infinity();
@@ -148,7 +150,10 @@ std::vector<NumericOption> numeric_options(const std::string& help) {
     std::string text; // of the option read last
     bool is_numeric = false;
     const auto finish = [&] {
-        if (is_numeric) read_range(text, options.back());
+        if (is_numeric) {
+            options.back().text = text;
+            read_range(text, options.back());
+        }
         text.clear();
         is_numeric = false;
     };
@@ -177,6 +182,27 @@ std::string outside(const NumericOption& option, bool upper) {
     else if (std::isfinite(option.low))
         number = option.low - (option.low_accepted ? std::max(1.0, std::abs(option.low)) : 0);
     return option.is_integer ? fmt::format("{:.0f}", number) : fmt::format("{}", number);
+}
+
+/// What nobody can have meant, for each option of each scenario: four values, and one of them in
+/// turn where another scenario has the same option, since each process takes its time.
+std::vector<Command> absurd_commands(const std::vector<std::string>& names,
+                                     const std::vector<std::vector<NumericOption>>& options) {
+    std::vector<Command> commands;
+    std::set<std::string> seen;
+    std::size_t turn = 0;
+    for (std::size_t k = 0; k < names.size(); ++k)
+        for (const NumericOption& option : options[k]) {
+            const std::array values{std::string("nan"), std::string("banana"), std::string("1e999"),
+                                    outside(option, turn / 4 % 2 == 0)};
+            ++turn;
+            if (seen.insert(option.flag + option.text).second)
+                for (const std::string& value : values)
+                    commands.push_back({names[k], {option.flag, value}});
+            else
+                commands.push_back({names[k], {option.flag, values[turn % values.size()]}});
+        }
+    return commands;
 }
 
 } // namespace
@@ -250,23 +276,19 @@ TEST_SUITE("scenarios/command_line") {
     TEST_CASE("every numeric option has a range and refuses what lies outside and what is none") {
         const auto names = scenarios();
         const auto help = outcomes_of_all({"--help"});
-        std::vector<Command> commands;
-        bool upper = false; // of the ends, to and fro: each process takes its time
+        std::vector<std::vector<NumericOption>> options;
         for (std::size_t k = 0; k < names.size(); ++k) {
-            const auto options = numeric_options(help[k].out);
-            CHECK(options.size() >= 3); // seed, threads, memory
-            for (const NumericOption& option : options) {
+            options.push_back(numeric_options(help[k].out));
+            CHECK(options[k].size() >= 3); // seed, threads, memory
+            for (const NumericOption& option : options[k]) {
                 CAPTURE(names[k]);
                 CAPTURE(option.flag);
                 const bool is_seed = option.flag == "--seed" || option.flag == "--model-packing";
                 CHECK((is_seed || std::isfinite(option.high)));
                 CHECK((option.is_integer || std::isfinite(option.low)));
-                upper = !upper;
-                for (const std::string& value : {std::string("nan"), std::string("banana"),
-                                                 std::string("1e999"), outside(option, upper)})
-                    commands.push_back({names[k], {option.flag, value}});
             }
         }
+        const auto commands = absurd_commands(names, options);
         const auto outcomes = outcomes_of(commands);
         for (std::size_t k = 0; k < commands.size(); ++k)
             check_refusal(commands[k], outcomes[k], 2, commands[k].flags.front() + ": expected ");
