@@ -4,6 +4,7 @@
 #include "engine/interrupt.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/signal/median.hpp"
+#include "scenarios/recordings/device_channels.hpp"
 
 #include <fmt/format.h>
 
@@ -28,17 +29,23 @@ constexpr std::string_view cut_off = "# cut off: ";
 constexpr double same_strain = 1e-9;    // tolerance of comparisons of axial strain
 constexpr std::size_t fewest_times = 3; // number of differences from which a clock is judged
 
-// names of the numbers of a sample
-constexpr std::array sample_names{"strain", "seq", "ax",   "ay",   "az",    "gx",   "gy", "gz",
-                                  "ux",     "uy",  "uz",   "qw",   "qx",    "qy",   "qz", "mx",
-                                  "my",     "mz",  "temp", "batt", "flags", "phase"};
+/// Names of the numbers of a sample: those below, then the device channels.
+const std::vector<std::string>& sample_names() {
+    static const std::vector<std::string> all = [] {
+        std::vector<std::string> names{"strain", "seq", "ax", "ay", "az",    "gx",   "gy",
+                                       "gz",     "ux",  "uy", "uz", "qw",    "qx",   "qy",
+                                       "qz",     "mx",  "my", "mz", "flags", "phase"};
+        for (const DeviceChannel& channel : device_channels()) names.emplace_back(channel.column);
+        return names;
+    }();
+    return all;
+}
 namespace in_sample {
 constexpr std::size_t strain = 0, sequence = 1, force = 2, rate = 5, displacement = 8,
-                      attitude = 11, field = 15, temperature = 18, battery = 19, flags = 20,
-                      phase = 21;
+                      attitude = 11, field = 15, flags = 18, phase = 19, device = 20;
 }
-constexpr std::uint32_t bits_of(std::size_t first, std::size_t count) {
-    return ((1u << count) - 1) << first;
+constexpr std::uint64_t bits_of(std::size_t first, std::size_t count) {
+    return ((std::uint64_t{1} << count) - 1) << first;
 }
 bool same_number(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)); }
 
@@ -222,9 +229,9 @@ void LiveTest::take_of_sensor(const StreamRecord& record) {
 /// Reports entries that are not valid numbers. They are stored as they are and left to quality
 /// control, but strain, phase, seq and flags are treated as if they had not been sent.
 void LiveTest::look_for_numbers(const StreamRecord& record) {
-    for (const char* name : sample_names) {
+    for (const std::string& name : sample_names()) {
         const double number = record.number(name);
-        const bool whole = name == std::string_view("seq") || name == std::string_view("flags");
+        const bool whole = name == "seq" || name == "flags";
         if (!record.has(name) || (std::isfinite(number) && !(whole && !is_count(number)))) continue;
         const double id = record.number("id");
         note(fmt::format("{} of {}", name, id),
@@ -292,9 +299,9 @@ void LiveTest::accept(const StreamRecord& record) {
 
 LiveTest::Sample LiveTest::sample_of(const StreamRecord& record) {
     Sample sample{{}, 0};
-    for (std::size_t k = 0; k < sample_names.size(); ++k) {
-        const auto found = record.numbers.find(sample_names[k]);
-        sample.numbers[k] = found != record.numbers.end() ? found->second : std::nan("");
+    for (std::size_t k = 0; k < sample_names().size(); ++k) {
+        const auto found = record.numbers.find(sample_names()[k]);
+        sample.numbers.push_back(found != record.numbers.end() ? found->second : std::nan(""));
         // without a valid number the strain comes from the machine
         const bool needs_number = k == in_sample::strain || k == in_sample::phase;
         if (found != record.numbers.end() && (!needs_number || std::isfinite(found->second)))
@@ -324,8 +331,7 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
     const bool force = any(in_sample::force, 3), rate = any(in_sample::rate, 3),
                displacement = any(in_sample::displacement, 3),
                attitude = any(in_sample::attitude, 4);
-    const bool field = any(in_sample::field, 3), temperature = any(in_sample::temperature, 1),
-               battery = any(in_sample::battery, 1), flags = any(in_sample::flags, 1);
+    const bool field = any(in_sample::field, 3), flags = any(in_sample::flags, 1);
     for (const auto& [t, one] : sensor.by_time) {
         const double strain = strain_of(t - sensor.clock_offset, one);
         if (std::isnan(strain)) continue;
@@ -340,8 +346,12 @@ Recording LiveTest::recording_of(const SensorInfo& info) const {
             r.attitude.emplace_back(n[in_sample::attitude], n[in_sample::attitude + 1],
                                     n[in_sample::attitude + 2], n[in_sample::attitude + 3]);
         if (field) r.field.push_back(info.field_of(Vec3(n + in_sample::field)));
-        if (temperature) r.temperature.push_back(info.temperature_of(n[in_sample::temperature]));
-        if (battery) r.battery.push_back(n[in_sample::battery]);
+        for (std::size_t k = 0; k < device_channels().size(); ++k) {
+            const DeviceChannel& channel = device_channels()[k];
+            if (any(in_sample::device + k, 1))
+                (r.*channel.values)
+                    .push_back(channel.value_of_file(info, n[in_sample::device + k]));
+        }
         if (flags)
             r.flags.push_back(is_count(n[in_sample::flags])
                                   ? static_cast<std::uint64_t>(n[in_sample::flags])

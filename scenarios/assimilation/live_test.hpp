@@ -4,7 +4,6 @@
 #include "scenarios/recordings/record_stream.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 
-#include <array>
 #include <cstdint>
 #include <cstdio>
 #include <deque>
@@ -68,12 +67,12 @@ private:
     /// The numbers that a SmartRock sent at one t, in the order of sample_names; the bits of `sent`
     /// say which of them it sent.
     struct Sample {
-        std::array<double, 22> numbers;
-        std::uint32_t sent;
+        std::vector<double> numbers;
+        std::uint64_t sent;
     };
     struct SensorRecords {
         std::map<double, Sample> by_time;
-        std::uint32_t sent = 0; ///< bits of the numbers sent in any of them
+        std::uint64_t sent = 0; ///< bits of the numbers sent in any of them
         std::uint64_t late = 0, twice = 0;
         double clock_offset = 0; ///< s, from the metadata
         /// s, t of each new sample less the machine's last t when the sample arrived.

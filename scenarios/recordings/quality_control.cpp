@@ -2,6 +2,7 @@
 
 #include "engine/estimation/linear_fit.hpp"
 #include "engine/signal/median.hpp"
+#include "scenarios/recordings/device_channels.hpp"
 #include "scenarios/recordings/inspection.hpp"
 
 #include <fmt/format.h>
@@ -84,8 +85,8 @@ private:
         note_missing("strain", r_.strain);
         note_missing("phase", r_.phase);
         note_missing("mx my mz", r_.field);
-        note_missing("temp", r_.temperature);
-        note_missing("batt", r_.battery);
+        for (const DeviceChannel& channel : device_channels())
+            note_missing(channel.column, r_.*channel.values);
         const auto count =
             bad(r_.force) + bad(r_.rate) + bad(r_.displacement) + bad(r_.attitude) + bad(r_.time);
         std::string where;

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "scenarios/recordings/device_channels.hpp"
 
 #include <fmt/format.h>
 
@@ -108,8 +109,8 @@ void reject_flagged(Recording& r) {
     if (std::ranges::count(is_flagged, 1) > 0) {
         for (std::size_t k = 0; k < r.size(); ++k)
             if (is_flagged[k]) r.flagged.push_back(r.time[k]);
-        for (auto* values : {&r.time, &r.strain, &r.phase, &r.temperature, &r.battery})
-            keep(*values);
+        for (auto* values : {&r.time, &r.strain, &r.phase}) keep(*values);
+        for (const DeviceChannel& channel : device_channels()) keep(r.*channel.values);
         for (auto* values : {&r.force, &r.rate, &r.field, &r.displacement}) keep(*values);
         for (auto* values : {&r.sequence, &r.flags}) keep(*values);
         keep(r.attitude);
@@ -117,8 +118,8 @@ void reject_flagged(Recording& r) {
     empty_if_none("strain", r.strain);
     empty_if_none("phase", r.phase);
     empty_if_none("mx my mz", r.field);
-    empty_if_none("temp", r.temperature);
-    empty_if_none("batt", r.battery);
+    for (const DeviceChannel& channel : device_channels())
+        empty_if_none(channel.column, r.*channel.values);
 }
 
 } // namespace bris

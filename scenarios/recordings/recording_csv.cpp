@@ -1,5 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/io/column_map.hpp"
+#include "scenarios/recordings/device_channels.hpp"
 #include "scenarios/recordings/recording.hpp"
 
 #include <fmt/format.h>
@@ -65,10 +66,14 @@ SensorInfo with_units_of(SensorInfo info, const CsvForm& form) {
     if (!given_unit(form, {"ax", "ay", "az"}).empty()) info.force_unit = std::string("m/s2");
     if (!given_unit(form, {"gx", "gy", "gz"}).empty()) info.rate_unit = "rad/s";
     if (!given_unit(form, {"mx", "my", "mz"}).empty()) info.field_unit = std::string("T");
-    if (!given_unit(form, {"temp"}).empty()) info.temperature_unit = std::string("K");
     (void)given_unit(form, {"ux", "uy", "uz"});
-    if (const std::string battery = given_unit(form, {"batt"}); !battery.empty())
-        info.battery_unit = battery == "%" ? std::string("%") : std::string("V");
+    for (const DeviceChannel& channel : device_channels()) {
+        const std::string given = given_unit(form, {channel.column});
+        const auto unit = std::ranges::find(channel.units, given, &ColumnUnit::name);
+        if (unit == channel.units.end()) continue;
+        const bool is_converted = unit->scale != 1 || unit->offset != 0;
+        info.*channel.unit = is_converted ? channel.units.front().name : given;
+    }
     return info;
 }
 
@@ -79,8 +84,10 @@ public:
         : table_(table), force_(table, {"ax", "ay", "az"}), rate_(table, {"gx", "gy", "gz"}),
           displacement_(table, {"ux", "uy", "uz"}), field_(table, {"mx", "my", "mz"}),
           attitude_(table, {"qw", "qx", "qy", "qz"}), sequence_(table, {"seq"}),
-          flags_(table, {"flags"}), strain_(table, {"strain"}), phase_(table, {"phase"}),
-          temperature_(table, {"temp"}), battery_(table, {"batt"}) {}
+          flags_(table, {"flags"}), strain_(table, {"strain"}), phase_(table, {"phase"}) {
+        for (const DeviceChannel& channel : device_channels())
+            device_.push_back(Channel<1>(table, {channel.column}));
+    }
 
     void append(std::size_t row, double time, Recording& r) const {
         if (flags_.present)
@@ -105,16 +112,20 @@ public:
         take(displacement_, "ux uy uz", [&](const auto& v) { r.displacement.push_back(v); });
         take(attitude_, "qw qx qy qz",
              [&](const auto& q) { r.attitude.emplace_back(q[0], q[1], q[2], q[3]); });
-        take(temperature_, "temp",
-             [&](const auto& v) { r.temperature.push_back(r.info.temperature_of(v[0])); });
-        take(battery_, "batt", [&](const auto& v) { r.battery.push_back(v[0]); });
+        for (std::size_t k = 0; k < device_.size(); ++k) {
+            const DeviceChannel& channel = device_channels()[k];
+            take(device_[k], channel.column, [&](const auto& v) {
+                (r.*channel.values).push_back(channel.value_of_file(r.info, v[0]));
+            });
+        }
     }
 
 private:
     const CsvTable& table_;
     Channel<3> force_, rate_, displacement_, field_;
     Channel<4> attitude_;
-    Channel<1> sequence_, flags_, strain_, phase_, temperature_, battery_;
+    Channel<1> sequence_, flags_, strain_, phase_;
+    std::vector<Channel<1>> device_; // in the order of device_channels
 };
 
 } // namespace
@@ -144,9 +155,7 @@ const std::vector<KnownColumn>& recording_columns() {
             Units{{"T"}, {"mT", 1e-3}, {"uT", 1e-6}, {"nT", 1e-9}, {"G", 1e-4}, {"mG", 1e-7}});
         add({"ux", "uy", "uz"}, Units{{"m"}, {"mm", 1e-3}, {"um", 1e-6}});
         add({"qw", "qx", "qy", "qz"}, {});
-        add({"temp"},
-            Units{{"K"}, {"C", 1, zero_celsius}, {"F", 1 / 1.8, zero_celsius - 32 / 1.8}});
-        add({"batt"}, Units{{"V"}, {"mV", 1e-3}, {"%"}});
+        for (const DeviceChannel& channel : device_channels()) add({channel.column}, channel.units);
         return columns;
     }();
     return all;
@@ -162,8 +171,9 @@ void write_recordings(const std::filesystem::path& csv, const std::vector<Record
                force = all_have(&Recording::force), rate = all_have(&Recording::rate),
                displacement = all_have(&Recording::displacement),
                attitude = all_have(&Recording::attitude), phase = all_have(&Recording::phase),
-               field = all_have(&Recording::field), temperature = all_have(&Recording::temperature),
-               battery = all_have(&Recording::battery);
+               field = all_have(&Recording::field);
+    std::vector<DeviceChannel> device = device_channels();
+    std::erase_if(device, [&](const DeviceChannel& c) { return !all_have(c.values); });
     std::vector<std::string> names{"t", "id"};
     const auto name = [&](bool there, std::initializer_list<const char*> columns) {
         if (there) names.insert(names.end(), columns.begin(), columns.end());
@@ -176,8 +186,7 @@ void write_recordings(const std::filesystem::path& csv, const std::vector<Record
     name(attitude, {"qw", "qx", "qy", "qz"});
     name(phase, {"phase"});
     name(field, {"mx", "my", "mz"});
-    name(temperature, {"temp"});
-    name(battery, {"batt"});
+    for (const DeviceChannel& channel : device) name(true, {channel.column});
     std::vector<std::vector<double>> rows;
     for (const Recording& r : recordings)
         for (std::size_t k = 0; k < r.size(); ++k) {
@@ -195,8 +204,8 @@ void write_recordings(const std::filesystem::path& csv, const std::vector<Record
                                      r.attitude[k].z()});
             if (phase) row.push_back(r.phase[k]);
             if (field) put(true, r.info.recorded_field(r.field[k]));
-            if (temperature) row.push_back(r.info.recorded_temperature(r.temperature[k]));
-            if (battery) row.push_back(r.battery[k]);
+            for (const DeviceChannel& channel : device)
+                row.push_back(channel.file_value_of(r.info, (r.*channel.values)[k]));
             rows.push_back(std::move(row));
         }
     std::ranges::stable_sort(rows, {}, [](const auto& row) { return row[0]; });

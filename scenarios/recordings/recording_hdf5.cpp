@@ -1,5 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/io/hdf5.hpp"
+#include "scenarios/recordings/device_channels.hpp"
 #include "scenarios/recordings/recording.hpp"
 
 #include <fmt/format.h>
@@ -88,11 +89,12 @@ private:
 
 /// Units of the datasets: name of the attribute, and unit of the metadata.
 std::vector<std::pair<std::string, std::string>> units_of(const SensorInfo& info) {
-    return {{"accel_unit", info.force_unit},
-            {"gyro_unit", info.rate_unit},
-            {"mag_unit", info.field_unit},
-            {"temperature_unit", info.temperature_unit},
-            {"battery_unit", info.battery_unit}};
+    std::vector<std::pair<std::string, std::string>> units{{"accel_unit", info.force_unit},
+                                                           {"gyro_unit", info.rate_unit},
+                                                           {"mag_unit", info.field_unit}};
+    for (const DeviceChannel& channel : device_channels())
+        units.emplace_back(fmt::format("{}_unit", channel.dataset), info.*channel.unit);
+    return units;
 }
 
 /// Reads counts as doubles: read as integers, a negative number or NaN would become another count.
@@ -162,9 +164,10 @@ Recording read_one(const Hdf5File& file, const SensorInfo& info) {
          [&](const auto& q) { r.attitude.emplace_back(q[0], q[1], q[2], q[3]); });
     read("strain", "strain", number, [&](const auto& v) { r.strain.push_back(v[0]); });
     read("phase", "phase", number, [&](const auto& v) { r.phase.push_back(v[0]); });
-    read("temperature", "temp", number,
-         [&](const auto& v) { r.temperature.push_back(info.temperature_of(v[0])); });
-    read("battery", "batt", number, [&](const auto& v) { r.battery.push_back(v[0]); });
+    for (const DeviceChannel& channel : device_channels())
+        read(channel.dataset, channel.column, number, [&](const auto& v) {
+            (r.*channel.values).push_back(channel.value_of_file(info, v[0]));
+        });
     reject_flagged(r);
     return r;
 }
@@ -232,9 +235,6 @@ void write_recordings_hdf5(const std::filesystem::path& path,
         for (const Vec3& b : r.field) field.push_back(r.info.recorded_field(b));
         std::vector<Eigen::Vector4d> attitude;
         for (const Quat& q : r.attitude) attitude.emplace_back(q.w(), q.x(), q.y(), q.z());
-        std::vector<double> temperature;
-        for (const double kelvin : r.temperature)
-            temperature.push_back(r.info.recorded_temperature(kelvin));
         write_rows(file, group + "accel", force);
         write_rows(file, group + "gyro", rate);
         write_rows(file, group + "mag", field);
@@ -245,8 +245,12 @@ void write_recordings_hdf5(const std::filesystem::path& path,
         };
         write("strain", r.strain);
         write("phase", r.phase);
-        write("temperature", temperature);
-        write("battery", r.battery);
+        for (const DeviceChannel& channel : device_channels()) {
+            std::vector<double> numbers;
+            for (const double value : r.*channel.values)
+                numbers.push_back(channel.file_value_of(r.info, value));
+            write(channel.dataset, numbers);
+        }
         write("sequence", r.sequence);
         SensorInfo info = r.info;
         AttributeWriter writer{file, own};

@@ -213,7 +213,7 @@ TEST_SUITE("assimilation/live_test") {
                 INFO(k << "\n" << quality_control_report(now.findings, now.recordings));
                 CHECK(now.refused() == 0);
                 for (const Finding& finding : now.findings)
-                    CHECK((finding.text.find("its clock gains") != std::string::npos ||
+                    CHECK((finding.text.find("the clock runs fast") != std::string::npos ||
                            finding.text.find("too few samples at rest") != std::string::npos));
             }
         }
