@@ -37,6 +37,28 @@ void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgre
     if (advanced) report({}); // the run has ended
 }
 
+void run_cases(const Common& common, const std::vector<std::string>& names,
+               const std::function<void(std::size_t)>& run) {
+    Progress progress = make_progress(common);
+    CheckpointTimer timer;
+    std::size_t next = 0;
+    const auto advance = [&] {
+        if (next == names.size()) return false;
+        progress.pause();
+        run(next++);
+        return next < names.size();
+    };
+    const auto standing = [&] {
+        return PhaseProgress{common.scenario,
+                             static_cast<double>(next) / static_cast<double>(names.size()),
+                             names[next]};
+    };
+    run_loop({.advance = advance,
+              .progress = standing,
+              .resume_hint = "the remaining cases, one by one with --case"},
+             timer, progress_slot(progress));
+}
+
 std::uint64_t steps_of(double duration, double dt, const std::string& option) {
     const double number = std::round(duration / dt);
     require(number >= 1 && number < 1e15,

@@ -45,6 +45,11 @@ void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgre
 /// The progress line of a scenario, with one slot for each concurrent run.
 Progress make_progress(const Common& common, unsigned slots = 1);
 
+/// Runs independent short cases one after the other by the same loop: with progress, and stopping
+/// between two of them when the user asks to (throws Interrupted).
+void run_cases(const Common& common, const std::vector<std::string>& names,
+               const std::function<void(std::size_t number)>& run);
+
 /// One phase of a run.
 struct Phase {
     /// Advances the simulation by one block of steps; returns false when the phase is over.
@@ -117,7 +122,8 @@ public:
     /// after resuming it is NAME_from_N.EXT, where N is the step within the phase.
     std::filesystem::path file(const std::string& name, const std::string& extension) const;
 
-    /// Adds the results that every run has: steps of the last phase, wall times, and the fingerprint of the State.
+    /// Adds the results that every run has: steps of the last phase, wall times, and the
+    /// fingerprint of the State.
     void describe(Summary& summary) const;
 
 private:

@@ -1,9 +1,7 @@
 // The stress suite: hard cases that the engine must compute correctly or refuse.
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
-#include "engine/scenario.hpp"
-#include "engine/stopwatch.hpp"
-#include "engine/summary.hpp"
+#include "engine/run.hpp"
 #include "scenarios/stability/suite.hpp"
 
 #include <fmt/format.h>
@@ -55,7 +53,10 @@ void run(const Stress& stress, const Common& common) {
     const StressSettings settings{stress.full, common.threads, common.seed};
     StressRows all;
     Summary summary;
-    for (const StressCase& c : cases) {
+    std::vector<std::string> names;
+    for (const StressCase& c : cases) names.emplace_back(c.id);
+    run_cases(common, names, [&](std::size_t k) {
+        const StressCase& c = cases[k];
         const auto began = this_instant();
         const StressRows rows = run_case(c, settings);
         const double seconds = seconds_since(began);
@@ -66,7 +67,7 @@ void run(const Stress& stress, const Common& common) {
         summary.add(fmt::format("{}_failures", c.id), failures(rows));
         summary.add(fmt::format("{}_wall_s", c.id), seconds);
         all.insert(all.end(), rows.begin(), rows.end());
-    }
+    });
     summary.add("rows", all.size());
     summary.add("failures", failures(all));
     fmt::print("\n");

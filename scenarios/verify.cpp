@@ -34,15 +34,13 @@ void run(const Verify& settings, const Common& common) {
             fmt::print("{:<16} {}\n", c.name, c.source);
         return;
     }
+    std::vector<std::string> names;
+    for (const VerificationCase& c : verification_cases())
+        if (settings.only.empty() || settings.only == c.name) names.emplace_back(c.name);
     std::vector<Check> checks;
-    Progress progress = make_progress(common);
-    const auto cases = verification_cases();
-    for (std::size_t k = 0; k < cases.size(); ++k) {
-        if (!settings.only.empty() && settings.only != cases[k].name) continue;
-        progress.report(0, {"verify", static_cast<double>(k) / static_cast<double>(cases.size()),
-                            cases[k].name});
-        for (Check& check : verify(cases[k].name)) checks.push_back(std::move(check));
-    }
+    run_cases(common, names, [&](std::size_t k) {
+        for (Check& check : verify(names[k])) checks.push_back(std::move(check));
+    });
     write_whole(common.out / "verification.csv", csv_of(checks));
     Summary results;
     add_checks(results, checks);

@@ -4,7 +4,6 @@
 // physics.
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
-#include "engine/assets.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
@@ -23,7 +22,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <filesystem>
 #include <memory>
 
 namespace {
@@ -33,14 +31,11 @@ using namespace bris;
 struct Bench {
     unsigned spheres = 2000, rounds = 9;
     std::uint64_t steps = 400;
-    std::filesystem::path out =
-        assets_folder().parent_path() / "tests/performance/results/features.csv";
 
     void describe(auto& option) {
         option("spheres", spheres, "", "Number of spheres in the bed.", within(100, 1e6));
         option("rounds", rounds, "", "Number of timed blocks of each variant.", within(1, 1000));
         option("steps", steps, "", "Number of time steps in a block.", within(1, 1e9));
-        option("out", out, "", "CSV file to write.");
     }
 };
 
@@ -237,7 +232,7 @@ std::size_t systems_of(const Case& c) {
     return count;
 }
 
-void report(const Bench& s, std::vector<Case>& cases) {
+void report(const Bench& s, const Common& common, std::vector<Case>& cases) {
     std::string csv =
         "feature,against,spheres,steps,rounds,systems,median_ns_per_particle_step,least_ns_per_"
         "particle_step,cost_ns_per_particle_step,coordination,floor_force_over_weight\n";
@@ -263,29 +258,23 @@ void report(const Bench& s, std::vector<Case>& cases) {
                            c.variant.name, c.variant.against, c.spheres, s.steps, s.rounds, count,
                            now, least, cost, q.coordination, q.boundary_force.z() / q.weight.z());
     }
-    write_whole(s.out, csv);
+    write_whole(common.out / "features.csv", csv);
 }
 
-void run(const Bench& s) {
+void run(const Bench& s, const Common& common) {
     const std::vector<Vec3> positions = settled(s);
     std::vector<Case> cases;
     for (const Variant& v : variants) cases.push_back(make_case(s, v, positions));
     for (unsigned round = 0; round < s.rounds; ++round)
         for (Case& c : cases) run_block(s, c);
-    report(s, cases);
+    report(s, common, cases);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    return detail::exit_code_of("features", [&] {
-        Bench settings;
-        Options options;
-        settings.describe(options);
-        if (options.parse({argv + 1, argv + argc}))
-            run(settings);
-        else
-            fmt::print("{}",
-                       options.help("features", "Measures the cost of each feature of a scene."));
-    });
+    return run_scenario<Bench>(argc, argv,
+                               {"features", "Measures the cost of each feature of a scene.",
+                                "it takes some minutes", "it runs several scenes"},
+                               run);
 }

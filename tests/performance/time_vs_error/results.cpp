@@ -2,7 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
-#include "tests/performance/compiler.hpp"
+#include "tests/performance/machine.hpp"
 
 #include <fmt/format.h>
 
@@ -30,13 +30,7 @@ std::string flags() {
 #endif
 }
 
-std::string machine() {
-    std::ifstream in("/proc/cpuinfo");
-    for (std::string line; std::getline(in, line);)
-        if (line.starts_with("model name") && line.find(": ") != std::string::npos)
-            return line.substr(line.find(": ") + 2) + ", " + flags();
-    return "unknown, " + flags();
-}
+std::string machine() { return processor() + ", " + flags(); }
 
 std::string load() {
     std::string word = "unknown";

@@ -131,8 +131,7 @@ TEST_SUITE("assimilation/live_members") {
         unsigned blocks = 0;
         CheckpointedRun checkpoint(common, live.settings, live.specimen, variants[1]);
         VariantRun resumed(live.scene, live.settings, live.specimen, variants[1], 1,
-                           {.progress = [&](const PhaseProgress&) { ++blocks; }},
-                           &checkpoint);
+                           {.progress = [&](const PhaseProgress&) { ++blocks; }}, &checkpoint);
         resumed.advance_to(9);
         CHECK(blocks == 0);
         const ConcurrentRuns second =

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <fstream>
+#include <string>
+
+namespace bris {
+
+/// Name and version of the compiler of this binary.
+inline std::string compiler() {
+#ifdef __clang__
+    return "clang " __clang_version__;
+#else
+    return "g++ " __VERSION__;
+#endif
+}
+
+/// Name of the processor; "unknown" where the system does not say.
+inline std::string processor() {
+    std::ifstream in("/proc/cpuinfo");
+    for (std::string line; std::getline(in, line);)
+        if (line.starts_with("model name") && line.find(": ") != std::string::npos)
+            return line.substr(line.find(": ") + 2);
+    return "unknown";
+}
+
+} // namespace bris
