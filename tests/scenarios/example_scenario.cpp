@@ -19,7 +19,7 @@ struct Bounce {
     void describe(auto& option) {
         option("height", height, "m", "Height from which the sphere falls.", within(0.01, 1));
         option("restitution", restitution, "", "Coefficient of restitution.", within(0.1, 1));
-        option("step", step, "s", "Time step.", within(1e-7, 5e-5));
+        option("step", step, "s", "Time step.", within(1e-7, 2e-5));
         option("duration", duration, "s", "Simulated time.", within(0.01, 10));
     }
 };
