@@ -14,7 +14,7 @@ namespace {
 using namespace bris;
 
 struct Bounce {
-    double height = 0.1, restitution = 0.8, step = 1e-5, duration = 0.3;
+    double height = 0.1, restitution = 0.8, step = 2e-6, duration = 0.3;
 
     void describe(auto& option) {
         option("height", height, "m", "Height from which the sphere falls.", within(0.01, 1));
