@@ -1,11 +1,9 @@
 #pragma once
 
 #include "components/kinds.hpp"
-#include "components/material.hpp"
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
 
-#include <cmath>
 #include <span>
 #include <type_traits>
 
@@ -15,14 +13,6 @@ namespace bris {
 struct Elasticity {
     double normal, shear, energy;
 };
-
-/// Elasticity of a contact at this overlap (m). `radius`: effective radius R* (m), used by Hertz
-/// only.
-inline Elasticity elasticity(const LawRow& k, bool hertz, double overlap, double radius) {
-    if (!hertz) return {k.kn, k.ks, 0.5 * k.kn * overlap * overlap};
-    const double a = std::sqrt(radius * overlap), normal = 2 * k.kn * a;
-    return {normal, 2 * k.ks * a, 4.0 / 15 * normal * overlap * overlap};
-}
 
 /// Effective radius of a near pair, m: 1 / (1/r1 + 1/r2) for two spheres, r for a sphere and a
 /// boundary.

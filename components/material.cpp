@@ -52,11 +52,27 @@ void Materials::set_pair(std::uint32_t a, std::uint32_t b, const PairProperties&
     mix();
 }
 
+void Materials::set_own(LawName law, std::uint32_t a, std::uint32_t b,
+                        const OwnCoefficients& values) {
+    std::erase_if(own_, [&](const Own& o) { return o.is_of(a, b); });
+    own_.push_back({law, a, b, values});
+    mix();
+}
+
+OwnCoefficients Materials::own(LawName law, std::uint32_t a, std::uint32_t b) const {
+    for (const Own& o : own_)
+        if (o.law == law && o.is_of(a, b)) return o.values;
+    return {};
+}
+
 void Materials::mix() {
     linear_pairs.clear();
     hertz_pairs.clear();
     rolling_pairs.clear();
     restitution.clear();
+    own_pairs.assign(list.size() * list.size(), OwnRow{});
+    for (const Own& o : own_)
+        own_pairs[pair(o.a, o.b)] = own_pairs[pair(o.b, o.a)] = traits(o.law).own_row(o.values);
     for (std::uint32_t i = 0; i < list.size(); ++i)
         for (std::uint32_t j = 0; j < list.size(); ++j) {
             const Material &a = list[i], &b = list[j];
@@ -106,6 +122,33 @@ void Materials::save(Archive& archive) const {
             numbers.insert(numbers.end(), {p ? 1.0 : 0.0, p.value_or(0)});
     }
     archive.put("materials/overrides", std::span<const double>(numbers));
+    save_own(archive);
+}
+
+// law, a, b, then the coefficients; absent where no law has any
+void Materials::save_own(Archive& archive) const {
+    std::vector<double> numbers;
+    for (const Own& o : own_) {
+        numbers.insert(numbers.end(), {static_cast<double>(o.law), static_cast<double>(o.a),
+                                       static_cast<double>(o.b)});
+        numbers.insert(numbers.end(), o.values.begin(), o.values.end());
+    }
+    if (!numbers.empty()) archive.put("materials/own", std::span<const double>(numbers));
+}
+
+void Materials::load_own(const Archive& archive) {
+    own_.clear();
+    if (archive.find("materials/own") == nullptr) return;
+    constexpr std::size_t width = 3 + most_own_coefficients;
+    const auto numbers = archive.get<double>("materials/own");
+    for (std::size_t k = 0; k + width <= numbers.size(); k += width) {
+        Own o{static_cast<LawName>(numbers[k]),
+              static_cast<std::uint32_t>(numbers[k + 1]),
+              static_cast<std::uint32_t>(numbers[k + 2]),
+              {}};
+        std::copy_n(&numbers[k + 3], most_own_coefficients, o.values.begin());
+        own_.push_back(o);
+    }
 }
 
 void Materials::load(const Archive& archive) {
@@ -121,6 +164,7 @@ void Materials::load(const Archive& archive) {
                               static_cast<std::uint32_t>(numbers[k + 1]),
                               {value(1), value(2), value(3), value(4)}});
     }
+    load_own(archive);
     mix();
 }
 

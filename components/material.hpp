@@ -1,5 +1,6 @@
 #pragma once
 
+#include "components/law.hpp"
 #include "engine/archive.hpp"
 #include "engine/math.hpp"
 
@@ -35,29 +36,6 @@ struct PairProperties {
     std::optional<double> friction = {}, restitution = {}, rolling_friction = {},
                           twisting_friction = {};
 };
-
-/// The named laws, a closed list: systems/contact/laws/*.hpp has the pieces.
-enum class LawName : std::uint32_t {
-    linear_frictionless,   ///< linear normal spring alone
-    linear,                ///< linear springs, Coulomb friction with history
-    linear_viscous,        ///< the same with dashpots
-    linear_rolling,        ///< the same with resistance to rolling and twisting
-    hertz_frictionless,    ///< Hertz's normal force alone
-    hertz_mindlin,         ///< Hertz, Mindlin's tangential spring, Coulomb friction
-    hertz_mindlin_viscous, ///< the same with dashpots
-    hertz_mindlin_rolling  ///< the same with resistance to rolling and twisting
-};
-constexpr bool is_hertz(LawName law) { return law >= LawName::hertz_frictionless; }
-constexpr bool has_springs(LawName law) {
-    return law != LawName::linear_frictionless && law != LawName::hertz_frictionless;
-}
-constexpr bool has_rolling(LawName law) {
-    return law == LawName::linear_rolling || law == LawName::hertz_mindlin_rolling;
-}
-constexpr bool has_dashpots(LawName law) {
-    return law == LawName::linear_viscous || law == LawName::hertz_mindlin_viscous ||
-           has_rolling(law);
-}
 
 /// The law of a scene's contacts; set when its lists are added.
 struct ContactLaw {
@@ -125,17 +103,21 @@ struct Materials {
     std::vector<LawRow> linear_pairs; ///< list.size() squared
     std::vector<LawRow> hertz_pairs;  ///< likewise
     std::vector<RollingRow> rolling_pairs;
+    std::vector<OwnRow> own_pairs;   ///< likewise, of laws with coefficients of their own; else 0
     std::vector<double> restitution; ///< of each pair, as mixed
 
     std::uint32_t add(const Material& material);
     std::uint32_t pair(std::uint32_t a, std::uint32_t b) const {
         return a * static_cast<std::uint32_t>(list.size()) + b;
     }
-    const std::vector<LawRow>& pairs(LawName law) const {
-        return is_hertz(law) ? hertz_pairs : linear_pairs;
-    }
+    const std::vector<LawRow>& pairs(LawName law) const { return traits(law).rows(*this); }
     /// Sets properties of one pair, in both orders; what was set for it before is gone.
     void set_pair(std::uint32_t a, std::uint32_t b, const PairProperties& properties);
+    /// Sets the coefficients that only `law` reads for one pair, in both orders, as its file lists
+    /// them (LawTraits::of_pairs); what was set for the pair before is gone.
+    void set_own(LawName law, std::uint32_t a, std::uint32_t b, const OwnCoefficients& values);
+    /// As set; zeros if nothing was set for this law.
+    OwnCoefficients own(LawName law, std::uint32_t a, std::uint32_t b) const;
     /// Recomputes the tables of pairs; after any change of `list` or `policy`.
     void mix();
     void save(Archive& archive) const;
@@ -146,7 +128,19 @@ private:
         std::uint32_t a, b;
         PairProperties properties;
     };
+    struct Own {
+        LawName law;
+        std::uint32_t a, b;
+        OwnCoefficients values;
+        bool is_of(std::uint32_t i, std::uint32_t j) const {
+            return (a == i && b == j) || (a == j && b == i);
+        }
+    };
+    void save_own(Archive& archive) const;
+    void load_own(const Archive& archive);
+
     std::vector<Override> overrides_;
+    std::vector<Own> own_;
 };
 
 /// Ratio of critical damping that gives a restitution in (0, 1]: -ln e / sqrt(pi^2 + ln^2 e), the

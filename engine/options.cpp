@@ -2,17 +2,16 @@
 
 #include "engine/errors.hpp"
 
-#include <CLI/App.hpp>
-#include <CLI/Config.hpp>
-#include <CLI/Formatter.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <fstream>
 #include <map>
 #include <numeric>
+#include <sstream>
 #include <stdexcept>
 
 namespace bris {
@@ -44,9 +43,11 @@ bool read_number(std::string_view text, T& value) {
     return error == std::errc{} && stop == end && !text.empty();
 }
 
+/// Empty words are left out.
 std::string joined(const std::vector<std::string>& words, const char* separator) {
     std::string text;
-    for (const std::string& word : words) text += (text.empty() ? "" : separator) + word;
+    for (const std::string& word : words)
+        if (!word.empty()) text += (text.empty() ? "" : separator) + word;
     return text;
 }
 
@@ -68,18 +69,21 @@ bool contains(const Range& range, double x) {
            (range.high_accepted ? x <= range.high : x < range.high);
 }
 
-/// " above 0", " from 0 to 1", or nothing.
+/// " above 0", " from 0 to 1", " of at least 0 and below 90", or nothing.
 std::string words(const Range& range) {
     const bool low = std::isfinite(range.low), high = std::isfinite(range.high);
-    if (low && high) {
-        const auto end = [](bool accepted) { return accepted ? "" : " (excluded)"; };
-        return fmt::format(" from {}{} to {}{}", range.low, end(range.low_accepted), range.high,
-                           end(range.high_accepted));
-    }
-    if (low) return fmt::format(" {} {}", range.low_accepted ? "of at least" : "above", range.low);
+    if (low && high && range.low_accepted && range.high_accepted)
+        return fmt::format(" from {} to {}", range.low, range.high);
+    std::string text;
+    if (low) text = fmt::format(" {} {}", range.low_accepted ? "of at least" : "above", range.low);
+    if (low && high) text += " and";
     if (high)
-        return fmt::format(" {} {}", range.high_accepted ? "of at most" : "below", range.high);
-    return {};
+        text += fmt::format(" {} {}",
+                            !range.high_accepted ? "below"
+                            : low                ? "at most"
+                                                 : "of at most",
+                            range.high);
+    return text;
 }
 
 std::string in_unit(const std::string& unit) {
@@ -168,6 +172,33 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
     return row.back();
 }
 
+/// A flag, and no value of the one before: a negative number, a name with a dash in front and the
+/// dash alone are values.
+bool is_flag(const std::string& word) { return word.starts_with("--") || word == "-h"; }
+
+constexpr std::size_t widest_line = 100; // of --help
+constexpr auto indent = "      ";        // of the help below the name of its option
+
+/// Words in lines that begin with `margin`.
+std::string wrapped(const std::string& text, const char* margin) {
+    std::istringstream words(text);
+    std::string lines, line;
+    for (std::string word; words >> word;) {
+        if (!line.empty() && line.size() + 1 + word.size() > widest_line) {
+            lines += line + "\n";
+            line.clear();
+        }
+        line += (line.empty() ? margin : " ") + word;
+    }
+    return lines + line + "\n";
+}
+
+std::string capitalised(std::string text) {
+    if (!text.empty())
+        text[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(text[0])));
+    return text;
+}
+
 /// A line of a config file without its comment; '#' inside quotes stays.
 std::string without_comment(const std::string& line) {
     bool quoted = false;
@@ -222,6 +253,12 @@ const Options::Option* Options::find(const std::string& name) const {
     return found == options_.end() ? nullptr : &*found;
 }
 
+const Options::Option* Options::find_flag(const std::string& text) const {
+    const auto found = std::ranges::find_if(
+        options_, [&](const Option& option) { return flag(option.name) == text; });
+    return found == options_.end() ? nullptr : &*found;
+}
+
 std::string Options::nearest(const std::string& name) const {
     std::string best;
     std::size_t least = std::max<std::size_t>(2, name.size() / 3) + 1;
@@ -263,12 +300,12 @@ void Options::read_config(const std::filesystem::path& file) {
     if (in.bad()) throw OutputError(fmt::format("cannot read config file '{}'", file.string()));
 }
 
-void Options::assign_flag(const Option& option, const std::vector<std::string>& texts) const {
+void Options::assign_flag(const Option& option, const Values& values) const {
     const std::string name = flag(option.name);
-    if (texts.size() > 1)
-        throw InputError(fmt::format("{}: expected once, found {} times", name, texts.size()));
+    if (values.size() > 1)
+        throw InputError(fmt::format("{}: expected once, found {} times", name, values.size()));
     const bool is_switch = std::holds_alternative<bool*>(option.target);
-    const std::string text = texts.front().empty() && is_switch ? "true" : texts.front();
+    const std::string text = values.front().value_or(is_switch ? "true" : "");
     if (text.empty()) throw InputError(fmt::format("{}: expected a value, found nothing", name));
     std::visit(Assign{name, text, option.unit, option.range, option.choices}, option.target);
 }
@@ -283,57 +320,83 @@ void Options::reject_unknown(const std::string& found) const {
                                               : "; did you mean " + flag(hint) + "?"));
 }
 
-bool Options::parse(const std::vector<std::string>& arguments) {
-    CLI::App app;
-    app.set_help_flag();
-    app.allow_extras();
-    bool help_wanted = false;
-    app.add_flag("-h,--help", help_wanted);
-    std::vector<std::vector<std::string>> typed(options_.size());
-    std::vector<CLI::Option*> flags;
-    for (std::size_t i = 0; i < options_.size(); ++i) {
-        flags.push_back(app.add_option(flag(options_[i].name), typed[i])->expected(0, 1));
-        flags.back()->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
-        flags.back()->allow_extra_args(false);
+std::vector<Options::Values> Options::split(const std::vector<std::string>& arguments) const {
+    std::vector<Values> values(options_.size());
+    for (std::size_t i = 0; i < arguments.size(); ++i) {
+        const std::string& word = arguments[i];
+        const std::size_t equals = word.find('=');
+        const Option* option = find_flag(word.substr(0, equals));
+        if (!option) reject_unknown(word);
+        Values& typed = values[static_cast<std::size_t>(option - options_.data())];
+        if (equals != std::string::npos)
+            typed.emplace_back(word.substr(equals + 1));
+        else if (i + 1 < arguments.size() && !is_flag(arguments[i + 1]))
+            typed.emplace_back(arguments[++i]);
+        else
+            typed.emplace_back();
     }
-    try {
-        // CLI11 takes them from the back
-        app.parse(std::vector<std::string>(arguments.rbegin(), arguments.rend()));
-    } catch (const CLI::ParseError& error) {
-        throw InputError(error.what());
-    }
-    if (help_wanted) return false;
-    if (const auto extras = app.remaining(); !extras.empty()) reject_unknown(extras.front());
-    for (std::size_t i = 0; i < options_.size(); ++i) {
-        typed[i].resize(flags[i]->count()); // a flag without a value leaves no text
-        if (options_[i].name == "config" && !typed[i].empty()) {
-            assign_flag(options_[i], typed[i]);
-            read_config(typed[i].front());
-        }
-    }
+    return values;
+}
+
+Options::Request Options::parse(const std::vector<std::string>& arguments) {
+    const auto among = [&](const char* word) { return std::ranges::count(arguments, word) > 0; };
+    if (among("--help") || among("-h")) return Request::help;
+    if (among("--version")) return Request::version;
+    const std::vector<Values> values = split(arguments);
     for (std::size_t i = 0; i < options_.size(); ++i)
-        if (!typed[i].empty()) assign_flag(options_[i], typed[i]);
-    return true;
+        if (options_[i].name == "config" && !values[i].empty()) {
+            assign_flag(options_[i], values[i]);
+            read_config(*values[i].front());
+        }
+    for (std::size_t i = 0; i < options_.size(); ++i)
+        if (!values[i].empty()) assign_flag(options_[i], values[i]);
+    return Request::run;
+}
+
+/// The flag with what it takes: "--step <s>", "--bodies <integer>", "--quiet".
+std::string Options::heading(const Option& option) {
+    const std::string number = option.unit.empty() || option.unit == "-" ? "number" : option.unit;
+    const std::string value =
+        std::visit(Overloaded{[&](const double*) { return number; },
+                              [&](const std::vector<double>*) { return number + ",..."; },
+                              [&](const bool*) { return std::string(); },
+                              [&](const std::string*) {
+                                  return std::string(option.choices.empty() ? "text" : "name");
+                              },
+                              [&](const std::filesystem::path*) { return std::string("path"); },
+                              [&](const auto*) { return std::string("integer"); }},
+                   option.target);
+    return flag(option.name) + (value.empty() ? "" : fmt::format(" <{}>", value));
+}
+
+/// Range, choices and default, as sentences that follow the help.
+std::string Options::notes(const Option& option) {
+    std::string text;
+    if (const std::string range = words(option.range); !range.empty())
+        text += fmt::format(" {}.", capitalised(range.substr(range.starts_with(" of ") ? 4 : 1)));
+    if (!option.choices.empty()) text += fmt::format(" One of {}.", joined(option.choices, ", "));
+    if (option.help.find("Default:") == std::string::npos)
+        text += fmt::format(" Default: {}.", option.initially.empty() ? "none" : option.initially);
+    return text;
 }
 
 std::string Options::help(const std::string& program, const std::string& description) const {
-    std::string text = fmt::format("{}\n\nusage: {} [--option value]...\n", description, program);
-    std::size_t widest = 0;
-    for (const Option& option : options_) widest = std::max(widest, option.name.size());
+    std::string text =
+        fmt::format("{}\nUsage: {} [--option value]...\n\n", wrapped(description, ""), program);
     for (std::size_t i = 0; i < options_.size(); ++i) {
         for (const Group& group : groups_)
-            if (group.first == i) text += fmt::format("\n{}\n", group.title);
+            if (group.first == i)
+                text += fmt::format("{}{}:\n", i > 0 ? "\n" : "", capitalised(group.title));
         const Option& option = options_[i];
-        std::vector<std::string> notes;
-        if (!option.unit.empty()) notes.push_back(option.unit);
-        if (const std::string range = words(option.range); !range.empty())
-            notes.push_back(range.substr(1));
-        if (!option.choices.empty()) notes.push_back("one of " + joined(option.choices, ", "));
-        notes.push_back("default " + (option.initially.empty() ? "none" : option.initially));
-        text += fmt::format("  {:<{}}  {} [{}]\n", flag(option.name), widest + 2, option.help,
-                            joined(notes, "; "));
+        const bool has_end = option.help.empty() || option.help.ends_with('.');
+        text += fmt::format("  {}\n{}", heading(option),
+                            wrapped(option.help + (has_end ? "" : ".") + notes(option), indent));
     }
-    return text;
+    const auto version = wrapped("Print the version of BRIS, the commit, the compiler, the "
+                                 "instruction set and the versions of the libraries, and end.",
+                                 indent);
+    return text + fmt::format("  --help, -h\n{}Print this text and end.\n  --version\n{}", indent,
+                              version);
 }
 
 std::vector<NamedValue> Options::values() const {

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <limits>
+#include <optional>
 #include <string>
 #include <variant>
 #include <vector>
@@ -19,27 +20,44 @@ struct Range {
     bool high_accepted = true;
 };
 
-inline Range above(double low) { return {.low = low, .low_accepted = false}; }
-inline Range at_least(double low) { return {.low = low}; }
-inline Range below(double high) { return {.high = high, .high_accepted = false}; }
-inline Range at_most(double high) { return {.high = high}; }
 /// Both ends accepted.
 inline Range within(double low, double high) { return {.low = low, .high = high}; }
+/// The lower end excluded, the upper one accepted.
+inline Range above(double low, double high = std::numeric_limits<double>::infinity()) {
+    return {.low = low, .high = high, .low_accepted = false};
+}
+inline Range at_least(double low) { return {.low = low}; }
+inline Range at_most(double high) { return {.high = high}; }
+inline Range below(double high) { return {.high = high, .high_accepted = false}; }
+/// The lower end accepted, the upper one excluded.
+inline Range half_open(double low, double high) {
+    return {.low = low, .high = high, .high_accepted = false};
+}
+/// Both ends excluded.
+inline Range between(double low, double high) {
+    return {.low = low, .high = high, .low_accepted = false, .high_accepted = false};
+}
 
 /// Members of a settings struct under the names by which a user knows them: flags
 /// (`--confining-pressure 110e3`), keys of a config file (`confining_pressure = 110e3`), lines of
 /// --help, and keys of the written provenance. A struct describes itself:
 ///
 ///     void describe(auto& option) {
-///         option("confining_pressure", confining_pressure, "Pa", "on the membrane", above(0));
-///         option("law", law, "", "of contact", {"linear", "hertz"});
+///         option("confining_pressure", confining_pressure, "Pa",
+///                "Pressure on the membrane.", above(0, 1e8));
+///         option("law", law, "", "Contact law.", {"linear", "hertz"});
 ///     }
 ///
 /// The values that the members have when described are the defaults.
 class Options {
 public:
-    /// Names are snake_case; the unit is "" where there is none. A list of numbers is given as
-    /// `0.01,0.02`; its range holds for each of them. A path or a string may be empty.
+    /// What a command line asks for.
+    enum class Request { run, help, version };
+
+    /// Names are snake_case; the unit is "" where there is none. The help is one or more whole
+    /// sentences; --help adds unit, range, choices and default, the last one unless a sentence of
+    /// the help begins with "Default:". A list of numbers is given as `0.01,0.02`; its range holds
+    /// for each of them. A path or a string may be empty.
     void operator()(std::string name, double& value, std::string unit, std::string help,
                     Range range = {});
     void operator()(std::string name, unsigned& value, std::string unit, std::string help,
@@ -57,12 +75,13 @@ public:
     /// Starts a new group in --help.
     void group(std::string title);
 
-    /// Reads the flags into the described members; `--config FILE` is read first, so that flags
-    /// overrule it. Returns false if --help was among them (then nothing is changed). Throws
-    /// InputError: one line with the option (or file:line: key), what was expected, what was found.
-    bool parse(const std::vector<std::string>& arguments);
+    /// Reads the flags into the described members: `--name value`, `--name=value`, and `--name` for
+    /// a switch. `--config FILE` is read first, so that flags overrule it. Where --help (-h) or
+    /// --version is among them nothing is read. Throws InputError: one line with the option (or
+    /// file:line: key), what was expected, what was found.
+    Request parse(const std::vector<std::string>& arguments);
 
-    /// The text of --help.
+    /// The text of --help, in lines of at most 100 columns.
     std::string help(const std::string& program, const std::string& description) const;
 
     /// All members as they are now, in the order described; keys carry the unit.
@@ -84,10 +103,17 @@ private:
     };
     void add(Option option);
     const Option* find(const std::string& name) const;
+    const Option* find_flag(const std::string& flag) const;
     std::string nearest(const std::string& name) const;
     void read_config(const std::filesystem::path& file);
-    void assign_flag(const Option& option, const std::vector<std::string>& texts) const;
+    /// What was typed after a flag, each time that it was given; a switch may come without a value.
+    using Values = std::vector<std::optional<std::string>>;
+    /// The values of each option, in the order described.
+    std::vector<Values> split(const std::vector<std::string>& arguments) const;
+    void assign_flag(const Option& option, const Values& values) const;
     [[noreturn]] void reject_unknown(const std::string& found) const;
+    static std::string heading(const Option& option);
+    static std::string notes(const Option& option);
 
     std::vector<Option> options_;
     std::vector<Group> groups_;

@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/memory.hpp"
+#include "engine/version.hpp"
 
 #include <fmt/format.h>
 
@@ -50,21 +51,41 @@ struct CommonFlags {
     double memory = 0;
 
     void describe(Options& option, Common& common) {
-        option.group("of every scenario");
-        option("out", common.out, "", "directory of the results");
-        option("seed", common.seed, "", "of every random draw");
-        option("threads", common.threads, "", "to run on; 0: all cores", at_most(4096));
-        option("memory", memory, "GiB", "stop when more is needed; 0: no limit",
+        option.group("Options of every scenario");
+        option("out", common.out, "", "Folder of the results.");
+        option("seed", common.seed, "", "Seed of every random draw.");
+        option("threads", common.threads, "",
+               "Largest number of threads that may be used. 0: all cores. Some scenarios use one.",
+               within(0, 4096));
+        option("memory", memory, "GiB", "Stop when more memory is needed. 0: no limit.",
                within(0, 1 << 20));
-        option("config", config, "", "file of lines `name = value`; flags overrule it");
-        option("resume", common.resume, "", "checkpoint file, or folder of results, to go on from");
-        option("explain", common.explain, "", "print the schedule and end");
-        option("serial", common.serial, "", "run the systems one after the other: same results");
-        option("quiet", common.quiet, "", "no progress");
+        option("config", config, "",
+               "File of lines `name = value` with the names of these options. Flags overrule it.");
+        option("resume", common.resume, "",
+               "Checkpoint to go on from, or folder of results, whose last checkpoint is taken.");
+        option("explain", common.explain, "", "Print the systems of a time step and end.");
+        option("serial", common.serial, "",
+               "Run the systems one after the other. The results are the same.");
+        option("quiet", common.quiet, "", "Print no progress.");
     }
 };
 
 } // namespace
+
+bool parse_or_answer(Options& options, const std::vector<std::string>& arguments,
+                     const std::string& name, const std::string& description) {
+    switch (options.parse(arguments)) {
+    case Options::Request::help:
+        fmt::print("{}", options.help(name, description));
+        return false;
+    case Options::Request::version:
+        fmt::print("{}", version_text(name));
+        return false;
+    case Options::Request::run:
+        break;
+    }
+    return true;
+}
 
 bool parse_flags(Options& options, Common& common, int argc, char** argv,
                  const ScenarioInfo& info) {
@@ -73,10 +94,7 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
     common.arguments.assign(argv + std::min(argc, 1), argv + argc);
     CommonFlags flags;
     flags.describe(options, common);
-    if (!options.parse(common.arguments)) {
-        fmt::print("{}", options.help(info.name, info.description));
-        return false;
-    }
+    if (!parse_or_answer(options, common.arguments, info.name, info.description)) return false;
     refuse_flag("--resume", !common.resume.empty(), info.cannot_resume);
     refuse_flag("--explain", common.explain, info.cannot_explain);
     if (!common.resume.empty() && !std::filesystem::exists(common.resume))
@@ -88,12 +106,22 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
     return true;
 }
 
-void make_folder(const Common& common) {
+void run_in_folder(const std::filesystem::path& folder, const std::function<void()>& body) {
     std::error_code error;
-    std::filesystem::create_directories(common.out, error);
+    std::vector<std::filesystem::path> made; // the innermost first
+    for (auto path = folder; !path.empty() && !std::filesystem::exists(path, error);
+         path = path.parent_path())
+        made.push_back(path);
+    std::filesystem::create_directories(folder, error);
     if (error)
         throw OutputError(
-            fmt::format("cannot make directory '{}': {}", common.out.string(), error.message()));
+            fmt::format("cannot make directory '{}': {}", folder.string(), error.message()));
+    try {
+        body();
+    } catch (const InputError&) {
+        for (const auto& path : made) std::filesystem::remove(path, error); // if it is empty
+        throw;
+    }
 }
 
 void print_explanation(const std::string& text) {

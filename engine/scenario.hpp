@@ -13,7 +13,7 @@
 
 namespace bris {
 
-/// What every scenario can be told, whatever it simulates.
+/// What the common flags set for every scenario.
 struct Common {
     std::string scenario;         ///< its name
     std::filesystem::path out;    ///< directory of the results; exists when the scenario runs
@@ -44,11 +44,15 @@ struct ScenarioInfo {
 };
 
 namespace detail {
+/// Parses the flags of any program. False: --help or --version was asked for and has been answered.
+bool parse_or_answer(Options& options, const std::vector<std::string>& arguments,
+                     const std::string& name, const std::string& description);
 /// Parses the flags of a scenario together with the common ones. False: --help or --version was
 /// asked for and has been answered.
 bool parse_flags(Options& options, Common& common, int argc, char** argv, const ScenarioInfo& info);
-/// Makes the folder of the results. Throws OutputError.
-void make_folder(const Common& common);
+/// Makes the folder of the results and calls `body`. Where the body refuses its input before it
+/// has written anything, the folders that were made are removed. Throws OutputError.
+void run_in_folder(const std::filesystem::path& folder, const std::function<void()>& body);
 /// Runs `body`; errors become one line on stderr and the exit code of their kind.
 int exit_code_of(const std::string& name, const std::function<void()>& body);
 /// Prints the text of --explain.
@@ -70,8 +74,7 @@ int run_scenario(int argc, char** argv, const ScenarioInfo& info, Run&& run, Exp
         const Settings& given = settings;
         const Common& flags = common;
         if (common.explain) return detail::print_explanation(explain(given, flags));
-        detail::make_folder(common);
-        run(given, flags);
+        detail::run_in_folder(common.out, [&] { run(given, flags); });
     });
 }
 /// For a scenario that has nothing to explain (`info.cannot_explain`).

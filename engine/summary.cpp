@@ -2,37 +2,19 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/version.hpp"
 
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
 
 namespace bris {
 
 namespace {
-
-std::string quoted(const std::string& text) {
-    std::string out = "\"";
-    for (const char c : text) {
-        if (c == '"' || c == '\\')
-            out += fmt::format("\\{}", c);
-        else if (static_cast<unsigned char>(c) < 0x20)
-            out += fmt::format("\\u{:04x}", c);
-        else
-            out += c;
-    }
-    return out + "\"";
-}
-
-std::string json_of(bool x) { return x ? "true" : "false"; }
-std::string json_of(std::int64_t x) { return fmt::format("{}", x); }
-std::string json_of(std::uint64_t x) { return fmt::format("{}", x); }
-std::string json_of(double x) { return std::isfinite(x) ? fmt::format("{}", x) : "null"; }
-std::string json_of(const std::string& x) { return quoted(x); }
 
 std::string shown(bool x) { return x ? "yes" : "no"; }
 std::string shown(std::int64_t x) { return fmt::format("{}", x); }
@@ -67,11 +49,11 @@ std::string Summary::table(const std::string& title) const {
 }
 
 std::string Summary::json() const {
-    std::string text = "{";
+    auto object = nlohmann::ordered_json::object();
     for (const NamedValue& entry : entries_)
-        text += fmt::format("{}\n  {}: {}", text.size() > 1 ? "," : "", quoted(entry.key),
-                            std::visit([](const auto& x) { return json_of(x); }, entry.value));
-    return text + "\n}\n";
+        std::visit([&](const auto& x) { object[entry.key] = x; }, entry.value);
+    // a path may be of any bytes: those that are no UTF-8 are replaced
+    return object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 
 void Summary::print(const std::string& title) const {
@@ -80,6 +62,10 @@ void Summary::print(const std::string& title) const {
         throw OutputError(fmt::format("cannot print the results: {}", std::strerror(errno)));
 }
 
-void Summary::write(const std::filesystem::path& file) const { write_whole(file, json()); }
+void Summary::write(const std::filesystem::path& file) const {
+    Summary whole = *this;
+    whole.add(version_entries());
+    write_whole(file, whole.json());
+}
 
 } // namespace bris

@@ -30,7 +30,8 @@ public:
 
     /// Prints the table to stdout. Throws OutputError if stdout does not take it.
     void print(const std::string& title) const;
-    /// Replaces the file by json(), whole or not at all. Throws OutputError.
+    /// Replaces the file by the JSON of these and of the version entries, whole or not at all.
+    /// Throws OutputError.
     void write(const std::filesystem::path& file) const;
 
 private:

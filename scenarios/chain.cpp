@@ -35,33 +35,33 @@ struct Chain {
                "Experiment. pulse: the first bead is thrown at a chain of beads that just touch. "
                "wave: a compressed chain between two held beads oscillates in a standing wave.",
                {"pulse", "wave"});
-        option("law", law, "", "Contact law.", law_names);
+        option("law", law, "", "Contact law.", law_choices());
         option("beads", beads, "", "Number of moving beads.", within(1, 10000));
-        option("radius", radius, "m", "Radius of a bead.", above(0));
+        option("radius", radius, "m", "Radius of a bead.", above(0, 1e3));
         option("step", step, "",
                "Time step. In a pulse it is a fraction of (m^2/(K^2 v0))^(1/5) (linear laws: of "
                "sqrt(m/k)), in a wave a fraction of sqrt(m/k).",
-               Range{.low = 0, .high = 1, .low_accepted = false});
+               above(0, 1));
         material.describe(option, "", "of the beads");
         option.group("Pulse");
-        option("speed", pulse.speed, "m/s", "Initial speed of the first bead.", above(0));
+        option("speed", pulse.speed, "m/s", "Initial speed of the first bead.", above(0, 1e4));
         option("front", pulse.front, "",
                "Position along the chain, as a fraction of its length, at which the pulse is timed "
                "first.",
-               Range{.low = 0, .high = 1, .low_accepted = false});
+               above(0, 1));
         option("rear", pulse.rear, "",
                "Position along the chain, as a fraction of its length, at which the pulse is timed "
                "last.",
-               Range{.low = 0, .high = 1, .low_accepted = false, .high_accepted = false});
+               between(0, 1));
         option.group("Wave");
         option("mode", wave.mode, "", "Number of half waves in the chain.", within(1, 10000));
         option("overlap", wave.overlap, "",
                "Overlap of neighbouring beads before the wave, as a fraction of the radius.",
-               Range{.low = 0, .high = 0.5, .low_accepted = false});
+               above(0, 0.5));
         option("amplitude", wave.amplitude, "",
-               "Amplitude of the wave, as a fraction of the overlap.",
-               Range{.low = 0, .high = 0.4, .low_accepted = false});
-        option("periods", wave.periods, "", "Simulated time, in periods of the wave.", above(0.1));
+               "Amplitude of the wave, as a fraction of the overlap.", above(0, 0.4));
+        option("periods", wave.periods, "", "Simulated time, in periods of the wave.",
+               above(0.1, 1e6));
     }
 };
 
@@ -70,7 +70,7 @@ Summary pulse_results(const Chain& s, const Common& common) {
     pulse.beads = s.beads;
     pulse.radius = s.radius;
     pulse.step = s.step;
-    pulse.law = named<LawName>(law_names, s.law);
+    pulse.law = law_named(s.law);
     pulse.material = s.material.material;
     const ChainPulseResult r = run_experiment(pulse);
     std::vector<std::vector<double>> rows;
@@ -95,7 +95,7 @@ Summary wave_results(const Chain& s) {
     wave.beads = s.beads;
     wave.radius = s.radius;
     wave.step = s.step;
-    wave.law = named<LawName>(law_names, s.law);
+    wave.law = law_named(s.law);
     wave.material = s.material.material;
     const ChainWaveResult r = run_experiment(wave);
     Summary t;
@@ -117,7 +117,7 @@ void run(const Chain& settings, const Common& common) {
 }
 
 std::string explain(const Chain& settings, const Common&) {
-    return explain_step(named<LawName>(law_names, settings.law), Grains::spheres);
+    return explain_step(law_named(settings.law), Grains::spheres);
 }
 
 } // namespace

@@ -34,24 +34,24 @@ struct Game {
         option.group("Balls");
         option("balls", collide.balls, "", "Number of balls, including the one with the sensor.",
                within(2, 1000));
-        option("radius", collide.radius, "m", "Radius of a ball.", above(0));
+        option("radius", collide.radius, "m", "Radius of a ball.", above(0, 1e3));
         option("offset", collide.offset, "",
                "Distance of the first ball's path from the centre of the ball that it hits, in "
                "radii.",
                within(-1.9, 1.9));
-        option("speed", collide.speed, "m/s", "Initial speed of the first ball.", above(0));
+        option("speed", collide.speed, "m/s", "Initial speed of the first ball.", above(0, 1e4));
         option("gap", collide.gap, "m", "Distance that the first ball flies before the collision.",
-               above(0));
-        option("after", collide.after, "s", "Simulated time after the first touch.", above(0));
+               above(0, 1e3));
+        option("after", collide.after, "s", "Simulated time after the first touch.", above(0, 1e3));
         option("friction", friction, "", "Coulomb friction coefficient between balls.",
-               at_least(0));
+               within(0, 100));
         option("restitution", restitution, "", "Coefficient of restitution between balls.",
                within(0, 1));
-        option("law", law, "", "Contact law.", law_names);
+        option("law", law, "", "Contact law.", law_choices());
         material.describe(option, "", "of the balls");
         option.group("Model");
         option("model_speed", collide.model_speed, "",
-               "Speed of the model's first ball, relative to the true speed.", above(0));
+               "Speed of the model's first ball, relative to the true speed.", above(0, 1e3));
         option("model_offset", collide.model_offset, "",
                "Error of the model's path, in radii. It is added to the offset.",
                within(-1.9, 1.9));
@@ -64,21 +64,22 @@ struct Game {
                "filter.",
                filter_names);
         option("sampling_rate", collide.sampling_rate, "Hz",
-               "Sampling rate of the first ball's sensor.", above(0));
+               "Sampling rate of the first ball's sensor.", above(0, 1e7));
         option("position_noise", collide.position_noise, "m",
                "Standard deviation of measured positions. Below 0: positions are not measured.",
-               at_least(-1));
+               within(-1, 100));
         option("velocity_noise", collide.velocity_noise, "m/s",
                "Standard deviation of measured velocities. Below 0: velocities are not measured.",
-               at_least(-1));
+               within(-1, 1e4));
         option("position_deviation", collide.filter.position, "m",
                "Standard deviation of the position of the model's first ball at the start.",
-               above(0));
+               above(0, 100));
         option("velocity_deviation", collide.filter.velocity, "m/s",
                "Standard deviation of the velocity of the model's first ball at the start.",
-               above(0));
+               above(0, 1e4));
         option("acceleration_density", collide.filter.acceleration_density, "(m/s2)2/Hz",
-               "Spectral density of the model error in acceleration (white noise).", at_least(0));
+               "Spectral density of the model error in acceleration (white noise).",
+               within(0, 1e15));
         option("gate", collide.filter.gate, "",
                "Probability with which the filter accepts a correct measurement. 1: it accepts all "
                "measurements.",
@@ -86,10 +87,10 @@ struct Game {
         option("injection_steps", collide.injection_steps, "",
                "Number of time steps over which a correction of the position is applied. 1: direct "
                "insertion.",
-               at_least(1));
+               within(1, 1e6));
         option.group("Accuracy");
         option("steps_per_contact", collide.steps_per_contact, "",
-               "Number of time steps in the undamped contact time.", above(1));
+               "Number of time steps in the undamped contact time.", above(1, 1e8));
     }
     Game() {
         collide.filter.velocity = 0.2;
@@ -99,7 +100,7 @@ struct Game {
 
 void run(const Game& game, const Common& common) {
     Collide s = game.collide;
-    s.law = named<LawName>(law_names, game.law);
+    s.law = law_named(game.law);
     s.material = game.material.material;
     s.material.friction = game.friction;
     s.material.restitution = game.restitution;
@@ -131,7 +132,7 @@ void run(const Game& game, const Common& common) {
 }
 
 std::string explain(const Game& game, const Common&) {
-    return explain_step(named<LawName>(law_names, game.law), Grains::spheres);
+    return explain_step(law_named(game.law), Grains::spheres);
 }
 
 } // namespace

@@ -39,16 +39,17 @@ struct Settings {
                "Lattice: simple cubic (sc), body-centred cubic (bcc) or face-centred cubic (fcc).",
                lattice_names);
         option.group("Moduli");
-        option("law", law, "", "Contact law.", law_names);
+        option("law", law, "", "Contact law.", law_choices());
         option("spacing", crystal.spacing, "m",
-               "Distance between the centres of neighbouring spheres under pressure.", above(0));
-        option("pressure", crystal.pressure, "Pa", "Isotropic pressure.", above(0));
+               "Distance between the centres of neighbouring spheres under pressure.",
+               above(0, 1e3));
+        option("pressure", crystal.pressure, "Pa", "Isotropic pressure.", above(0, 1e12));
         option("strain", crystal.strain, "",
                "Strain applied in both directions to measure the moduli. It must be far below "
                "overlap over spacing.",
-               above(0));
+               above(0, 0.1));
         option("friction", friction, "", "Coulomb friction coefficient between spheres.",
-               at_least(0));
+               within(0, 1e6));
         material.describe(option, "", "of the spheres");
         option.group("Stability");
         option("shear_ratio", shear_ratio, "", "Ratio of tangential to normal contact stiffness.",
@@ -59,7 +60,7 @@ struct Settings {
 Summary moduli(const Settings& s) {
     Crystal crystal = s.crystal;
     crystal.lattice = named<Lattice>(lattice_names, s.lattice);
-    crystal.law = named<LawName>(law_names, s.law);
+    crystal.law = law_named(s.law);
     crystal.material = s.material.material;
     crystal.material.friction = s.friction;
     const CrystalResult r = run_experiment(crystal);
@@ -101,7 +102,7 @@ void run(const Settings& settings, const Common& common) {
 }
 
 std::string explain(const Settings& settings, const Common&) {
-    return explain_step(named<LawName>(law_names, settings.law), Grains::spheres);
+    return explain_step(law_named(settings.law), Grains::spheres);
 }
 
 } // namespace

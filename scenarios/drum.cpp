@@ -48,8 +48,8 @@ struct DrumTest {
                within(1e-4, 0.01));
         option("large_radius", large_radius, "m", "Radius of the large spheres.",
                within(1e-4, 0.01));
-        option("radius", drum.radius, "m", "Radius of the drum.", above(0));
-        option("depth", drum.depth, "m", "Depth of the drum along its axis.", above(0));
+        option("radius", drum.radius, "m", "Radius of the drum.", above(0, 100));
+        option("depth", drum.depth, "m", "Depth of the drum along its axis.", above(0, 100));
         option("speed", speed, "rad/s", "Angular velocity of the drum.", within(-100, 100));
         option("sectors", drum.sectors, "", "Number of flat sectors of the drum's wall.",
                within(8, 720));

@@ -50,39 +50,43 @@ struct Shot {
                "Target that the sphere hits. edge and vertex: the shared edge of two coplanar "
                "facets and the shared vertex of four.",
                target_names);
-        option("law", law, "", "Contact law.", law_names);
-        option("radius", impact.radius, "m", "Radius of the sphere.", above(0));
+        option("law", law, "", "Contact law.", law_choices());
+        option("radius", impact.radius, "m", "Radius of the sphere.", above(0, 1e3));
         option("partner_radius", impact.partner_radius, "m", "Radius of a partner sphere.",
-               above(0));
-        option("speed", impact.speed, "m/s", "Relative speed before the impact.", above(0));
+               above(0, 1e3));
+        option("speed", impact.speed, "m/s", "Relative speed before the impact.", above(0, 1e4));
         option("angle", angle, "degrees", "Angle between relative velocity and contact normal.",
-               Range{.low = 0, .high = 90, .high_accepted = false});
+               half_open(0, 90));
         option("partner_share", impact.partner_share, "",
                "Share of the relative speed that a partner sphere has.", within(0, 1));
         option("angular_velocity_x", angular_velocity_x, "rad/s",
                "Initial angular velocity of the sphere about x, the tangential direction of its "
-               "flight.");
+               "flight.",
+               within(-1e7, 1e7));
         option("angular_velocity_y", angular_velocity_y, "rad/s",
                "Initial angular velocity of the sphere about y, perpendicular to the plane of its "
-               "flight.");
+               "flight.",
+               within(-1e7, 1e7));
         option("angular_velocity_z", angular_velocity_z, "rad/s",
-               "Initial angular velocity of the sphere about z, the contact normal.");
+               "Initial angular velocity of the sphere about z, the contact normal.",
+               within(-1e7, 1e7));
         option("partner_angular_velocity_x", partner_angular_velocity_x, "rad/s",
-               "Initial angular velocity of a partner sphere about x.");
+               "Initial angular velocity of a partner sphere about x.", within(-1e7, 1e7));
         option("partner_angular_velocity_y", partner_angular_velocity_y, "rad/s",
-               "Initial angular velocity of a partner sphere about y.");
+               "Initial angular velocity of a partner sphere about y.", within(-1e7, 1e7));
         option("partner_angular_velocity_z", partner_angular_velocity_z, "rad/s",
-               "Initial angular velocity of a partner sphere about z.");
+               "Initial angular velocity of a partner sphere about z.", within(-1e7, 1e7));
         option.group("Contact");
-        option("friction", friction, "", "Coulomb friction coefficient of the pair.", at_least(0));
+        option("friction", friction, "", "Coulomb friction coefficient of the pair.",
+               within(0, 100));
         option("restitution", restitution, "", "Coefficient of restitution of the pair.",
                within(0, 1));
         option("rolling_friction", rolling_friction, "",
                "Rolling friction coefficient of the pair. It acts in rolling laws only.",
-               at_least(0));
+               within(0, 100));
         option("twisting_friction", twisting_friction, "",
                "Twisting friction coefficient of the pair. It acts in rolling laws only.",
-               at_least(0));
+               within(0, 100));
         option(
             "tension", tension, "",
             "Policy for tension at the end of a contact. allowed: the dashpot may pull, and "
@@ -100,22 +104,22 @@ struct Shot {
                "The dashpot that follows from restitution damps the tangential spring too.");
         option("local_damping", impact.local_damping, "",
                "Coefficient of local damping, as a fraction of the unbalanced force.",
-               Range{.low = 0, .high = 1, .high_accepted = false});
+               half_open(0, 1));
         option.group("Materials");
         sphere.describe(option, "", "of the sphere");
         partner.describe(option, "partner_", "of the partner");
         option.group("Accuracy");
         option("steps_per_contact", impact.steps_per_contact, "",
-               "Number of time steps in the undamped contact time.", above(1));
+               "Number of time steps in the undamped contact time.", above(1, 1e8));
         option("phase", impact.phase, "",
                "Time from the first touch to the first contact force, as a fraction of a time "
                "step.",
-               Range{.low = 0, .high = 1, .high_accepted = false});
+               half_open(0, 1));
     }
     Impact complete() const {
         Impact s = impact;
         s.target = named<Target>(target_names, target);
-        s.law = named<LawName>(law_names, law);
+        s.law = law_named(law);
         s.policy.tension = named<Tension>(tension_names, tension);
         s.policy.shear_history = named<ShearHistory>(shear_history_names, history);
         s.angle = angle * degree;

@@ -47,8 +47,8 @@ struct ImpactTest {
         option("ball_diameter", ball_diameter, "m", "Diameter of the steel ball.",
                within(1e-3, 0.05));
         option("speed", speed, "m/s", "Downward speed of the ball at time 0.", within(0, 100));
-        option("length", length, "m", "Length of the box along x.", above(0));
-        option("width", width, "m", "Width of the box along y.", above(0));
+        option("length", length, "m", "Length of the box along x.", above(0, 100));
+        option("width", width, "m", "Width of the box along y.", above(0, 100));
         bulk.describe(option);
     }
 };

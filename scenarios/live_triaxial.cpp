@@ -56,21 +56,21 @@ struct Live {
         option("timeout", live.timeout, "s",
                "Time without a record of the test machine after which the stream counts as ended "
                "and the model continues alone.",
-               above(0));
+               above(0, 1e7));
         option("lateness", live.lateness, "",
-               "Axial strain for which the model waits for late records.", at_least(0));
+               "Axial strain for which the model waits for late records.", within(0, 1));
         option("speed", live.speed, "",
                "Speed of a replay relative to the times of the records. 1: real time. 0: as fast "
                "as possible.",
-               at_least(0));
+               within(0, 1e6));
         option("stage_time", stage_time, "s",
                "Time that the test took for 0.01 % of axial strain. It applies to a replayed "
                "folder whose test.csv has no column t.",
-               above(0));
+               above(0, 1e6));
         option("rest", live.quality_control.rest, "s",
-               "Time at the beginning during which the rocks are at rest.", above(0));
+               "Time at the beginning during which the rocks are at rest.", above(0, 1e6));
         option("interval", live.quality_control.interval, "",
-               "Axial strain between the samples that are used.", above(0));
+               "Axial strain between the samples that are used.", above(0, 1));
         option("use_displacement", live.quality_control.displacement, "",
                "Use the displacements ux, uy, uz where records contain them.");
         option("use_attitude", live.quality_control.attitude, "",
@@ -78,10 +78,10 @@ struct Live {
                "tilt relative to gravity is used.");
         option.group("Model");
         option("model_friction", model.friction, "",
-               "Friction coefficient between rocks in the prior (the median).", above(0));
+               "Friction coefficient between rocks in the prior (the median).", above(0, 100));
         option("model_stiffness", model.stiffness, "",
                "Contact stiffness in the prior (the median), relative to --clump-stiffness.",
-               above(0));
+               above(0, 1e6));
         option("compare", compare, "",
                "Compare the analysis with the model alone, which is run after the test.");
         option("catch_up", catch_up, "",

@@ -30,11 +30,11 @@ struct Settle {
 
     void describe(auto& option) {
         bed.describe(option);
-        option("duration", duration, "s", "Simulated time.", above(0));
+        option("duration", duration, "s", "Simulated time.", above(0, 1e6));
         option("sleep", sleep, "",
                "Unbalanced force, relative to the weight, below which a sphere falls asleep. It "
                "wakes at twice this value. 0: no sphere sleeps.",
-               at_least(0));
+               within(0, 10));
         option("relax", relax, "",
                "Relax deep overlaps of the start before the simulation begins.");
     }

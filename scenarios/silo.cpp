@@ -51,11 +51,11 @@ struct SiloTest {
         option("window", window, "s",
                "Start and end of the time window in which the discharge rate is fitted, separated "
                "by a comma.",
-               at_least(0));
+               within(0, 1e6));
         option("other_rate", other_rate, "1/s",
                "Discharge rate through the other orifice, for the ratio of large to small. 0: not "
                "known.",
-               at_least(0));
+               within(0, 1e9));
         bulk.describe(option);
     }
 };

@@ -54,7 +54,7 @@ struct Smart {
                "File that maps the columns of test.csv in the same way.");
         option("rest", quality_control.rest, "s",
                "Time at the beginning of the recordings during which the rocks are at rest.",
-               above(0));
+               above(0, 1e6));
         option("use_displacement", quality_control.displacement, "",
                "Use the displacements ux, uy, uz where they were recorded. An inertial sensor "
                "alone does not observe displacements.");
@@ -63,37 +63,38 @@ struct Smart {
                "relative to gravity is used.");
         option.group("Model");
         option("model_friction", model.friction, "",
-               "Friction coefficient between rocks in the prior (the median).", above(0));
+               "Friction coefficient between rocks in the prior (the median).", above(0, 100));
         option("model_stiffness", model.stiffness, "",
                "Contact stiffness in the prior (the median), relative to --clump-stiffness.",
-               above(0));
+               above(0, 1e6));
         learning.describe(option);
         option("change", change, "",
                "Relative change of the estimated friction or stiffness from which the model takes "
                "over the new estimate.",
-               above(0));
+               above(0, 10));
         option.group("Corrections of sensor rocks");
         option("nudging_stiffness", corrections.nudging.stiffness, "N/m",
                "Stiffness of the critically damped springs that nudge sensor rocks. 0: their poses "
                "are compared but not corrected.",
-               at_least(0));
+               within(0, 1e15));
         option("largest_nudging_force", corrections.nudging.largest_force, "N",
-               "Largest force of spring and dashpot together.", at_least(0));
+               "Largest force of spring and dashpot together.", within(0, 1e9));
         option("largest_work_share", corrections.largest_work_share, "",
                "Largest work of the corrections from one analysis to the next, relative to the "
                "work of platens and membrane. 0: no limit.",
                within(0, 1));
-        option("interval", quality_control.interval, "", "Axial strain between samples.", above(0));
+        option("interval", quality_control.interval, "", "Axial strain between samples.",
+               above(0, 1));
         option("drift", drift, "m",
                "Standard deviation of the model's displacements at the end of the test, for the "
                "report on observability.",
-               above(0));
+               above(0, 1));
         option("turn", turn, "rad",
                "Standard deviation of the model's rotations at the end of the test, for the report "
                "on observability.",
-               above(0));
+               above(0, 10));
         option("stage_time", stage_time, "s",
-               "Time that the real test took for 0.01 % of axial strain.", above(0));
+               "Time that the real test took for 0.01 % of axial strain.", above(0, 1e6));
         triaxial.describe(option);
     }
 };

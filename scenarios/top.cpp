@@ -23,37 +23,38 @@ struct Turning {
                {"free", "pendulum"});
         option.group("Free rotation");
         option("inertia_1", top.inertia.x(), "kg m2", "Smallest principal moment of inertia.",
-               above(0));
+               above(0, 1e9));
         option("inertia_2", top.inertia.y(), "kg m2", "Middle principal moment of inertia.",
-               above(0));
+               above(0, 1e9));
         option("inertia_3", top.inertia.z(), "kg m2", "Largest principal moment of inertia.",
-               above(0));
+               above(0, 1e9));
         option("angular_velocity_1", top.angular_velocity.x(), "rad/s",
-               "Initial angular velocity about the axis of the smallest moment.");
+               "Initial angular velocity about the axis of the smallest moment.",
+               within(-1e7, 1e7));
         option("angular_velocity_2", top.angular_velocity.y(), "rad/s",
-               "Initial angular velocity about the axis of the middle moment.");
+               "Initial angular velocity about the axis of the middle moment.", within(-1e7, 1e7));
         option("angular_velocity_3", top.angular_velocity.z(), "rad/s",
-               "Initial angular velocity about the axis of the largest moment.");
+               "Initial angular velocity about the axis of the largest moment.", within(-1e7, 1e7));
         option("angle_per_step", top.angle_per_step, "rad",
-               "Angle by which the body rotates in a time step.", above(0));
-        option("duration", top.duration, "s", "Simulated time.", above(0));
+               "Angle by which the body rotates in a time step.", above(0, 3));
+        option("duration", top.duration, "s", "Simulated time.", above(0, 1e6));
         option.group("Pendulum");
         option("arm", pendulum.arm, "m",
                "Distance from the centre of mass to the centre of the sphere in the groove.",
-               above(0));
+               above(0, 1e3));
         option("ball_radius", pendulum.radius, "m", "Radius of the sphere in the groove.",
-               above(0));
-        option("mass", pendulum.mass, "kg", "Mass of the body.", above(0));
+               above(0, 1e3));
+        option("mass", pendulum.mass, "kg", "Mass of the body.", above(0, 1e9));
         option("inertia", pendulum.inertia.y(), "kg m2",
-               "Moment of inertia about the centre of mass, for the axis of the swing.", above(0));
+               "Moment of inertia about the centre of mass, for the axis of the swing.",
+               above(0, 1e9));
         option("amplitude", pendulum.amplitude, "rad", "Initial angle of the pendulum.",
-               Range{.low = 0, .high = pi / 4, .low_accepted = false, .high_accepted = false});
-        option("gravity", pendulum.gravity, "m/s2", "Acceleration of gravity.", above(0));
+               between(0, pi / 4));
+        option("gravity", pendulum.gravity, "m/s2", "Acceleration of gravity.", above(0, 1e3));
         option("stiffness_ratio", pendulum.stiffness_ratio, "",
-               "Contact stiffness times arm over weight.", above(10));
+               "Contact stiffness times arm over weight.", above(10, 1e15));
         option("step_share", pendulum.step_share, "",
-               "Time step as a fraction of sqrt(m/k), with the contact stiffness k.",
-               Range{.low = 0, .high = 1, .low_accepted = false});
+               "Time step as a fraction of sqrt(m/k), with the contact stiffness k.", above(0, 1));
         option("swings", pendulum.swings, "", "Number of full swings.", within(1, 1000));
     }
 };

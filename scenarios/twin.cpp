@@ -77,17 +77,18 @@ struct Twin {
             "with q of this specimen and sensors of another, which should bring no improvement.");
         option("model_friction", model.friction, "",
                "Friction coefficient between rocks in the model. The true one is --friction.",
-               above(0));
+               above(0, 100));
         option("model_stiffness", model.stiffness, "",
-               "Contact stiffness in the model, relative to the true one.", above(0));
+               "Contact stiffness in the model, relative to the true one.", above(0, 1e6));
         mismatch.describe(option);
         option("disturbance", disturbance, "m",
-               "Random displacement of every rock at the start of the perturbed run.", at_least(0));
+               "Random displacement of every rock at the start of the perturbed run.",
+               within(0, 1));
         learning.describe(option);
         option("change", change, "",
                "Relative change of the estimated friction or stiffness from which the model takes "
                "over the new estimate.",
-               above(0));
+               above(0, 10));
         option("catch_up", catch_up, "",
                "Restart the model from the specimen with each new estimate. false: continue from "
                "the model's present state.");
@@ -111,44 +112,47 @@ struct Twin {
         option("imu", sensors.imu, "",
                "Model of the inertial sensor for honest-imu and for --record.",
                {"lab-grade", "smartrock-like", "cheap"});
-        option("interval", sensors.interval, "", "Axial strain between samples.", above(0));
+        option("interval", sensors.interval, "", "Axial strain between samples.", above(0, 1));
         option("injection_steps", corrections.injection_steps, "",
                "Number of time steps over which a correction is applied. 1: at once, as in the "
                "SmartRock report.",
-               at_least(1));
+               within(1, 1e6));
         option("largest_shift", corrections.largest_shift, "m",
                "Largest displacement of a sensor rock by direct insertion in a time step. 0: no "
                "limit.",
-               at_least(0));
+               within(0, 1));
         option("largest_work_share", corrections.largest_work_share, "",
                "Largest work of the corrections from one analysis to the next, relative to the "
                "work of platens and membrane. Corrections that cost more are reduced or refused. "
                "0: no limit.",
                within(0, 1));
         option("nudging_stiffness", corrections.nudging.stiffness, "N/m",
-               "Stiffness of the critically damped springs that nudge sensor rocks.", above(0));
+               "Stiffness of the critically damped springs that nudge sensor rocks.",
+               above(0, 1e15));
         option("largest_nudging_force", corrections.nudging.largest_force, "N",
-               "Largest force of spring and dashpot together.", at_least(0));
+               "Largest force of spring and dashpot together.", within(0, 1e9));
         option("position_noise", sensors.position_noise, "m",
-               "Standard deviation of tracked displacements.", above(0));
+               "Standard deviation of tracked displacements.", above(0, 1));
         option("attitude_noise", sensors.attitude_noise, "rad",
-               "Standard deviation of tracked attitudes.", above(0));
+               "Standard deviation of tracked attitudes.", above(0, 10));
         option("dropout", sensors.faults.dropout, "", "Fraction of samples that are lost.",
                within(0, 0.99));
         option("outliers", sensors.faults.outliers, "",
                "Fraction of samples that are wrong by 20 mm and half a radian.", within(0, 0.99));
-        option("lateness", lateness, "", "Axial strain by which samples arrive late.", at_least(0));
+        option("lateness", lateness, "", "Axial strain by which samples arrive late.",
+               within(0, 1));
         option("lag", corrections.filter.lag, "",
                "Number of samples by which late ones may lag behind and still be used for an "
-               "inserted or nudged sensor rock. 0: late samples are refused.");
+               "inserted or nudged sensor rock. 0: late samples are refused.",
+               within(0, 1e6));
         option("drift", corrections.filter.drift, "m2",
                "Variance of the model's displacement error that accumulates in a unit of axial "
                "strain.",
-               at_least(0));
+               within(0, 1e6));
         option("turning", corrections.filter.turning, "rad2",
                "Variance of the model's rotation error that accumulates in a unit of axial "
                "strain.",
-               at_least(0));
+               within(0, 1e6));
         triaxial.describe(option);
     }
 };

@@ -1,8 +1,9 @@
 #include "engine/estimation/moderated_variance.hpp"
 
-#include <algorithm>
 #include <boost/math/special_functions/digamma.hpp>
 #include <boost/math/special_functions/trigamma.hpp>
+
+#include <algorithm>
 #include <cmath>
 
 namespace bris {

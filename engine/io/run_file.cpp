@@ -1,6 +1,7 @@
 #include "engine/io/run_file.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/version.hpp"
 
 #include <fmt/format.h>
 
@@ -38,6 +39,7 @@ RunFile::RunFile(const std::filesystem::path& path) : file_(Hdf5File::create(pat
     file_.make_group(data_offsets);
     file_.set_attribute<std::int64_t>("/VTKHDF/Steps", "NSteps", 0);
     file_.make_group("/meta");
+    add_meta(version_entries());
     file_.make_group("/tracks");
 }
 

@@ -66,15 +66,15 @@ void Learning::describe(auto& option) {
            "stiffness are estimated.",
            within(6, 1000));
     option("first_strain", first_strain, "", "Axial strain to which the first generation runs.",
-           above(0));
+           above(0, 1));
     option("learning_strain", final_strain, "",
-           "Axial strain up to which measurements are assimilated.", above(0));
+           "Axial strain up to which measurements are assimilated.", above(0, 1));
     option("learning_window", window, "", "Largest axial strain over which q is averaged.",
-           above(0));
+           above(0, 1));
     option("friction_deviation", friction_deviation, "",
-           "Prior standard deviation of the logarithm of friction.", above(0));
+           "Prior standard deviation of the logarithm of friction.", above(0, 10));
     option("stiffness_deviation", stiffness_deviation, "",
-           "Prior standard deviation of the logarithm of stiffness.", above(0));
+           "Prior standard deviation of the logarithm of stiffness.", above(0, 10));
     // a scenario that knows how the specimen of its model differs sets it below 0
     const bool by_model = specimen_scatter < 0;
     option("specimen_scatter", specimen_scatter, "",
@@ -82,9 +82,9 @@ void Learning::describe(auto& option) {
                        "weaker than that of the model for other reasons than its parameters.") +
                (by_model ? " Below 0: the value for the differences set by the --model-... options."
                          : ""),
-           at_least(by_model ? -1 : 0));
+           within(by_model ? -1 : 0, 10));
     option("force_noise", force_noise, "", "Relative standard deviation of q as measured.",
-           at_least(0));
+           within(0, 10));
     option("learn_by_force", by_force, "", "Estimate the parameters from q.");
     option("learn_by_sensors", by_sensors, "",
            "Estimate the parameters from the outward displacement of the sensor rocks, where it "

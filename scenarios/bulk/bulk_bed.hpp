@@ -102,8 +102,7 @@ void start_clock(World& world, double step);
 
 void BedSettings::describe(auto& option) {
     option("stiffness_factor", stiffness, "",
-           "Factor on all Young's moduli; 1: those of the paper.",
-           Range{.low = 0, .high = 1, .low_accepted = false});
+           "Factor on all Young's moduli; 1: those of the paper.", above(0, 1));
     option("friction_factor", friction, "",
            "Factor on all friction coefficients; 0 is the negative control.", within(0, 10));
     option("fill_friction_factor", fill_friction, "",
@@ -115,12 +114,13 @@ void BedSettings::describe(auto& option) {
     option("longest_rest", longest_rest, "s",
            "Longest time that the bed is given to come to rest with the contact properties of the "
            "run.",
-           at_least(0));
+           within(0, 1e6));
     option("rest_kinetic_ratio", kinetic_ratio, "",
            "Ratio of kinetic energy to weight times mean radius below which a bed is at rest.",
-           above(0));
+           above(0, 1e6));
     option("rest_unbalanced_ratio", unbalanced_ratio, "",
-           "Ratio of mean unbalanced force to mean force below which a bed is at rest.", above(0));
+           "Ratio of mean unbalanced force to mean force below which a bed is at rest.",
+           above(0, 1e6));
 }
 
 } // namespace bris

@@ -105,11 +105,11 @@ double hertz_contact_time(double radius, double density, double young_modulus, d
 
 void BulkSettings::describe(auto& option) {
     option.group("Run");
-    option("duration", duration, "s", "Longest simulated time.", above(0));
-    option("step", bed.step, "s", "Time step.", above(0));
+    option("duration", duration, "s", "Longest simulated time.", above(0, 1e6));
+    option("step", bed.step, "s", "Time step.", above(0, 1));
     option("sample_interval", sample_interval, "s", "Simulated time between points of the curve.",
-           above(0));
-    option("frames", frames, "", "Number of frames in the run file.", at_least(1));
+           above(0, 1e6));
+    option("frames", frames, "", "Number of frames in the run file.", within(1, 1e6));
     option("reference", reference, "",
            "CSV file of a curve to show for comparison: two columns, time in s and value.");
     option.group("Bed");

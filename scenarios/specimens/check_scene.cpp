@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/laws/coefficients.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
 #include "engine/errors.hpp"
@@ -44,22 +45,26 @@ void expect_finite(const std::string& whose, const char* what, const Vec3& value
     for (const double x : {value.x(), value.y(), value.z()}) expect(whose, what, x, Range{}, unit);
 }
 
+Range range_of(const Coefficient& c) {
+    return {.low = c.low,
+            .high = c.high,
+            .low_accepted = c.low_accepted,
+            .high_accepted = c.high_accepted};
+}
+
+/// As the law states it; what the law does not read may be absent, but not nonsense.
+const Coefficient& as_stated(const Coefficient& any, LawName law) {
+    for (const Coefficient& c : traits(law).of_materials)
+        if (c.of_material == any.of_material) return c;
+    return any;
+}
+
 void check_material(const Material& m, LawName law) {
     const std::string whose = "material '" + m.name + "'";
-    expect(whose, "density", m.density, at_least(0), "kg/m3");
-    expect(whose, "friction", m.friction, at_least(0), "");
-    expect(whose, "normal damping", m.normal_damping, at_least(0), "1/s");
-    expect(whose, "shear damping", m.shear_damping, at_least(0), "1/s");
-    expect(whose, "restitution", m.restitution, within(0, 1), "");
-    expect(whose, "rolling friction", m.rolling_friction, at_least(0), "");
-    expect(whose, "twisting friction", m.twisting_friction, at_least(0), "");
-    expect(whose, "Poisson's ratio", m.poisson_ratio,
-           Range{.low = -1, .high = 0.5, .low_accepted = false}, "");
-    // properties that the law does not use may be 0, but not invalid
-    expect(whose, "Young's modulus", m.young_modulus, is_hertz(law) ? above(0) : at_least(0), "Pa");
-    expect(whose, "normal stiffness", m.normal_stiffness, is_hertz(law) ? at_least(0) : above(0),
-           "N/m");
-    expect(whose, "shear stiffness", m.shear_stiffness, at_least(0), "N/m");
+    for (const Coefficient& any : coefficients::of_materials) {
+        const Coefficient& c = as_stated(any, law);
+        expect(whose, c.name, m.*c.of_material, range_of(c), c.unit);
+    }
 }
 
 void check_policy(const ContactPolicy& policy, LawName law) {
@@ -75,17 +80,19 @@ void check_pair(const Materials& materials, std::uint32_t a, std::uint32_t b, La
         "materials '" + materials.list[a].name + "' and '" + materials.list[b].name + "'";
     const std::uint32_t pair = materials.pair(a, b);
     const LawRow& row = materials.pairs(law)[pair];
-    expect(whose, is_hertz(law) ? "effective modulus" : "stiffness of a contact", row.kn, above(0),
-           is_hertz(law) ? "Pa" : "N/m");
-    expect(whose, is_hertz(law) ? "effective shear modulus" : "shear stiffness of a contact",
-           row.ks, at_least(0), is_hertz(law) ? "Pa" : "N/m");
+    const LawTraits& t = traits(law);
+    expect(whose, t.normal_stiffness, row.kn, above(0), t.stiffness_unit);
+    expect(whose, t.shear_stiffness, row.ks, at_least(0), t.stiffness_unit);
     expect(whose, "friction", row.friction, at_least(0), "");
     const bool calibrated =
         materials.policy.tension == Tension::calibrated; // no dashpot then gives restitution 0
     expect(whose, calibrated ? "restitution under calibrated tension" : "restitution",
            materials.restitution[pair], Range{.low = 0, .high = 1, .low_accepted = !calibrated},
            "");
-    if (!has_rolling(law)) return;
+    const OwnCoefficients own = materials.own(law, a, b);
+    for (std::size_t k = 0; k < t.of_pairs.size(); ++k)
+        expect(whose, t.of_pairs[k].name, own[k], range_of(t.of_pairs[k]), t.of_pairs[k].unit);
+    if (!t.rolling) return;
     expect(whose, "rolling friction", materials.rolling_pairs[pair].rolling_friction, at_least(0),
            "");
     expect(whose, "twisting friction", materials.rolling_pairs[pair].twisting_friction, at_least(0),

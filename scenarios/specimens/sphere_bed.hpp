@@ -33,19 +33,19 @@ World make_sphere_bed(const SphereBed& bed);
 
 void SphereBed::describe(auto& option) {
     option("spheres", spheres, "", "Number of spheres.", within(1, 50e6));
-    option("radius", radius, "m", "Mean radius of the spheres.", above(0));
+    option("radius", radius, "m", "Mean radius of the spheres.", above(0, 1e3));
     option("size_spread", size_spread, "",
            "Half width of the uniform distribution of radii, relative to the mean radius.",
-           Range{.low = 0, .high = 1, .high_accepted = false});
+           half_open(0, 1));
     option("normal_stiffness", normal_stiffness, "N/m",
-           "Normal stiffness of a contact. The tangential stiffness is 2/7 of it.", above(0));
+           "Normal stiffness of a contact. The tangential stiffness is 2/7 of it.", above(0, 1e15));
     option("friction", friction, "",
            "Coulomb friction coefficient between spheres and between sphere and wall.",
-           at_least(0));
+           within(0, 100));
     option("damping_rate", damping_rate, "1/s",
-           "Damping rate of the normal dashpot. The tangential one is half of it.", at_least(0));
-    option("density", density, "kg/m3", "Density of the spheres.", above(0));
-    option("step", step, "s", "Time step.", above(0));
+           "Damping rate of the normal dashpot. The tangential one is half of it.", within(0, 1e9));
+    option("density", density, "kg/m3", "Density of the spheres.", above(0, 1e6));
+    option("step", step, "s", "Time step.", above(0, 1));
     option("start_overlap", start_overlap, "",
            "Overlap of neighbours at the start, relative to the mean diameter.", within(0, 1));
 }

@@ -17,7 +17,7 @@ namespace {
 constexpr std::array laws{
     LawName::linear,        LawName::linear_viscous,        LawName::linear_rolling,
     LawName::hertz_mindlin, LawName::hertz_mindlin_viscous, LawName::hertz_mindlin_rolling};
-constexpr std::array law_names{
+constexpr std::array law_titles{
     "linear",        "linear, dashpots",        "linear, rolling",
     "Hertz-Mindlin", "Hertz-Mindlin, dashpots", "Hertz-Mindlin, rolling"};
 
@@ -146,7 +146,7 @@ void add_impacts(StressRows& rows, std::size_t which, const StressSettings& s) {
         const Scan coarse = scan(laws[which], frictions, every, 0.1),
                    fine = scan(laws[which], frictions, every, 0.025);
         const std::string what = fmt::format("{} oblique impacts, friction {}, {}", coarse.count,
-                                             high ? "3 and 10" : "0 to 1", law_names[which]);
+                                             high ? "3 and 10" : "0 to 1", law_titles[which]);
         rows.push_back(
             {"S6", what + ": dissipated work",
              "not negative in any step (rounding: 1e-14 of the energy)",
@@ -212,7 +212,7 @@ void add_bed(StressRows& rows, std::size_t which, Grains grains, bool shear_dash
     const double order = std::log2(closure[0] / closure[2]) / 2;
     rows.push_back({"S6",
                     fmt::format("{} fall and come to rest on a moving floor, {}{}",
-                                grains == Grains::spheres ? "spheres" : "clumps", law_names[which],
+                                grains == Grains::spheres ? "spheres" : "clumps", law_titles[which],
                                 shear_dashpot ? ", also in shear" : ""),
                     // runs with different steps soon diverge: each closure scatters by a factor of
                     // a few, the order by one

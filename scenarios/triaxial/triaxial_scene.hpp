@@ -27,7 +27,7 @@ struct Triaxial {
     void describe(auto& option) {
         option.group("Test");
         option("confining_pressure", confining_pressure, "Pa",
-               "Confining pressure, or several, each tested on the same specimen.", above(0));
+               "Confining pressure, or several, each tested on the same specimen.", above(0, 1e9));
         option("stage_strain", test.stage_strain, "", "Axial strain of a stage.",
                within(1e-6, 1e-2));
         option("final_axial_strain", test.final_axial_strain, "",
@@ -59,16 +59,16 @@ struct Triaxial {
         option("compaction_friction", test.compaction_friction, "",
                "Friction coefficient between rocks and between rock and platen while the specimen "
                "is made.",
-               at_least(0));
+               within(0, 100));
         option("compaction_pressure", test.compaction_pressure, "Pa",
-               "Pressure of the top platen while the specimen is compacted.", above(0));
+               "Pressure of the top platen while the specimen is compacted.", above(0, 1e9));
         option("vibration", test.vibration, "",
                "Displacement of a rock per step while the specimen is compacted, as a fraction of "
                "its bounding radius.",
                within(1e-6, 1e-3));
         option("longest_compaction", test.longest_compaction, "",
                "Number of steps after which compaction fails if the porosity is not reached.",
-               at_least(1));
+               within(1, 1e9));
         option("sensor_shape", sensor_shape, "",
                "Shape of the sensor rocks: a clump of assets/clumps, or several that the sensor "
                "rocks take in turn, as rock_01,rock_02,rock_03,cube.");
@@ -79,20 +79,22 @@ struct Triaxial {
                "Control the pressure of each membrane element separately instead of that of each "
                "ring.");
         option.group("Material");
-        option("density", specimen.density, "kg/m3", "Density of the rocks.", above(0));
+        option("density", specimen.density, "kg/m3", "Density of the rocks.", above(0, 1e6));
         option("sensor_density", specimen.sensor_density, "kg/m3",
-               "Density of the sensor rocks; 0: that of the rocks.", at_least(0));
+               "Density of the sensor rocks; 0: that of the rocks.", within(0, 1e6));
         option("friction", test.friction, "",
                "Coulomb friction coefficient between rocks and between rock and platen.",
-               at_least(0));
+               within(0, 100));
         option("sensor_friction", specimen.sensor_friction, "",
                "Coulomb friction coefficient of the shells of the sensor rocks; between a shell "
                "and a rock the lower coefficient acts. Below 0: that of the rocks.",
-               at_least(-1));
+               within(-1, 100));
         option("clump_stiffness", specimen.clump_stiffness, "N/m",
-               "Normal and shear contact stiffness of a rock, as one of two partners.", above(0));
+               "Normal and shear contact stiffness of a rock, as one of two partners.",
+               above(0, 1e15));
         option("wall_stiffness", specimen.wall_stiffness, "N/m",
-               "Contact stiffness of platens and membrane, as one of two partners.", above(0));
+               "Contact stiffness of platens and membrane, as one of two partners.",
+               above(0, 1e15));
         option("damping", test.damping, "", "Coefficient of local damping.", within(0, 0.95));
         option.group("Numerics");
         option("safety", test.safety, "", "Time step as a fraction of the stable step.",
@@ -100,9 +102,9 @@ struct Triaxial {
         option("mass_scaling", test.mass_scaling, "",
                "Scale the masses from consolidation on; otherwise they are the true ones.");
         option("move_steps", test.move_steps, "",
-               "Number of steps over which the platen moves in a stage.", at_least(1));
+               "Number of steps over which the platen moves in a stage.", within(1, 1e6));
         option("frame_stages", frame_stages, "", "Number of stages between frames of the run file.",
-               at_least(1));
+               within(1, 1e6));
     }
 };
 

@@ -56,6 +56,9 @@ constexpr std::array cases{
                      detail::verify_stability},
     VerificationCase{"contact_pair", "closed forms of a shear loop, objectivity, torque limits",
                      detail::verify_contact_pair},
+    VerificationCase{"liquid_bridge",
+                     "Willett et al. (2000), eqs. (12) and (13); rupture: Lian et al. (1993)",
+                     detail::verify_liquid_bridge},
     VerificationCase{"energy",
                      "energy conservation in a gas; a spring that stiffens adds 8/15 dE* sqrt(R*) "
                      "overlap^(5/2)",

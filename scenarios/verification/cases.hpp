@@ -40,6 +40,7 @@ void verify_crystals(Checks&);
 void verify_waves(Checks&);
 void verify_stability(Checks&);
 void verify_contact_pair(Checks&);
+void verify_liquid_bridge(Checks&);
 void verify_descriptions(Checks&);
 void verify_gas(Checks&);
 void verify_cooling(Checks&);

@@ -17,8 +17,12 @@ Simulation make_pair(const GuidedPair::Settings& s) {
     const auto material = world.resource<Materials>().add(m);
     world.resource<Materials>().policy = s.policy;
     world.resource<Materials>().mix();
-    add_sphere(world, Vec3::Zero(), s.radius, material);
-    add_sphere(world, Vec3(0, 0, 2 * s.radius - s.overlap), s.radius, material, Motion::prescribed);
+    if (!traits(s.law).of_pairs.empty())
+        world.resource<Materials>().set_own(s.law, material, material, s.own);
+    const double heavy_radius = s.heavy_radius > 0 ? s.heavy_radius : s.radius;
+    add_sphere(world, Vec3::Zero(), heavy_radius, material);
+    add_sphere(world, Vec3(0, 0, heavy_radius + s.radius - s.overlap), s.radius, material,
+               Motion::prescribed);
     return begin(std::move(world), {.dt = s.dt, .law = s.law, .unlimited = true});
 }
 

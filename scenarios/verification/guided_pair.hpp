@@ -11,9 +11,11 @@ namespace bris {
 class GuidedPair {
 public:
     struct Settings {
-        double radius = 0.01;  ///< m
-        double overlap = 1e-5; ///< m, initial
+        double radius = 0.01;    ///< m
+        double heavy_radius = 0; ///< m, of the fixed sphere; 0: the same
+        double overlap = 1e-5;   ///< m, initial
         Material material;
+        OwnCoefficients own{}; ///< that only this law reads
         LawName law = LawName::linear;
         ContactPolicy policy;
         double dt = 1e-5; ///< s

@@ -13,12 +13,20 @@ Enumeration named(const std::vector<std::string>& names, const std::string& word
     require(found != names.end(), "expected a known name, found \"" + word + "\"");
     return static_cast<Enumeration>(found - names.begin());
 }
-template LawName named(const std::vector<std::string>&, const std::string&);
 template Tension named(const std::vector<std::string>&, const std::string&);
 template ShearHistory named(const std::vector<std::string>&, const std::string&);
 template Target named(const std::vector<std::string>&, const std::string&);
 template Lattice named(const std::vector<std::string>&, const std::string&);
 template FilterKind named(const std::vector<std::string>&, const std::string&);
+
+std::vector<std::string> law_choices() {
+    auto names = law_names();
+    std::erase_if(
+        names, [](const std::string& name) { return !traits(law_named(name)).of_pairs.empty(); });
+    return names;
+}
+
+LawName law_named(const std::string& word) { return named<LawName>(law_names(), word); }
 
 std::string explain_step(LawName law, Grains grains) {
     World world = make_world(grains);

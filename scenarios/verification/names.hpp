@@ -12,11 +12,9 @@
 
 namespace bris {
 
-// Names by which a user chooses among laws and policies, in the order of the enumerations.
+// Names by which a user chooses among policies, in the order of the enumerations. The names of laws
+// come from the table of laws.
 
-inline const std::vector<std::string> law_names{
-    "linear_frictionless", "linear",        "linear_viscous",        "linear_rolling",
-    "hertz_frictionless",  "hertz_mindlin", "hertz_mindlin_viscous", "hertz_mindlin_rolling"};
 inline const std::vector<std::string> tension_names{"allowed", "cut", "calibrated"};
 inline const std::vector<std::string> shear_history_names{"rescaled", "incremental", "total"};
 inline const std::vector<std::string> target_names{"sphere", "plane", "facet", "edge", "vertex"};
@@ -25,12 +23,17 @@ inline const std::vector<std::string> lattice_names{"sc", "bcc", "fcc"};
 /// The value that a name stands for. Throws InputError if there is none.
 template <class Enumeration>
 Enumeration named(const std::vector<std::string>& names, const std::string& word);
-extern template LawName named(const std::vector<std::string>&, const std::string&);
 extern template Tension named(const std::vector<std::string>&, const std::string&);
 extern template ShearHistory named(const std::vector<std::string>&, const std::string&);
 extern template Target named(const std::vector<std::string>&, const std::string&);
 extern template Lattice named(const std::vector<std::string>&, const std::string&);
 extern template FilterKind named(const std::vector<std::string>&, const std::string&);
+
+/// Names of the laws whose coefficients materials alone state: choices of an option where pairs of
+/// materials have none of their own.
+std::vector<std::string> law_choices();
+/// The law of that name. Throws InputError.
+LawName law_named(const std::string& word);
 
 /// The text of --explain: the systems that run, and those that do not, in a step of two spheres on
 /// a plane under a law.
@@ -42,18 +45,18 @@ struct MaterialOptions {
     explicit MaterialOptions(Material initial) : material(std::move(initial)) {}
 
     void describe(auto& option, const std::string& prefix, const std::string& of) {
-        option(prefix + "density", material.density, "kg/m3", "Density " + of + ".", above(0));
+        constexpr double rigid = 1e30; // N/m or Pa: no softer than a rigid wall
+        option(prefix + "density", material.density, "kg/m3", "Density " + of + ".", above(0, 1e6));
         option(prefix + "young_modulus", material.young_modulus, "Pa",
-               "Young's modulus " + of + " for Hertz laws.", above(0));
+               "Young's modulus " + of + " for Hertz laws.", above(0, rigid));
         option(prefix + "poisson_ratio", material.poisson_ratio, "",
-               "Poisson's ratio " + of + " for Hertz laws.",
-               Range{.low = -1, .high = 0.5, .low_accepted = false});
+               "Poisson's ratio " + of + " for Hertz laws.", above(-1, 0.5));
         option(prefix + "normal_stiffness", material.normal_stiffness, "N/m",
                "Normal stiffness " + of + " for linear laws, in series with the partner's.",
-               above(0));
+               above(0, rigid));
         option(prefix + "shear_stiffness", material.shear_stiffness, "N/m",
                "Tangential stiffness " + of + " for linear laws, in series with the partner's.",
-               at_least(0));
+               within(0, rigid));
     }
 };
 

@@ -189,12 +189,13 @@ void prune_pairs(World& world) {
     Table& bodies = world.table<Bodies>();
     const auto sphere_row = world.column<Spheres, SpherePosition>();
     bodies.leave_idle({});
-    list_near_spheres(world, skin);
+    const detail::ListDistances within = detail::list_distances(world, skin);
+    list_near_spheres(world, within.spheres_and_planes);
     make_incidence<SpherePairs>(world);
     const auto position = bodies.column<Position>();
     if (world.has<PlanePairs>()) {
         const auto shape = world.column<Planes, LocalPlane>();
-        make_short_list<PlanePairs>(world, skin, [&](const PairRowNumbers& p) {
+        make_short_list<PlanePairs>(world, within.spheres_and_planes, [&](const PairRowNumbers& p) {
             const PlaneShape& plane = shape[p.other];
             return (detail::centre_of(sphere_row[p.sphere]) - position[p.partner_body] -
                     plane.point)
@@ -213,10 +214,10 @@ void prune_pairs(World& world) {
             normal[e] = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
         }
         // the distances to the facet's box and to its plane are both lower bounds
-        make_short_list<FacetPairs>(world, skin, [&](const PairRowNumbers& p) {
+        make_short_list<FacetPairs>(world, within.facets, [&](const PairRowNumbers& p) {
             const Vec3 x = detail::centre_of(sphere_row[p.sphere]) - position[p.partner_body];
             const double height = std::abs((x - shape[p.other].corners[0]).dot(normal[p.other]));
-            if (height - sphere_row[p.sphere].radius >= skin) return skin;
+            if (height - sphere_row[p.sphere].radius >= within.facets) return within.facets;
             return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) -
                    sphere_row[p.sphere].radius;
         });

@@ -199,6 +199,17 @@ bool positions_are_due(const World& world) {
 void note_positions(ListState& state) { state.velocities_changed = false; }
 void show_velocities(World& world) { world.resource<ListState>().velocities_changed = true; }
 
+detail::ListDistances detail::list_distances(const World& world, double skin) {
+    const LawName law = world.resource<ContactLaw>().law;
+    if (!traits(law).reaches) return {skin, skin};
+    double radius = 0;
+    for (const Ball& ball : world.column<Spheres, LocalBall>())
+        radius = std::max(radius, ball.radius);
+    // a pair at its very reach must not be lost to rounding
+    const double reach = (1 + 1e-6) * largest_reach(law, world.resource<Materials>(), radius);
+    return {std::max(skin, reach), skin + reach};
+}
+
 void rebuild_pairs(World& world) {
     auto& state = world.resource<ListState>();
     auto& settings = world.resource<ListSettings>();
@@ -222,9 +233,10 @@ void rebuild_pairs(World& world) {
     for (Row b = 0; b < bodies.size(); ++b) rebuilt[b] = poses[b];
 
     locate_spheres(world);
-    detail::find_sphere_pairs(world, settings.outer_skin);
-    if (world.has<PlanePairs>()) detail::find_plane_pairs(world, settings.outer_skin);
-    if (world.has<FacetPairs>()) detail::find_facet_pairs(world, settings.outer_skin);
+    const detail::ListDistances within = detail::list_distances(world, settings.outer_skin);
+    detail::find_sphere_pairs(world, within.spheres_and_planes);
+    if (world.has<PlanePairs>()) detail::find_plane_pairs(world, within.spheres_and_planes);
+    if (world.has<FacetPairs>()) detail::find_facet_pairs(world, within.facets);
     if (world.has<MembranePairs>()) {
         detail::find_membrane_pairs(world, settings.outer_skin);
         std::ranges::copy(world.column<Elements, ElementRadius>(),

@@ -11,9 +11,24 @@ namespace bris::detail {
 /// nothing is far away.
 inline constexpr std::size_t near_rows_in_cache = 8192;
 
+/// Of a group of eight near pairs, those that do not touch but are held beyond touch.
+template <class Law, class Geometry>
+unsigned held(const TileTarget& to, const Geometry& geometry, std::size_t group,
+              unsigned touching) {
+    unsigned found = 0;
+    for (unsigned q = 0; q < 8; ++q) {
+        const NearEntry& near = to.near[group + q];
+        if (((touching >> q) & 1) == 0 &&
+            is_held<Law>(to, near, geometry.gap(near), geometry.radius(near)))
+            found |= 1u << q;
+    }
+    return found;
+}
+
 /// Forces of some near rows: those that touch are listed first, then handed to the law lane_count
 /// at a time. A Geometry knows the surfaces:
 ///   unsigned touching(near)         bit q: near pair q of lane_count touches
+///   double gap(near), radius(near)  of one pair: distance of the surfaces, effective radius, m
 ///   void prefetch_positions(near)      asks for what touching() will read of these eight
 ///   void prefetch_rows(to, rows)         asks for what the tile after next will read
 ///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes that are too deep
@@ -27,6 +42,7 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
         if (sleepers.skips(group)) continue;
         unsigned now = geometry.touching(to.near + group);
         if constexpr (lane_count == 4) now |= geometry.touching(to.near + group + 4) << 4;
+        if constexpr (Law::has_reach) now |= held<Law>(to, geometry, group, now);
         if (last - group < 8) now &= (1u << (last - group)) - 1;
         if (group + 56 <= last) geometry.prefetch_positions(to.near + group + 48);
         std::uint8_t& flags = index.touching[group / 8];

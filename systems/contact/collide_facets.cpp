@@ -5,6 +5,7 @@
 #include "systems/contact/facet_geometry.hpp"
 #include "systems/contact/scalar_tile.hpp"
 
+#include <algorithm>
 #include <span>
 #include <utility>
 #include <vector>
@@ -33,15 +34,31 @@ struct Surfaces {
     double deepest;
 };
 
+/// How far from its centre a sphere of a run reaches (near rows [first, last)): beyond its radius
+/// where one of the run has touched it, and the law holds it.
+template <class Law>
+double reach_of(const TileTarget& to, std::size_t first, std::size_t last, double radius) {
+    double beyond = 0;
+    if constexpr (Law::has_reach)
+        for (std::size_t row = first; row < last; ++row) {
+            const NearEntry& near = to.near[row];
+            if (Spring::keep(to.spring[near.pair]))
+                beyond = std::max(beyond, Law::reach(to.own[near.law], radius));
+        }
+    return radius + beyond;
+}
+
 /// Those of near rows [first, last), one sphere against one body, that are in reach.
+template <class Law>
 std::span<Reached> reached_of(const Surfaces& s, const TileTarget& to, std::size_t first,
                               std::size_t last, std::span<Reached> room) {
     const SphereRow& p = s.movers.sphere_row[to.near[first].owner];
     const Vec3 centre(p.x, p.y, p.z);
+    const double reach = reach_of<Law>(to, first, last, p.radius);
     std::size_t count = 0;
     for (std::size_t row = first; row < last; ++row) {
         const Nearest n = detail::nearest_on_mesh_facet(s.facets[to.near[row].other], centre);
-        if (n.distance < p.radius && n.distance != 0)
+        if (n.distance < reach && n.distance != 0)
             room[count++] = {n, static_cast<Row>(row), false};
     }
     return room.first(count);
@@ -128,10 +145,16 @@ void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex
     std::array<Reached, usual_run> few;
     std::vector<Reached> many(last - first > usual_run ? last - first : 0);
     const std::span<Reached> run =
-        reached_of(s, to, first, last, many.empty() ? std::span<Reached>(few) : many);
+        reached_of<Law>(s, to, first, last, many.empty() ? std::span<Reached>(few) : many);
     const double radius = s.movers.sphere_row[to.near[first].owner].radius;
     choose(s, to, run, radius);
     if (to.spring != nullptr) hand_over_springs(to, run);
+    if constexpr (Law::has_reach) { // surfaces that are apart count only where they are held
+        for (Reached& r : run)
+            r.counts =
+                r.counts && (r.distance < radius ||
+                             detail::is_held<Law>(to, to.near[r.row], r.distance - radius, radius));
+    }
     auto next = run.begin();
     for (auto row = static_cast<Row>(first); row < last; ++row) {
         while (next != run.end() && (next->row < row || !next->counts)) ++next;
@@ -196,10 +219,10 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
 } // namespace
 
 System collide_facets(LawName law, const StepChoices& choices) {
-    return with_law(law, {.energy_budget = choices.energy_budget},
-                    []<class Law, class Near, class Pairs>() {
-                        return system("collide_facets", Collide<Law, Near, Pairs>::facets);
-                    });
+    return system_of_law(law, {.energy_budget = choices.energy_budget},
+                         []<class Law, class Near, class Pairs>() {
+                             return system("collide_facets", Collide<Law, Near, Pairs>::facets);
+                         });
 }
 
 } // namespace bris

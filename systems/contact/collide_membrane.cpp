@@ -135,16 +135,15 @@ void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf, Work...> near
 
 System collide_membrane(LawName law, const StepChoices& choices) {
     constexpr auto name = "collide_membrane";
-    if (!has_dashpots(law))
-        return is_hertz(law) ? system(name, collide<HertzFrictionless>)
-                             : system(name, collide<LinearFrictionless>);
-    const auto damped = [&]<class Normal>() {
-        using Damped = Law<Normal, Dashpots, Frictionless>;
-        return choices.energy_budget ? system(name, collide<Damped, PairWork>)
-                                     : system(name, collide<Damped>);
-    };
-    return is_hertz(law) ? damped.template operator()<HertzNormal>()
-                         : damped.template operator()<LinearNormal>();
+    // only the normal force and its dashpot act, and nothing beyond touch
+    return with_law(law, [&]<class L>() {
+        using Smooth = Law<typename L::Normal, typename L::DampingPart, Frictionless>;
+        if constexpr (Smooth::has_dashpots)
+            return choices.energy_budget ? system(name, collide<Smooth, PairWork>)
+                                         : system(name, collide<Smooth>);
+        else
+            return system(name, collide<Smooth>);
+    });
 }
 
 } // namespace bris

@@ -33,6 +33,12 @@ struct PlaneGeometry {
         const auto p = four_of(plane, 0), n = four_of(plane, 2); // n[0]: z of the point
         return bits(dot({a[0] - p[0], a[1] - p[1], a[2] - p[2]}, {n[1], n[2], n[3]}) < a[3]);
     }
+    double gap(const NearEntry& near) const {
+        const SphereRow& a = movers.sphere_row[near.owner];
+        const PlaneRow& p = planes[near.other];
+        return (Vec3(a.x, a.y, a.z) - p.point).dot(p.normal) - a.radius;
+    }
+    double radius(const NearEntry& near) const { return movers.sphere_row[near.owner].radius; }
     void prefetch_positions(const NearEntry*) const {
     } // few, and close to those of their neighbours
     void prefetch_rows(const TileTarget& to, const Row* rows) const {
@@ -111,7 +117,7 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
 } // namespace
 
 System collide_planes(LawName law, const StepChoices& choices) {
-    return with_law(law, choices, []<class Law, class Near, class Pairs>() {
+    return system_of_law(law, choices, []<class Law, class Near, class Pairs>() {
         return system("collide_planes", Collide<Law, Near, Pairs>::planes);
     });
 }

@@ -4,6 +4,8 @@
 #include "systems/contact/collide.hpp"
 #include "systems/contact/collide_chunk.hpp"
 
+#include <cmath>
+
 namespace bris {
 
 namespace {
@@ -19,6 +21,16 @@ struct SphereGeometry {
         return near_lanes(
             [&](int q) -> const SphereRow& { return movers.sphere_row[near[q].owner]; },
             [&](int q) -> const SphereRow& { return movers.sphere_row[near[q].other]; }, 0);
+    }
+    double gap(const NearEntry& near) const {
+        const SphereRow &a = movers.sphere_row[near.owner], &b = movers.sphere_row[near.other];
+        const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
+        return std::sqrt(dx * dx + dy * dy + dz * dz) - (a.radius + b.radius);
+    }
+    double radius(const NearEntry& near) const {
+        const double a = movers.sphere_row[near.owner].radius,
+                     b = movers.sphere_row[near.other].radius;
+        return a * b / (a + b);
     }
     void prefetch_positions(const NearEntry* near) const {
         for (std::size_t q = 0; q < 8; ++q) prefetch(&movers.sphere_row[near[q].other]);
@@ -74,9 +86,10 @@ struct SphereGeometry {
         c.nx = dx * inverse;
         c.ny = dy * inverse;
         c.nz = dz * inverse;
-        c.overlap = max(reach - distance, lanes(0));
+        c.overlap = Law::has_reach ? reach - distance : max(reach - distance, lanes(0));
         c.inverse_mass = u[3];
-        if constexpr (Law::Normal::varying || Law::has_rolling) c.radius = a[3] * b[3] / reach;
+        if constexpr (Law::Normal::varying || Law::has_rolling || Law::has_reach)
+            c.radius = a[3] * b[3] / reach;
         // the contact point lies in the middle of the overlap
         const Lane half = 0.5 * c.overlap, arm_a = a[3] - half, arm_b = b[3] - half;
         const Lane px = b[0] + c.nx * arm_b, py = b[1] + c.ny * arm_b, pz = b[2] + c.nz * arm_b;
@@ -143,7 +156,7 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
 } // namespace
 
 System collide_spheres(LawName law, const StepChoices& choices) {
-    return with_law(law, choices, []<class Law, class Near, class Pairs>() {
+    return system_of_law(law, choices, []<class Law, class Near, class Pairs>() {
         return system("collide_spheres", Collide<Law, Near, Pairs>::spheres);
     });
 }

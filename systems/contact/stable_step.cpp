@@ -27,17 +27,17 @@ struct Touch {
     bool between_free_bodies;
 };
 
-Touch touch_of(LawName name, const LawRow& law, const Elasticity& e, double inverse_mass,
+Touch touch_of(const LawTraits& traits, const LawRow& law, const Elasticity& e, double inverse_mass,
                double rolling_ratio, double radius) {
     Touch t{e.normal,
             e.shear,
-            has_rolling(name) ? rolling_ratio * e.shear * radius * radius : 0,
+            traits.rolling ? rolling_ratio * e.shear * radius * radius : 0,
             0,
             0,
             Vec3::Zero(),
             Vec3::UnitZ(),
             false};
-    if (!has_dashpots(name) || !(inverse_mass > 0)) return t;
+    if (!traits.dashpots || !(inverse_mass > 0)) return t;
     const double mass = 1 / inverse_mass;
     t.normal_damping = law.normal_rate * mass + law.normal_ratio * std::sqrt(e.normal * mass);
     t.shear_damping = law.shear_rate * mass + law.shear_ratio * std::sqrt(e.normal * mass);
@@ -60,8 +60,9 @@ void visit_touches(const World& world, Visit&& visit) {
     const auto sphere_row =
         world.column<Listed, ListedPosition>(); // a step on: a difference of one step's motion
     const auto body = world.column<Listed, ListedBody>();
-    const LawName law = world.resource<ContactLaw>().law;
+    const LawTraits& law = traits(world.resource<ContactLaw>().law);
     const auto& materials = world.resource<Materials>();
+    const auto& laws = law.rows(materials);
     const Table& near = world.table<typename Pairs::Near>();
     const double* share =
         near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
@@ -73,8 +74,9 @@ void visit_touches(const World& world, Visit&& visit) {
             const Row owner = body[entry[k].owner];
             const Vec3 point(force[k].px, force[k].py, force[k].pz);
             const double radius = effective_radius<Pairs>(entry[k], sphere_row);
-            const LawRow& row = materials.pairs(law)[pair.law];
-            Elasticity e = elasticity(row, is_hertz(law), force[k].overlap, radius);
+            const LawRow& row = laws[pair.law];
+            // what acts beyond touch is no spring: it counts as a contact that is about to close
+            Elasticity e = law.elasticity(row, std::max(force[k].overlap, 0.0), radius);
             if (share != nullptr)
                 e = {share[k] * e.normal, share[k] * e.shear, share[k] * e.energy};
             Touch t = touch_of(law, row, e, inverse_mass(owner) + inverse_mass(pair.partner_body),
@@ -140,14 +142,6 @@ double limit(double omega2, double rate) {
                       : std::numeric_limits<double>::infinity();
 }
 
-/// Overlap of a body that hits another like it at `speed`, m (Hertz), or half a percent of its
-/// radius where that is more: beds lie deeper than that only under loads that the estimate from
-/// touching contacts sees.
-double impact_overlap(const LawRow& k, double mass, double radius, double speed) {
-    const double coefficient = 4.0 / 3 * k.kn * std::sqrt(radius);
-    return std::max(0.005 * radius, std::pow(5 * mass * speed * speed / (4 * coefficient), 0.4));
-}
-
 /// Least principal moment of a body as it moves.
 double least_inertia(const Table& bodies, Row b) {
     return bodies.has<SphereInertia>() ? bodies.column<SphereInertia>()[b]
@@ -197,20 +191,18 @@ double stable_step_of_first_contact(const World& world) {
     const auto mass = bodies.column<InertialMass>();
     const auto radius = bodies.column<BoundingRadius>();
     const auto true_mass = bodies.column<Mass>();
-    const LawName law = world.resource<ContactLaw>().law;
+    const LawTraits& law = traits(world.resource<ContactLaw>().law);
     const auto& materials = world.resource<Materials>();
     const bool spheres = bodies.has<SphereInertia>();
     double fastest = 0, step = std::numeric_limits<double>::infinity();
     for (const Vec3& v : bodies.column<Velocity>()) fastest = std::max(fastest, v.norm());
     for (Row b = 0; b < bodies.size(); ++b) {
         if (!(true_mass[b] > 0)) continue; // boundaries; held rocks will be free some day
-        for (const LawRow& row : materials.pairs(law)) {
+        for (const LawRow& row : law.rows(materials)) {
             if (!(row.kn > 0)) continue; // of boundaries among themselves
-            const double overlap =
-                is_hertz(law) ? impact_overlap(row, mass[b], radius[b], 2 * fastest) : 0;
-            const Touch t =
-                touch_of(law, row, elasticity(row, is_hertz(law), overlap, radius[b]), 1 / mass[b],
-                         materials.policy.rolling_stiffness_ratio, radius[b]);
+            const double overlap = law.overlap_to_expect(row, mass[b], radius[b], 2 * fastest);
+            const Touch t = touch_of(law, row, law.elasticity(row, overlap, radius[b]), 1 / mass[b],
+                                     materials.policy.rolling_stiffness_ratio, radius[b]);
             const double largest = std::max(t.normal, t.shear),
                          damping = std::max(t.normal_damping, t.shear_damping);
             // the normal of a single sphere passes through its centre

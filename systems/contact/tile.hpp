@@ -7,7 +7,7 @@
 #include "engine/clock.hpp"
 #include "engine/prefetch.hpp"
 #include "engine/rows.hpp"
-#include "systems/contact/laws/composed.hpp"
+#include "systems/contact/columns_of_law.hpp"
 
 #include <vector>
 
@@ -25,7 +25,8 @@ struct TileTarget {
     const double* share; ///< of near rows, where patches share one stiffness
     const LawRow* laws;
     const RollingRow* rolling_laws;
-    bool one_law; ///< all pairs have the coefficients of laws[0]
+    const OwnRow* own; ///< coefficients that only this law reads, by pair of materials
+    bool one_law;      ///< all pairs have the coefficients of laws[0]
     LawStep step;
 
     /// What contacts of these near rows write.
@@ -52,7 +53,7 @@ template <class Law, class NearRows, class PairRowsOf>
 TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const Materials& materials,
                      const Clock& clock) {
     WorkRow* work = column_or_null<PairWork>(near);
-    const auto& laws = Law::Normal::varying ? materials.hertz_pairs : materials.linear_pairs;
+    const auto& laws = Law::Normal::rows(materials);
     return {near.template column<NearPair>(),
             column_or_null<Spring>(pairs),
             column_or_null<Roll>(pairs),
@@ -62,6 +63,7 @@ TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const Materi
             column_or_null<const PatchShare>(near),
             laws.data(),
             materials.rolling_pairs.data(),
+            materials.own_pairs.data(),
             laws.size() == 1,
             {materials.policy, clock.dt, work != nullptr}};
 }
@@ -122,6 +124,10 @@ inline CoefficientLanes coefficients(const TileTarget& to, const Row* rows) {
     return {first[0], first[1], first[2], first[3], remaining[0], remaining[1], remaining[2]};
 }
 
+inline OwnLanes own_coefficients(const TileTarget& to, const Row* rows) {
+    return {transpose(load_rows([&](int q) { return to.own[to.near[rows[q]].law].value; }))};
+}
+
 /// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid
 /// rows), and writes their springs and records.
 template <class Law>
@@ -146,7 +152,13 @@ template <class Law>
             [&](int q) { return &to.rolling_laws[to.near[rows[q]].law].rolling_friction; }));
         rolling = {k[0], k[1], k[2], k[3]};
     }
-    const ForceLanes f = Law::force(c, coefficients(to, rows), rolling, to.step, spring, roll);
+    const ForceLanes f = [&] {
+        if constexpr (Law::has_reach)
+            return Law::force(c, coefficients(to, rows), own_coefficients(to, rows), rolling,
+                              to.step, spring, roll);
+        else
+            return Law::force(c, coefficients(to, rows), rolling, to.step, spring, roll);
+    }();
     if constexpr (Law::has_history)
         store_rows(transpose({spring.x, spring.y, spring.z, spring.stiffness}), count,
                    [&](int q) { return &to.spring[pair_of(q)].x; });
@@ -163,6 +175,13 @@ template <class Law>
     if (to.work != nullptr)
         store_rows(transpose({f.work.friction, f.work.viscous, f.work.rolling, Lane{}}), count,
                    [&](int q) { return &to.work[rows[q]].friction; });
+}
+
+/// Whether a near pair whose surfaces are `gap` (m) apart is held by what began when they touched.
+/// That a pair has touched is told by its spring, which is kept until the pair is let go.
+template <class Law>
+bool is_held(const TileTarget& to, const NearEntry& near, double gap, double radius) {
+    return Spring::keep(to.spring[near.pair]) && gap < Law::reach(to.own[near.law], radius);
 }
 
 /// Which of a group of eight pairs are to be looked at, and which springs are not to move on: those

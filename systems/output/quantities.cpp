@@ -40,15 +40,19 @@ void add_boundary_force(const World& world, const std::vector<Row>& rows, Quanti
 template <class Pairs>
 void add_contacts(const World& world, Quantities& q) {
     const auto& materials = world.resource<Materials>();
-    const LawName law = world.resource<ContactLaw>().law;
+    const LawTraits& law = traits(world.resource<ContactLaw>().law);
+    const auto& laws = law.rows(materials);
     PairNames last{nobody, nobody, 0, 0};
     for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
+        if (law.reaches)
+            q.elastic_energy +=
+                law.potential(materials.own_pairs[p.law], p.force.overlap, p.radius);
+        if (p.force.overlap < 0) continue; // held beyond touch
         ++q.contacts;
         q.mean_overlap += p.force.overlap;
         q.largest_overlap = std::max(q.largest_overlap, p.force.overlap);
         q.mean_normal_force += p.force.normal_force;
-        const Elasticity e =
-            elasticity(materials.pairs(law)[p.law], is_hertz(law), p.force.overlap, p.radius);
+        const Elasticity e = law.elasticity(laws[p.law], std::max(p.force.overlap, 0.0), p.radius);
         const double shear2 =
             p.spring.x * p.spring.x + p.spring.y * p.spring.y + p.spring.z * p.spring.z;
         const double roll2 = p.roll.x * p.roll.x + p.roll.y * p.roll.y + p.roll.z * p.roll.z +

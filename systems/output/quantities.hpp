@@ -10,10 +10,14 @@ namespace bris {
 /// contacts are those at the beginning of the last step, so elastic energy is one step older than
 /// kinetic energy.
 struct Quantities {
-    double kinetic_energy = 0;     ///< J, at the time of the positions, with inertial masses
-    double elastic_energy = 0;     ///< J, of normal, tangential and rolling springs
-    double coordination = 0;       ///< touching partners per free body (boundaries count)
-    std::size_t contacts = 0;      ///< touching pairs of spheres or of sphere and boundary
+    double kinetic_energy = 0; ///< J, at the time of the positions, with inertial masses
+    /// J, of normal, tangential and rolling springs, and the potential energy of forces that act
+    /// beyond touch (negative where they attract).
+    double elastic_energy = 0;
+    double coordination = 0; ///< touching partners per free body (boundaries count)
+    /// Touching pairs of spheres or of sphere and boundary, without pairs that only a force beyond
+    /// touch holds.
+    std::size_t contacts = 0;
     std::size_t body_contacts = 0; ///< touching pairs of bodies
     double mean_overlap = 0;       ///< m, of touching pairs
     double largest_overlap = 0;    ///< m

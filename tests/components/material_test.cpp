@@ -73,4 +73,28 @@ TEST_SUITE("components/material") {
         CHECK(other.linear_pairs[other.pair(wall, ball)].friction == 0.7);
         CHECK(other.linear_pairs[other.pair(ball, ball)].friction == 0.3);
     }
+
+    TEST_CASE("coefficients that one law reads of a pair hold in both orders, and survive a "
+              "checkpoint") {
+        Materials m;
+        const auto ball = m.add({.name = "ball"});
+        const auto wall = m.add({.name = "wall"});
+        Archive without;
+        m.save(without);
+        CHECK(without.find("materials/own") == nullptr);
+        m.set_own(LawName::linear, ball, wall, {1, 2, 3});
+        m.set_own(LawName::linear, wall, ball, {4, 5, 6});
+        Archive archive;
+        m.save(archive);
+        Materials other = m;
+        other.set_own(LawName::linear, ball, ball, {7});
+        other.load(archive);
+        for (const Materials& each : {m, other}) {
+            CHECK(each.own(LawName::linear, ball, wall) == OwnCoefficients{4, 5, 6});
+            CHECK(each.own(LawName::linear, wall, ball) == OwnCoefficients{4, 5, 6});
+            CHECK(each.own(LawName::linear, ball, ball) == OwnCoefficients{});
+            CHECK(each.own(LawName::hertz_mindlin, ball, wall) == OwnCoefficients{});
+            CHECK(each.own_pairs.size() == 4);
+        }
+    }
 }

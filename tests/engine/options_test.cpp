@@ -22,19 +22,23 @@ struct Test {
     std::filesystem::path config;
 
     void describe(auto& option) {
-        option("confining_pressure", confining_pressure, "Pa", "on the membrane", above(0));
-        option("friction", friction, "-", "of rocks", within(0, 1));
-        option("bodies", bodies, "", "rocks", at_least(1));
-        option("seed", seed, "", "of every draw");
-        option("membrane", membrane, "", "around the specimen");
-        option("law", law, "", "of contact", {"linear", "hertz"});
-        option("stages", stages, "-", "axial strains", within(0, 1));
-        option("config", config, "", "file");
+        option("confining_pressure", confining_pressure, "Pa", "Pressure on the membrane.",
+               above(0));
+        option("friction", friction, "-", "Friction coefficient of the rocks.", within(0, 1));
+        option("bodies", bodies, "", "Number of rocks. Default: as many as fit.", at_least(1));
+        option("seed", seed, "", "Seed of every random draw.");
+        option("membrane", membrane, "", "Surround the specimen by a membrane.");
+        option("law", law, "", "Contact law.", {"linear", "hertz"});
+        option("stages", stages, "-",
+               "Axial strains of the stages, each of which ends in an equilibrium before the next "
+               "one begins.",
+               within(0, 1));
+        option("config", config, "", "File with settings.");
     }
     bool parse(const std::vector<std::string>& arguments) {
         Options options;
         describe(options);
-        return options.parse(arguments);
+        return options.parse(arguments) == Options::Request::run;
     }
 };
 
@@ -81,6 +85,10 @@ TEST_SUITE("engine/options") {
         CHECK(complaint({"--membrane=maybe"}) ==
               "--membrane: expected true or false, found \"maybe\"");
         CHECK(complaint({"--bodies"}) == "--bodies: expected a value, found nothing");
+        CHECK(complaint({"--bodies="}) == "--bodies: expected a value, found nothing");
+        CHECK(complaint({"--bodies", "--membrane"}) == "--bodies: expected a value, found nothing");
+        CHECK(complaint({"--membrane", "word"}) ==
+              "--membrane: expected true or false, found \"word\"");
         CHECK(complaint({"--bodies", "1", "--bodies", "2"}) ==
               "--bodies: expected once, found 2 times");
     }
@@ -95,6 +103,10 @@ TEST_SUITE("engine/options") {
               "expected an option, found \"--xyzzy\" (--help lists the options)");
         CHECK(complaint({"word"}) ==
               "expected an option, found \"word\" (--help lists the options)");
+        CHECK(complaint({"--bodies", "3", "4"}) ==
+              "expected an option, found \"4\" (--help lists the options)");
+        CHECK(complaint({"-x"}) == "expected an option, found \"-x\" (--help lists the options)");
+        CHECK(complaint({"--"}) == "expected an option, found \"--\" (--help lists the options)");
     }
 
     TEST_CASE("a config file is overruled by flags") {
@@ -127,16 +139,73 @@ TEST_SUITE("engine/options") {
         CHECK_THROWS_AS(Test().parse({"--config", (directory / "none").string()}), OutputError);
     }
 
-    TEST_CASE("--help lists unit, range and default and changes nothing") {
+    TEST_CASE("a value may begin with a dash, a flag with two") {
+        double shift = 0;
+        std::string stream;
+        Options options;
+        options("shift", shift, "m", "Shift along x.");
+        options("stream", stream, "", "Where records come from.");
+        CHECK(options.parse({"--shift", "-1.5e-3", "--stream", "-"}) == Options::Request::run);
+        CHECK(shift == -1.5e-3);
+        CHECK(stream == "-");
+        CHECK(options.parse({"--stream=--a=b"}) == Options::Request::run);
+        CHECK(stream == "--a=b");
+    }
+
+    TEST_CASE("--help and --version change nothing, wherever they stand") {
         Test test;
-        CHECK_FALSE(test.parse({"--bodies", "3", "--help"}));
-        CHECK(test.bodies == 4000);
         Options options;
         test.describe(options);
+        CHECK(options.parse({"--bodies", "3", "--help"}) == Options::Request::help);
+        CHECK(options.parse({"--xyzzy", "-h"}) == Options::Request::help);
+        CHECK(options.parse({"--version", "--bodies", "3"}) == Options::Request::version);
+        CHECK(test.bodies == 4000);
+    }
+
+    TEST_CASE("--help has the sentences of each option, its unit, range, choices and default") {
+        Test test;
+        Options options;
+        options.group("specimen");
+        test.describe(options);
         const std::string help = options.help("triaxial", "A test.");
-        CHECK(help.find("on the membrane [Pa; above 0; default 55000]") != std::string::npos);
-        CHECK(help.find("--law ") != std::string::npos);
-        CHECK(help.find("one of linear, hertz; default linear") != std::string::npos);
+        CHECK(help.starts_with(
+            "A test.\n\nUsage: triaxial [--option value]...\n\nSpecimen:\n"
+            "  --confining-pressure <Pa>\n"
+            "      Pressure on the membrane. Above 0. Default: 55000.\n"
+            "  --friction <number>\n"
+            "      Friction coefficient of the rocks. From 0 to 1. Default: 0.5.\n"
+            "  --bodies <integer>\n"
+            "      Number of rocks. Default: as many as fit. At least 1.\n"
+            "  --seed <integer>\n"
+            "      Seed of every random draw. Default: 1.\n"
+            "  --membrane\n"
+            "      Surround the specimen by a membrane. Default: true.\n"
+            "  --law <name>\n"
+            "      Contact law. One of linear, hertz. Default: linear.\n"
+            "  --stages <number,...>\n"
+            "      Axial strains of the stages, each of which ends in an equilibrium before the "
+            "next one begins.\n"
+            "      From 0 to 1. Default: 0,0.08.\n"
+            "  --config <path>\n"
+            "      File with settings. Default: none.\n"
+            "  --help, -h\n"));
+    }
+
+    TEST_CASE("ranges are described with their ends") {
+        double x = 0.5;
+        const auto expected = [&](const Range& range) {
+            Options options;
+            options("x", x, "", "A number.", range);
+            return message_of<InputError>([&] { options.parse({"--x", "1e300"}); });
+        };
+        CHECK(expected(above(0, 1)) ==
+              "--x: expected a number above 0 and at most 1, found \"1e300\"");
+        CHECK(expected(half_open(0, 90)) ==
+              "--x: expected a number of at least 0 and below 90, found \"1e300\"");
+        CHECK(expected(between(0, 1)) ==
+              "--x: expected a number above 0 and below 1, found \"1e300\"");
+        CHECK(expected(at_most(3)) == "--x: expected a number of at most 3, found \"1e300\"");
+        CHECK(expected(below(3)) == "--x: expected a number below 3, found \"1e300\"");
     }
 
     TEST_CASE("settings are listed with their units") {

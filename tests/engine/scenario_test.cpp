@@ -1,4 +1,5 @@
 #include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "tests/temporary_directory.hpp"
 
@@ -58,12 +59,12 @@ TEST_SUITE("engine/scenario") {
             return exit_code({"--out", out}, [&](const Nothing&, const Common&) { throwing(); });
         };
         CHECK(code_after([] {}) == 0);
-        CHECK(code_after([] { throw InputError("told to the reader of the log: input"); }) == 2);
-        CHECK(code_after([] { throw SimulationError("told: guard"); }) == 3);
-        CHECK(code_after([] { throw OutputError("told: files"); }) == 4);
-        CHECK(code_after([] { throw Interrupted("told: interrupted"); }) == 130);
+        CHECK(code_after([] { throw InputError("message of an input error"); }) == 2);
+        CHECK(code_after([] { throw SimulationError("message of a guard"); }) == 3);
+        CHECK(code_after([] { throw OutputError("message about files"); }) == 4);
+        CHECK(code_after([] { throw Interrupted("message of an interruption"); }) == 130);
         CHECK(code_after([] { throw std::bad_alloc(); }) == 3);
-        CHECK(code_after([] { throw std::logic_error("told: mistake"); }) == 1);
+        CHECK(code_after([] { throw std::logic_error("message of a mistake"); }) == 1);
         CHECK(code_after([] { std::filesystem::current_path("/none"); }) == 4);
     }
 
@@ -75,7 +76,24 @@ TEST_SUITE("engine/scenario") {
         CHECK(exit_code({"--threads", "many"}, run) == 2);
         CHECK(exit_code({"--out", "/proc/none"}, run) == 4);
         CHECK(exit_code({"--help"}, run) == 0);
+        CHECK(exit_code({"--version"}, run) == 0);
         CHECK_FALSE(ran);
+    }
+
+    TEST_CASE("a scenario that refuses its input leaves no empty folder, and keeps what it wrote") {
+        const TemporaryDirectory directory;
+        const auto refuse = [](const Nothing&, const Common&) {
+            throw InputError("message of an input error");
+        };
+        CHECK(exit_code({"--out", directory / "a" / "b" / ""}, refuse) == 2);
+        CHECK_FALSE(std::filesystem::exists(directory / "a"));
+        CHECK(exit_code({"--out", directory.path()}, refuse) == 2); // made by someone else
+        CHECK(std::filesystem::exists(directory.path()));
+        CHECK(exit_code({"--out", directory / "a" / "b"}, [&](const Nothing& n, const Common& c) {
+                  write_whole(c.out / "quality_control.txt", "why it is refused");
+                  refuse(n, c);
+              }) == 2);
+        CHECK(std::filesystem::exists(directory / "a" / "b" / "quality_control.txt"));
     }
 
     TEST_CASE(

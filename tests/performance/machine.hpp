@@ -5,15 +5,6 @@
 
 namespace bris {
 
-/// Name and version of the compiler of this binary.
-inline std::string compiler() {
-#ifdef __clang__
-    return "clang " __clang_version__;
-#else
-    return "g++ " __VERSION__;
-#endif
-}
-
 /// Name of the processor; "unknown" where the system does not say.
 inline std::string processor() {
     std::ifstream in("/proc/cpuinfo");

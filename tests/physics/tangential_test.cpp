@@ -1,4 +1,4 @@
-#include "systems/contact/laws/composed.hpp"
+#include "components/laws/table.hpp"
 #include "tests/about.hpp"
 #include "tests/support.hpp"
 

@@ -1,5 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/io/run_file.hpp"
+#include "engine/version.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -161,6 +162,8 @@ TEST_SUITE("engine/io/run_file") {
         const Hdf5File file = Hdf5File::open(directory / "run.vtkhdf");
         CHECK(file.attribute<std::uint64_t>("/meta", "seed") == std::vector<std::uint64_t>{7});
         CHECK(file.text_attribute("/meta", "law") == "linear");
+        for (const NamedValue& entry : version_entries()) // of every run file, without asking
+            CHECK(file.text_attribute("/meta", entry.key) == std::get<std::string>(entry.value));
         CHECK(file.attribute<double>("/meta", "pressure_Pa") == std::vector<double>{55e3});
         CHECK(file.attribute<std::uint8_t>("/meta", "membrane") == std::vector<std::uint8_t>{1});
         const auto kinetic = file.read<double>("/tracks/energy/kinetic");

@@ -222,12 +222,9 @@ int main(int argc, char** argv) {
         Bench settings;
         Options options;
         settings.describe(options);
-        if (options.parse({argv + 1, argv + argc}))
-            run(settings);
-        else
-            fmt::print("{}",
-                       options.help("peers_bench",
+        if (detail::parse_or_answer(options, {argv + 1, argv + argc}, "peers_bench",
                                     "Runs a scene of the comparison with other codes, or makes its "
-                                    "bed."));
+                                    "bed."))
+            run(settings);
     });
 }

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/version.hpp"
 #include "tests/performance/machine.hpp"
 
 #include <fmt/format.h>

@@ -194,11 +194,9 @@ int main(int argc, char** argv) {
         bris::time_vs_error::Campaign campaign;
         bris::Options options;
         campaign.describe(options);
-        if (options.parse({argv + 1, argv + argc}))
+        if (bris::detail::parse_or_answer(
+                options, {argv + 1, argv + argc}, "time_vs_error",
+                "Compares wall time with error for each setting in five scenes."))
             bris::time_vs_error::run(campaign);
-        else
-            fmt::print("{}", options.help(
-                                 "time_vs_error",
-                                 "Compares wall time with error for each setting in five scenes."));
     });
 }

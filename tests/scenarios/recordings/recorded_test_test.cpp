@@ -33,7 +33,8 @@ TEST_SUITE("recordings/recorded_test") {
         const TemporaryDirectory folder;
         const ModelRun truth = steady_run();
         const auto recordings = record_sensors(truth, {}, 1);
-        write_recorded_test(folder.path(), 110e3, recordings, scene_of(truth), truth.points);
+        write_recorded_test(folder.path(), 110e3, recordings, scene_of(truth).specimen,
+                            scene_of(truth).poses, truth.points);
         const auto infos = read_sensor_infos(folder.path());
         REQUIRE(infos.size() == 3);
         const RecordedTest test = read_recorded_test(folder.path(), 110e3, infos, {});
@@ -71,7 +72,8 @@ TEST_SUITE("recordings/recorded_test") {
         auto spoiled = record_sensors(truth, {}, 1);
         for (Vec3& f : spoiled[1].force) f = -f;
         const TemporaryDirectory folder;
-        write_recorded_test(folder.path(), 55e3, spoiled, scene_of(truth), truth.points);
+        write_recorded_test(folder.path(), 55e3, spoiled, scene_of(truth).specimen,
+                            scene_of(truth).poses, truth.points);
         const RecordedTest test =
             read_recorded_test(folder.path(), 55e3, read_sensor_infos(folder.path()), {});
         CHECK(test.refused() == 1);
@@ -87,7 +89,8 @@ TEST_SUITE("recordings/recorded_test") {
             auto points = truth.points;
             for (std::size_t k = 0; k < points.size(); ++k) change(points[k], k);
             const TemporaryDirectory folder;
-            write_recorded_test(folder.path(), 55e3, recordings, scene_of(truth), points);
+            write_recorded_test(folder.path(), 55e3, recordings, scene_of(truth).specimen,
+                                scene_of(truth).poses, points);
             RecordedTest test =
                 read_recorded_test(folder.path(), 55e3, read_sensor_infos(folder.path()), {});
             CHECK(test.refused() == 0);
@@ -169,8 +172,8 @@ TEST_SUITE("recordings/recorded_test") {
         CHECK_THROWS_AS((void)read_sensor_infos(folder / "nowhere"), OutputError);
         CHECK_THROWS_WITH_AS((void)read_sensor_infos(folder.path()),
                              doctest::Contains("expected files rock_NN.txt"), InputError);
-        write_recorded_test(folder.path(), 55e3, record_sensors(truth, {}, 1), scene_of(truth),
-                            truth.points);
+        write_recorded_test(folder.path(), 55e3, record_sensors(truth, {}, 1),
+                            scene_of(truth).specimen, scene_of(truth).poses, truth.points);
         const auto infos = read_sensor_infos(folder.path());
         CHECK_THROWS_AS((void)read_recorded_test(folder.path(), 165e3, infos, {}), OutputError);
         const auto csv = folder / "55kPa" / "test.csv";

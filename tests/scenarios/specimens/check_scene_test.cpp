@@ -62,6 +62,21 @@ TEST_SUITE("specimens/check_scene") {
             CHECK(said(law, [](World&) {}) == "");
     }
 
+    TEST_CASE("coefficients that one law reads of a pair are refused like those of a material, "
+              "under that law only") {
+        const auto with_angle = [](LawName law, double angle) {
+            return said(law, [=](World& w) {
+                w.resource<Materials>().set_own(LawName::linear_bridge, 0, 0, {0.07, angle, 1e-12});
+            });
+        };
+        CHECK(with_angle(LawName::linear_bridge, 0.5) == "");
+        CHECK(
+            with_angle(LawName::linear_bridge, 2) ==
+            "materials 'grain' and 'grain': contact angle: expected from 0 to 0.872665 rad, found "
+            "2 rad");
+        CHECK(with_angle(LawName::linear, 2) == "");
+    }
+
     TEST_CASE("an unphysical material is refused with its name, the expected range and the value") {
         const auto with = [](double Material::*member, double value) {
             return said(LawName::linear,

@@ -90,4 +90,8 @@ TEST_SUITE("verification/cases") {
     TEST_CASE("physics does not depend on reference frame, units, numbering or threads") {
         check_all("descriptions");
     }
+    TEST_CASE("a liquid bridge pulls as published, forms at touch, ruptures at its distance, and "
+              "costs its work") {
+        check_all("liquid_bridge");
+    }
 }

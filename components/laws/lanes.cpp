@@ -1,4 +1,4 @@
-#include "systems/contact/laws/law.hpp"
+#include "components/laws/lanes.hpp"
 
 #include <limits>
 

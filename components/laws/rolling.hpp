@@ -1,6 +1,6 @@
 #pragma once
 
-#include "systems/contact/laws/tangential.hpp"
+#include "components/laws/tangential.hpp"
 
 namespace bris {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "systems/contact/laws/law.hpp"
+#include "components/laws/lanes.hpp"
 
 namespace bris {
 

@@ -1,9 +1,12 @@
+#include "components/laws/table.hpp"
 #include "engine/math.hpp"
 #include "engine/random.hpp"
-#include "systems/contact/laws/composed.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>
+
+#include <algorithm>
+#include <string>
 
 using namespace bris;
 
@@ -36,6 +39,99 @@ struct Contact {
 } // namespace
 
 TEST_SUITE("contact/laws") {
+    TEST_CASE("the table tells of every law what its file states") {
+        const auto& names = law_names();
+        REQUIRE(names.size() > 7);
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            const auto law = static_cast<LawName>(k);
+            const LawTraits& t = traits(law);
+            CAPTURE(t.name);
+            CHECK(names[k] == t.name);
+            CHECK(std::count(names.begin(), names.end(), names[k]) == 1);
+            CHECK(names[k].starts_with(t.hertz ? "hertz" : "linear"));
+            CHECK(t.springs == (names[k].find("frictionless") == std::string::npos));
+            CHECK((t.springs || !t.rolling));
+            CHECK((t.dashpots || !t.rolling));
+            CHECK((t.springs || !t.reaches));
+            CHECK(t.of_pairs.size() <= most_own_coefficients);
+            const auto reads = [&](double Material::*member) {
+                return std::ranges::any_of(
+                    t.of_materials, [&](const Coefficient& c) { return c.of_material == member; });
+            };
+            CHECK(reads(&Material::young_modulus) == t.hertz);
+            CHECK(reads(&Material::normal_stiffness) == !t.hertz);
+            CHECK(reads(&Material::friction) == t.springs);
+            CHECK(reads(&Material::restitution) == t.dashpots);
+            CHECK(reads(&Material::rolling_friction) == t.rolling);
+            const bool same = with_law(law, [&]<class L>() { return L::id == law; });
+            CHECK(same);
+        }
+    }
+
+    TEST_CASE("stiffnesses of one contact are those of the kernel, and the energy is the integral "
+              "of its force") {
+        const LawRow row{1e9, 8e8, 0.5, 0, 0, 0, 0, 0};
+        const auto check = [&]<class L>(Contact<L> contact) {
+            const LawTraits& t = traits(L::id);
+            const double overlap = 1e-5, radius = 0.005;
+            const Elasticity e = t.elasticity(row, overlap, radius);
+            double energy = 0;
+            constexpr int n = 1000;
+            for (int k = 0; k < n; ++k) // midpoints: of second order
+                energy += contact.step((k + 0.5) / n * overlap, Vec3::Zero()).z[0] * overlap / n;
+            CHECK(e.energy == about(energy).epsilon(1e-6));
+            const double h = 1e-3 * overlap,
+                         slope = (contact.step(overlap + h, Vec3::Zero()).z[0] -
+                                  contact.step(overlap - h, Vec3::Zero()).z[0]) /
+                                 (2 * h);
+            CHECK(e.normal == about(slope).epsilon(1e-6));
+        };
+        check(Contact<LinearFrictionless>{});
+        check(Contact<HertzFrictionless>{});
+    }
+
+    TEST_CASE("the potential of a liquid bridge is the work of its force, and zero at rupture") {
+        const LawTraits& t = traits(LawName::linear_bridge);
+        const OwnRow row =
+            t.own_row(LiquidBridge{.surface_tension = 0.07, .contact_angle = 0.3, .volume = 2e-12}
+                          .coefficients());
+        const double radius = 0.0005, end = t.reach(row, radius);
+        CHECK(end == about(1.15 * std::cbrt(2e-12)).epsilon(1e-14));
+        CHECK(t.potential(row, -end, radius) == 0);
+        CHECK(t.potential(row, -2 * end, radius) == 0);
+        Contact<LinearBridge> contact; // touches once, then is held
+        const auto own = [&] {
+            OwnLanes lanes_of_row;
+            for (std::size_t k = 0; k < most_own_coefficients; ++k)
+                lanes_of_row.value[k] = lanes(row.value[k]);
+            return lanes_of_row;
+        }();
+        const auto force = [&](double overlap) {
+            ContactLanes c{lanes(0), lanes(0), lanes(1), lanes(overlap), lanes(10), lanes(radius)};
+            return LinearBridge::force(c, contact.k, own, contact.rolling,
+                                       LawStep(contact.policy, contact.dt, true), contact.spring,
+                                       contact.roll);
+        };
+        const ForceLanes first = force(1e-12);
+        CHECK(first.work.viscous[0] == about(-t.potential(row, 0, radius)).epsilon(1e-9));
+        double work = 0;
+        constexpr int n = 1000;
+        for (int k = 0; k < n; ++k) {
+            const ForceLanes f = force(-(k + 0.5) / n * end);
+            CHECK(f.work.viscous[0] == 0); // it has formed
+            work -= f.z[0] * end / n;
+        }
+        CHECK(work == about(-t.potential(row, 0, radius)).epsilon(1e-5));
+    }
+
+    TEST_CASE("a liquid bridge of no volume, and one that has not formed, pull nothing") {
+        const LawTraits& t = traits(LawName::linear_bridge);
+        const OwnRow dry = t.own_row(LiquidBridge{.surface_tension = 0.07}.coefficients());
+        CHECK(t.reach(dry, 1) == 0);
+        CHECK(t.potential(dry, 1e-6, 1) == 0);
+        CHECK(traits(LawName::linear).reach(dry, 1) == 0);
+    }
+
     TEST_CASE("the force of Hertz is 4/3 E* sqrt(R*) overlap^1.5") {
         Contact<HertzFrictionless> contact;
         for (const double overlap : {1e-7, 1e-5, 1e-4})

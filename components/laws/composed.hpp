@@ -1,22 +1,30 @@
 #pragma once
 
-#include "components/pair.hpp"
-#include "systems/contact/collide.hpp"
-#include "systems/contact/laws/damping.hpp"
-#include "systems/contact/laws/normal.hpp"
-#include "systems/contact/laws/partial_step.hpp"
-#include "systems/contact/laws/rolling.hpp"
-#include "systems/contact/laws/tangential.hpp"
+#include "components/laws/damping.hpp"
+#include "components/laws/normal.hpp"
+#include "components/laws/partial_step.hpp"
+#include "components/laws/rolling.hpp"
+#include "components/laws/tangential.hpp"
 
 namespace bris {
 
 /// A law is composed, never copied: normal spring, dashpots, tangential part, rolling part.
+/// A named law adds what LawTraits asks for: id, name, summary, coefficients.
 template <class NormalPart, class Damping, class Tangential, class Rolling = NoRolling>
 struct Law {
     using Normal = NormalPart;
+    using DampingPart = Damping;
     static constexpr bool has_history = Tangential::has_history;
     static constexpr bool has_dashpots = Damping::present;
     static constexpr bool has_rolling = Rolling::present;
+
+    // what a law that acts beyond touch, or has coefficients of its own for pairs, states anew
+    static constexpr bool has_reach = false; ///< `overlap` is negative where surfaces are apart,
+                                             ///< and `force` takes OwnLanes
+    static constexpr std::array<Coefficient, 0> of_pairs{};
+    static OwnRow own_row(const OwnCoefficients&) { return {}; }
+    static double reach(const OwnRow&, double) { return 0; }
+    static double potential(const OwnRow&, double, double) { return 0; }
 
     /// Force and torque on the owner; moves the springs on by one step.
     static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k,
@@ -72,59 +80,5 @@ private:
         }
     }
 };
-
-using LinearFrictionless = Law<LinearNormal, NoDamping, Frictionless>;
-using Linear = Law<LinearNormal, NoDamping, CoulombSpring>;
-using LinearViscous = Law<LinearNormal, Dashpots, CoulombSpring>;
-using LinearRolling = Law<LinearNormal, Dashpots, CoulombSpring, RollingSprings>;
-using HertzFrictionless = Law<HertzNormal, NoDamping, Frictionless>;
-using HertzMindlin = Law<HertzNormal, NoDamping, CoulombSpring>;
-using HertzMindlinViscous = Law<HertzNormal, Dashpots, CoulombSpring>;
-using HertzMindlinRolling = Law<HertzNormal, Dashpots, CoulombSpring, RollingSprings>;
-
-template <class...>
-struct Columns {};
-
-/// Calls make.template operator()<Law, columns of near rows, columns of pairs>() with the law of
-/// that name and the columns that it writes besides the record of force.
-template <class... Share, class Make>
-auto with_law_and_share(LawName law, bool energy_budget, Make&& make) {
-    using Springs = Columns<Spring>;
-    using Rolls = Columns<Spring, Roll>;
-    const auto sliding = [&]<class L>() {
-        return energy_budget ? make.template operator()<L, Columns<PairWork, Share...>, Springs>()
-                             : make.template operator()<L, Columns<Share...>, Springs>();
-    };
-    const auto rolling = [&]<class L>() {
-        return energy_budget
-                   ? make.template operator()<L, Columns<PairTorque, PairWork, Share...>, Rolls>()
-                   : make.template operator()<L, Columns<PairTorque, Share...>, Rolls>();
-    };
-    switch (law) {
-    case LawName::linear_frictionless:
-        break;
-    case LawName::linear:
-        return sliding.template operator()<Linear>();
-    case LawName::linear_viscous:
-        return sliding.template operator()<LinearViscous>();
-    case LawName::linear_rolling:
-        return rolling.template operator()<LinearRolling>();
-    case LawName::hertz_frictionless:
-        return make.template operator()<HertzFrictionless, Columns<Share...>, Columns<>>();
-    case LawName::hertz_mindlin:
-        return sliding.template operator()<HertzMindlin>();
-    case LawName::hertz_mindlin_viscous:
-        return sliding.template operator()<HertzMindlinViscous>();
-    case LawName::hertz_mindlin_rolling:
-        return rolling.template operator()<HertzMindlinRolling>();
-    }
-    return make.template operator()<LinearFrictionless, Columns<Share...>, Columns<>>();
-}
-template <class Make>
-auto with_law(LawName law, const StepChoices& choices, Make&& make) {
-    return choices.patch == PatchStiffness::shared
-               ? with_law_and_share<const PatchShare>(law, choices.energy_budget, make)
-               : with_law_and_share<>(law, choices.energy_budget, make);
-}
 
 } // namespace bris

@@ -9,7 +9,7 @@ namespace bris {
 /// the last step, the owner against the partner.
 struct ContactLanes {
     Lane nx, ny, nz;       ///< unit normal, from the partner to the owner
-    Lane overlap;          ///< m, >= 0
+    Lane overlap;          ///< m, >= 0; negative, the gap, where a law reaches beyond touch
     Lane inverse_mass;     ///< 1/kg, 1/m of the owner + 1/m of the partner
     Lane radius{};         ///< m, 1 / (1/r of the owner + 1/r of the partner)
     Lane share = lanes(1); ///< of the stiffness of its patch
@@ -41,6 +41,10 @@ struct ForceLanes {
 struct CoefficientLanes {
     Lane kn, ks, friction, normal_rate, shear_rate, normal_ratio, shear_ratio;
 };
+/// Coefficients of OwnRow, one contact a lane.
+struct OwnLanes {
+    std::array<Lane, most_own_coefficients> value;
+};
 struct RollingLanes {
     Lane rolling_friction, twisting_friction, stiffness_ratio, damping_ratio;
 };
@@ -52,7 +56,7 @@ struct LawStep {
     double least_ratio,
         largest_ratio;    ///< of spring stretch kept when the stiffness changes (ShearHistory)
     bool shared;          ///< patches share one stiffness: that of a contact changes
-    bool accumulate_work; ///< an energy ledger wants the work
+    bool accumulate_work; ///< the energy budget needs the work
 
     LawStep(const ContactPolicy& policy, double step, bool energy_budget);
 };

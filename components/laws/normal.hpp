@@ -1,0 +1,62 @@
+#pragma once
+
+#include "components/elasticity.hpp"
+#include "components/laws/lanes.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+// Normal pieces: elastic force and tangent stiffnesses, on all lanes at once, and of one contact
+// with its energy. Each says which table of coefficients it reads, and what kn and ks are called.
+
+/// f = kn * overlap; springs of constant stiffness (Cundall and Strack 1979).
+struct LinearNormal {
+    static constexpr double exponent = 1; ///< of the overlap in the force
+    static constexpr double damping_onset =
+        1; ///< mean over last damping coefficient while an overlap grows from zero
+    static constexpr bool varying =
+        false; ///< whether the tangential stiffness changes with the overlap
+    static constexpr auto normal_name = "stiffness of a contact",
+                          shear_name = "shear stiffness of a contact", unit = "N/m";
+
+    static const std::vector<LawRow>& rows(const Materials& m) { return m.linear_pairs; }
+    static StiffnessLanes stiffness(const ContactLanes& c, const CoefficientLanes& k) {
+        return {k.kn * c.overlap, k.kn, k.ks};
+    }
+    static Elasticity elasticity(const LawRow& k, double overlap, double) {
+        return {k.kn, k.ks, 0.5 * k.kn * overlap * overlap};
+    }
+    static double overlap_to_expect(const LawRow&, double, double, double) { return 0; }
+};
+
+/// f = 4/3 E* a overlap with the contact radius a = sqrt(R* overlap) (Hertz 1882); tangent
+/// stiffnesses 2 E* a and, without slip, 8 G* a (Mindlin 1949).
+struct HertzNormal {
+    static constexpr double exponent = 1.5;
+    static constexpr double damping_onset =
+        0.8; // that of Tsuji goes with the fourth root of the overlap
+    static constexpr bool varying = true;
+    static constexpr auto normal_name = "effective modulus", shear_name = "effective shear modulus",
+                          unit = "Pa";
+
+    static const std::vector<LawRow>& rows(const Materials& m) { return m.hertz_pairs; }
+    static StiffnessLanes stiffness(const ContactLanes& c, const CoefficientLanes& k) {
+        const Lane a = sqrt(c.radius * c.overlap), normal = 2.0 * k.kn * a;
+        return {2.0 / 3 * normal * c.overlap, normal, 2.0 * k.ks * a};
+    }
+    static Elasticity elasticity(const LawRow& k, double overlap, double radius) {
+        const double a = std::sqrt(radius * overlap), normal = 2 * k.kn * a;
+        return {normal, 2 * k.ks * a, 4.0 / 15 * normal * overlap * overlap};
+    }
+    /// Of a body that hits another like it, or half a percent of its radius where that is more:
+    /// beds lie deeper than that only under loads that an estimate from touching contacts sees.
+    static double overlap_to_expect(const LawRow& k, double mass, double radius, double speed) {
+        const double coefficient = 4.0 / 3 * k.kn * std::sqrt(radius);
+        return std::max(0.005 * radius,
+                        std::pow(5 * mass * speed * speed / (4 * coefficient), 0.4));
+    }
+};
+
+} // namespace bris

@@ -1,0 +1,296 @@
+// Starts every scenario with flags that it must answer or refuse: the right exit code, one line on
+// stderr, nothing run and nothing written.
+
+#include "engine/ensemble.hpp"
+#include "engine/io/whole_file.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <fcntl.h>
+#include <filesystem>
+#include <limits>
+#include <regex>
+#include <set>
+#include <spawn.h>
+#include <sstream>
+#include <string>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+using namespace bris;
+
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Command {
+    std::string scenario;
+    std::vector<std::string> flags;
+};
+
+struct Outcome {
+    int code = -1; ///< -1: ended by a signal, or not started
+    std::string out, err;
+    bool wrote = false; ///< something in its working directory, where its results would be too
+};
+
+/// A process of its own in an empty directory.
+Outcome outcome_of(const Command& command) {
+    const TemporaryDirectory outside, inside;
+    const std::string out = outside / "out", err = outside / "err";
+    std::vector<std::string> words{fmt::format("{}/{}", BRIS_BINARIES, command.scenario)};
+    words.insert(words.end(), command.flags.begin(), command.flags.end());
+    std::vector<char*> pointers;
+    for (std::string& word : words) pointers.push_back(word.data());
+    pointers.push_back(nullptr);
+
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, "/dev/null", O_RDONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, out.c_str(), O_WRONLY | O_CREAT,
+                                     0600);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), O_WRONLY | O_CREAT,
+                                     0600);
+    posix_spawn_file_actions_addchdir_np(&actions, inside.path().c_str());
+    pid_t process = 0;
+    int status = 0;
+    Outcome outcome;
+    if (posix_spawn(&process, pointers[0], &actions, nullptr, pointers.data(), environ) == 0 &&
+        waitpid(process, &status, 0) == process) {
+        if (WIFEXITED(status)) outcome.code = WEXITSTATUS(status);
+        outcome.out = read_whole(out);
+        outcome.err = read_whole(err);
+    }
+    posix_spawn_file_actions_destroy(&actions);
+    outcome.wrote = !fs::is_empty(inside.path());
+    return outcome;
+}
+
+/// Several at once; in the order of the commands.
+std::vector<Outcome> outcomes_of(const std::vector<Command>& commands) {
+    std::vector<Outcome> outcomes(commands.size());
+    run_ensemble(commands.size(), std::max(1u, std::thread::hardware_concurrency()),
+                 [&](std::size_t k) { outcomes[k] = outcome_of(commands[k]); });
+    return outcomes;
+}
+
+std::vector<std::string> scenarios() {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::directory_iterator(fs::path(BRIS_SOURCE) / "scenarios"))
+        if (entry.path().extension() == ".cpp") names.push_back(entry.path().stem().string());
+    std::ranges::sort(names);
+    return names;
+}
+
+std::vector<Outcome> outcomes_of_all(const std::vector<std::string>& flags) {
+    std::vector<Command> commands;
+    for (const std::string& name : scenarios()) commands.push_back({name, flags});
+    return outcomes_of(commands);
+}
+
+/// One line, which begins with the name of the scenario.
+bool is_complaint(const Outcome& outcome, const std::string& scenario) {
+    return outcome.err.starts_with(scenario + ": ") && outcome.err.ends_with('\n') &&
+           std::ranges::count(outcome.err, '\n') == 1;
+}
+
+/// Whether a command was refused as it should be; `what` is to be named.
+void check_refusal(const Command& command, const Outcome& outcome, int code,
+                   const std::string& what) {
+    CAPTURE(command.scenario);
+    CAPTURE(command.flags);
+    CAPTURE(outcome.err);
+    CHECK(outcome.code == code);
+    CHECK(is_complaint(outcome, command.scenario));
+    CHECK(outcome.err.find(what) != std::string::npos);
+    CHECK(outcome.out.empty());
+    CHECK_FALSE(outcome.wrote);
+}
+
+/// A flag that takes a number, or several, as --help describes it.
+struct NumericOption {
+    std::string flag, text = {};
+    bool is_integer = false;
+    double low = -std::numeric_limits<double>::infinity();
+    double high = std::numeric_limits<double>::infinity();
+    bool low_accepted = true, high_accepted = true;
+};
+
+/// Range as it stands in front of the default: "From 0 to 1.", "Above 0 and at most 3.".
+void read_range(const std::string& text, NumericOption& option) {
+    static const std::regex both("From (\\S+) to (\\S+)\\. Default: "),
+        lower("(Above|At least) (\\S+)( and (below|at most) (\\S+))?\\. Default: "),
+        upper("(Below|At most) (\\S+)\\. Default: ");
+    std::smatch found;
+    if (std::regex_search(text, found, both)) {
+        option.low = std::stod(found[1]);
+        option.high = std::stod(found[2]);
+    } else if (std::regex_search(text, found, lower)) {
+        option.low = std::stod(found[2]);
+        option.low_accepted = found[1] == "At least";
+        if (found[3].matched) option.high = std::stod(found[5]);
+        if (found[3].matched) option.high_accepted = found[4] == "at most";
+    } else if (std::regex_search(text, found, upper)) {
+        option.high = std::stod(found[2]);
+        option.high_accepted = found[1] == "At most";
+    }
+}
+
+std::vector<NumericOption> numeric_options(const std::string& help) {
+    static const std::regex heading("  (--[a-z0-9-]+) <(.+)>");
+    std::vector<NumericOption> options;
+    std::istringstream lines(help);
+    std::string text; // of the option read last
+    bool is_numeric = false;
+    const auto finish = [&] {
+        if (is_numeric) {
+            options.back().text = text;
+            read_range(text, options.back());
+        }
+        text.clear();
+        is_numeric = false;
+    };
+    for (std::string line; std::getline(lines, line);) {
+        std::smatch found;
+        if (line.starts_with("      ")) {
+            text += line.substr(5); // with the space before its first word
+            continue;
+        }
+        finish();
+        if (!std::regex_match(line, found, heading)) continue;
+        const std::string kind = found[2];
+        is_numeric = kind != "text" && kind != "name" && kind != "path";
+        if (is_numeric) options.push_back({.flag = found[1], .is_integer = kind == "integer"});
+    }
+    finish();
+    return options;
+}
+
+/// A number beyond an end of the range, of two ends the `upper` one or the lower one; -1 where it
+/// has none.
+std::string outside(const NumericOption& option, bool upper) {
+    double number = -1;
+    if (std::isfinite(option.high) && (upper || !std::isfinite(option.low)))
+        number = option.high + (option.high_accepted ? std::max(1.0, std::abs(option.high)) : 0);
+    else if (std::isfinite(option.low))
+        number = option.low - (option.low_accepted ? std::max(1.0, std::abs(option.low)) : 0);
+    return option.is_integer ? fmt::format("{:.0f}", number) : fmt::format("{}", number);
+}
+
+/// What nobody can have meant, for each option of each scenario: four values, and one of them in
+/// turn where another scenario has the same option, since each process takes its time.
+std::vector<Command> absurd_commands(const std::vector<std::string>& names,
+                                     const std::vector<std::vector<NumericOption>>& options) {
+    std::vector<Command> commands;
+    std::set<std::string> seen;
+    std::size_t turn = 0;
+    for (std::size_t k = 0; k < names.size(); ++k)
+        for (const NumericOption& option : options[k]) {
+            const std::array values{std::string("nan"), std::string("banana"), std::string("1e999"),
+                                    outside(option, turn / 4 % 2 == 0)};
+            ++turn;
+            if (seen.insert(option.flag + option.text).second)
+                for (const std::string& value : values)
+                    commands.push_back({names[k], {option.flag, value}});
+            else
+                commands.push_back({names[k], {option.flag, values[turn % values.size()]}});
+        }
+    return commands;
+}
+
+} // namespace
+
+TEST_SUITE("scenarios/command_line") {
+    TEST_CASE("every scenario answers --help and --version and does nothing else") {
+        const auto names = scenarios();
+        REQUIRE(names.size() > 10);
+        const auto help = outcomes_of_all({"--help"}), version = outcomes_of_all({"--version"});
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            CAPTURE(names[k]);
+            for (const Outcome& outcome : {help[k], version[k]}) {
+                CHECK(outcome.code == 0);
+                CHECK(outcome.err.empty());
+                CHECK_FALSE(outcome.wrote);
+            }
+            CHECK(help[k].out.find("\n  --threads <integer>\n") != std::string::npos);
+            std::istringstream lines(help[k].out);
+            for (std::string line; std::getline(lines, line);)
+                CHECK_MESSAGE(line.size() <= 100, line);
+            CHECK(version[k].out.starts_with(names[k] + " of BRIS "));
+            for (const char* line : {"commit", "compiler", "instruction set", "libraries"})
+                CHECK(version[k].out.find(fmt::format("\n{}", line)) != std::string::npos);
+        }
+    }
+
+    TEST_CASE("--explain prints the systems of a step, or says why there are none") {
+        const auto names = scenarios();
+        const auto outcomes = outcomes_of_all({"--explain"});
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            const Outcome& outcome = outcomes[k];
+            if (outcome.code != 0) {
+                check_refusal({names[k], {"--explain"}}, outcome, 2, "--explain");
+                continue;
+            }
+            CAPTURE(names[k]);
+            CHECK_FALSE(outcome.out.empty());
+            CHECK(outcome.err.empty());
+            CHECK_FALSE(outcome.wrote);
+        }
+    }
+
+    TEST_CASE("a checkpoint that is not there is no input to go on from") {
+        const std::vector<std::string> flags{"--resume", "nosuch"};
+        const auto names = scenarios();
+        const auto outcomes = outcomes_of_all(flags);
+        for (std::size_t k = 0; k < names.size(); ++k)
+            check_refusal({names[k], flags}, outcomes[k], outcomes[k].code == 2 ? 2 : 4,
+                          "--resume");
+    }
+
+    TEST_CASE("a flag that no scenario has is refused") {
+        const auto names = scenarios();
+        const std::vector<std::string> flags{"--xyzzy-of-banana", "1"};
+        const auto outcomes = outcomes_of_all(flags);
+        for (std::size_t k = 0; k < names.size(); ++k)
+            check_refusal({names[k], flags}, outcomes[k], 2, flags.front());
+    }
+
+    TEST_CASE("a key that no scenario has is refused with file and line") {
+        const TemporaryDirectory directory;
+        const std::string file = directory / "a.toml";
+        write_whole(file, "# a comment\nseed = 3\nxyzzy_of_banana = 1\n");
+        const auto names = scenarios();
+        const std::vector<std::string> flags{"--config", file};
+        const auto outcomes = outcomes_of_all(flags);
+        for (std::size_t k = 0; k < names.size(); ++k)
+            check_refusal({names[k], flags}, outcomes[k], 2, file + ":3: ");
+    }
+
+    TEST_CASE("every numeric option has a range and refuses what lies outside and what is none") {
+        const auto names = scenarios();
+        const auto help = outcomes_of_all({"--help"});
+        std::vector<std::vector<NumericOption>> options;
+        for (std::size_t k = 0; k < names.size(); ++k) {
+            options.push_back(numeric_options(help[k].out));
+            CHECK(options[k].size() >= 3); // seed, threads, memory
+            for (const NumericOption& option : options[k]) {
+                CAPTURE(names[k]);
+                CAPTURE(option.flag);
+                const bool is_seed = option.flag == "--seed" || option.flag == "--model-packing";
+                CHECK((is_seed || std::isfinite(option.high)));
+                CHECK((option.is_integer || std::isfinite(option.low)));
+            }
+        }
+        const auto commands = absurd_commands(names, options);
+        const auto outcomes = outcomes_of(commands);
+        for (std::size_t k = 0; k < commands.size(); ++k)
+            check_refusal(commands[k], outcomes[k], 2, commands[k].flags.front() + ": expected ");
+    }
+}
