@@ -99,6 +99,8 @@ void Run::go(const std::vector<Phase>& phases) {
                       .save = [&] { save(); },
                       .resume_hint = fmt::format("--resume {}", checkpoint_file(name_).string())},
                      timer_, report_);
+            // the last phase stays the current one, so that a longer run continues it
+            if (position_.phase + 1 == phases.size()) break;
         }
     } catch (const SimulationError& error) {
         save_as(name_ + ".stopped");

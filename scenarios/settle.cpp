@@ -1,5 +1,4 @@
-// Spheres settle in a box under gravity. This is the bed on which speed is measured, and the
-// shortest complete scenario, from options to pictures.
+// Spheres settle in a box under gravity. This is the bed on which speed is measured.
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
@@ -30,29 +29,12 @@ struct Settle {
     bool relax = false;
 
     void describe(auto& option) {
-        option("spheres", bed.spheres, "", "Number of spheres.", within(1, 50e6));
-        option("radius", bed.radius, "m", "Mean radius of the spheres.", above(0, 1e3));
-        option("size_spread", bed.size_spread, "",
-               "Half width of the uniform distribution of radii, relative to the mean radius.",
-               half_open(0, 1));
-        option("normal_stiffness", bed.normal_stiffness, "N/m",
-               "Normal stiffness of a contact. The tangential stiffness is 2/7 of it.",
-               above(0, 1e15));
-        option("friction", bed.friction, "",
-               "Coulomb friction coefficient between spheres and between sphere and wall.",
-               within(0, 100));
-        option("damping_rate", bed.damping_rate, "1/s",
-               "Damping rate of the normal dashpot. The tangential one is half of it.",
-               within(0, 1e9));
-        option("density", bed.density, "kg/m3", "Density of the spheres.", above(0, 1e6));
-        option("step", bed.step, "s", "Time step.", above(0, 1));
+        bed.describe(option);
         option("duration", duration, "s", "Simulated time.", above(0, 1e6));
         option("sleep", sleep, "",
                "Unbalanced force, relative to the weight, below which a sphere falls asleep. It "
                "wakes at twice this value. 0: no sphere sleeps.",
                within(0, 10));
-        option("start_overlap", bed.start_overlap, "",
-               "Overlap of neighbours at the start, relative to the mean diameter.", within(0, 1));
         option("relax", relax, "",
                "Relax deep overlaps of the start before the simulation begins.");
     }
@@ -63,10 +45,9 @@ constexpr LawName law = LawName::linear_viscous;
 
 /// The bed with its neighbour lists and steps. If `relaxed`, the option --relax applies.
 Simulation make_simulation(const Settle& settings, const Common& common, bool relaxed) {
-    require_memory("spheres", settings.bed.spheres, bytes_of_spheres(settings.bed.spheres),
-                   common.memory_limit);
     SphereBed bed = settings.bed;
     bed.seed = common.seed;
+    require_memory("spheres", bed.spheres, bytes_of_spheres(bed.spheres), common.memory_limit);
     World world = make_sphere_bed(bed);
     if (relaxed && settings.relax) {
         const Relaxed r = relax(world, law, {.threads = common.threads});
@@ -78,9 +59,8 @@ Simulation make_simulation(const Settle& settings, const Common& common, bool re
         start(std::move(world),
               {.law = law, .threads = common.threads, .schedule = {.serial = common.serial}});
     if (settings.sleep > 0) {
-        World& complete = simulation.world();
-        add_sleep(complete,
-                  {.acceleration = settings.sleep * complete.resource<Gravity>().value.norm()});
+        const double weight = simulation.world().resource<Gravity>().value.norm();
+        add_sleep(simulation.world(), {.acceleration = settings.sleep * weight});
         simulation.prepare();
     }
     const double stable = stable_step_of_first_contact(simulation.world());
@@ -95,39 +75,36 @@ double floor_force_over_weight(const Quantities& q) {
     return q.weight.z() < 0 ? q.boundary_force.z() / q.weight.z() : 0;
 }
 
-void take_sample(const World& world, double step, Quantities& last, Series& motion) {
+Quantities take_sample(const World& world, Series& motion) {
     const Clock& clock = world.resource<Clock>();
     const double stable = stable_step(world);
-    if (step > stable)
+    if (clock.dt > stable)
         throw SimulationError(
             fmt::format("step {}, time {:.6g} s: --step: expected at most the stable step {:.3g} s "
                         "of the contacts that have formed, found {:.3g} s",
-                        clock.step, clock.time(), stable, step));
-    last = compute_quantities(world);
-    motion.add({clock.time(), last.kinetic_energy, last.elastic_energy,
-                floor_force_over_weight(last), last.coordination, last.unbalanced_ratio, stable});
+                        clock.step, clock.time(), stable, clock.dt));
+    const Quantities now = compute_quantities(world);
+    motion.add({clock.time(), now.kinetic_energy, now.elastic_energy, floor_force_over_weight(now),
+                now.coordination, now.unbalanced_ratio, stable});
+    return now;
 }
 
 void draw(const World& world, const Series& motion, const Common& common) {
-    const auto& time = motion.column("time");
+    const auto panel = [&](const char* title, const char* label, const char* column, bool log) {
+        return Plot{.title = title,
+                    .x_label = "time (s)",
+                    .y_label = label,
+                    .curves = {{.x = motion.column("time"), .y = motion.column(column)}},
+                    .y_logarithmic = log};
+    };
     draw_plots(common.out / "settle_history.png",
-               {{.title = "Decay of the motion",
-                 .x_label = "time (s)",
-                 .y_label = "kinetic energy (J)",
-                 .curves = {{.x = time, .y = motion.column("kinetic_energy")}},
-                 .y_logarithmic = true},
-                {.title = "Weight carried by the floor",
-                 .x_label = "time (s)",
-                 .y_label = "floor force / weight",
-                 .curves = {{.x = time, .y = motion.column("floor_force_over_weight")}}}});
-    const BodyFrame frame = frame_of_bodies(world);
-    View view = view_of_bodies(world, frame, [&](std::size_t body) {
-        return scale_colour(std::min(1.0, static_cast<double>(frame.coordination[body]) / 8));
-    });
+               {panel("Decay of the motion", "kinetic energy (J)", "kinetic_energy", true),
+                panel("Weight carried by the floor", "floor force / weight",
+                      "floor_force_over_weight", false)});
+    View view = view_by_coordination(world);
     view.caption = fmt::format("{} spheres after {:.3g} s. Blue to yellow: 0 to 8 contacts.",
-                               frame.ids.size(), frame.time);
+                               view.balls.size(), world.resource<Clock>().time());
     draw_picture(common.out / "settle.png", {&view, 1});
-    motion.write_csv(common.out / "settle.csv");
 }
 
 void run(const Settle& settings, const Common& common) {
@@ -135,8 +112,6 @@ void run(const Settle& settings, const Common& common) {
     const World& world = simulation.world();
     const std::uint64_t total = steps_of(settings.duration, settings.bed.step, "duration"),
                         sample_every = std::max<std::uint64_t>(1, total / samples);
-    Progress progress = make_progress(common);
-    Run run(simulation, common, "settle", progress_slot(progress));
     Series motion("motion", {{"time", "s"},
                              {"kinetic_energy", "J"},
                              {"elastic_energy", "J"},
@@ -144,6 +119,8 @@ void run(const Settle& settings, const Common& common) {
                              {"coordination", ""},
                              {"unbalanced_ratio", ""},
                              {"stable_step", "s"}});
+    Progress progress = make_progress(common);
+    Run run(simulation, common, "settle", progress_slot(progress));
     run.keep(motion);
     if (common.resume.empty()) {
         check_overlaps(simulation.world());
@@ -154,23 +131,18 @@ void run(const Settle& settings, const Common& common) {
     FrameWriter frames(run.file("settle", ".vtkhdf"), common.settings);
     if (!run.is_resumed()) frames.add(world);
     Quantities last;
-    run.go({run.timed({.name = "settle",
-                       .steps = total,
-                       .sample_every = sample_every,
-                       .sample =
-                           [&](Simulation&, std::uint64_t step) {
-                               take_sample(world, settings.bed.step, last, motion);
-                               if (step % (samples_per_frame * sample_every) == 0 || step == total)
-                                   frames.add(world);
-                               return true;
-                           },
-                       .status =
-                           [&](const World&) {
-                               return fmt::format("{:.4f} s, floor force / weight {:.4f}",
-                                                  world.resource<Clock>().time(),
-                                                  floor_force_over_weight(last));
-                           }})});
+    const auto sample = [&](Simulation&, std::uint64_t step) {
+        last = take_sample(world, motion);
+        if (step % (samples_per_frame * sample_every) == 0 || step == total) frames.add(world);
+        return true;
+    };
+    const auto status = [&](const World&) {
+        return fmt::format("{:.4f} s, floor force / weight {:.4f}", world.resource<Clock>().time(),
+                           floor_force_over_weight(last));
+    };
+    run.go({run.timed({"settle", total, sample_every, sample, status})});
     draw(world, motion, common);
+    motion.write_csv(common.out / "settle.csv");
     motion.write_track(frames.file());
     frames.file().close();
     Summary summary;

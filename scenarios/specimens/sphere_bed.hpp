@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/options.hpp"
 #include "engine/world.hpp"
 
 #include <cstdint>
@@ -21,11 +22,32 @@ struct SphereBed {
     /// gap.
     double start_overlap = 0;
     std::uint64_t seed = 1;
+
+    void describe(auto& option);
 };
 
 /// Makes a bed of spheres with small random offsets from their lattice, in a box about the z axis
 /// whose floor is z = 0. The settled bed is nearly twice as high as wide. A sphere that leaves the
 /// box stops the run. The caller adds the pair lists.
 World make_sphere_bed(const SphereBed& bed);
+
+void SphereBed::describe(auto& option) {
+    option("spheres", spheres, "", "Number of spheres.", within(1, 50e6));
+    option("radius", radius, "m", "Mean radius of the spheres.", above(0, 1e3));
+    option("size_spread", size_spread, "",
+           "Half width of the uniform distribution of radii, relative to the mean radius.",
+           half_open(0, 1));
+    option("normal_stiffness", normal_stiffness, "N/m",
+           "Normal stiffness of a contact. The tangential stiffness is 2/7 of it.", above(0, 1e15));
+    option("friction", friction, "",
+           "Coulomb friction coefficient between spheres and between sphere and wall.",
+           within(0, 100));
+    option("damping_rate", damping_rate, "1/s",
+           "Damping rate of the normal dashpot. The tangential one is half of it.", within(0, 1e9));
+    option("density", density, "kg/m3", "Density of the spheres.", above(0, 1e6));
+    option("step", step, "s", "Time step.", above(0, 1));
+    option("start_overlap", start_overlap, "",
+           "Overlap of neighbours at the start, relative to the mean diameter.", within(0, 1));
+}
 
 } // namespace bris

@@ -136,6 +136,13 @@ View view_of_bodies(const World& world, const BodyFrame& frame,
     return view;
 }
 
+View view_by_coordination(const World& world, double most) {
+    const BodyFrame frame = frame_of_bodies(world);
+    return view_of_bodies(world, frame, [&](std::size_t index) {
+        return scale_colour(std::min(1.0, static_cast<double>(frame.coordination[index]) / most));
+    });
+}
+
 FrameWriter::FrameWriter(const std::filesystem::path& path, const std::vector<NamedValue>& meta)
     : file_(path) {
     file_.add_meta(meta);

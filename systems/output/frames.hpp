@@ -36,6 +36,10 @@ BodyFrame frame_of_bodies(const World& world);
 View view_of_bodies(const World& world, const BodyFrame& frame,
                     const std::function<Colour(std::size_t index)>& colour);
 
+/// The bodies of the world coloured by coordination number, from blue (0) to yellow (`most` and
+/// more).
+View view_by_coordination(const World& world, double most = 8);
+
 /// Writes frames of a world to NAME.vtkhdf: id, shape, radius, velocity, angular velocity,
 /// orientation and coordination number of every body; facets as quads. Throws OutputError.
 class FrameWriter {
