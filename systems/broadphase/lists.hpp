@@ -17,7 +17,8 @@ bool lists_are_due(const World& world);
 /// True in steps that begin with an update of the positions and velocities that contacts read: when
 /// the lists are new, or velocities were changed from outside the step.
 bool positions_are_due(const World& world);
-/// Records that contacts read current velocities.
+/// Records that contacts read current velocities. It takes the World so that the schedule runs it:
+/// only conditions of systems, not systems, read what it writes.
 void note_positions(World& world);
 
 /// Finds the candidate pairs within the outer skin and carries their springs over; every few
