@@ -82,7 +82,7 @@ bool may_include_room(const std::string& file, const std::string& target) {
     const auto is_executable = [](const std::string& path) {
         return std::ranges::count(path, '/') == 1;
     };
-    if (!within(file, "scenarios") || is_executable(target) || order(target) == std::ssize(rooms))
+    if (!within(file, "scenarios") || is_executable(target) || order(target) == rooms.size())
         return false;
     return is_executable(file) || order(target) <= order(file);
 }
