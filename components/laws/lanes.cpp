@@ -12,6 +12,6 @@ LawStep::LawStep(const ContactPolicy& policy, double step, bool energy_budget)
     : dt(step), least_force(policy.tension == Tension::allowed ? -infinity : 0),
       least_ratio(policy.shear_history == ShearHistory::total ? 1 : 0),
       largest_ratio(policy.shear_history == ShearHistory::incremental ? infinity : 1),
-      shared(policy.patch == PatchStiffness::shared), book(energy_budget) {}
+      shared(policy.patch == PatchStiffness::shared), accumulate_work(energy_budget) {}
 
 } // namespace bris
