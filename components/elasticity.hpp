@@ -14,7 +14,7 @@ struct Elasticity {
     double normal, shear, energy;
 };
 
-/// Effective radius of a near pair, m: 1 / (1/r1 + 1/r2) for two spheres, r for a sphere and a
+/// Effective radius (m) of a near pair: 1 / (1/r1 + 1/r2) for two spheres, r for a sphere and a
 /// boundary.
 template <class Pairs>
 double effective_radius(const NearEntry& near, std::span<const SphereRow> sphere_row) {

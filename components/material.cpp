@@ -17,7 +17,7 @@ double shear_compliance_modulus(const Material& m) { // G / (2 - nu)
     return m.young_modulus / (2 * (1 + m.poisson_ratio) * (2 - m.poisson_ratio));
 }
 
-// everything that has a value replaces what the mixing rules gave
+// each property that has a value replaces that of the mixing rules
 void apply(const PairProperties& from, double& friction, double& restitution, RollingRow& rolling) {
     friction = from.friction.value_or(friction);
     restitution = from.restitution.value_or(restitution);
@@ -99,7 +99,7 @@ void Materials::mix() {
             curved.kn = series(plane_modulus(a), plane_modulus(b));
             curved.ks = 4 * series(shear_compliance_modulus(a), shear_compliance_modulus(b));
             curved.normal_ratio = hertz * ratio;
-            // kernels take one root, that of the normal stiffness
+            // the kernels compute one square root only, that of the normal stiffness
             linear.shear_ratio = linear.kn > 0 ? shear * std::sqrt(linear.ks / linear.kn) : 0;
             curved.shear_ratio =
                 curved.kn > 0 ? hertz * shear * std::sqrt(curved.ks / curved.kn) : 0;
@@ -113,8 +113,8 @@ void Materials::mix() {
 void Materials::save(Archive& archive) const {
     for (std::size_t i = 0; i < list.size(); ++i) put_fields(archive, path_of(i), fields(list[i]));
     put_fields(archive, "materials/policy", fields_of_policy(policy));
-    std::vector<double>
-        numbers; // of each pair of its own: a, b, then whether set and what, four times
+    // for each pair: a, b, then for each of four properties whether it is set, and its value
+    std::vector<double> numbers;
     for (const Override& o : overrides_) {
         numbers.insert(numbers.end(), {static_cast<double>(o.a), static_cast<double>(o.b)});
         for (const auto& p : {o.properties.friction, o.properties.restitution,
@@ -125,7 +125,7 @@ void Materials::save(Archive& archive) const {
     save_own(archive);
 }
 
-// law, a, b, then the coefficients; absent where no law has any
+// for each pair: law, a, b, then the coefficients; absent if no pair has any
 void Materials::save_own(Archive& archive) const {
     std::vector<double> numbers;
     for (const Own& o : own_) {

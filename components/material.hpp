@@ -11,114 +11,134 @@
 
 namespace bris {
 
-/// What a body is made of. A contact takes what its law reads: stiffnesses (linear laws) or elastic
-/// constants (Hertz), friction, restitution or rates, rolling and twisting friction (rolling laws).
+/// Properties of a material. Each law reads some of them: stiffnesses (linear laws) or elastic
+/// constants (Hertz), friction, restitution or damping rates, rolling and twisting friction
+/// (rolling laws).
 struct Material {
     std::string name;
     double density = 0;          ///< kg/m3, > 0 for free bodies
-    double normal_stiffness = 0; ///< N/m, > 0: linear laws; two partners act in series
-    double shear_stiffness = 0;  ///< N/m, >= 0: linear laws
+    double normal_stiffness = 0; ///< N/m, > 0, linear laws; two partners act in series
+    double shear_stiffness = 0;  ///< N/m, >= 0, linear laws; two partners act in series
     double friction = 0;         ///< Coulomb coefficient, >= 0; a pair has the lower one
-    double normal_damping =
-        0; ///< 1/s times the reduced mass, >= 0, besides that of restitution; a pair has the mean
-    double shear_damping = 0; ///< 1/s times the reduced mass, >= 0, likewise
-    double restitution = 1; ///< of a normal impact, in [0, 1], 0 excluded where calibrated; a pair
-                            ///< has the geometric mean
+    /// Damping rate, 1/s, >= 0: damping coefficient over reduced mass, in addition to the damping
+    /// by restitution. A pair has the mean of both materials.
+    double normal_damping = 0;
+    /// Damping rate of the tangential spring, 1/s, >= 0, defined and mixed as the normal one.
+    double shear_damping = 0;
+    /// Coefficient of restitution of a normal impact, in [0, 1]; 0 is excluded for
+    /// Tension::calibrated. A pair has the geometric mean of both materials.
+    double restitution = 1;
     double young_modulus = 0; ///< Pa, > 0: Hertz
     double poisson_ratio = 0; ///< in (-1, 0.5]: Hertz, Mindlin
-    double rolling_friction =
-        0; ///< torque limit over radius and normal force, >= 0; a pair has the lower one
-    double twisting_friction = 0; ///< likewise, about the normal
+    /// Limit of the rolling torque over effective radius and normal force, >= 0. A pair has the
+    /// lower one.
+    double rolling_friction = 0;
+    /// Limit of the torque about the normal over effective radius and normal force, >= 0. A pair
+    /// has the lower one.
+    double twisting_friction = 0;
 };
 
-/// What replaces the mixing rules for one pair of materials.
+/// Values that replace those of the mixing rules for one pair of materials.
 struct PairProperties {
     std::optional<double> friction = {}, restitution = {}, rolling_friction = {},
                           twisting_friction = {};
 };
 
-/// The law of a scene's contacts; set when its lists are added.
+/// Contact law of a scene; set when the neighbour lists are added.
 struct ContactLaw {
     static constexpr auto name = "contact_law";
     LawName law = LawName::linear;
 };
 
-/// Whether a dashpot may pull at the end of a contact, and what that does to restitution.
+/// Whether the dashpot may make the normal force attractive at the end of a contact, and the
+/// restitution that follows.
 enum class Tension : std::uint32_t {
-    allowed, ///< it may: restitution is exactly the one asked for
-    cut, ///< the normal force ends at zero, with the same dashpot: restitution is higher than asked
-         ///< for
-    calibrated ///< the normal force ends at zero, with a stronger dashpot: restitution as asked for
+    /// The normal force may be attractive; restitution is exactly the prescribed one.
+    allowed,
+    /// The normal force is cut off at zero, with the same dashpot; restitution is higher than
+    /// prescribed.
+    cut,
+    /// The normal force is cut off at zero, with a stronger dashpot; restitution is the prescribed
+    /// one.
+    calibrated
 };
 
 /// How the tangential spring of Mindlin follows a stiffness that changes with the normal force.
 enum class ShearHistory : std::uint32_t {
-    rescaled,    ///< its force shrinks with the stiffness, and does not grow with it: never gives
-                 ///< energy
-    incremental, ///< its force changes by stiffness times displacement only
-    total        ///< its force is stiffness times stretch
+    /// The force decreases with the stiffness but does not increase with it, so the spring never
+    /// creates energy.
+    rescaled,
+    incremental, ///< the force changes only by stiffness times displacement
+    total        ///< the force is stiffness times stretch
 };
 
-/// What the spheres of one clump that touch the same partner, a patch, oppose to it.
+/// Stiffness of a patch, that is, of the spheres of one clump that touch the same partner.
 enum class PatchStiffness : std::uint32_t {
-    per_sphere, ///< each its whole stiffness: a patch is the stiffer, the more spheres it has
-    shared ///< each its share by overlap of one stiffness: the same however many spheres stand for
-           ///< the surface
+    /// Each sphere has the full stiffness, so a patch is stiffer the more spheres it has.
+    per_sphere,
+    /// The spheres share one stiffness in proportion to their overlaps, so the stiffness does not
+    /// depend on how many spheres represent the surface.
+    shared
 };
 
-/// Choices that all contacts of a scene share.
+/// Settings that all contacts of a scene share.
 struct ContactPolicy {
     Tension tension = Tension::allowed;
     ShearHistory shear_history = ShearHistory::rescaled;
     PatchStiffness patch = PatchStiffness::per_sphere; ///< spheres against spheres and planes
-    bool shear_dashpot =
-        false; ///< restitution damps the tangential spring too, by the same ratio of critical
-    double rolling_stiffness_ratio =
-        1; ///< rolling spring over tangential spring (both at the surface), > 0
-    double rolling_damping_ratio = 0; ///< of critical, while the rolling spring sticks, >= 0
+    /// Restitution damps the tangential spring too, by the same ratio of critical damping.
+    bool shear_dashpot = false;
+    /// Stiffness of the rolling spring over that of the tangential spring (both at the surface), >
+    /// 0.
+    double rolling_stiffness_ratio = 1;
+    /// Ratio of critical damping while the rolling spring sticks, >= 0.
+    double rolling_damping_ratio = 0;
 };
 
-/// Coefficients of one pair of materials, as the contact kernels read them. Linear laws: kn, ks are
-/// N/m. Hertz: kn is E*, ks is 4 G* (Pa), so that the tangent stiffnesses are 2 kn a and 2 ks a at
-/// contact radius a.
+/// Coefficients of one pair of materials, as the contact kernels read them. Linear laws: kn and ks
+/// are stiffnesses in N/m. Hertz: kn is E* and ks is 4 G* (Pa), so that the tangent stiffnesses at
+/// contact radius a are 2 kn a and 2 ks a.
 struct alignas(64) LawRow {
     double kn, ks, friction;
-    double normal_rate, shear_rate;   ///< 1/s, times reduced mass
-    double normal_ratio, shear_ratio; ///< times the root of normal tangent stiffness and reduced
-                                      ///< mass; no shear without normal
+    double normal_rate, shear_rate; ///< 1/s, damping coefficient over reduced mass
+    /// Damping coefficient over the square root of normal tangent stiffness times reduced mass. The
+    /// shear ratio is zero where the normal one is.
+    double normal_ratio, shear_ratio;
     double unused;
 };
 struct alignas(32) RollingRow {
     double rolling_friction, twisting_friction, stiffness_ratio, damping_ratio;
 };
 
-/// The materials of a scene and the table of their pairs. Coefficients may
-/// change between phases, so they are State.
+/// The materials of a scene and the tables of their pairs. Coefficients may change between phases,
+/// so they are State.
 struct Materials {
     static constexpr auto name = "materials";
     static constexpr bool is_state = true;
 
     std::vector<Material> list;
     ContactPolicy policy;
-    std::vector<LawRow> linear_pairs; ///< list.size() squared
-    std::vector<LawRow> hertz_pairs;  ///< likewise
+
+    // Tables of list.size() squared rows; `pair` gives the row.
+    std::vector<LawRow> linear_pairs;
+    std::vector<LawRow> hertz_pairs;
     std::vector<RollingRow> rolling_pairs;
-    std::vector<OwnRow> own_pairs;   ///< likewise, of laws with coefficients of their own; else 0
-    std::vector<double> restitution; ///< of each pair, as mixed
+    std::vector<OwnRow> own_pairs;   ///< coefficients that only one law reads; otherwise 0
+    std::vector<double> restitution; ///< as mixed
 
     std::uint32_t add(const Material& material);
     std::uint32_t pair(std::uint32_t a, std::uint32_t b) const {
         return a * static_cast<std::uint32_t>(list.size()) + b;
     }
     const std::vector<LawRow>& pairs(LawName law) const { return traits(law).rows(*this); }
-    /// Sets properties of one pair, in both orders; what was set for it before is gone.
+    /// Sets the properties of one pair, in both orders, and discards those set before.
     void set_pair(std::uint32_t a, std::uint32_t b, const PairProperties& properties);
-    /// Sets the coefficients that only `law` reads for one pair, in both orders, as its file lists
-    /// them (LawTraits::of_pairs); what was set for the pair before is gone.
+    /// Sets the coefficients that only `law` reads (LawTraits::of_pairs, in that order) for one
+    /// pair, in both orders, and discards those set for the pair before.
     void set_own(LawName law, std::uint32_t a, std::uint32_t b, const OwnCoefficients& values);
-    /// As set; zeros if nothing was set for this law.
+    /// The coefficients as set; zeros if none were set for this law.
     OwnCoefficients own(LawName law, std::uint32_t a, std::uint32_t b) const;
-    /// Recomputes the tables of pairs; after any change of `list` or `policy`.
+    /// Recomputes the tables of pairs; to be called after any change of `list` or `policy`.
     void mix();
     void save(Archive& archive) const;
     void load(const Archive& archive);
@@ -143,15 +163,17 @@ private:
     std::vector<Own> own_;
 };
 
-/// Ratio of critical damping that gives a restitution in (0, 1]: -ln e / sqrt(pi^2 + ln^2 e), the
-/// same for linear and Hertz contacts (Tsuji, Tanaka and Ishida 1992); 1 for 0. Tension::calibrated
-/// solves restitution_of for it: any restitution above 0, by 1/(2 sqrt e) where it is small, with
-/// which contacts last as much longer and the stable step is as much shorter (1e-2: a tenth of the
-/// undamped one, 1e-4: a hundredth); 0 by no dashpot: infinite.
+/// Ratio of critical damping that gives the restitution e in (0, 1]: -ln e / sqrt(pi^2 + ln^2 e),
+/// the same for linear and Hertz contacts (Tsuji, Tanaka and Ishida 1992); 1 for e = 0. For
+/// Tension::calibrated the ratio is found by inverting restitution_of. It exists for every e above
+/// 0 and approaches 1/(2 sqrt e) for small e; the duration of contacts grows, and the stable step
+/// shrinks, in proportion to it (for e = 1e-2 the step is a tenth of the undamped one, for 1e-4 a
+/// hundredth). No finite ratio gives e = 0, so the result is infinite.
 double damping_ratio(double restitution, Tension tension);
 
-/// Restitution of a contact damped by a ratio of critical: exp(-pi b / sqrt(1 - b^2)) if the force
-/// may pull, or the closed form of Schwager and Poeschel (2007) for a force that ends at zero.
+/// Restitution of a contact with a ratio b of critical damping: exp(-pi b / sqrt(1 - b^2)) if the
+/// force may be attractive, or the closed form of Schwager and Poeschel (2007) for a force that is
+/// cut off at zero.
 double restitution_of(double damping_ratio, Tension tension);
 
 } // namespace bris

@@ -34,7 +34,7 @@ std::string trimmed(const std::string& text) {
     return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// The whole text as a number, or false.
+/// Reads the whole text as a number; false if it is none.
 template <class T>
 bool read_number(std::string_view text, T& value) {
     if (!text.empty() && text.front() == '+') text.remove_prefix(1);
@@ -43,7 +43,7 @@ bool read_number(std::string_view text, T& value) {
     return error == std::errc{} && stop == end && !text.empty();
 }
 
-/// Empty words are left out.
+/// Joins words with a separator; empty words are left out.
 std::string joined(const std::vector<std::string>& words, const char* separator) {
     std::string text;
     for (const std::string& word : words)
@@ -95,7 +95,7 @@ std::string in_unit(const std::string& unit) {
     throw InputError(fmt::format("{}: expected {}, found \"{}\"", where, expected, found));
 }
 
-/// Sets one member from its text; `where` begins the message if that fails.
+/// Sets one member from its text. Throws InputError with a message that begins with `where`.
 struct Assign {
     const std::string& where;
     const std::string& text;
@@ -143,7 +143,7 @@ private:
     }
 };
 
-/// The value of a member as text, as a user would type it.
+/// The value of a member as a user would type it.
 std::string written(const auto& target) {
     return std::visit(Overloaded{[](const std::vector<double>* x) {
                                      std::vector<std::string> texts;
@@ -156,7 +156,7 @@ std::string written(const auto& target) {
                       target);
 }
 
-/// Letters to insert, delete or replace to turn one word into the other.
+/// Number of letters to insert, delete or replace to turn one word into the other.
 std::size_t edit_distance(const std::string& a, const std::string& b) {
     std::vector<std::size_t> row(b.size() + 1);
     std::iota(row.begin(), row.end(), std::size_t{0});
@@ -172,14 +172,14 @@ std::size_t edit_distance(const std::string& a, const std::string& b) {
     return row.back();
 }
 
-/// A flag, and no value of the one before: a negative number, a name with a dash in front and the
-/// dash alone are values.
+/// Whether a word is a flag rather than the value of the flag before it. A negative number, a name
+/// that begins with one dash, and a single dash are values.
 bool is_flag(const std::string& word) { return word.starts_with("--") || word == "-h"; }
 
-constexpr std::size_t widest_line = 100; // of --help
-constexpr auto indent = "      ";        // of the help below the name of its option
+constexpr std::size_t widest_line = 100; // of --help, in columns
+constexpr auto indent = "      ";        // of the help text below the name of its option
 
-/// Words in lines that begin with `margin`.
+/// Breaks a text into lines that begin with `margin`.
 std::string wrapped(const std::string& text, const char* margin) {
     std::istringstream words(text);
     std::string lines, line;
@@ -199,7 +199,7 @@ std::string capitalised(std::string text) {
     return text;
 }
 
-/// A line of a config file without its comment; '#' inside quotes stays.
+/// A line of a config file without its comment; '#' within quotes does not begin a comment.
 std::string without_comment(const std::string& line) {
     bool quoted = false;
     for (std::size_t i = 0; i < line.size(); ++i) {
@@ -212,7 +212,8 @@ std::string without_comment(const std::string& line) {
 } // namespace
 
 void Options::add(Option option) {
-    if (find(option.name)) throw std::logic_error("option '" + option.name + "' described twice");
+    if (find(option.name))
+        throw std::logic_error("option '" + option.name + "' is described twice");
     option.initially = written(option.target);
     options_.push_back(std::move(option));
 }
@@ -353,7 +354,7 @@ Options::Request Options::parse(const std::vector<std::string>& arguments) {
     return Request::run;
 }
 
-/// The flag with what it takes: "--step <s>", "--bodies <integer>", "--quiet".
+/// The flag and its value as --help shows them: "--step <s>", "--bodies <integer>", "--quiet".
 std::string Options::heading(const Option& option) {
     const std::string number = option.unit.empty() || option.unit == "-" ? "number" : option.unit;
     const std::string value =
@@ -369,7 +370,7 @@ std::string Options::heading(const Option& option) {
     return flag(option.name) + (value.empty() ? "" : fmt::format(" <{}>", value));
 }
 
-/// Range, choices and default, as sentences that follow the help.
+/// Range, choices and default as sentences that follow the help text.
 std::string Options::notes(const Option& option) {
     std::string text;
     if (const std::string range = words(option.range); !range.empty())
@@ -393,9 +394,9 @@ std::string Options::help(const std::string& program, const std::string& descrip
                             wrapped(option.help + (has_end ? "" : ".") + notes(option), indent));
     }
     const auto version = wrapped("Print the version of BRIS, the commit, the compiler, the "
-                                 "instruction set and the versions of the libraries, and end.",
+                                 "instruction set and the versions of the libraries, and exit.",
                                  indent);
-    return text + fmt::format("  --help, -h\n{}Print this text and end.\n  --version\n{}", indent,
+    return text + fmt::format("  --help, -h\n{}Print this help and exit.\n  --version\n{}", indent,
                               version);
 }
 

@@ -12,7 +12,7 @@
 
 namespace bris {
 
-/// The numbers an option accepts. NaN and infinity are never accepted.
+/// The range of numbers that an option accepts. NaN and infinity are never accepted.
 struct Range {
     double low = -std::numeric_limits<double>::infinity();
     double high = std::numeric_limits<double>::infinity();
@@ -38,9 +38,9 @@ inline Range between(double low, double high) {
     return {.low = low, .high = high, .low_accepted = false, .high_accepted = false};
 }
 
-/// Members of a settings struct under the names by which a user knows them: flags
-/// (`--confining-pressure 110e3`), keys of a config file (`confining_pressure = 110e3`), lines of
-/// --help, and keys of the written provenance. A struct describes itself:
+/// Members of a settings struct under the names that a user sees: flags of the command line
+/// (`--confining-pressure 110e3`), keys of a config file (`confining_pressure = 110e3`), entries of
+/// --help, and keys of the settings written with the results. A struct describes itself:
 ///
 ///     void describe(auto& option) {
 ///         option("confining_pressure", confining_pressure, "Pa",
@@ -48,16 +48,16 @@ inline Range between(double low, double high) {
 ///         option("law", law, "", "Contact law.", {"linear", "hertz"});
 ///     }
 ///
-/// The values that the members have when described are the defaults.
+/// The values that the members have when they are described are the defaults.
 class Options {
 public:
-    /// What a command line asks for.
+    /// What a command line requests.
     enum class Request { run, help, version };
 
-    /// Names are snake_case; the unit is "" where there is none. The help is one or more whole
-    /// sentences; --help adds unit, range, choices and default, the last one unless a sentence of
-    /// the help begins with "Default:". A list of numbers is given as `0.01,0.02`; its range holds
-    /// for each of them. A path or a string may be empty.
+    /// Describes a member. Names are snake_case; the unit is "" where there is none. The help is
+    /// one or more whole sentences; --help appends the unit, the range, the choices, and the
+    /// default unless a sentence of the help begins with "Default:". A list of numbers is given as
+    /// `0.01,0.02`; its range holds for each number. A path or a string may be empty.
     void operator()(std::string name, double& value, std::string unit, std::string help,
                     Range range = {});
     void operator()(std::string name, unsigned& value, std::string unit, std::string help,
@@ -76,15 +76,16 @@ public:
     void group(std::string title);
 
     /// Reads the flags into the described members: `--name value`, `--name=value`, and `--name` for
-    /// a switch. `--config FILE` is read first, so that flags overrule it. Where --help (-h) or
-    /// --version is among them nothing is read. Throws InputError: one line with the option (or
-    /// file:line: key), what was expected, what was found.
+    /// a switch. `--config FILE` is read first, so that flags take precedence. If --help (-h) or
+    /// --version is among the flags, nothing is read. Throws InputError, one line with the option
+    /// (or file:line: key), what was expected and what was found, and OutputError for an unreadable
+    /// config file.
     Request parse(const std::vector<std::string>& arguments);
 
     /// The text of --help, in lines of at most 100 columns.
     std::string help(const std::string& program, const std::string& description) const;
 
-    /// All members as they are now, in the order described; keys carry the unit.
+    /// The current values of all members, in the order of their description; keys carry the unit.
     std::vector<NamedValue> values() const;
 
 private:
@@ -106,9 +107,9 @@ private:
     const Option* find_flag(const std::string& flag) const;
     std::string nearest(const std::string& name) const;
     void read_config(const std::filesystem::path& file);
-    /// What was typed after a flag, each time that it was given; a switch may come without a value.
+    /// The values given with a flag, one for each time that it was given; a switch may have none.
     using Values = std::vector<std::optional<std::string>>;
-    /// The values of each option, in the order described.
+    /// The values of each option, in the order of their description.
     std::vector<Values> split(const std::vector<std::string>& arguments) const;
     void assign_flag(const Option& option, const Values& values) const;
     [[noreturn]] void reject_unknown(const std::string& found) const;
@@ -119,7 +120,7 @@ private:
     std::vector<Group> groups_;
 };
 
-/// Key with the unit as a suffix: ("pressure", "Pa") -> pressure_Pa, ("rate", "1/s") ->
+/// The key with the unit as a suffix: ("pressure", "Pa") -> pressure_Pa, ("rate", "1/s") ->
 /// rate_per_s, ("density", "kg/m3") -> density_kg_per_m3.
 std::string key_with_unit(const std::string& name, const std::string& unit);
 

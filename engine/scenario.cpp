@@ -21,7 +21,7 @@ void report_results(const Common& common, const Summary& results) {
     whole.add("scenario", common.scenario);
     whole.add(common.settings);
     whole.add(results.entries());
-    whole.write(common.out / "summary.json"); // before the terminal: who reads there may have gone
+    whole.write(common.out / "summary.json"); // before printing, which fails if stdout is closed
     results.print(common.scenario);
 }
 
@@ -42,7 +42,8 @@ int report(const std::string& name, const std::string& message, ExitCode code) {
 }
 
 void refuse_flag(const char* flag, bool given, const std::string& reason) {
-    require(!given || reason.empty(), fmt::format("{}: not for this scenario: {}", flag, reason));
+    require(!given || reason.empty(),
+            fmt::format("{}: not supported by this scenario: {}", flag, reason));
 }
 
 /// The flags that every scenario has.
@@ -52,21 +53,26 @@ struct CommonFlags {
 
     void describe(Options& option, Common& common) {
         option.group("Options of every scenario");
-        option("out", common.out, "", "Folder of the results.");
+        option("out", common.out, "", "Folder in which the results are written.");
         option("seed", common.seed, "", "Seed of every random draw.");
-        option("threads", common.threads, "",
-               "Largest number of threads that may be used. 0: all cores. Some scenarios use one.",
-               within(0, 4096));
-        option("memory", memory, "GiB", "Stop when more memory is needed. 0: no limit.",
-               within(0, 1 << 20));
+        option(
+            "threads", common.threads, "",
+            "Largest number of threads to use. 0: all cores. Some scenarios use only one thread.",
+            within(0, 4096));
+        option("memory", memory, "GiB",
+               "Stop when the run needs more memory than this. 0: no limit.", within(0, 1 << 20));
         option("config", config, "",
-               "File of lines `name = value` with the names of these options. Flags overrule it.");
+               "Configuration file of lines `name = value` with the names of these options. Flags "
+               "on the "
+               "command line take precedence.");
         option("resume", common.resume, "",
-               "Checkpoint to go on from, or folder of results, whose last checkpoint is taken.");
-        option("explain", common.explain, "", "Print the systems of a time step and end.");
+               "Checkpoint from which the run is resumed, or a folder of results, whose last "
+               "checkpoint "
+               "is used.");
+        option("explain", common.explain, "", "Print the systems of a time step and exit.");
         option("serial", common.serial, "",
-               "Run the systems one after the other. The results are the same.");
-        option("quiet", common.quiet, "", "Print no progress.");
+               "Run the systems of a time step one after the other. The results are the same.");
+        option("quiet", common.quiet, "", "Do not print progress.");
     }
 };
 
@@ -108,18 +114,18 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
 
 void run_in_folder(const std::filesystem::path& folder, const std::function<void()>& body) {
     std::error_code error;
-    std::vector<std::filesystem::path> made; // the innermost first
+    std::vector<std::filesystem::path> made; // innermost first
     for (auto path = folder; !path.empty() && !std::filesystem::exists(path, error);
          path = path.parent_path())
         made.push_back(path);
     std::filesystem::create_directories(folder, error);
     if (error)
         throw OutputError(
-            fmt::format("cannot make directory '{}': {}", folder.string(), error.message()));
+            fmt::format("cannot create directory '{}': {}", folder.string(), error.message()));
     try {
         body();
     } catch (const InputError&) {
-        for (const auto& path : made) std::filesystem::remove(path, error); // if it is empty
+        for (const auto& path : made) std::filesystem::remove(path, error); // only if empty
         throw;
     }
 }

@@ -52,7 +52,7 @@ std::string Summary::json() const {
     auto object = nlohmann::ordered_json::object();
     for (const NamedValue& entry : entries_)
         std::visit([&](const auto& x) { object[entry.key] = x; }, entry.value);
-    // a path may be of any bytes: those that are no UTF-8 are replaced
+    // a path may contain any bytes; those that are not valid UTF-8 are replaced
     return object.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
 

@@ -8,11 +8,11 @@
 
 namespace bris {
 
-/// The results of a run as a flat, ordered list of keys (units as suffix) and values: a table for
-/// the reader at the terminal, and summary.json for programs.
+/// The results of a run as a flat, ordered list of keys (with units as suffix) and values. It is
+/// printed as a table for the user and written as summary.json for programs.
 class Summary {
 public:
-    /// Appends; a key that is there already gets the new value in its old place.
+    /// Appends an entry. If the key exists already, its value is replaced in its position.
     void add(const NamedValue& entry);
     template <class T>
     void add(std::string key, const T& value) {
@@ -22,15 +22,15 @@ public:
 
     const std::vector<NamedValue>& entries() const { return entries_; }
 
-    /// Two aligned columns, numbers with six significant digits, under a title.
+    /// A title and two aligned columns; numbers have six significant digits.
     std::string table(const std::string& title) const;
-    /// One flat object, a line per key. Doubles read back to the same bits; NaN and infinity are
-    /// null.
+    /// One flat JSON object, one line per key. Reading a number back gives the same bits; NaN and
+    /// infinity are written as null.
     std::string json() const;
 
-    /// Prints the table to stdout. Throws OutputError if stdout does not take it.
+    /// Prints the table to stdout. Throws OutputError if that fails.
     void print(const std::string& title) const;
-    /// Replaces the file by the JSON of these and of the version entries, whole or not at all.
+    /// Writes these and the version entries as JSON. The file is replaced completely or not at all.
     /// Throws OutputError.
     void write(const std::filesystem::path& file) const;
 

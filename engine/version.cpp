@@ -6,7 +6,7 @@ namespace bris {
 
 namespace {
 
-/// The widest vectors that the compiler may use.
+/// The widest vector instructions that the compiler may use.
 const char* widest_vectors() {
 #if defined __AVX512F__
     return "AVX-512";

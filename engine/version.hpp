@@ -7,23 +7,23 @@
 
 namespace bris {
 
-/// The compiler of this binary with its version, as "g++ 12.2.0".
+/// The compiler of this binary with its version, for example "g++ 12.2.0".
 std::string compiler();
 
-/// The instruction set of this binary: the one asked for, and the widest vectors that it has, as
-/// "native, AVX-512".
+/// The instruction set of this binary: the architecture requested at build time and its widest
+/// vectors, for example "native, AVX-512".
 std::string instruction_set();
 
-/// What made this binary, under flat keys: bris_version, bris_commit (ending in "-dirty" where
-/// files differed from it, "unknown" where there is no repository), compiler, instruction_set,
-/// libraries. Every summary.json and every run file has them.
+/// How this binary was built, under flat keys: bris_version, bris_commit (ending in "-dirty" if
+/// files differed from that commit, "unknown" if there was no repository), compiler,
+/// instruction_set, libraries. Every summary.json and every run file contains them.
 std::vector<NamedValue> version_entries();
 
-/// The text of --version: the program and one line for each entry.
+/// The text of --version: the program's name and version, and one line for each other entry.
 std::string version_text(const std::string& program);
 
 namespace detail {
-/// What only the build knows; from engine/build_facts.cpp.in.
+/// Facts known only to the build system; defined in engine/build_facts.cpp.in.
 struct BuildFacts {
     const char *version, *commit, *arch, *libraries;
 };

@@ -37,6 +37,11 @@ System gather_of_membrane(LawName law, bool energy_budget) {
                : row_local(name, gather<MembranePairs>);
 }
 
+System damping_of(bool energy_budget) {
+    return required(energy_budget ? row_local("damp_and_accumulate_work", damp_and_accumulate_work)
+                                  : row_local("damp", damp));
+}
+
 bool sleep_or_lists_are_due(const World& world) {
     return lists_are_due(world) || sleep_is_due(world);
 }
@@ -44,34 +49,32 @@ bool sleep_or_lists_are_due(const World& world) {
 } // namespace
 
 StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
-    const auto due = lists_are_due, positions_due = positions_are_due;
+    const auto due = lists_are_due, moved = positions_are_due;
     const StepChoices choices{energy_budget, patch};
     return {
-        // only when lists are due: new lists, then all positions that contacts read
+        // when lists are due: new lists, then all positions that contacts read
         when(due, system("rebuild_pairs", rebuild_pairs)),
         when(due, system("prune_pairs", prune_pairs)),
-        when(positions_due, row_local("update_sphere_positions again", update_sphere_positions)),
-        when(positions_due, row_local("update_clump_positions again", update_clump_positions)),
-        when(positions_due, row_local("update_kicks again", update_kicks)),
-        when(positions_due,
-             row_local("apply_correction_velocity again", apply_correction_velocity)),
-        when(positions_due, system("update_planes again", update_planes)),
-        when(positions_due, system("update_facets again", update_facets)),
-        when(positions_due, system("note_positions", note_positions)),
+        when(moved, row_local("update_sphere_positions again", update_sphere_positions)),
+        when(moved, row_local("update_clump_positions again", update_clump_positions)),
+        when(moved, row_local("update_kicks again", update_kicks)),
+        when(moved, row_local("apply_correction_velocity again", apply_correction_velocity)),
+        when(moved, system("update_planes again", update_planes)),
+        when(moved, system("update_facets again", update_facets)),
+        when(moved, system("note_positions", note_positions)),
         when(sleep_or_lists_are_due, system("review_sleep", review_sleep)),
-        // forces of pairs
+        // contacts
         system("share_sphere_patches", share_sphere_patches),
         system("share_plane_patches", share_plane_patches),
         required(collide_spheres(law, choices)),
         required(collide_facets(law, choices)),
         required(collide_planes(law, choices)),
         required(collide_membrane(law, choices)),
-        // present contacts of each body
         system("list_sphere_contacts", list_contacts<SpherePairs>),
         system("list_facet_contacts", list_contacts<FacetPairs>),
         system("list_plane_contacts", list_contacts<PlanePairs>),
         system("list_membrane_contacts", list_contacts<MembranePairs>),
-        // forces on bodies, and their motion: one pass over the rows
+        // forces on bodies, and their motion, in one pass over the rows
         row_local("clear_forces", clear_forces),
         row_local("apply_gravity", apply_gravity),
         gather_of<SpherePairs>("gather_spheres", law, energy_budget),
@@ -82,8 +85,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         row_local("accumulate_correction_work", accumulate_correction_work),
         row_local("nudge_spheres", nudge_spheres),
         row_local("nudge_clumps", nudge_clumps),
-        required(energy_budget ? row_local("damp_and_accumulate_work", damp_and_accumulate_work)
-                               : row_local("damp", damp)),
+        damping_of(energy_budget),
         row_local("integrate", integrate),
         row_local("rotate_spheres", rotate_spheres),
         row_local("rotate_clumps", rotate_clumps),
@@ -109,7 +111,6 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         // assimilation of sensor recordings
         when(fusion_is_due, system("fuse_spheres", fuse_spheres)),
         when(fusion_is_due, system("fuse_clumps", fuse_clumps)),
-        // stop on invalid states
         system("guard_motion", guard_motion),
         system("guard_spheres", guard_overlap<SpherePairs>),
         system("guard_facets", guard_overlap<FacetPairs>),

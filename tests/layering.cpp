@@ -1,4 +1,4 @@
-// reads every #include of the house and compares it with the rules of who may include whom
+// reads every #include of the project and checks it against the rules for includes between folders
 
 #include <doctest/doctest.h>
 
@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 
 struct Include {
-    std::string file; // from the root of the checkout
+    std::string file; // path relative to the root of the checkout
     int line = 0;
     std::string target; // between the quotes or brackets
     bool quoted = false;
@@ -65,13 +65,14 @@ std::string room(const std::string& path) {
     return remaining.substr(0, remaining.find_first_of("/."));
 }
 
-/// Rooms of systems/ meet only in the list of steps.
+/// The folders of systems/ do not include each other; only the list of steps includes them all.
 bool may_include_system(const std::string& file, const std::string& target) {
     return within(file, "scenarios") ||
            (within(file, "systems") && (room(file) == room(target) || room(file) == "steps"));
 }
 
-/// The rooms of scenarios/, each of which may include those before it; the executables include all.
+/// The folders of scenarios/ in order. Each may include those before it; the executables may
+/// include all.
 constexpr std::array rooms{"rocks", "specimens",    "recordings",   "triaxial",
                            "bulk",  "assimilation", "verification", "stability"};
 
@@ -100,8 +101,8 @@ bool may_include_house(const std::string& file, const std::string& target) {
 }
 
 struct Library {
-    std::vector<std::string> beginnings; // of what is included
-    std::vector<std::string> homes;      // files, or folder/*.cpp
+    std::vector<std::string> beginnings; // of the paths of its headers
+    std::vector<std::string> homes;      // where it may be included: files, or folder/*.cpp
 };
 
 bool is_at_home(const std::string& file, const Library& library) {
@@ -132,7 +133,7 @@ bool may_include_library(const std::string& file, const std::string& target) {
 } // namespace
 
 TEST_SUITE("layering") {
-    TEST_CASE("every include is an arrow that the house allows") {
+    TEST_CASE("every include follows the rules for includes") {
         const fs::path root = BRIS_SOURCE;
         const auto includes = all_includes(root);
         REQUIRE(includes.size() > 100);
@@ -147,7 +148,7 @@ TEST_SUITE("layering") {
         }
     }
 
-    TEST_CASE("the rules tell a forbidden arrow from an allowed one") {
+    TEST_CASE("the rules allow permitted includes and reject forbidden ones") {
         CHECK(may_include_house("systems/contact/a.cpp", "components/body.hpp"));
         CHECK(may_include_house("systems/steps.cpp", "systems/contact/collide.hpp"));
         CHECK(may_include_house("components/sphere.hpp", "engine/lanes.hpp"));

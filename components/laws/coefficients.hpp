@@ -5,8 +5,8 @@
 
 namespace bris::coefficients {
 
-// What materials state, with the ranges that hold whatever the law. A law that needs more of one,
-// say a stiffness above zero, lists its stricter version.
+// Coefficients of materials, with the ranges that hold for every law. A law that needs a narrower
+// range, for example a stiffness above zero, lists the stricter version.
 
 inline constexpr Coefficient density{
     .name = "density", .unit = "kg/m3", .of_material = &Material::density},
@@ -32,12 +32,13 @@ inline constexpr Coefficient density{
     shear_stiffness{
         .name = "shear stiffness", .unit = "N/m", .of_material = &Material::shear_stiffness};
 
-/// All of them.
+/// All coefficients of materials.
 inline constexpr std::array of_materials{density,           friction,       normal_damping,
                                          shear_damping,     restitution,    rolling_friction,
                                          twisting_friction, poisson_ratio,  young_modulus,
                                          normal_stiffness,  shear_stiffness};
 
+/// The same coefficient with its lower bound excluded.
 constexpr Coefficient above_zero(Coefficient c) {
     c.low_accepted = false;
     return c;

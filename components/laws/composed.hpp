@@ -8,8 +8,9 @@
 
 namespace bris {
 
-/// A law is composed, never copied: normal spring, dashpots, tangential part, rolling part.
-/// A named law adds what LawTraits asks for: id, name, summary, coefficients.
+/// Contact law composed of a normal spring, dashpots, a tangential part and a rolling part, so that
+/// no code is copied between laws. A named law derives from it and adds what LawTraits needs: id,
+/// name, summary and coefficients.
 template <class NormalPart, class Damping, class Tangential, class Rolling = NoRolling>
 struct Law {
     using Normal = NormalPart;
@@ -18,15 +19,16 @@ struct Law {
     static constexpr bool has_dashpots = Damping::present;
     static constexpr bool has_rolling = Rolling::present;
 
-    // what a law that acts beyond touch, or has coefficients of its own for pairs, states anew
-    static constexpr bool has_reach = false; ///< `overlap` is negative where surfaces are apart,
-                                             ///< and `force` takes OwnLanes
+    // Redefined by a law that acts beyond touch or has its own coefficients for pairs of materials.
+
+    /// With reach, `overlap` is negative where the surfaces are apart, and `force` takes OwnLanes.
+    static constexpr bool has_reach = false;
     static constexpr std::array<Coefficient, 0> of_pairs{};
     static OwnRow own_row(const OwnCoefficients&) { return {}; }
     static double reach(const OwnRow&, double) { return 0; }
     static double potential(const OwnRow&, double, double) { return 0; }
 
-    /// Force and torque on the owner; moves the springs on by one step.
+    /// Computes the force and torque on the owner and advances the springs by one step.
     static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k,
                             const RollingLanes& rolling, const LawStep& step, SpringLanes& spring,
                             RollLanes& roll) {
@@ -67,8 +69,8 @@ private:
             const Lane dashpot = share * dashpots.normal,
                        force = max(elastic - dashpot * vn, lanes(step.least_force));
             if (step.accumulate_work) {
-                // the mean velocity of the step is not the predicted one: the force changes
-                // meanwhile, or sets in
+                // The mean velocity of the step differs from the predicted one, because the force
+                // changes, or sets in, during the step.
                 const Lane later = 0.5 * step.dt * c.inverse_mass;
                 const Lane change =
                     -step.dt * (stiffness.normal * vn + dashpot * c.inverse_mass * force);

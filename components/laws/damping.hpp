@@ -12,10 +12,11 @@ struct NoDamping {
     }
 };
 
-/// Dashpots on both springs: a rate times the reduced mass, and a ratio of critical damping of the
-/// tangent stiffness. With the latter, restitution does not depend on speed, neither for linear
-/// springs nor for Hertz's (Tsuji, Tanaka and Ishida 1992). A share of a patch has that share of
-/// its dashpot.
+/// Dashpots parallel to both springs. The damping coefficient is the sum of a rate times the
+/// reduced mass and a ratio of critical damping at the tangent stiffness. With the ratio alone,
+/// restitution does not depend on speed, for linear springs as well as for Hertz contacts (Tsuji,
+/// Tanaka and Ishida 1992). A contact with a share of its patch's stiffness has the same share of
+/// the dashpot.
 struct Dashpots {
     static constexpr bool present = true;
     static DashpotLanes coefficients(const ContactLanes& c, const CoefficientLanes& k,

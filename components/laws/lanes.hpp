@@ -5,19 +5,19 @@
 
 namespace bris {
 
-/// Up to lane_count touching contacts, one a lane: what a law may know of them. Motion is that of
-/// the last step, the owner against the partner.
+/// Input of a law: up to lane_count touching contacts, one per lane. Velocities are those of the
+/// owner relative to the partner in the last step.
 struct ContactLanes {
     Lane nx, ny, nz;       ///< unit normal, from the partner to the owner
-    Lane overlap;          ///< m, >= 0; negative, the gap, where a law reaches beyond touch
+    Lane overlap;          ///< m, >= 0; for laws with reach also negative: minus the gap
     Lane inverse_mass;     ///< 1/kg, 1/m of the owner + 1/m of the partner
     Lane radius{};         ///< m, 1 / (1/r of the owner + 1/r of the partner)
-    Lane share = lanes(1); ///< of the stiffness of its patch
+    Lane share = lanes(1); ///< share of the stiffness of the contact's patch
     Lane ux{}, uy{}, uz{}; ///< m/s, velocity at the contact point; tangential laws
-    Lane closing{};        ///< m/s, at which the surfaces approached
-    Lane twist{};          ///< rad/s, mean spin about the normal; tangential laws
-    Lane vx{}, vy{}, vz{}; ///< m/s, velocity at the contact point now; laws with dashpots
-    Lane wx{}, wy{}, wz{}; ///< rad/s, relative spin; rolling laws
+    Lane closing{};        ///< m/s, speed of approach of the surfaces
+    Lane twist{};          ///< rad/s, mean angular velocity about the normal; tangential laws
+    Lane vx{}, vy{}, vz{}; ///< m/s, predicted present velocity there; laws with dashpots
+    Lane wx{}, wy{}, wz{}; ///< rad/s, relative angular velocity; rolling laws
 };
 
 struct SpringLanes {
@@ -30,32 +30,34 @@ struct WorkLanes {
     Lane friction{}, viscous{}, rolling{};
 };
 
-/// What a law gives: force on the owner, its normal part, rolling torque on the owner, work taken.
+/// Output of a law: force on the owner, its normal component, rolling torque on the owner, and the
+/// work that the contact dissipates in the step.
 struct ForceLanes {
     Lane x, y, z, normal;
     Lane torque_x{}, torque_y{}, torque_z{};
     WorkLanes work;
 };
 
-/// Coefficients of LawRow and RollingRow, one a lane.
+/// Coefficients of LawRow, one contact per lane.
 struct CoefficientLanes {
     Lane kn, ks, friction, normal_rate, shear_rate, normal_ratio, shear_ratio;
 };
-/// Coefficients of OwnRow, one contact a lane.
+/// Coefficients of OwnRow, one contact per lane.
 struct OwnLanes {
     std::array<Lane, most_own_coefficients> value;
 };
+/// Coefficients of RollingRow, one contact per lane.
 struct RollingLanes {
     Lane rolling_friction, twisting_friction, stiffness_ratio, damping_ratio;
 };
 
-/// What all contacts of a step share.
+/// Settings that all contacts of a step share.
 struct LawStep {
     double dt;          ///< s
-    double least_force; ///< N, of the normal force: 0 where tension is cut
-    double least_ratio,
-        largest_ratio;    ///< of spring stretch kept when the stiffness changes (ShearHistory)
-    bool shared;          ///< patches share one stiffness: that of a contact changes
+    double least_force; ///< N, lower limit of the normal force: 0 where tension is cut
+    /// Limits of the ratio of spring stretch kept when the stiffness changes (ShearHistory).
+    double least_ratio, largest_ratio;
+    bool shared;          ///< patches share one stiffness, so that of a contact changes
     bool accumulate_work; ///< the energy budget needs the work
 
     LawStep(const ContactPolicy& policy, double step, bool energy_budget);

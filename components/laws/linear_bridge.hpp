@@ -8,43 +8,44 @@
 
 namespace bris {
 
-/// Liquid between two surfaces of a pair of materials, the same for every pair that touches.
+/// Liquid between surfaces of two materials, the same for every pair of surfaces that touches.
 struct LiquidBridge {
     double surface_tension = 0; ///< N/m, >= 0
     double contact_angle = 0;   ///< rad, from 0 to 50 degrees
-    double volume = 0;          ///< m3, >= 0, of one bridge; 0: no bridge
+    double volume = 0;          ///< m3, >= 0, liquid in one bridge; 0: no bridge
 
     OwnCoefficients coefficients() const { return {surface_tension, contact_angle, volume}; }
 };
 
-/// Linear springs with Coulomb friction and dashpots, and a liquid bridge: the closed form of
-/// Willett, Adams, Johnson and Seville (2000), Langmuir 16:9396, eqs. (12) and (13),
+/// Linear springs with Coulomb friction, dashpots and a liquid bridge, whose force is the closed
+/// form of Willett, Adams, Johnson and Seville (2000), Langmuir 16:9396, eqs. (12) and (13),
 ///     F = 2 pi R gamma cos(theta) / (1 + 2.1 s + 10 s^2),   s = (S / 2) / sqrt(V / R),
-/// with the distance S of the surfaces, the volume V and the effective radius of Derjaguin
-/// R = 2 R1 R2 / (R1 + R2) of unequal spheres, 2 R1 of a sphere and a plane. It is meant for small
-/// bridges. For perfect wetting and V up to 0.001 R^3 it lies within 8 % of the longer fit in the
-/// paper's appendix over the nearer third of the range, and is a fifth weaker at rupture; at a
-/// contact angle of 40 degrees it is half as strong there. Surfaces that overlap are pulled as at
-/// S = 0.
+/// with the separation S of the surfaces, the liquid volume V and the effective radius of Derjaguin
+/// R, which is 2 R1 R2 / (R1 + R2) for unequal spheres and 2 R1 for a sphere and a plane. The form
+/// is meant for small bridges. For perfect wetting and V up to 0.001 R^3 it lies within 8 % of the
+/// longer fit in the paper's appendix over the first third of the range of S, and is a fifth weaker
+/// than that fit at rupture; at a contact angle of 40 degrees it is half as strong there. The
+/// attraction of surfaces that overlap is that at S = 0.
 ///
 /// A bridge forms when the surfaces first touch, not on approach, and ruptures at
-/// S = (1 + theta / 2) V^(1/3) (Lian, Thornton and Adams 1993). The spring's history tells that it
-/// exists. Neither the volume nor the number of bridges of a grain is limited by its liquid. Each
-/// sphere of a clump has bridges of its own, and a membrane has none. Coulomb's limit is that of
-/// the force between the solids, without the pull.
+/// S = (1 + theta / 2) V^(1/3) (Lian, Thornton and Adams 1993). The history of the tangential
+/// spring records that a bridge exists. The liquid of a grain is not conserved: it limits neither
+/// the volume nor the number of the grain's bridges. Each sphere of a clump has its own bridges,
+/// and a membrane has none. Coulomb's limit uses the normal force between the solids, without the
+/// attraction of the bridge.
 ///
-/// Energy: the potential is that of F, zero at rupture, and counts as elastic energy. Where a
-/// bridge forms, its potential falls at once by the work W of pulling the surfaces from touch to
-/// rupture; liquid that spreads dissipates this, so W counts as viscous work. Of a touch and a
-/// separation thus W is lost, and nothing at rupture.
+/// Energy: the potential of F, zero at rupture, counts as elastic energy. When a bridge forms, the
+/// potential falls at once by the work W that F does between touch and rupture. The spreading
+/// liquid dissipates this energy, so W counts as viscous work. A contact that forms and separates
+/// therefore loses W, and no energy is lost at rupture.
 struct LinearBridge : Law<LinearNormal, Dashpots, CoulombSpring> {
     using Dry = Law<LinearNormal, Dashpots, CoulombSpring>;
 
     static constexpr LawName id = LawName::linear_bridge;
     static constexpr auto name = "linear_bridge";
     static constexpr auto summary =
-        "Linear springs with Coulomb friction, dashpots, and liquid bridges that hold grains up to "
-        "a distance.";
+        "Linear springs with Coulomb friction, dashpots and liquid bridges, which attract grains "
+        "until they rupture.";
     static constexpr std::array of_materials{
         coefficients::above_zero(coefficients::normal_stiffness),
         coefficients::shear_stiffness,
@@ -58,7 +59,7 @@ struct LinearBridge : Law<LinearNormal, Dashpots, CoulombSpring> {
         Coefficient{.name = "volume of a liquid bridge", .unit = "m3"}};
     static constexpr bool has_reach = true;
 
-    // of OwnRow
+    // Indices of OwnRow::value.
     enum : std::size_t {
         wetting, ///< N/m, 2 pi gamma cos(theta)
         volume,  ///< m3
@@ -77,8 +78,8 @@ struct LinearBridge : Law<LinearNormal, Dashpots, CoulombSpring> {
                (row.value[volume] > 0 ? row.value[wetting] * 2 * radius * inside : 0);
     }
 
-    /// Work (J) of the bridge's force from a distance of the surfaces (m) to rupture, in closed
-    /// form. `radius`: 1 / (1/R1 + 1/R2), half of Derjaguin's.
+    /// Work (J) of the bridge's force from a gap between the surfaces (m) to rupture, in closed
+    /// form. `radius` (m) is 1 / (1/R1 + 1/R2), half of Derjaguin's effective radius.
     static double work_to_rupture(const OwnRow& row, double gap, double radius) {
         if (!(row.value[volume] > 0) || gap >= row.value[rupture]) return 0;
         const double derjaguin = 2 * radius, length = std::sqrt(row.value[volume] / derjaguin),
@@ -96,7 +97,7 @@ struct LinearBridge : Law<LinearNormal, Dashpots, CoulombSpring> {
         const LaneMask touches = c.overlap > 0.0, forms = spring.stiffness == 0.0;
         ContactLanes closed = c;
         closed.overlap = max(c.overlap, lanes(0));
-        SpringLanes begun = spring; // of surfaces that are apart it has yet to begin
+        SpringLanes begun = spring; // between surfaces that are apart it has not begun yet
         begun.stiffness = max(spring.stiffness, lanes(0));
         ForceLanes f = Dry::force(closed, k, rolling, step, begun, roll);
         for (Lane* part : {&f.x, &f.y, &f.z, &f.normal, &f.work.friction, &f.work.viscous})
@@ -114,10 +115,11 @@ struct LinearBridge : Law<LinearNormal, Dashpots, CoulombSpring> {
 
 private:
     static constexpr double first = 2.1, second = 10; ///< eq. (12)
-    static constexpr double held_apart = -1; ///< stiffness of a spring that has yet to begin
+    /// Stiffness that marks the spring of a bridge between surfaces that are apart.
+    static constexpr double held_apart = -1;
 
-    /// Force of the bridge, N. Where it forms or ruptures within a step it acts for a part of the
-    /// step only (PartialStep).
+    /// Attractive force of the bridge, N. A bridge that forms or ruptures within a step acts for a
+    /// part of the step only (PartialStep).
     static Lane pull_of(const ContactLanes& c, const OwnLanes& own, const LawStep& step,
                         LaneMask forms) {
         const Lane radius = 2.0 * c.radius, gap = max(-c.overlap, lanes(0));
@@ -130,6 +132,7 @@ private:
         return own.value[volume] > 0.0 ? share * whole : lanes(0);
     }
 
+    /// Energy (J) dissipated by the bridges that form in this step.
     static Lane spent_on_forming(const ContactLanes& c, const OwnLanes& own, LaneMask forms) {
         Lane work{};
         if (bits(forms) == 0) return work;

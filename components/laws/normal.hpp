@@ -8,16 +8,17 @@
 
 namespace bris {
 
-// Normal pieces: elastic force and tangent stiffnesses, on all lanes at once, and of one contact
-// with its energy. Each says which table of coefficients it reads, and what kn and ks are called.
+// Normal parts of a law: elastic force and tangent stiffnesses, for all lanes at once, and for a
+// single contact together with its energy. Each part names the table of coefficients that it reads
+// and the quantities kn and ks.
 
-/// f = kn * overlap; springs of constant stiffness (Cundall and Strack 1979).
+/// Linear springs of constant stiffness: f = kn * overlap (Cundall and Strack 1979).
 struct LinearNormal {
     static constexpr double exponent = 1; ///< of the overlap in the force
-    static constexpr double damping_onset =
-        1; ///< mean over last damping coefficient while an overlap grows from zero
-    static constexpr bool varying =
-        false; ///< whether the tangential stiffness changes with the overlap
+    /// Ratio of the mean to the final damping coefficient while an overlap grows from zero.
+    static constexpr double damping_onset = 1;
+    /// Whether the tangential stiffness changes with the overlap.
+    static constexpr bool varying = false;
     static constexpr auto normal_name = "stiffness of a contact",
                           shear_name = "shear stiffness of a contact", unit = "N/m";
 
@@ -31,12 +32,12 @@ struct LinearNormal {
     static double overlap_to_expect(const LawRow&, double, double, double) { return 0; }
 };
 
-/// f = 4/3 E* a overlap with the contact radius a = sqrt(R* overlap) (Hertz 1882); tangent
-/// stiffnesses 2 E* a and, without slip, 8 G* a (Mindlin 1949).
+/// Hertz contact: f = 4/3 E* a overlap with the contact radius a = sqrt(R* overlap) (Hertz 1882).
+/// The tangent stiffnesses are 2 E* a and, without slip, 8 G* a (Mindlin 1949).
 struct HertzNormal {
     static constexpr double exponent = 1.5;
-    static constexpr double damping_onset =
-        0.8; // that of Tsuji goes with the fourth root of the overlap
+    // the damping coefficient of Tsuji grows as the fourth root of the overlap
+    static constexpr double damping_onset = 0.8;
     static constexpr bool varying = true;
     static constexpr auto normal_name = "effective modulus", shear_name = "effective shear modulus",
                           unit = "Pa";
@@ -50,8 +51,9 @@ struct HertzNormal {
         const double a = std::sqrt(radius * overlap), normal = 2 * k.kn * a;
         return {normal, 2 * k.ks * a, 4.0 / 15 * normal * overlap * overlap};
     }
-    /// Of a body that hits another like it, or half a percent of its radius where that is more:
-    /// beds lie deeper than that only under loads that an estimate from touching contacts sees.
+    /// Largest overlap in the impact of two equal bodies, at least half a percent of the radius:
+    /// contacts at rest overlap more only under loads that an estimate from the touching contacts
+    /// includes.
     static double overlap_to_expect(const LawRow& k, double mass, double radius, double speed) {
         const double coefficient = 4.0 / 3 * k.kn * std::sqrt(radius);
         return std::max(0.005 * radius,

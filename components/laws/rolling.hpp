@@ -8,11 +8,11 @@ struct NoRolling {
     static constexpr bool present = false;
 };
 
-/// Resistance to rolling and to twisting: two springs with their own limits and histories, each
-/// elastic-plastic, with a dashpot while it sticks (model C of Ai, Chen, Rotter and Ooi 2011;
-/// Luding 2008). Stretches are displacements of surfaces: rolling moves by R* (w x n), twisting by
-/// R* (w . n). Torque limits are rolling_friction and twisting_friction times R* times normal
-/// force.
+/// Resistance to rolling and to twisting by two elastic-plastic springs with their own limits and
+/// histories, each with a dashpot while it sticks (model C of Ai, Chen, Rotter and Ooi 2011; Luding
+/// 2008). The stretches (m) are displacements of the surfaces at the rates R* (w x n) for rolling
+/// and R* (w . n) for twisting. The torque limits are rolling_friction and twisting_friction times
+/// R* times the normal force.
 struct RollingSprings {
     static constexpr bool present = true;
 
@@ -23,8 +23,8 @@ struct RollingSprings {
         turn_with_pair(c, step.dt, old.x, old.y, old.z);
         const Lane ks = k.stiffness_ratio * shear_stiffness, radius = c.radius,
                    force = max(f.normal, lanes(0));
-        // a stiffness that grows leaves forces as they are, one that shrinks the stretches: never
-        // gives energy
+        // The spring keeps its force while the stiffness grows, and its stretch while the stiffness
+        // shrinks; so it never creates energy.
         const Lane kept = ks > 0.0 ? min(old.stiffness / ks, lanes(1)) : lanes(0),
                    dt = 0.5 * (1.0 + kept) * step.dt;
         const Lane vx = radius * (c.wy * c.nz - c.wz * c.ny),

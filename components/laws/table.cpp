@@ -11,7 +11,8 @@ template <class L>
 LawTraits traits_of() {
     using Normal = typename L::Normal;
     static_assert(L::of_pairs.size() <= most_own_coefficients);
-    static_assert(!L::has_reach || L::has_history, "the history tells which pairs have touched");
+    static_assert(!L::has_reach || L::has_history,
+                  "the spring history records which pairs have touched");
     return {.name = L::name,
             .summary = L::summary,
             .of_materials = L::of_materials,
@@ -41,7 +42,7 @@ constexpr bool in_order(std::initializer_list<LawName> laws) {
 
 template <class... Ls>
 std::array<LawTraits, sizeof...(Ls)> table_of(LawList<Ls...>) {
-    static_assert(in_order({Ls::id...}), "laws stand in the order of LawName");
+    static_assert(in_order({Ls::id...}), "the laws are listed in the order of LawName");
     return {traits_of<Ls>()...};
 }
 

@@ -15,8 +15,8 @@ namespace bris {
 template <class... Ls>
 struct LawList {};
 
-/// All contact laws, in the order of LawName. A new law is a file, a name in LawName, and a line
-/// here.
+/// All contact laws, in the order of LawName. A new law needs its own file, a name in LawName and
+/// an entry here.
 using Laws = LawList<LinearFrictionless, Linear, LinearViscous, LinearRolling, HertzFrictionless,
                      HertzMindlin, HertzMindlinViscous, HertzMindlinRolling, LinearBridge>;
 
@@ -32,7 +32,7 @@ auto with_law_of(LawList<First, Others...>, LawName law, Visit&& visit) {
 
 } // namespace detail
 
-/// Calls visit.template operator()<L>() with the law of that name, and returns what it gives.
+/// Calls visit.template operator()<L>() with the law of that name, and returns its result.
 template <class Visit>
 auto with_law(LawName law, Visit&& visit) {
     return detail::with_law_of(Laws{}, law, std::forward<Visit>(visit));

@@ -8,25 +8,27 @@ struct Frictionless {
     static constexpr bool has_history = false;
 };
 
-/// Share of the last step that a contact was closed: a spring begins when the surfaces meet, not
-/// with the step.
+/// Share of the last step during which the surfaces touched. A new spring begins when the surfaces
+/// meet, not at the beginning of the step.
 inline Lane share_of_step(const ContactLanes& c, LaneMask fresh, double dt) {
     const Lane gone = c.closing * dt;
     const LaneMask within = fresh & (gone > c.overlap);
     return bits(within) == 0 ? lanes(1) : within ? c.overlap / gone : lanes(1);
 }
 
-/// sqrt(1 + x). Contacts hardly turn in a step: a series, 1e-16 off, does for all but fast spins.
+/// sqrt(1 + x). Contacts turn little in a step, so a series with an error of 1e-16 is enough except
+/// for fast rotations.
 inline Lane root_near_one(Lane x) {
     const Lane series = 1.0 + x * (0.5 - x * (0.125 - x * (0.0625 - 0.0390625 * x)));
     const LaneMask far = x * x > 1e-8;
     return bits(far) == 0 ? series
-           : far          ? sqrt(1.0 + x)
-                          : series; // each by its own: who shares its tile means nothing
+           // chosen per lane, so that a result does not depend on the other lanes of the tile
+           : far ? sqrt(1.0 + x)
+                 : series;
 }
 
-/// Turns a stretch with its pair: onto the new tangent plane at its old length, and about the
-/// normal with the mean spin.
+/// Rotates a stretch with its pair: projects it onto the new tangent plane, keeps its length, and
+/// rotates it about the normal with the mean angular velocity.
 inline void turn_with_pair(const ContactLanes& c, double dt, Lane& x, Lane& y, Lane& z) {
     const Lane sn = x * c.nx + y * c.ny + z * c.nz;
     const Lane sx = x - sn * c.nx, sy = y - sn * c.ny, sz = z - sn * c.nz;
@@ -40,11 +42,11 @@ inline void turn_with_pair(const ContactLanes& c, double dt, Lane& x, Lane& y, L
     z = scale * rz;
 }
 
-/// Tangential spring with Coulomb's limit; no friction under tension, and no dashpot while it
-/// slides. The spring moves by the leapfrog's own displacement of the last step: moved by
-/// velocities predicted from the last acceleration it would grow by (omega dt)^4 / 8 a step. Where
-/// the stiffness varies (Mindlin), force follows it by ShearHistory, each step with the mean
-/// stiffness: second order in dt.
+/// Tangential spring with Coulomb's limit. There is no friction under tension and no dashpot while
+/// the contact slides. The spring is stretched by the displacement of the leapfrog in the last
+/// step; with velocities predicted from the last acceleration, its oscillations would grow by
+/// (omega dt)^4 / 8 per step. Where the stiffness varies (Mindlin), the force follows it as
+/// ShearHistory says, with the mean stiffness of each step. Order of accuracy: second in dt.
 struct CoulombSpring {
     static constexpr bool has_history = true;
 
@@ -77,7 +79,7 @@ struct CoulombSpring {
         const Lane limit = k.friction * max(f.normal, lanes(0)),
                    size2 = stiffness.shear * stiffness.shear * squared(trial);
         const LaneMask slides = size2 > limit * limit;
-        if (bits(slides) != 0) { // to the stretch that carries what friction can
+        if (bits(slides) != 0) { // shortens the stretch to that of the largest friction force
             const Lane ratio = slides ? limit / sqrt(size2) : lanes(1);
             spring.x *= ratio;
             spring.y *= ratio;
@@ -91,7 +93,7 @@ struct CoulombSpring {
             const Lane tx = c.vx - vn * c.nx, ty = c.vy - vn * c.ny, tz = c.vz - vn * c.nz,
                        speed2 = tx * tx + ty * ty + tz * tz;
             Lane dashpot = slides ? lanes(0) : rates.shear;
-            // a dashpot gives as much as the limit leaves: |g - d t| = limit
+            // the dashpot may add only what Coulomb's limit leaves: |g - d t| = limit
             const Lane push = dashpot * (gx * tx + gy * ty + gz * tz),
                        size = dashpot * dashpot * speed2;
             const Lane room = limit * limit - (gx * gx + gy * gy + gz * gz);
@@ -108,7 +110,7 @@ struct CoulombSpring {
         }
         if (step.accumulate_work) {
             f.work.friction = sliding_work(stiffness.shear, kept, old, trial, spring);
-            // a pair that parts in the next step gives up its stretch
+            // a pair that separates in the next step loses the energy of its stretch
             const LaneMask parts = -c.closing * step.dt > c.overlap;
             f.work.friction += parts ? 0.5 * stiffness.shear * squared(spring) : lanes(0);
             if (varying)
@@ -123,8 +125,9 @@ struct CoulombSpring {
 
     static Lane squared(const SpringLanes& s) { return s.x * s.x + s.y * s.y + s.z * s.z; }
 
-    /// The slid distance against the mean of the spring's force before and after; where the force
-    /// turned round within the step, against the one after. Never negative.
+    /// Work (J) of sliding: the sliding distance times the mean of the spring's force before and
+    /// after the step, or times the force after it if the force reversed within the step. Never
+    /// negative.
     static Lane sliding_work(Lane k, Lane kept, const SpringLanes& old, const SpringLanes& trial,
                              const SpringLanes& now) {
         const Lane sx = trial.x - now.x, sy = trial.y - now.y, sz = trial.z - now.z;
@@ -133,8 +136,8 @@ struct CoulombSpring {
         return k * max(after, lanes(0)) + (before > -after ? 0.5 * k * (before - after) : lanes(0));
     }
 
-    /// What the spring gives up where its stiffness changes: at constant force while it grows, at
-    /// constant stretch while it shrinks. Negative for a history that is not passive.
+    /// Energy (J) that the spring loses when its stiffness changes: at constant force while it
+    /// grows, at constant stretch while it shrinks. Negative for a history that is not passive.
     static Lane work_of_change(Lane k, Lane kept, const SpringLanes& old,
                                const SpringLanes& trial) {
         const Lane was = squared(old), is = squared(trial), mean = 0.5 * (old.stiffness + k);

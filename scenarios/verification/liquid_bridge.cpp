@@ -15,8 +15,9 @@ namespace {
 constexpr LiquidBridge water{.surface_tension = 0.072, .contact_angle = 0.2, .volume = 1e-12};
 constexpr double radius = 1e-3;
 
-/// Published closed form for two spheres, N: Willett et al. (2000), eqs. (12) and (13), with the
-/// effective radius of Derjaguin; zero beyond the rupture distance of Lian et al. (1993).
+/// Published closed form of the force (N) between two spheres: Willett et al. (2000), eqs. (12) and
+/// (13), with the effective radius of Derjaguin; zero beyond the rupture distance of Lian et al.
+/// (1993).
 struct Published {
     LiquidBridge liquid = water;
     double first_radius = radius, second_radius = radius;
@@ -34,7 +35,8 @@ struct Published {
         return 2 * pi * r * liquid.surface_tension * std::cos(liquid.contact_angle) /
                (1 + 2.1 * scaled + 10 * scaled * scaled);
     }
-    /// J, from touch to rupture: Simpson's rule on a million intervals, 1e-15 off.
+    /// Work (J) from touch to rupture by Simpson's rule on a million intervals, with an error of
+    /// 1e-15.
     double work() const {
         constexpr int n = 1'000'000;
         const double h = rupture() / n, nearly = rupture() * (1 - 1e-15);
@@ -60,7 +62,7 @@ Vec3 up(double way) { return {0, 0, way}; }
 void check_force(Checks& checks, const std::string& name, const Published& p) {
     GuidedPair pair = guided(p, 1e-7);
     double approach = 0, worst = 0, gap = 1e-7;
-    approach = std::abs(pair.step(up(-2e-7)).force.z()); // in the gap, then in touch
+    approach = std::abs(pair.step(up(-2e-7)).force.z()); // begins in the gap and ends in touch
     gap -= 2e-7;
     pair.step(up(-gap));
     gap = 0;
@@ -68,16 +70,16 @@ void check_force(Checks& checks, const std::string& name, const Published& p) {
         const double next = share * p.rupture();
         pair.step(up(next - gap));
         gap = next;
-        pair.step(Vec3::Zero()); // forces at rest are those of the place alone
+        pair.step(Vec3::Zero()); // at rest, the force depends on the position only
         const double found = pair.step(Vec3::Zero()).force.z();
         worst = std::max(worst, std::abs(found / p.force(gap) - 1));
     }
-    checks.absolute(name + ": force on approach, before touch", "N", 0, approach, 0);
-    checks.absolute(name + ": largest error of the force from touch to rupture", "", 0, worst,
-                    1e-10);
+    checks.absolute(name + ": force on approach, before the surfaces touch", "N", 0, approach, 0);
+    checks.absolute(name + ": largest relative error of the force between touch and rupture", "", 0,
+                    worst, 1e-10);
 }
 
-/// Pulled apart in steps from touch: where it ruptures, and the work until then.
+/// Checks the rupture distance and the work of a bridge that is stretched in steps from touch.
 void check_rupture(Checks& checks, const std::string& name, const Published& p) {
     constexpr int steps = 2000;
     const double h = p.rupture() / (steps - 0.5); // ruptures in the middle of a step
@@ -92,17 +94,17 @@ void check_rupture(Checks& checks, const std::string& name, const Published& p) 
         before = force;
     }
     checks.absolute(name + ": distance at which the bridge ruptures", "m", p.rupture(), last, h);
-    // trapezoids; and the last step, in which the bridge ruptures, counts for its part
+    // trapezoidal rule; of the last step, in which the bridge ruptures, only a part counts
     checks.relative(name + ": work from touch to rupture", "J", p.work(), work, 1e-5);
 }
 
 struct Parted {
-    double speed = 0;    ///< m/s, relative, at the end
-    double farthest = 0; ///< m, between the surfaces
-    double closure = 0;  ///< energy at the end, with what was taken, over that of the start, less 1
+    double speed = 0;    ///< m/s, relative speed at the end
+    double farthest = 0; ///< m, largest gap between the surfaces
+    double closure = 0;  ///< relative energy error: (final + dissipated) / initial energy - 1
 };
 
-/// Two equal spheres, or a sphere and a plane, meet head on at `speed` (m/s, relative).
+/// Head-on impact of two equal spheres, or of a sphere on a plane, at a relative `speed` (m/s).
 Parted meet(double speed, bool plane, double dt, double duration) {
     World world = make_world(Grains::spheres);
     auto& materials = world.resource<Materials>();
@@ -147,13 +149,12 @@ void check_meeting(Checks& checks, bool plane) {
     const double escape = std::sqrt(2 * p.work() / mass), dt = 1e-6;
     const double fast = 1.5 * escape;
     const Parted parted = meet(fast, plane, dt, 4 * p.rupture() / escape);
-    // m v^2 / 2 less the work of the bridge
-    checks.relative(name + ": speed after a rebound", "m/s",
+    // the kinetic energy m v^2 / 2 decreases by the work of the bridge
+    checks.relative(name + ": speed after the rebound", "m/s",
                     std::sqrt(fast * fast - escape * escape), parted.speed, 1e-6);
-    checks.absolute(name + ": energy that is not accounted for, over that of the start", "", 0,
-                    parted.closure, 1e-6);
+    checks.absolute(name + ": relative energy error", "", 0, parted.closure, 1e-6);
     const Parted held = meet(0.9 * escape, plane, dt, 6 * p.rupture() / escape);
-    checks.at_most(name + " too slow to part: largest distance over that of rupture", "", 1,
+    checks.at_most(name + ", too slow to separate: largest gap over rupture distance", "", 1,
                    held.farthest / p.rupture());
 }
 

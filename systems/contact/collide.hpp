@@ -5,25 +5,26 @@
 
 namespace bris {
 
-/// What the systems of a step are to do besides.
+/// Optional work of the contact systems.
 struct StepChoices {
-    bool energy_budget =
-        false; ///< book the work that friction, dashpots and rolling take, for each near pair
-    PatchStiffness patch = PatchStiffness::per_sphere; ///< as the scene's ContactPolicy
+    /// Record the work dissipated by friction, dashpots and rolling for each near pair.
+    bool energy_budget = false;
+    /// Must be that of the scene's ContactPolicy.
+    PatchStiffness patch = PatchStiffness::per_sphere;
 };
 
-/// Finds which near pairs of spheres touch and writes their forces; moves their springs on. Each
-/// pair writes only itself. Reads packed rows.
+/// Finds which near pairs of spheres touch, writes their forces and advances their springs. Each
+/// pair writes only its own rows. Spheres are read from packed rows.
 System collide_spheres(LawName law, const StepChoices& choices);
 
-/// The same for spheres against facets: contacts are reduced to one for each feature of a body
-/// (face before edge before vertex).
+/// The same for spheres against facets. Contacts are reduced to one for each feature of a body;
+/// faces take precedence over edges, and edges over vertices.
 System collide_facets(LawName law, const StepChoices& choices);
 
 /// The same for spheres against planes.
 System collide_planes(LawName law, const StepChoices& choices);
 
-/// The same for spheres against a membrane; never friction.
+/// The same for spheres against a membrane, which has no friction under any law.
 System collide_membrane(LawName law, const StepChoices& choices);
 
 } // namespace bris

@@ -7,11 +7,12 @@
 
 namespace bris::detail {
 
-/// Near rows whose bodies, springs and records fill a cache of a megabyte: where there are no more,
-/// nothing is far away.
+/// Number of near rows whose bodies, springs and records fill a cache of one megabyte. With at most
+/// so many rows, prefetching is not needed.
 inline constexpr std::size_t near_rows_in_cache = 8192;
 
-/// Of a group of eight near pairs, those that do not touch but are held beyond touch.
+/// Those of a group of eight near pairs that do not touch, but on which the law acts beyond touch,
+/// as bits.
 template <class Law, class Geometry>
 unsigned held(const TileTarget& to, const Geometry& geometry, std::size_t group,
               unsigned touching) {
@@ -25,13 +26,14 @@ unsigned held(const TileTarget& to, const Geometry& geometry, std::size_t group,
     return found;
 }
 
-/// Forces of some near rows: those that touch are listed first, then handed to the law lane_count
-/// at a time. A Geometry knows the surfaces:
+/// Computes the forces of a chunk of near rows: lists the rows that touch, then applies the law to
+/// lane_count of them at a time. A Geometry describes the surfaces:
 ///   unsigned touching(near)         bit q: near pair q of lane_count touches
-///   double gap(near), radius(near)  of one pair: distance of the surfaces, effective radius, m
-///   void prefetch_positions(near)      asks for what touching() will read of these eight
-///   void prefetch_rows(to, rows)         asks for what the tile after next will read
-///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes that are too deep
+///   double gap(near), radius(near)  of one pair: gap between the surfaces, effective radius, m
+///   void prefetch_positions(near)   prefetches what touching() will read for these eight pairs
+///   void prefetch_rows(to, rows)    prefetches what the tile after the next will read
+///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes whose overlap is
+///                                            beyond the limit
 template <class Law, class Geometry, class Pairs>
 void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index,
                    std::size_t chunk, std::size_t first, std::size_t last) {
@@ -67,6 +69,7 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
     sleepers.put_springs_back();
 }
 
+/// The same for all near rows of a kind of pair, in parallel.
 template <class Law, class Geometry, class Pairs>
 void collide_all(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index) {
     for_chunks(index.size(), near_rows_per_chunk,

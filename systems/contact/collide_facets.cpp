@@ -18,13 +18,13 @@ using detail::Feature;
 using detail::Nearest;
 using detail::TileTarget;
 
-constexpr std::size_t usual_run =
-    64; // near facets of one body and one sphere; more take memory of their own
+// near facets of one body and one sphere; longer runs allocate memory
+constexpr std::size_t usual_run = 64;
 
-/// A facet in reach of a sphere.
+/// A facet within reach of a sphere.
 struct Reached : Nearest {
     Row row;     ///< near row
-    bool counts; ///< carries; else another of its run does in its place
+    bool counts; ///< carries force; otherwise another facet of its run does so in its place
 };
 
 struct Surfaces {
@@ -34,8 +34,8 @@ struct Surfaces {
     double deepest;
 };
 
-/// How far from its centre a sphere of a run reaches (near rows [first, last)): beyond its radius
-/// where one of the run has touched it, and the law holds it.
+/// Distance (m) from the sphere's centre within which facets of a run (near rows [first, last)) can
+/// exert a force: the radius, plus the law's reach if a facet of the run has touched the sphere.
 template <class Law>
 double reach_of(const TileTarget& to, std::size_t first, std::size_t last, double radius) {
     double beyond = 0;
@@ -48,7 +48,7 @@ double reach_of(const TileTarget& to, std::size_t first, std::size_t last, doubl
     return radius + beyond;
 }
 
-/// Those of near rows [first, last), one sphere against one body, that are in reach.
+/// Facets within reach among near rows [first, last), which are one sphere against one body.
 template <class Law>
 std::span<Reached> reached_of(const Surfaces& s, const TileTarget& to, std::size_t first,
                               std::size_t last, std::span<Reached> room) {
@@ -68,7 +68,7 @@ bool lies_in(const Vec3& point, const Vec3& of_plane, const Vec3& normal, double
     return std::abs((point - of_plane).dot(normal)) <= close;
 }
 
-// an edge or vertex counts once for a body, and not at all where a face of the body already carries
+// an edge or vertex counts once for a body, and not at all where a face of the body carries force
 bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Reached> run,
                  std::size_t k, double radius) {
     const Reached& mine = run[k];
@@ -88,7 +88,7 @@ bool is_shadowed(const Surfaces& s, const TileTarget& to, std::span<const Reache
     return false;
 }
 
-// two faces on one plane share the points of their seam: the first carries
+// two coplanar faces share the points of their seam, where only the first one carries force
 bool is_seam(std::span<const Reached> run, std::size_t k, double radius) {
     for (std::size_t j = 0; j < k; ++j)
         if (run[j].feature == Feature::face &&
@@ -97,8 +97,8 @@ bool is_seam(std::span<const Reached> run, std::size_t k, double radius) {
     return false;
 }
 
-// of a straight edge that is cut, the far piece is in reach with its end only, and the near one
-// carries
+// where a straight edge is divided, only the end of the farther piece is within reach, and the
+// nearer piece carries the force
 bool is_further_along(std::span<const Reached> run, const Reached& mine, double radius) {
     for (const Reached& other : run)
         if (other.counts && other.distance < mine.distance &&
@@ -117,10 +117,10 @@ void choose(const Surfaces& s, const TileTarget& to, std::span<Reached> run, dou
             r.counts = false;
 }
 
-// A sphere that slides from one facet to the next takes its spring along: where a contact has begun
-// and another of the run counts no more, though still in reach, the spring goes over, to the
-// nearest. Only springs tell which contacts there were, and what is in reach is listed, so lists
-// leave no trace.
+// When a sphere slides from one facet to the next, its spring moves along: if a facet within reach
+// no longer counts, its spring passes to the nearest contact of the run that has just begun. Only
+// springs record past contacts, and every facet within reach is listed, so the result does not
+// depend on when the lists are rebuilt.
 void hand_over_springs(const TileTarget& to, std::span<const Reached> run) {
     const auto pair_of = [&](const Reached& r) { return to.near[r.row].pair; };
     for (const Reached& left : run) {
@@ -149,7 +149,7 @@ void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex
     const double radius = s.movers.sphere_row[to.near[first].owner].radius;
     choose(s, to, run, radius);
     if (to.spring != nullptr) hand_over_springs(to, run);
-    if constexpr (Law::has_reach) { // surfaces that are apart count only where they are held
+    if constexpr (Law::has_reach) { // surfaces that are apart count only while the law acts
         for (Reached& r : run)
             r.counts =
                 r.counts && (r.distance < radius ||
@@ -178,7 +178,7 @@ void collide_chunk(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs
         const PairNames &x = s.names[to.near[a].pair], &y = s.names[to.near[b].pair];
         return x.owner == y.owner && x.partner == y.partner && x.sphere == y.sphere;
     };
-    // runs belong to the chunk in which they begin
+    // a run belongs to the chunk in which it begins
     std::size_t row = first;
     while (row < last && row > 0 && same_run(row - 1, row)) ++row;
     while (row < last) {

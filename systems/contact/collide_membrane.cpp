@@ -20,12 +20,14 @@ struct Band {
     double deepest;
 };
 
-// rings beyond the ends repeat the last: bands end two rings below the first and one above the last
+// rings beyond either end repeat the last one; bands extend to two rings below the first and one
+// above the last
 constexpr int lowest_ring = -2;
 
 void lay_out_bands(const MembraneSurface& surface, MembraneBands& bands) {
-    bands.radii.resize(static_cast<std::size_t>((surface.rings + 1 - lowest_ring) *
-                                                surface.sectors)); // the same every step
+    // the size is the same in every step
+    bands.radii.resize(
+        static_cast<std::size_t>((surface.rings + 1 - lowest_ring) * surface.sectors));
     std::size_t k = 0;
     for (int here = lowest_ring; here <= surface.rings; ++here)
         for (int sector = 0; sector < surface.sectors; ++sector)
@@ -46,7 +48,7 @@ Found find_touching(const Band& band, const NearEntry* near) {
     Found f;
     f.radius = c[3];
     f.here = floor(c[2] * (1 / height) - 0.5);
-    // what is not a number finds some band, and does not touch it
+    // a centre that is not a number (NaN) is assigned to some band but does not touch it
     const Lane row = min(max(f.here, lanes(lowest_ring)), lanes(band.surface.rings)) -
                      static_cast<double>(lowest_ring);
     const auto radii = transpose(load_rows([&](int q) {
@@ -108,7 +110,7 @@ void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePai
     tile.flush();
 }
 
-// a membrane has no friction, whatever the law between grains
+// a membrane has no friction, whatever the law between grains is
 template <class Law, class... Work>
 void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf, Work...> near,
              detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
@@ -135,7 +137,7 @@ void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf, Work...> near
 
 System collide_membrane(LawName law, const StepChoices& choices) {
     constexpr auto name = "collide_membrane";
-    // only the normal force and its dashpot act, and nothing beyond touch
+    // only the normal spring and its dashpot act, and no force beyond touch
     return with_law(law, [&]<class L>() {
         using Smooth = Law<typename L::Normal, typename L::DampingPart, Frictionless>;
         if constexpr (Smooth::has_dashpots)

@@ -14,7 +14,7 @@ using detail::TileTarget;
 
 Vec3Lanes vector(const FourLanes& a) { return {a[0], a[1], a[2]}; }
 
-/// Planes, one a lane: numbers from + 0 to + 3 of their rows.
+/// Four consecutive numbers of the rows of planes, starting at `from`; one plane per lane.
 template <class PlaneOf>
 FourLanes four_of(PlaneOf&& plane, std::ptrdiff_t from) {
     static_assert(sizeof(PlaneRow) == 15 * sizeof(double));
@@ -24,7 +24,7 @@ FourLanes four_of(PlaneOf&& plane, std::ptrdiff_t from) {
 struct PlaneGeometry {
     Movers movers;
     const PlaneRow* planes;
-    double deepest; // of the radius
+    double deepest; // largest overlap accepted, over the radius
 
     unsigned touching(const NearEntry* near) const {
         const auto a =
@@ -39,8 +39,8 @@ struct PlaneGeometry {
         return (Vec3(a.x, a.y, a.z) - p.point).dot(p.normal) - a.radius;
     }
     double radius(const NearEntry& near) const { return movers.sphere_row[near.owner].radius; }
-    void prefetch_positions(const NearEntry*) const {
-    } // few, and close to those of their neighbours
+    // not needed: planes are few, and the spheres are close to each other in memory
+    void prefetch_positions(const NearEntry*) const {}
     void prefetch_rows(const TileTarget& to, const Row* rows) const {
         std::array<std::size_t, lane_count> own;
         for (std::size_t q = 0; q < lane_count; ++q) own[q] = to.near[rows[q]].owner;
@@ -50,7 +50,7 @@ struct PlaneGeometry {
 
     template <class Law>
     unsigned collide(const TileTarget& to, const Row* rows, int count) const {
-        std::array<std::size_t, lane_count> slot, own; // the latter: bodies
+        std::array<std::size_t, lane_count> slot, own; // own: rows of bodies
         for (std::size_t q = 0; q < lane_count; ++q)
             own[q] = movers.body_of(slot[q] = to.near[rows[q]].owner);
         const auto rows_of = [](const auto* table, const auto& bodies, auto member) {

@@ -15,7 +15,7 @@ using detail::TileTarget;
 
 struct SphereGeometry {
     Movers movers;
-    double deepest; // of the mean radius
+    double deepest; // largest overlap accepted, over the mean radius
 
     unsigned touching(const NearEntry* near) const {
         return near_lanes(
@@ -48,8 +48,8 @@ struct SphereGeometry {
 
     template <class Law>
     unsigned collide(const TileTarget& to, const Row* rows, int count) const {
-        std::array<std::size_t, lane_count> own_sphere, other_sphere, own,
-            other; // the latter: bodies
+        // own, other: rows of bodies
+        std::array<std::size_t, lane_count> own_sphere, other_sphere, own, other;
         for (std::size_t q = 0; q < lane_count; ++q) {
             const NearEntry& e = to.near[rows[q]];
             own[q] = movers.body_of(own_sphere[q] = e.owner);
@@ -70,7 +70,7 @@ struct SphereGeometry {
         const auto wb = transpose(rows_of(movers.motion, other, &MotionRow::omega_x));
         FourLanes xa = a, xb = b; // centres of the bodies
         if (movers.centre != nullptr) {
-            // from velocities of the bodies to those of the spheres' centres
+            // converts velocities of the bodies to those of the spheres' centres
             xa = transpose(rows_of(movers.centre, own, &CentreRow::x));
             xb = transpose(rows_of(movers.centre, other, &CentreRow::x));
             const Lane ax = a[0] - xa[0], ay = a[1] - xa[1], az = a[2] - xa[2];
@@ -119,8 +119,8 @@ struct SphereGeometry {
         if constexpr (Law::has_history) {
             const Lane wx = arm_a * wa[0] + arm_b * wb[0], wy = arm_a * wa[1] + arm_b * wb[1],
                        wz = arm_a * wa[2] + arm_b * wb[2];
-            // velocities of the last step belong to its middle, and so does this normal: or the
-            // approach of the pair would leak into its shear (Vyas et al. 2025)
+            // the velocities belong to the middle of the last step, so the normal is taken there
+            // too; otherwise the approach of the pair would enter its shear (Vyas et al. 2025)
             const double half_step = 0.5 * to.step.dt;
             Lane mx = dx - half_step * u[0], my = dy - half_step * u[1], mz = dz - half_step * u[2];
             const Lane scale = inverse_root(mx * mx + my * my + mz * mz, inverse);

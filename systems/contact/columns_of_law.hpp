@@ -6,12 +6,13 @@
 
 namespace bris {
 
+/// A list of column types.
 template <class...>
 struct Columns {};
 
 namespace detail {
 
-/// System of one law: `make` gets the law, the columns of near rows, and those of pairs.
+/// System of one law. `make` receives the law, the columns of near rows and those of pairs.
 template <class L, class... Share, class Make>
 System make_system_of(bool energy_budget, Make&& make) {
     if constexpr (L::has_rolling) {
@@ -31,7 +32,7 @@ System make_system_of(bool energy_budget, Make&& make) {
 } // namespace detail
 
 /// Calls make.template operator()<Law, columns of near rows, columns of pairs>() with the law of
-/// that name and the columns that it writes besides the record of force.
+/// that name and the columns that it needs in addition to the force record.
 template <class Make>
 System system_of_law(LawName law, const StepChoices& choices, Make&& make) {
     return with_law(law, [&]<class L>() {

@@ -4,7 +4,8 @@
 
 namespace bris {
 
-/// Adds the columns of the energy ledger to a scene that has its lists (add_lists).
+/// Adds the columns of the energy budget to a scene that already has its neighbour lists
+/// (add_lists).
 void add_energy_budget(World& world);
 
 } // namespace bris

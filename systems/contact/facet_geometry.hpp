@@ -6,20 +6,21 @@
 
 namespace bris::detail {
 
-/// Which part of a facet is nearest to a point.
+/// The part of a facet that is nearest to a point.
 enum class Feature { none, vertex, edge, face };
 
-/// Left unset by default: the kernel keeps an array of them and fills only what it needs.
+/// Nearest point of a facet. Members have no default values, because the kernel keeps an array of
+/// them and fills only those that it needs.
 struct Nearest {
     Feature feature;
     Vec3 point;
-    Vec3 normal; ///< from the facet to the centre, unit
-    double distance;
+    Vec3 normal;     ///< unit vector from the facet to the sphere's centre
+    double distance; ///< m
 };
 
 inline Nearest nothing_near() { return {Feature::none, Vec3::Zero(), Vec3::Zero(), 0}; }
 
-/// The point of a convex facet nearest to a sphere's centre.
+/// Finds the point of a convex facet that is nearest to a sphere's centre.
 inline Nearest nearest_on_mesh_facet(const FacetRow& facet, const Vec3& centre) {
     const double height = (centre - facet.corners[0]).dot(facet.normal);
     const Vec3 foot = centre - height * facet.normal;

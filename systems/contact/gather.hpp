@@ -11,12 +11,13 @@ namespace bris {
 
 namespace detail {
 
-/// Force and torque, summed from records about a centre. By value: sums stay in registers.
+/// Force and torque about a centre, summed from contact records. It is passed by value, so that the
+/// sums stay in registers.
 struct Wrench {
     Quad force{}, turned_torque{};
 
-    /// `as_partner`: of an entry of NearIndex::contact, 0 for the owner. Without a branch: it would
-    /// be foreseen wrongly at every body.
+    /// Adds a record. `as_partner` is that bit of an entry of NearIndex::contact, 0 for the owner.
+    /// There is no branch, because it would be mispredicted at every body.
     [[gnu::always_inline]] void add(const ForceRow& record, Row as_partner, Quad centre) {
         const Quad f = flipped(load(&record.fx), as_partner), arm = load(&record.px) - centre;
         force += f;
@@ -30,18 +31,18 @@ inline void add_to(Vec3& sum, Quad more) {
     sum[2] += more[2];
 }
 
-/// Records of one kind of pair. Null: the law, or the scene, has none.
+/// Records of one kind of pair. Null: the law or the scene has none.
 struct Records {
     const ForceRow* force;
     const TorqueRow* torque;
     const WorkRow* work;
 };
-/// Where the work that pairs take is booked.
+/// Columns (J, by body) in which the work dissipated by pairs is accumulated.
 struct WorkSums {
     double *friction, *viscous, *rolling;
 };
 
-/// Couples and work of a body's records, which few laws have.
+/// Adds the couples and the work of a body's records, which only some laws have.
 template <class Pairs>
 void gather_more(Row b, Vec3& torque, const Records& records, const NearIndex<Pairs>& index,
                  const WorkSums& work_sums) {
@@ -64,7 +65,7 @@ void gather_more(Row b, Vec3& torque, const Records& records, const NearIndex<Pa
     work_sums.rolling[b] += work.rolling;
 }
 
-/// Sums the records of each body; where there is a ledger, the work of the pairs that it owns too.
+/// Sums the records of each body and, with an energy budget, the work of the pairs that it owns.
 template <class Pairs>
 void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torque,
                  const Records& records, const NearIndex<Pairs>& index, const WorkSums& work_sums) {
@@ -74,8 +75,8 @@ void gather_rows(RowRange bodies, const Vec3* position, Vec3* force, Vec3* torqu
     for (Row b = bodies.first; b < bodies.last; ++b) {
         const Row first = incident[b] + owned[b], last = end[b];
         if (first == last) continue;
-        // records lie where the owners' pairs lie: the first few of a body to come are called for
-        // in time
+        // records are stored in the order of the owners' pairs, so the first few of a later body
+        // are prefetched
         if (const Row coming = b + 16; coming < bodies.last)
             for (Row k = 0; k < index.look_ahead; ++k)
                 prefetch(&records.force[contact[incident[coming] + owned[coming] + k] &
@@ -104,9 +105,9 @@ void gather_all(const BodyRows& bodies, const NearRows& near, const NearIndex<Pa
 
 } // namespace detail
 
-/// Adds the forces of the pairs of one kind to their bodies, boundaries included, and their torques
-/// about the centre of mass. Each body sums its own records, in the order of its contacts. `More`:
-/// PairTorque, of laws with resistance to rolling.
+/// Adds the forces of the pairs of one kind, and their torques about the centre of mass, to their
+/// bodies, including boundaries. Each body sums its own records in the order of its contacts.
+/// `More` is PairTorque for laws with resistance to rolling.
 template <class Pairs, class... More>
 void gather(Rows<Bodies, const Position, Force, Torque> bodies,
             Rows<typename Pairs::Near, const PairForce, const More...> near,
@@ -116,7 +117,7 @@ void gather(Rows<Bodies, const Position, Force, Torque> bodies,
     detail::gather_all<Pairs>(bodies, near, index, couple, nullptr, {});
 }
 
-/// The same, and adds the work that the pairs took in this step to their owners.
+/// The same, and adds the work that the pairs dissipated in this step to their owners.
 template <class Pairs, class... More>
 void gather_and_accumulate_work(
     Rows<Bodies, const Position, Force, Torque, FrictionWork, ViscousWork, RollingWork> bodies,

@@ -13,11 +13,11 @@ namespace bris {
 
 namespace detail {
 
-/// Lists the touching near rows of one body.
+/// Lists the touching near rows of one body: as partner first, then as owner.
 template <class Pairs>
 void list_contacts_of(Row body, NearIndex<Pairs>& index) {
-    Row at = index.first_contact(
-        body); // moves on over what touches, without branches nobody could foresee
+    // advanced without a branch on whether a pair touches, which would be mispredicted
+    Row at = index.first_contact(body);
     for (Row k = index.incident_first[body]; k < index.incident_first[body + 1]; ++k) {
         index.contact[at] = index.incident[k] | index.as_partner;
         at += index.touches(index.incident[k]) ? 1u : 0u;
@@ -31,9 +31,9 @@ void list_contacts_of(Row body, NearIndex<Pairs>& index) {
 
 } // namespace detail
 
-/// Brings the contacts of every body up to date. Most near rows do not touch, so bodies should not
-/// look at them in every step; and pairs come and go rarely, so only the bodies of those are listed
-/// anew.
+/// Updates the lists of touching pairs of every body. Most near rows do not touch, so the force
+/// sums should not read them in every step; and contacts begin and end rarely, so only the lists of
+/// the bodies concerned are rebuilt, unless many have changed.
 template <class Pairs>
 void list_contacts(Rows<typename Pairs::Near, const NearPair> near,
                    Rows<Pairs, const PairRows> pairs, Rows<Listed, const ListedBody> listed,

@@ -15,7 +15,7 @@ namespace bris {
 namespace {
 
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
-constexpr double least_contacts = 6; // a rock is held by six or more
+constexpr double least_contacts = 6; // a stable rock has six or more
 
 } // namespace
 
@@ -32,12 +32,13 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     const auto angular_velocity = bodies.column<AngularVelocity>();
     const auto work =
         bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
-    auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the rows
+    auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the order of rows
     std::erase_if(rows, [&](Row b) { return motion[b] != free_motion; });
 
-    // contacts come at any time: as many of the stiffest kind as hold a rock are always counted.
-    // That of boundaries among themselves counts too: a third more than rocks meet, without which
-    // preparation ends in other packings of the same porosity (half as strong again)
+    // Contacts may form at any time, so at least as many of the stiffest pair of materials count as
+    // a stable rock has. The pair of two boundary materials is included, although it is a third
+    // stiffer than any contact of rocks: without it, the preparation leads to other packings of the
+    // same porosity, which are half as strong again.
     double one = 0, true_mass = 0, stiffness_sum = 0;
     for (const LawRow& law : world.resource<Materials>().linear_pairs)
         one = std::max({one, law.kn, law.ks});
@@ -62,7 +63,7 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
             m = std::max(m, inertial[b]);
             i = std::max(i, inertial_inertia[b].x() / inertia[b].x());
         }
-        // velocities and spins stay: the kinetic energy does not
+        // velocities and angular velocities stay, so the kinetic energy changes
         const double turning = i * inertia[b].x() / inertial_inertia[b].x();
         if (!work.empty())
             work[b] += 0.5 * (m - inertial[b]) * velocity[b].squaredNorm() +

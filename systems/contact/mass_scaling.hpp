@@ -4,19 +4,20 @@
 
 namespace bris {
 
-/// What mass scaling did.
+/// Result of mass scaling.
 struct MassScaling {
-    double dt = 0;             ///< s
-    double total_mass = 0;     ///< kg, scaled, of free bodies
-    double largest_factor = 0; ///< of scaled to true mass
-    double smallest_factor = 0;
+    double dt = 0;              ///< s, time step for which the masses are scaled
+    double total_mass = 0;      ///< kg, sum of the scaled masses of free bodies
+    double largest_factor = 0;  ///< largest ratio of scaled to true mass
+    double smallest_factor = 0; ///< smallest ratio of scaled to true mass
 };
 
-/// Gives every free clump the inertial mass and inertia with which the step `dt` is `safety` times
-/// its stable step; for quasi-static runs (equilibria do not depend on mass). A body counts at
-/// least six contacts, for those that may come. With dt = 0 the step is chosen so that the total
-/// mass stays the true one. Scaled masses never shrink if `only_raise`. Weight keeps the true mass.
-/// For laws without dashpots, whose rates would grow with the masses.
+/// Gives every free clump the inertial mass and inertia for which the step `dt` (s) is `safety`
+/// times its stable step. This is meant for quasi-static runs, since equilibria do not depend on
+/// mass. A body counts as having at least six contacts, because more may form. With dt = 0 the step
+/// is chosen so that the total mass stays the true one. With `only_raise`, scaled masses never
+/// decrease. The weight is that of the true mass. Only for laws without dashpots, whose damping
+/// would grow with the masses.
 MassScaling scale_masses(World& world, double dt, double safety, bool only_raise);
 
 } // namespace bris

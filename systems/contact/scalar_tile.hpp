@@ -5,16 +5,16 @@
 
 namespace bris::detail {
 
-/// Collects contacts found one by one (spheres against facets and membrane) and hands them to the
-/// law lane_count at a time.
+/// Collects contacts that are found one by one (spheres against facets and membrane) and applies
+/// the law to lane_count of them at a time.
 template <class Law>
 class ScalarTile {
 public:
     ScalarTile(const TileTarget& to, const Movers& movers) : to_(to), movers_(movers) {}
 
-    /// A sphere touches a surface at `distance` from its centre along `normal` (unit, from the
-    /// surface to the sphere); the surface moves with `velocity` at the contact point, and turns
-    /// with `turning`.
+    /// Adds the contact of a sphere with a surface at `distance` (m) from its centre along `normal`
+    /// (unit, from the surface to the sphere). The surface moves with `velocity` (m/s) at the
+    /// contact point and rotates with the angular velocity `turning` (rad/s).
     void add(Row near_row, const Vec3& normal, double distance, const Vec3& velocity,
              const Vec3& turning) {
         const Row slot = to_.near[near_row].owner;
@@ -52,9 +52,10 @@ public:
         if (count_ == lane_count) flush();
     }
 
+    /// Applies the law to the contacts collected so far.
     void flush() {
         if (count_ == 0) return;
-        // empty lanes repeat the first contact: valid numbers, never stored
+        // unused lanes repeat the first contact: valid numbers that are never stored
         for (auto k = static_cast<std::size_t>(count_); k < lane_count; ++k) {
             rows_[k] = rows_[0];
             for (auto& field : values_) field[k] = field[0];
@@ -87,7 +88,7 @@ public:
     }
 
 private:
-    // rows of values_: vectors take three
+    // rows of values_; vectors take three rows
     enum : std::size_t {
         normal_at = 0,
         point_at = 3,
@@ -112,7 +113,8 @@ private:
     alignas(64) std::array<std::array<double, lane_count>, fields> values_{};
 };
 
-/// Books which rows of a chunk touch now; forgets those that have come apart.
+/// Records which near rows of a group of eight touch now, and clears the springs of those that have
+/// separated.
 template <class Pairs>
 void write_touching(const TileTarget& to, NearIndex<Pairs>& index, std::size_t group,
                     unsigned now) {

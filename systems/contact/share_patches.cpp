@@ -9,7 +9,7 @@ namespace bris {
 
 namespace {
 
-// overlaps of a patch, in share[k] for the rows k that `belongs` lets through, become shares
+// converts the overlaps of a patch, share[k] for the rows k that `belongs` accepts, into shares
 template <class Belongs>
 void normalise(double* share, Row first, Row last, Belongs&& belongs) {
     double sum = 0;
@@ -19,7 +19,7 @@ void normalise(double* share, Row first, Row last, Belongs&& belongs) {
         if (belongs(k)) share[k] = sum > 0 ? share[k] / sum : 1;
 }
 
-// calls share_rows(first, last) with the near rows of every owner
+// calls share_rows(first, last) with the range of near rows of every owner
 template <class Pairs, class ShareRows>
 void for_owners(const NearIndex<Pairs>& index, ShareRows&& share_rows) {
     if (index.size() == 0) return;
@@ -45,7 +45,7 @@ void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near,
         return std::max(0.0, a.radius + b.radius - std::sqrt(dx * dx + dy * dy + dz * dz));
     };
     for_owners(index, [&](Row first, Row last) {
-        for (Row k = first; k < last;) { // pairs of one partner stand together
+        for (Row k = first; k < last;) { // pairs with one partner are contiguous
             const Row patch = k, partner = body[entry[k].other];
             for (; k < last && body[entry[k].other] == partner; ++k) share[k] = overlap(k);
             normalise(share, patch, k, [](Row) { return true; });

@@ -8,10 +8,10 @@
 
 namespace bris {
 
-/// Shares the stiffness of each patch, the touching spheres of one clump and one partner, among its
-/// pairs in proportion to their overlaps: a pair enters and leaves with nothing, and n equal pairs
-/// have 1/n each. Such a force has no exact potential; what that costs is seen in the energy
-/// ledger.
+/// Divides the stiffness of each patch (the touching pairs between the spheres of one clump and one
+/// partner) among its pairs in proportion to their overlaps. A pair joins and leaves a patch with a
+/// share of zero, and each of n equal pairs has the share 1/n. Such a force has no exact potential;
+/// the resulting error appears in the energy budget.
 void share_sphere_patches(Rows<NearSpheres, const NearPair, PatchShare> near,
                           Rows<Listed, const ListedPosition, const ListedBody> listed,
                           const NearIndex<SpherePairs>& index);

@@ -19,11 +19,12 @@ constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
 
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
-/// A touching contact as one of its bodies has it.
+/// A touching contact as seen by one of its bodies.
 struct Touch {
-    double normal, shear, rolling;        ///< tangent stiffnesses, N/m, N m/rad
+    double normal, shear, rolling;        ///< tangent stiffnesses, N/m, N/m, N m/rad
     double normal_damping, shear_damping; ///< N s/m
-    Vec3 arm, direction; ///< from the body's centre of mass to the point; of the normal
+    /// Vector (m) from the body's centre of mass to the contact point; direction of the normal.
+    Vec3 arm, direction;
     bool between_free_bodies;
 };
 
@@ -44,21 +45,21 @@ Touch touch_of(const LawTraits& traits, const LawRow& law, const Elasticity& e, 
     return t;
 }
 
-/// Calls visit(body, touch) for the contacts of every body, in the order of the force sums: the
-/// same bits always.
+/// Calls visit(body, touch) for the contacts of every body in the order of the force sums, so that
+/// the result is always bitwise the same.
 template <class Pairs, class Visit>
 void visit_touches(const World& world, Visit&& visit) {
     if (!world.has<Pairs>()) return;
     const auto& index = world.resource<NearIndex<Pairs>>();
-    if (index.size() == 0) return; // nothing is near, or no step has been taken
+    if (index.size() == 0) return; // no pair is near, or no step has been taken
     const auto entry = world.column<typename Pairs::Near, NearPair>();
     const auto force = world.column<typename Pairs::Near, PairForce>();
     const auto rows = world.column<Pairs, PairRows>();
     const auto position = world.column<Bodies, Position>();
     const auto mass = world.column<Bodies, InertialMass>();
     const auto motion = world.column<Bodies, MotionOf>();
-    const auto sphere_row =
-        world.column<Listed, ListedPosition>(); // a step on: a difference of one step's motion
+    // one step later than the contact records: they differ by the motion of one step
+    const auto sphere_row = world.column<Listed, ListedPosition>();
     const auto body = world.column<Listed, ListedBody>();
     const LawTraits& law = traits(world.resource<ContactLaw>().law);
     const auto& materials = world.resource<Materials>();
@@ -75,7 +76,7 @@ void visit_touches(const World& world, Visit&& visit) {
             const Vec3 point(force[k].px, force[k].py, force[k].pz);
             const double radius = effective_radius<Pairs>(entry[k], sphere_row);
             const LawRow& row = laws[pair.law];
-            // what acts beyond touch is no spring: it counts as a contact that is about to close
+            // a force beyond touch is no spring; such a pair counts as a contact of zero overlap
             Elasticity e = law.elasticity(row, std::max(force[k].overlap, 0.0), radius);
             if (share != nullptr)
                 e = {share[k] * e.normal, share[k] * e.shear, share[k] * e.energy};
@@ -90,20 +91,21 @@ void visit_touches(const World& world, Visit&& visit) {
         });
 }
 
-/// What a contact opposes to translation and rotation of its body.
+/// Stiffness (or damping) matrix of a contact for translation and rotation of its body.
 Mat6 block(const Touch& t, double normal, double shear, double rolling) {
     const Mat3 along = t.direction * t.direction.transpose(),
                contact = normal * along + shear * (Mat3::Identity() - along);
     Mat3 cross; // arm x
     cross << 0, -t.arm.z(), t.arm.y(), t.arm.z(), 0, -t.arm.x(), -t.arm.y(), t.arm.x(), 0;
-    Eigen::Matrix<double, 3, 6> motion; // of the contact point: v - arm x w
+    Eigen::Matrix<double, 3, 6> motion; // velocity of the contact point: v - arm x w
     motion << Mat3::Identity(), -cross;
     Mat6 sum = motion.transpose() * contact * motion;
     sum.bottomRightCorner<3, 3>() += rolling * Mat3::Identity();
     return sum;
 }
 
-/// Of a positive matrix: the norm of a high power, at most 0.05 % too large.
+/// Largest eigenvalue of a positive matrix, from the norm of a high power; at most 0.05 % too
+/// large.
 double largest_eigenvalue(Mat6 m) {
     double log_scale = 0;
     constexpr int squarings = 12; // 6^(1/4096) = 1.0004
@@ -117,8 +119,8 @@ double largest_eigenvalue(Mat6 m) {
     return std::exp((log_scale + std::log(m.norm())) / (1 << squarings));
 }
 
-/// Root of the inverse masses of a body: a block between two of them has squares of frequencies as
-/// eigenvalues.
+/// Square root M^-1/2 of the inverse mass matrix of a body. The eigenvalues of M^-1/2 K M^-1/2 are
+/// squares of angular frequencies.
 Mat6 inverse_root(const Table& bodies, Row b) {
     Mat6 root = Mat6::Zero();
     root.topLeftCorner<3, 3>() = Mat3::Identity() / std::sqrt(bodies.column<InertialMass>()[b]);
@@ -134,15 +136,15 @@ Mat6 inverse_root(const Table& bodies, Row b) {
     return root;
 }
 
-/// 2/omega of a damped mode, s: central differences with the dashpot's velocity predicted from the
-/// step before.
+/// Stable step (s) of a damped mode, 2/omega without damping, for central differences in which the
+/// dashpot's velocity is predicted from the step before.
 double limit(double omega2, double rate) {
-    constexpr double margin = 0.999; // at 2/omega itself a mode grows, if slowly
+    constexpr double margin = 0.999; // at exactly 2/omega a mode grows slowly
     return omega2 > 0 ? margin * 2 * (std::sqrt(omega2 + 0.25 * rate * rate) - 0.5 * rate) / omega2
                       : std::numeric_limits<double>::infinity();
 }
 
-/// Least principal moment of a body as it moves.
+/// Smallest principal moment of inertia of a body (kg m2), including mass scaling.
 double least_inertia(const Table& bodies, Row b) {
     return bodies.has<SphereInertia>() ? bodies.column<SphereInertia>()[b]
                                        : bodies.column<InertialInertia>()[b].minCoeff();
@@ -168,8 +170,8 @@ double stable_step(const World& world) {
     if (has_dashpots(world.resource<ContactLaw>().law)) damping = stiffness;
     for_each_kind_of_pair([&]<class Pairs>() {
         visit_touches<Pairs>(world, [&](Row b, const Touch& t) {
-            const double both =
-                t.between_free_bodies ? 2 : 1; // (x + y)^2 <= 2 x^2 + 2 y^2: the partner moves too
+            // the partner moves too: (x + y)^2 <= 2 x^2 + 2 y^2
+            const double both = t.between_free_bodies ? 2 : 1;
             stiffness[b] += both * block(t, t.normal, t.shear, t.rolling);
             if (!damping.empty())
                 damping[b] += both * block(t, t.normal_damping, t.shear_damping, 0);
@@ -197,9 +199,10 @@ double stable_step_of_first_contact(const World& world) {
     double fastest = 0, step = std::numeric_limits<double>::infinity();
     for (const Vec3& v : bodies.column<Velocity>()) fastest = std::max(fastest, v.norm());
     for (Row b = 0; b < bodies.size(); ++b) {
-        if (!(true_mass[b] > 0)) continue; // boundaries; held rocks will be free some day
+        // boundaries have no mass; fixed rocks count, as they may be freed later
+        if (!(true_mass[b] > 0)) continue;
         for (const LawRow& row : law.rows(materials)) {
-            if (!(row.kn > 0)) continue; // of boundaries among themselves
+            if (!(row.kn > 0)) continue; // a pair of two boundaries
             const double overlap = law.overlap_to_expect(row, mass[b], radius[b], 2 * fastest);
             const Touch t = touch_of(law, row, law.elasticity(row, overlap, radius[b]), 1 / mass[b],
                                      materials.policy.rolling_stiffness_ratio, radius[b]);

@@ -6,25 +6,28 @@
 
 namespace bris {
 
-/// Stiffness that the touching contacts oppose to a body's motion.
+/// Stiffness of the touching contacts of a body against its motion.
 struct BodyStiffness {
-    double translation = 0; ///< N/m, sum over contacts of the larger of kn and ks
-    double rotation =
-        0; ///< N m/rad, sum of kn |c x n|^2 + ks |c|^2, c the lever arm, and of rolling springs
+    /// N/m, sum over contacts of the larger of kn and ks.
+    double translation = 0;
+    /// N m/rad, sum of kn |c x n|^2 + ks |c|^2 with the lever arm c, and of the rolling springs.
+    double rotation = 0;
 };
 
-/// By row of body, from the pairs that touched in the last step.
+/// Stiffness of each body, by row, from the pairs that touched in the last step.
 std::vector<BodyStiffness> body_stiffness(const World& world);
 
-/// Largest stable step, s: 0.999 of 2/omega, less where dashpots act, with omega^2 the largest
-/// eigenvalue of any free body's 6 x 6 block M^-1/2 K M^-1/2, contacts between two free bodies
-/// counted twice: a bound, and 0.8 to 0.9 of the true limit in beds. Hertz: with the stiffness of
-/// the present overlaps. Infinite if nothing touches: see stable_step_of_first_contact.
+/// Largest stable time step (s): 0.999 times 2/omega, less where dashpots act. omega^2 is the
+/// largest eigenvalue of the 6 x 6 blocks M^-1/2 K M^-1/2 of all free bodies, where contacts
+/// between two free bodies count twice. This is a lower bound of the true limit, and 0.8 to 0.9 of
+/// it in beds. Hertz contacts have the stiffness of their present overlaps. Infinite if nothing
+/// touches: see stable_step_of_first_contact.
 double stable_step(const World& world);
 
-/// A bound if every rock, held ones too, had one contact of the stiffest kind (Hertz: as deep as an
-/// impact at twice the largest speed, or half a percent of the radius); for the first steps of a
-/// scene in which nothing touches yet.
+/// Stable time step (s) if every body with mass, including fixed ones, had one contact of the
+/// stiffest kind; for the first steps of a scene in which nothing touches yet. The overlap of a
+/// Hertz contact is taken as that of an impact at twice the largest speed, or half a percent of the
+/// radius if that is more.
 double stable_step_of_first_contact(const World& world);
 
 } // namespace bris

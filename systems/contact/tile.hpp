@@ -13,8 +13,8 @@
 
 namespace bris::detail {
 
-/// What the kernels of all pair kinds share: where coefficients, springs and records are. Null: the
-/// law, or the scene, has none.
+/// Coefficients, springs and records that the kernels of all kinds of pairs read and write. Null:
+/// the law or the scene has none.
 struct TileTarget {
     const NearEntry* near;
     SpringRow* spring;
@@ -22,14 +22,14 @@ struct TileTarget {
     ForceRow* force;
     TorqueRow* torque;
     WorkRow* work;
-    const double* share; ///< of near rows, where patches share one stiffness
+    const double* share; ///< by near row, where patches share one stiffness
     const LawRow* laws;
     const RollingRow* rolling_laws;
     const OwnRow* own; ///< coefficients that only this law reads, by pair of materials
     bool one_law;      ///< all pairs have the coefficients of laws[0]
     LawStep step;
 
-    /// What contacts of these near rows write.
+    /// Prefetches the rows that the contacts of these near rows write.
     void prefetch_rows(const Row* rows) const {
         for (int q = 0; q < lane_count; ++q) prefetch<true>(&force[rows[q]]);
         if (spring != nullptr)
@@ -74,12 +74,12 @@ using MovingBodies = std::conditional_t<Law::has_dashpots,
                                         Rows<Bodies, const RigidMotion, const CentreOf, const Kick>,
                                         Rows<Bodies, const RigidMotion, const CentreOf>>;
 
-/// What contacts read of spheres, by slot, and of their bodies.
+/// Columns that contacts read: of spheres, by slot, and of their bodies.
 struct Movers {
     const SphereRow* sphere_row;
-    const Row* body;         ///< null if every sphere is a body: slots are rows of bodies then
-    const MotionRow* motion; ///< by body, as the centre
-    const CentreRow* centre; ///< null if every sphere stands in the centre of its body
+    const Row* body;         ///< null if every sphere is a body, so that slots are rows of bodies
+    const MotionRow* motion; ///< by body
+    const CentreRow* centre; ///< by body; null if every sphere lies in the centre of its body
     const KickRow* kick;     ///< null if the law has no dashpots
     template <class MovingRows, class Pairs>
     Movers(const ListedSpheres& listed, const MovingRows& bodies, const NearIndex<Pairs>& index)
@@ -89,7 +89,7 @@ struct Movers {
           centre(index.centred ? nullptr : bodies.template column<CentreOf>()),
           kick(kick_of(bodies)) {}
     std::size_t body_of(std::size_t slot) const { return body == nullptr ? slot : body[slot]; }
-    /// What contacts read of these spheres beside their places.
+    /// Prefetches what contacts read of the bodies of these spheres, except positions of spheres.
     void prefetch_rows(const std::array<std::size_t, lane_count>& slots) const {
         std::array<std::size_t, lane_count> bodies;
         for (std::size_t q = 0; q < lane_count; ++q) bodies[q] = body_of(slots[q]);
@@ -177,15 +177,16 @@ template <class Law>
                    [&](int q) { return &to.work[rows[q]].friction; });
 }
 
-/// Whether a near pair whose surfaces are `gap` (m) apart is held by what began when they touched.
-/// That a pair has touched is told by its spring, which is kept until the pair is let go.
+/// Whether a law with reach still acts on a near pair whose surfaces are `gap` (m) apart. The
+/// spring of the pair records that it has touched, and is kept until the law no longer acts on the
+/// pair.
 template <class Law>
 bool is_held(const TileTarget& to, const NearEntry& near, double gap, double radius) {
     return Spring::keep(to.spring[near.pair]) && gap < Law::reach(to.own[near.law], radius);
 }
 
-/// Which of a group of eight pairs are to be looked at, and which springs are not to move on: those
-/// of pairs that sleep.
+/// Selects, in each group of eight pairs, those whose contacts have to be evaluated, and restores
+/// the springs of sleeping pairs, which must not advance.
 template <class Pairs>
 class Sleepers {
 public:
@@ -194,12 +195,12 @@ public:
           look_(index.look.empty() ? awake_ : index.look.data()) {}
 
     bool skips(std::size_t group) const { return look_ != nullptr && look_[group / 8] == 0; }
-    /// Of the pairs that touch `now`, and touched before: those that count as touching.
+    /// Pairs that count as touching: evaluated pairs that touch `now`, and others as `before`.
     unsigned touching(std::size_t group, unsigned now, unsigned before) const {
         if (look_ == nullptr) return now;
         return (before & ~unsigned{look_[group / 8]}) | (now & look_[group / 8]);
     }
-    /// Of those, the ones that the law is asked of.
+    /// Those of the touching pairs to which the law is applied; keeps the springs of sleeping ones.
     unsigned asked(std::size_t group, unsigned touching) {
         if (look_ == nullptr) return touching;
         touching &= look_[group / 8];
@@ -208,6 +209,7 @@ public:
             keep(to_.near[group + static_cast<std::size_t>(__builtin_ctz(remaining))].pair);
         return touching;
     }
+    /// Restores the springs of the sleeping pairs.
     void put_springs_back() {
         for (const auto& [pair, spring, roll] : kept_) {
             if (to_.spring != nullptr) to_.spring[pair] = spring;
@@ -230,7 +232,7 @@ private:
     std::vector<Kept> kept_;
 };
 
-/// Clears the springs of the pairs of one group that have come apart.
+/// Clears the springs of those pairs of a group that have separated (bits of `apart`).
 inline void forget(const TileTarget& to, Row first, unsigned apart) {
     if (to.spring == nullptr) return;
     for (; apart != 0; apart &= apart - 1) {

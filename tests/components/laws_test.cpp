@@ -12,7 +12,7 @@ using namespace bris;
 
 namespace {
 
-/// One contact of a law, all lanes alike.
+/// One contact of a law, the same in all lanes.
 template <class L>
 struct Contact {
     CoefficientLanes k{lanes(1e9), lanes(8e8), lanes(0.5), lanes(0), lanes(0), lanes(0), lanes(0)};
@@ -39,7 +39,7 @@ struct Contact {
 } // namespace
 
 TEST_SUITE("contact/laws") {
-    TEST_CASE("the table tells of every law what its file states") {
+    TEST_CASE("the table of laws agrees with the definition of each law") {
         const auto& names = law_names();
         REQUIRE(names.size() > 7);
         for (std::size_t k = 0; k < names.size(); ++k) {
@@ -68,8 +68,9 @@ TEST_SUITE("contact/laws") {
         }
     }
 
-    TEST_CASE("stiffnesses of one contact are those of the kernel, and the energy is the integral "
-              "of its force") {
+    TEST_CASE(
+        "the stiffness of a contact is the slope of the kernel's force, and its energy is the "
+        "integral of the force") {
         const LawRow row{1e9, 8e8, 0.5, 0, 0, 0, 0, 0};
         const auto check = [&]<class L>(Contact<L> contact) {
             const LawTraits& t = traits(L::id);
@@ -77,7 +78,7 @@ TEST_SUITE("contact/laws") {
             const Elasticity e = t.elasticity(row, overlap, radius);
             double energy = 0;
             constexpr int n = 1000;
-            for (int k = 0; k < n; ++k) // midpoints: of second order
+            for (int k = 0; k < n; ++k) // midpoint rule, second order
                 energy += contact.step((k + 0.5) / n * overlap, Vec3::Zero()).z[0] * overlap / n;
             CHECK(e.energy == about(energy).epsilon(1e-6));
             const double h = 1e-3 * overlap,
@@ -99,7 +100,7 @@ TEST_SUITE("contact/laws") {
         CHECK(end == about(1.15 * std::cbrt(2e-12)).epsilon(1e-14));
         CHECK(t.potential(row, -end, radius) == 0);
         CHECK(t.potential(row, -2 * end, radius) == 0);
-        Contact<LinearBridge> contact; // touches once, then is held
+        Contact<LinearBridge> contact; // touches once, then separates
         const auto own = [&] {
             OwnLanes lanes_of_row;
             for (std::size_t k = 0; k < most_own_coefficients; ++k)
@@ -118,13 +119,13 @@ TEST_SUITE("contact/laws") {
         constexpr int n = 1000;
         for (int k = 0; k < n; ++k) {
             const ForceLanes f = force(-(k + 0.5) / n * end);
-            CHECK(f.work.viscous[0] == 0); // it has formed
+            CHECK(f.work.viscous[0] == 0); // only the forming bridge dissipates
             work -= f.z[0] * end / n;
         }
         CHECK(work == about(-t.potential(row, 0, radius)).epsilon(1e-5));
     }
 
-    TEST_CASE("a liquid bridge of no volume, and one that has not formed, pull nothing") {
+    TEST_CASE("a liquid bridge without volume, and a law without bridges, have no reach") {
         const LawTraits& t = traits(LawName::linear_bridge);
         const OwnRow dry = t.own_row(LiquidBridge{.surface_tension = 0.07}.coefficients());
         CHECK(t.reach(dry, 1) == 0);
@@ -139,15 +140,16 @@ TEST_SUITE("contact/laws") {
                   about(4.0 / 3 * 1e9 * std::sqrt(0.005) * std::pow(overlap, 1.5)).epsilon(1e-14));
     }
 
-    TEST_CASE("a spring begins when the surfaces meet, not with the step") {
+    TEST_CASE(
+        "a tangential spring begins when the surfaces meet, not at the beginning of the step") {
         Contact<Linear> contact;
         contact.k.friction = lanes(1e9);
-        // overlap 1e-6 at a closing speed of 1 m/s: a tenth of the step
+        // an overlap of 1e-6 m at an approach speed of 1 m/s takes a tenth of the step
         const ForceLanes f = contact.step(1e-6, Vec3(0.2, 0, 0), 1);
         CHECK(f.x[0] == about(-8e8 * 0.2 * 1e-6).epsilon(1e-14));
     }
 
-    TEST_CASE("a contact that turns fast changes no bit of those that share its tile") {
+    TEST_CASE("a fast-rotating contact does not change the results of other contacts in its tile") {
         Random random(1, 1);
         for (int n = 0; n < 1000; ++n) {
             Lane slow = lanes(random.uniform(-9e-5, 9e-5)), with_fast = slow;
@@ -158,7 +160,7 @@ TEST_SUITE("contact/laws") {
         }
     }
 
-    TEST_CASE("friction and a rescaled Mindlin spring never give energy, whatever the path") {
+    TEST_CASE("friction and a rescaled Mindlin spring never create energy on any path") {
         Random random(5, 0);
         double least = 0;
         const auto wander = [&]<class L>(L) {
@@ -171,7 +173,7 @@ TEST_SUITE("contact/laws") {
                     overlap = std::max(1e-9, overlap + change);
                     const ForceLanes f =
                         contact.step(overlap, 0.3 * random.direction(), change / contact.dt);
-                    // of the energy that the spring may hold: mu N times the displacement of a step
+                    // relative to the friction limit times the displacement of a step
                     least =
                         std::min(least, f.work.friction[0] /
                                             (contact.k.friction[0] * f.normal[0] * 3e-6 + 1e-300));
@@ -183,8 +185,8 @@ TEST_SUITE("contact/laws") {
         CHECK(least > -1e-12); // rounding
     }
 
-    TEST_CASE("a spring that keeps its force while the stiffness falls does give energy") {
-        // the reason for the rescaling: loaded at constant overlap, then unloaded without sliding
+    TEST_CASE("a spring that keeps its force while the stiffness decreases creates energy") {
+        // the reason for rescaling; loaded at constant overlap, then unloaded without sliding
         const auto work_of_unloading = [](ShearHistory history) {
             Contact<HertzMindlin> contact;
             contact.policy.shear_history = history;
@@ -200,7 +202,7 @@ TEST_SUITE("contact/laws") {
         CHECK(work_of_unloading(ShearHistory::incremental) < 0);
     }
 
-    TEST_CASE("rolling and twisting have limits and histories of their own") {
+    TEST_CASE("rolling and twisting have their own limits and histories") {
         Contact<LinearRolling> contact;
         ForceLanes f{};
         for (int s = 0; s < 1000; ++s) f = contact.step(1e-5, Vec3::Zero(), 0, Vec3(100, 0, 100));
@@ -210,7 +212,8 @@ TEST_SUITE("contact/laws") {
         CHECK(f.work.rolling[0] == about(2 * most * 100 * 1e-5).epsilon(1e-9));
     }
 
-    TEST_CASE("a force that is cut never pulls; one that may pull does") {
+    TEST_CASE(
+        "a normal force that is cut off at zero is never attractive, and one that is not may be") {
         for (const bool cut : {true, false}) {
             Contact<LinearViscous> contact;
             contact.policy.tension = cut ? Tension::cut : Tension::allowed;

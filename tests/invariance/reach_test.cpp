@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::uint64_t seed = 20240911;
 
-/// As strong as the weight of some grains, and far beyond any skin: 2.2 mm, a fifth of a radius.
+/// A bridge as strong as the weight of several grains, with a reach of 2.2 mm: a fifth of a radius
+/// and larger than most skins.
 constexpr LiquidBridge wet{.surface_tension = 20, .contact_angle = 0.1, .volume = 1e-8};
 
 void make_wet(World& world) {
@@ -28,7 +29,7 @@ void make_wet(World& world) {
 struct Scene {
     std::string name;
     BenchBed bed;
-    bool membrane = false; ///< around the grains, and the box moves to the middle of it
+    bool membrane = false; ///< around the grains, which are moved to its axis
 };
 const std::vector<Scene>& scenes() {
     static const std::vector<Scene> list{
@@ -61,7 +62,7 @@ BenchSettings with_skins(double outer, double inner) {
             .schedule = {.serial = true, .grain = 16}};
 }
 
-/// Pairs of a kind that are held beyond touch.
+/// Number of pairs of a kind on which a force acts beyond touch.
 template <class Pairs>
 std::ptrdiff_t held_pairs(const World& world) {
     if (!world.has<Pairs>()) return 0;
@@ -69,7 +70,7 @@ std::ptrdiff_t held_pairs(const World& world) {
                                  [](const TouchingPair& p) { return p.force.overlap < 0; });
 }
 
-/// The plane z = 0 around the origin as strips across x, facets of one body.
+/// Adds the plane z = 0 around the origin as facets of one body: strips side by side along x.
 void add_strips(World& world, int count, std::uint32_t material) {
     const EntityId host = add_boundary(world, Vec3::Zero(), material, Motion::fixed, 0.3);
     const auto x = [&](int k) { return -0.15 + 0.3 * k / count; };
@@ -82,8 +83,8 @@ void add_strips(World& world, int count, std::uint32_t material) {
 } // namespace
 
 TEST_SUITE("invariance/reach") {
-    TEST_CASE("forces beyond touch depend on neither threads nor skins, smaller than the reach or "
-              "larger") {
+    TEST_CASE("forces beyond touch do not depend on threads or on skins smaller or larger than the "
+              "reach") {
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
             CAPTURE(seed);
@@ -103,7 +104,7 @@ TEST_SUITE("invariance/reach") {
             const auto reference = run(with_skins(0.004, 0.0004), true);
             CHECK(run(with_skins(0.0002, 0.0001)) == reference);
             CHECK(run(with_skins(0.0012, 0.0011)) == reference);
-            CHECK(run(with_skins(0.01, 0.004)) == reference); // beyond the reach
+            CHECK(run(with_skins(0.01, 0.004)) == reference); // larger than the reach
             BenchSettings threads = with_skins(0.004, 0.0004);
             threads.threads = 3;
             threads.schedule.serial = false;
@@ -129,7 +130,7 @@ TEST_SUITE("invariance/reach") {
         }
     }
 
-    TEST_CASE("lists made anew in any step let no held pair go") {
+    TEST_CASE("rebuilding the lists in any step does not lose pairs that interact beyond touch") {
         Random random(seed, 5);
         for (const Scene& scene : scenes()) {
             CAPTURE(scene.name);
@@ -144,8 +145,8 @@ TEST_SUITE("invariance/reach") {
         }
     }
 
-    TEST_CASE("a sphere that hops over facets without parting is held as over a plane") {
-        // nearly fast enough to part: seams are crossed near the end of the reach too
+    TEST_CASE("a sphere that hops over facets without separating moves as over a plane") {
+        // nearly fast enough to separate, so seams are also crossed near the end of the reach
         const auto hop = [](int strips, double share_of_escape, double inner_skin) {
             World world = make_world(Grains::spheres);
             const auto grain = add_material(world, linear_material(1e5, 0, 0));
@@ -168,7 +169,7 @@ TEST_SUITE("invariance/reach") {
                 sum += z * (1 + k % 7);
                 highest = std::max(highest, z - 0.01);
             }
-            // it comes near the end of the reach, and does not part
+            // it comes close to the end of the reach but does not separate
             CHECK(highest < 2.27e-3);
             CHECK(highest > 1.9e-3);
             return sum;

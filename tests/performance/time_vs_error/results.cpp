@@ -183,7 +183,7 @@ void Results::add(const Scene& scene, const Knob& knob, const std::string& value
                           .load = outcome.load,
                           .note = outcome.note});
     }
-    std::string text = std::string(header) + "\n";
+    std::string text = fmt::format("{}\n", header);
     for (const Line& line : lines_) text += text_of(line);
     write_whole(csv_, text);
 }

@@ -10,8 +10,8 @@ using namespace bris::testing;
 
 namespace {
 
-/// Touching pairs of a body, read from the flags of all near rows: as partner by ascending owner,
-/// then as owner.
+/// Touching pairs of a body, found from the flags of all near rows: those in which it is the
+/// partner, by ascending owner, then those that it owns.
 template <class Pairs>
 std::vector<std::pair<Row, bool>> contacts_by_search(const World& world, Row body) {
     const auto& index = world.resource<NearIndex<Pairs>>();
@@ -47,7 +47,7 @@ std::size_t check_all(const World& world) {
 
 TEST_SUITE("contact/list_contacts") {
     TEST_CASE(
-        "every body knows its touching pairs, in the order of sums, while grains fall and settle") {
+        "the list of touching pairs of every body is complete and in order while grains settle") {
         for (const Grains grains : {Grains::spheres, Grains::clumps}) {
             Simulation sim =
                 begin(bed({.grains = grains, .walls = Walls::facets, .bodies = 40, .seed = 3}),
@@ -58,7 +58,7 @@ TEST_SUITE("contact/list_contacts") {
                 most = std::max(most, check_all<SpherePairs>(sim.world()) +
                                           check_all<FacetPairs>(sim.world()));
             }
-            CHECK(most > 40); // they have met
+            CHECK(most > 40); // grains have touched
         }
     }
 }

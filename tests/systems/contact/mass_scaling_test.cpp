@@ -10,8 +10,7 @@ using namespace bris::testing;
 
 namespace {
 
-/// Kinetic energy (J) of the velocities and momenta as they are stored, without the half step to
-/// now.
+/// Kinetic energy (J) of the velocities and momenta as stored, half a step before the positions.
 double kinetic(Simulation& sim) {
     double sum = 0;
     for (EntityId b = 0; b < 30; ++b)
@@ -23,8 +22,9 @@ double kinetic(Simulation& sim) {
 } // namespace
 
 TEST_SUITE("contact/mass_scaling") {
-    TEST_CASE("scaled masses make the wanted step safe, keep weight, and book the energy that they "
-              "bring") {
+    TEST_CASE(
+        "scaled masses make the requested step stable, keep weights, and account for the energy "
+        "that they add") {
         World world = bed({.grains = Grains::clumps, .bodies = 30});
         const std::vector<double> weight(world.column<Bodies, Mass>().begin(),
                                          world.column<Bodies, Mass>().end());
@@ -36,7 +36,7 @@ TEST_SUITE("contact/mass_scaling") {
         const double dt = 5e-4, safety = 0.8;
         const MassScaling done = scale_masses(sim.world(), dt, safety, false);
         CHECK(done.dt == dt);
-        // dt is `safety` of the stable step of the body that needs it most
+        // dt is `safety` times the smallest stable step of all bodies
         CHECK(stable_step(sim.world()) >= dt / safety * (1 - 1e-12));
         for (const EntityId b : {0u, 7u, 29u}) CHECK(value_of<Mass>(sim, b) == weight[b]);
         double total = 0;
@@ -46,18 +46,19 @@ TEST_SUITE("contact/mass_scaling") {
         for (EntityId b = 0; b < 30; ++b) accumulated += value_of<ScalingWork>(sim, b);
         CHECK(kinetic(sim) - before == about(accumulated).epsilon(1e-9));
         CHECK(std::abs(accumulated) > 1e-9);
-        for (const EntityId b : {0u, 7u, 29u}) { // spin is what the new momentum says
+        // the angular velocity agrees with the new momentum
+        for (const EntityId b : {0u, 7u, 29u}) {
             const Vec3 local =
                 value_of<Orientation>(sim, b).conjugate() * value_of<AngularMomentum>(sim, b);
             CHECK((value_of<Orientation>(sim, b) *
                        Vec3(local.cwiseQuotient(value_of<InertialInertia>(sim, b))) -
                    value_of<AngularVelocity>(sim, b))
                       .norm() <
-                  0.1 * value_of<AngularVelocity>(sim, b).norm()); // half a step apart
+                  0.1 * value_of<AngularVelocity>(sim, b).norm()); // they are half a step apart
         }
     }
 
-    TEST_CASE("with the step left open, the scaled masses add up to the true ones") {
+    TEST_CASE("without a requested step, the sum of the scaled masses is that of the true masses") {
         Simulation sim = begin(bed({.grains = Grains::clumps, .bodies = 30}),
                                {.dt = 2e-5, .law = LawName::linear});
         sim.advance(2500);

@@ -8,7 +8,7 @@ using namespace bris::testing;
 
 namespace {
 
-/// A clump of `balls` equal balls in a row along x, whose spread is a tenth of their radius.
+/// A clump of `balls` equal balls in a row along x, whose centres span a tenth of their radius.
 Clump row_of_balls(int balls) {
     std::vector<Ball> list;
     for (int k = 0; k < balls; ++k)
@@ -20,8 +20,8 @@ struct Rebound {
     double restitution, largest_overlap;
 };
 
-/// A clump dropped flat on a plane (or on another that is held), as heavy and as stiff whatever its
-/// balls.
+/// Drops a clump flat on a plane, or on a fixed clump. Its mass and the stiffness of its material
+/// do not depend on the number of balls.
 Rebound drop(int balls, PatchStiffness patch, LawName law, bool on_clump) {
     World world = make_world(Grains::clumps);
     Materials& materials = world.resource<Materials>();
@@ -57,8 +57,9 @@ Rebound drop(int balls, PatchStiffness patch, LawName law, bool on_clump) {
 } // namespace
 
 TEST_SUITE("contact/share_patches") {
-    TEST_CASE("rebound and depth of a flat drop do not depend on how many spheres a clump has, if "
-              "patches share") {
+    TEST_CASE(
+        "if patches share one stiffness, rebound and overlap of a flat drop do not depend on the "
+        "number of spheres of a clump") {
         for (const LawName law : {LawName::linear_viscous, LawName::hertz_mindlin_viscous}) {
             const Rebound one = drop(1, PatchStiffness::shared, law, false);
             CHECK(one.restitution == about(0.6).epsilon(5e-3));
@@ -66,22 +67,22 @@ TEST_SUITE("contact/share_patches") {
                 CAPTURE(balls);
                 const Rebound shared = drop(balls, PatchStiffness::shared, law, false),
                               own = drop(balls, PatchStiffness::per_sphere, law, false);
-                // equal shares: only rounding differs
+                // shares are equal, so results differ only by rounding
                 CHECK(shared.restitution == about(one.restitution).epsilon(1e-6));
                 CHECK(shared.largest_overlap == about(one.largest_overlap).epsilon(1e-6));
-                // each sphere with its own stiffness: depth falls as 1/sqrt(n) (linear) or n^-0.4
-                // (Hertz)
+                // each sphere has its own stiffness: the overlap falls as 1/sqrt(n) (linear) or
+                // n^-0.4 (Hertz)
                 const double exponent = law == LawName::linear_viscous ? 0.5 : 0.4;
                 CHECK(own.largest_overlap < 1.2 * one.largest_overlap * std::pow(balls, -exponent));
             }
         }
     }
 
-    TEST_CASE("crossed rows of spheres share too") {
+    TEST_CASE("the spheres of two crossed rows share one stiffness") {
         const Rebound one = drop(1, PatchStiffness::shared, LawName::linear_viscous, true);
         const Rebound many = drop(9, PatchStiffness::shared, LawName::linear_viscous, true);
-        // the crossing is one point; spheres beside it lie deeper or not at all, so shares differ a
-        // little
+        // the rows cross at one point; spheres beside it overlap more or not at all, so the shares
+        // differ slightly
         CHECK(many.restitution == about(one.restitution).epsilon(0.07));
         CHECK(many.largest_overlap == about(one.largest_overlap).epsilon(0.1));
     }

@@ -10,14 +10,14 @@ namespace {
 
 constexpr double radius = 0.01, kn = 1e5;
 
-/// The estimate of a scene after its contacts have been found in a negligible step.
+/// Estimate of the stable step (s) after one negligible step that finds the contacts.
 double estimate(Simulation& sim) {
     sim.world().resource<Clock>().dt = 1e-12;
     sim.advance();
     return stable_step(sim.world());
 }
 
-/// A sphere pressed on a floor, a little beside its equilibrium in every direction.
+/// A sphere that rests on a floor, slightly displaced from its equilibrium.
 Simulation on_floor(double ks, double dt) {
     World world = make_world(Grains::spheres);
     const auto material = add_material(world, linear_material(kn, ks, 1e6));
@@ -30,14 +30,14 @@ Simulation on_floor(double ks, double dt) {
     return begin(std::move(world), {.dt = dt});
 }
 
-/// Whether the motion stays as small as it began.
+/// Whether the motion of a body stays bounded for 300 steps.
 bool stays_small(Simulation& sim, EntityId body, double dt) {
     const Vec3 begin = value_of<Position>(sim, body);
     sim.world().resource<Clock>().dt = dt;
     try {
         for (int k = 0; k < 300; ++k) {
             sim.advance();
-            // the begin is 1e-3 of the overlap off; a tenth of the radius is far beyond any bounded
+            // the initial displacement is 1e-3 of the overlap, so this is far beyond any bounded
             // motion
             if ((value_of<Position>(sim, body) - begin).norm() > 0.02 * radius) return false;
         }
@@ -47,7 +47,7 @@ bool stays_small(Simulation& sim, EntityId body, double dt) {
     return true;
 }
 
-/// Estimate over limit of two free spheres in touch.
+/// Ratio of the estimate to the exact limit for two free spheres that touch.
 double pair_estimate(double ratio) {
     World world = make_world(Grains::spheres);
     const auto material = add_material(world, linear_material(kn, ratio * kn, 1));
@@ -55,7 +55,7 @@ double pair_estimate(double ratio) {
     add_sphere(world, Vec3(0, 0, 1.9999 * radius), radius, material);
     const double mass = value_of<Mass>(world, a);
     Simulation sim = begin(std::move(world), {});
-    // sqrt 2 sqrt(m/kn), and 2/sqrt 7 = 0.7559 sqrt(m/ks)
+    // sqrt(2) sqrt(m/kn), and 2/sqrt(7) = 0.7559 times sqrt(m/ks)
     const double limit =
         std::min(std::sqrt(2 * mass / kn),
                  ratio > 0 ? 2 / std::sqrt(7.0) * std::sqrt(mass / (ratio * kn)) : 1.0);
@@ -65,21 +65,21 @@ double pair_estimate(double ratio) {
 } // namespace
 
 TEST_SUITE("contact/stable_step") {
-    TEST_CASE("a sphere on a wall is stable at the estimate, which is its limit") {
+    TEST_CASE("the estimate for a sphere on a wall is its stability limit") {
         for (const double ratio : {0.0, 2.0 / 7, 0.5, 1.0}) {
             CAPTURE(ratio);
             Simulation sim = on_floor(ratio * kn, 1e-12);
             const double mass = value_of<Mass>(sim, 1), step = estimate(sim);
-            // 2 sqrt(m/kn) for the normal; about 1.0690 sqrt(m/ks) for rolling, with the arm to the
-            // middle of the overlap
+            // 2 sqrt(m/kn) for the normal direction; about 1.0690 sqrt(m/ks) for rolling, with the
+            // lever arm to the middle of the overlap
             const double arm = radius - 0.5 * 1.001 * mass * 1000 / kn;
             const double rolling =
                 ratio * kn * (1 / mass + arm * arm / value_of<SphereInertia>(sim, 1));
             const double limit =
                 std::min(2 * std::sqrt(mass / kn), ratio > 0 ? 2 / std::sqrt(rolling) : 1.0);
             CHECK(step <= limit);
-            CHECK(step >=
-                  0.998 * limit); // a margin of 1e-3, and an eigenvalue at most 0.05 % too large
+            // a margin of 1e-3, and an eigenvalue at most 0.05 % too large
+            CHECK(step >= 0.998 * limit);
             if (ratio > 0) continue;
             Simulation at_estimate = on_floor(0, step), below = on_floor(0, 0.99 * limit),
                        above = on_floor(0, 1.01 * limit);
@@ -89,22 +89,23 @@ TEST_SUITE("contact/stable_step") {
         }
     }
 
-    TEST_CASE("with an undamped tangential spring a sphere on a wall is stable at the estimate") {
+    TEST_CASE("a sphere on a wall with an undamped tangential spring is stable at the estimate") {
         Simulation sim = on_floor(kn, 1e-12);
         const double step = estimate(sim);
         Simulation at_estimate = on_floor(kn, step);
         CHECK(stays_small(at_estimate, 1, step));
     }
 
-    TEST_CASE("the estimate of a free pair is its limit, for soft shear and for stiff") {
+    TEST_CASE(
+        "the estimate for a free pair is its stability limit, for soft and stiff shear springs") {
         for (const double ratio : {0.0, 0.1, 2.0 / 7, 0.5, 0.8, 1.0}) {
             CAPTURE(ratio);
-            CHECK(pair_estimate(ratio) <= 1 + 1e-4); // lever arm
+            CHECK(pair_estimate(ratio) <= 1 + 1e-4); // for the lever arm, shortened by the overlap
             CHECK(pair_estimate(ratio) >= 0.998);
         }
     }
 
-    TEST_CASE("a clump counts every sphere that it stands on, and its rotation") {
+    TEST_CASE("the estimate for a clump includes all of its contacts and its rotation") {
         World world = make_world(Grains::clumps);
         const auto material = add_material(world, linear_material(kn, 0, 0));
         add_floor(world, material);
@@ -122,18 +123,19 @@ TEST_SUITE("contact/stable_step") {
         const Vec3 inertia = value_of<Inertia>(world, body);
         Simulation sim = begin(std::move(world), {});
         const double step = estimate(sim);
-        // four springs: heave 4k/m, pitch 4 k x^2 / I_y, roll 4 k y^2 / I_x
+        // modes of four springs: heave 4k/m, pitch 4 k x^2 / I_y, roll 4 k y^2 / I_x
         const double largest =
             std::max({4 * kn / mass, 4 * kn * 4e-4 / inertia.y(), 4 * kn * 2.25e-4 / inertia.x()});
         const double limit = 2 / std::sqrt(largest);
-        MESSAGE("clump on four feet: estimate is ", step / limit, " of the limit");
+        MESSAGE("clump on four feet: the estimate is ", step / limit, " of the limit");
         CHECK(step <= limit);
         CHECK(step >= 0.998 * limit);
         CHECK(stays_small(sim, body, step));
     }
 
-    TEST_CASE("before anything touches, the first-contact bound is no more than any one contact's "
-              "limit") {
+    TEST_CASE(
+        "before anything touches, the bound for first contacts does not exceed the limit of any "
+        "single contact") {
         for (const double ratio : {0.0, 0.1, 2.0 / 7}) {
             CAPTURE(ratio);
             World world = make_world(Grains::spheres);
