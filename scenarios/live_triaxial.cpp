@@ -368,20 +368,13 @@ void require_memory_for_members(const Live& s, std::uint64_t limit) {
                        2 * s.learning.members * (stages + side_by_side) + 2 * stages);
 }
 
-/// Settings with the sensor poses from the folder of the recordings, unless others are given.
-Live with_poses(Live s) {
-    const auto poses = s.recordings / "sensor_poses.csv";
-    if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(poses))
-        s.triaxial.sensor_poses = poses;
-    return s;
-}
-
 std::string explain(const Live& given, const Common& common) {
-    return explain_triaxial(with_poses(given).triaxial, common);
+    return explain_triaxial(with_recorded_poses(given.triaxial, given.recordings), common);
 }
 
 void run(const Live& given, const Common& common) {
-    const Live s = with_poses(given);
+    Live s = given;
+    s.triaxial = with_recorded_poses(given.triaxial, given.recordings);
     require(s.triaxial.confining_pressure.size() == 1,
             "--confining-pressure: expected one pressure, found several");
     const std::string folder = folder_of(s.triaxial.confining_pressure.front());

@@ -380,20 +380,13 @@ void Computation::report() {
     if (!stopped.empty()) throw SimulationError(stopped);
 }
 
-/// Settings with the sensor poses from the folder of the recordings, unless others are given.
-Smart with_poses(Smart s) {
-    const auto poses = s.recordings / "sensor_poses.csv";
-    if (s.triaxial.sensor_poses.empty() && std::filesystem::exists(poses))
-        s.triaxial.sensor_poses = poses;
-    return s;
-}
-
 std::string explain(const Smart& given, const Common& common) {
-    return explain_triaxial(with_poses(given).triaxial, common);
+    return explain_triaxial(with_recorded_poses(given.triaxial, given.recordings), common);
 }
 
 void run(const Smart& given, const Common& common) {
-    const Smart s = with_poses(given);
+    Smart s = given;
+    s.triaxial = with_recorded_poses(given.triaxial, given.recordings);
     check_test(s.triaxial);
     require_memory_for(s.triaxial, common.threads, common.memory_limit);
     const auto infos = read_sensor_infos(s.recordings);

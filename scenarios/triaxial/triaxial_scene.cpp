@@ -118,6 +118,12 @@ Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial
     return simulation;
 }
 
+Triaxial with_recorded_poses(Triaxial test, const std::filesystem::path& recordings) {
+    const auto poses = recordings / "sensor_poses.csv";
+    if (test.sensor_poses.empty() && std::filesystem::exists(poses)) test.sensor_poses = poses;
+    return test;
+}
+
 std::string explain_triaxial(const Triaxial& settings, const Common& common) {
     return make_simulation(make_scene(settings, common.seed), 1, common.serial)
         .schedule()

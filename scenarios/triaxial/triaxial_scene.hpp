@@ -135,6 +135,10 @@ void require_memory_for(const Triaxial& settings, unsigned worlds, std::uint64_t
 /// filling begins.
 Simulation make_simulation(const TriaxialScene& scene, unsigned threads, bool serial);
 
+/// The test with the poses of the sensor rocks that a folder of recordings has, unless it names
+/// others.
+Triaxial with_recorded_poses(Triaxial test, const std::filesystem::path& recordings);
+
 /// The text that --explain prints for a triaxial test.
 std::string explain_triaxial(const Triaxial& settings, const Common& common);
 
