@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <optional>
 
 namespace bris {
@@ -409,6 +410,7 @@ void run(const Smart& given, const Common& common) {
     for (const RecordedTest& t : tests)
         fmt::print("{}: {} recordings, {} of them refused (see {})\n", folder_of(t.pressure),
                    t.recordings.size(), t.refused(), (common.out / "quality_control.txt").string());
+    std::fflush(stdout); // said before the long computation, also where stdout is a file
     Computation computation(s, common, std::move(tests));
     computation.run();
     computation.report();
