@@ -384,6 +384,7 @@ void run(const Live& given, const Common& common) {
             fmt::format("--stream: expected a test at {} (--confining-pressure), found '{}'",
                         folder, s.stream.string()));
     check_test(s.triaxial);
+    refuse_friction(s.triaxial);
     require_memory_for_members(s, common.memory_limit);
     LiveRun live(s, common);
     live.run();

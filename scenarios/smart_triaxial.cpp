@@ -389,6 +389,7 @@ void run(const Smart& given, const Common& common) {
     Smart s = given;
     s.triaxial = with_recorded_poses(given.triaxial, given.recordings);
     check_test(s.triaxial);
+    refuse_friction(s.triaxial);
     require_memory_for(s.triaxial, common.threads, common.memory_limit);
     const auto infos = read_sensor_infos(s.recordings);
     std::vector<RecordedTest> tests;

@@ -118,6 +118,12 @@ Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial
     return simulation;
 }
 
+void refuse_friction(const Triaxial& settings) {
+    require(settings.test.friction == TriaxialSettings{}.friction,
+            "--friction: not used by this scenario, which estimates it; expected --model-friction, "
+            "the median of the prior");
+}
+
 Triaxial with_recorded_poses(Triaxial test, const std::filesystem::path& recordings) {
     const auto poses = recordings / "sensor_poses.csv";
     if (test.sensor_poses.empty() && std::filesystem::exists(poses)) test.sensor_poses = poses;

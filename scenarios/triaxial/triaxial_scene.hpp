@@ -135,6 +135,9 @@ void require_memory_for(const Triaxial& settings, unsigned worlds, std::uint64_t
 /// filling begins.
 Simulation make_simulation(const TriaxialScene& scene, unsigned threads, bool serial);
 
+/// Refuses --friction where the model's friction is estimated. Throws InputError.
+void refuse_friction(const Triaxial& settings);
+
 /// The test with the poses of the sensor rocks that a folder of recordings has, unless it names
 /// others.
 Triaxial with_recorded_poses(Triaxial test, const std::filesystem::path& recordings);
