@@ -5,9 +5,7 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
-#include "systems/broadphase/lists.hpp"
-#include "systems/contact/energy_budget.hpp"
-#include "systems/steps.hpp"
+#include "scenarios/specimens/start.hpp"
 
 #include <array>
 #include <cmath>
@@ -26,13 +24,13 @@ Simulation begin(World world, const BenchSettings& s) {
         limits.overlap = 2; // of the mean radius: one sphere within the other
         limits.speed = std::numeric_limits<double>::max();
     }
-    add_lists(world, s.law, s.lists);
-    if (s.energy_budget) add_energy_budget(world);
     ScheduleSettings schedule = s.schedule;
     schedule.least_rows = 0;
-    Simulation simulation(std::move(world), steps(s.law, s.energy_budget), s.threads, schedule);
-    simulation.on_restore(forget_lists);
-    return simulation;
+    return start_unchecked(std::move(world), {.law = s.law,
+                                              .threads = s.threads,
+                                              .lists = s.lists,
+                                              .schedule = schedule,
+                                              .energy_budget = s.energy_budget});
 }
 
 EntityId add_facet_box(World& world, const Vec3& low, const Vec3& high, std::uint32_t material) {

@@ -9,6 +9,10 @@ namespace bris {
 
 Simulation start(World world, const StartSettings& s) {
     check_scene(world, s.law);
+    return start_unchecked(std::move(world), s);
+}
+
+Simulation start_unchecked(World world, const StartSettings& s) {
     add_lists(world, s.law, s.lists);
     if (s.energy_budget) add_energy_budget(world);
     Simulation simulation(std::move(world), steps(s.law, s.energy_budget), s.threads, s.schedule);

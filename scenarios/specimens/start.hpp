@@ -19,4 +19,7 @@ struct StartSettings {
 /// list of steps. Throws InputError if the scene cannot be simulated (check_scene).
 Simulation start(World world, const StartSettings& settings);
 
+/// The same without the check, for scenes that are tried on purpose.
+Simulation start_unchecked(World world, const StartSettings& settings);
+
 } // namespace bris
