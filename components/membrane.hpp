@@ -59,6 +59,19 @@ struct FootOf : Derived<Foot> {
     static constexpr auto name = "foot", unit = "";
 };
 
+/// Sums over the contacts on an element, as integers, so that their order does not matter.
+struct ElementRow {
+    std::int64_t push = 0; ///< in units of ForceGrid::force
+    std::int64_t hold = 0; ///< in units of ElementSums::hold_unit
+};
+/// Sums by chunk of near rows and element.
+struct ElementSums {
+    static constexpr auto name = "element_sums";
+    static constexpr double hold_unit = 0x1p-40;
+    std::size_t elements = 0;
+    std::vector<ElementRow> rows; ///< chunk * elements + element
+};
+
 /// Radii of the four rings around each height, which contacts read, indexed by the ring below (from
 /// -2 to the number of rings) and the sector. Derived; resized when the pair lists are built.
 struct MembraneBands {

@@ -66,7 +66,8 @@ struct NearPair : Derived<NearEntry> {
 };
 
 /// Contact force of a pair: force on the owner (the partner receives the opposite), overlap,
-/// contact point and normal force. Valid only if the pair touches.
+/// contact point and normal force. Valid only if the pair touches, and only after steps in which
+/// Observation is due.
 struct alignas(64) ForceRow {
     double fx, fy, fz, overlap, px, py, pz, normal_force;
 };
@@ -80,68 +81,58 @@ struct PatchShare : Derived<double> {
     static constexpr auto name = "share", unit = "";
 };
 
-/// Torque of rolling and twisting resistance on the owner (the partner receives the opposite).
-struct alignas(32) TorqueRow {
-    double x, y, z, unused;
-};
-struct PairTorque : Derived<TorqueRow> {
-    static constexpr auto name = "torque", unit = "N m";
+/// Where the force on the partner of a near pair is added: the row of its body, or a row of
+/// ContactHalo with its flag.
+struct PartnerSum : Derived<Row> {
+    static constexpr auto name = "partner_sum", unit = "";
 };
 
-/// Energy that a pair dissipates in this step: by sliding friction (including what a Mindlin spring
-/// loses), by dashpots, and by rolling and twisting resistance. Exists only with an energy budget.
-struct alignas(32) WorkRow {
-    double friction, viscous, rolling, unused;
-};
-struct PairWork : Derived<WorkRow> {
-    static constexpr auto name = "work", unit = "J";
+/// The near rows of consecutive bodies, which one thread computes at a time.
+struct NearChunk {
+    Row first_body, last_body, first, last; ///< of bodies and of near rows; half-open
+    std::size_t first_flags;                ///< first byte of `touching`
 };
 
-/// Near rows per task: a multiple of NearIndex::group.
-inline constexpr std::size_t near_rows_per_chunk = 1024;
-
-/// Index of the near pairs by body. The near rows of an owner are contiguous; `incident` lists the
-/// near rows in which a body is the partner, by ascending id of the owner.
+/// Index of the near pairs by owner. The near rows of an owner are contiguous.
 template <class Pairs>
 struct NearIndex {
     static constexpr auto name = Pairs::name;
     static constexpr unsigned group = Pairs::rows_per_flag; ///< near rows per byte of `touching`
 
-    std::vector<Row> owned_first;    ///< bodies + 1
-    std::vector<Row> incident_first; ///< bodies + 1
-    std::vector<Row> incident;
+    std::vector<Row> owned_first; ///< bodies + 1
+    std::vector<NearChunk> chunks;
     /// True if every sphere is at the centre of its body: scenes of single spheres.
     bool centred = false;
-    std::vector<std::uint8_t> touching; ///< bit k of byte g: near row group * g + k
-    std::vector<Row> too_deep;        ///< per chunk: a near row beyond the overlap limit, or no_row
-    std::vector<Row> contact;         ///< touching near rows of a body, from first_contact(body) on
-    std::vector<Row> contact_end;     ///< bodies
-    std::vector<std::uint8_t> listed; ///< copy of `touching` from when `contact` was made
+    /// Bit k of byte first_flags + g of a chunk: near row first + group * g + k of the chunk.
+    std::vector<std::uint8_t> touching;
+    /// Per chunk: a near row beyond the limit of overlap or of force, or no_row.
+    std::vector<Row> beyond_limit;
     /// Where bodies sleep: bits, ordered as in `touching`, of the pairs with a body that is awake;
     /// otherwise empty.
     std::vector<std::uint8_t> awake;
-    /// Bits of the pairs that are computed in this step, where they differ from `awake`: the
-    /// springs of sleeping pairs do not change.
+    /// Bits of the pairs that are computed: also those of sleeping bodies that touch one that is
+    /// awake, whose springs do not change.
     std::vector<std::uint8_t> look;
 
     std::size_t size() const { return owned_first.empty() ? 0 : owned_first.back(); }
-    bool touches(Row near) const { return ((touching[near / group] >> (near % group)) & 1) != 0; }
 
-    /// Calls visit(near row, whether the body is the partner) for the touching pairs of a body:
-    /// first the pairs in which it is the partner, then those it owns, each by ascending id of the
-    /// other body. All sums over a body's contacts use this order, so that their bits depend on the
-    /// state alone.
+    /// Calls visit(near row) for the near rows whose bit is set in `flags`, which is ordered as
+    /// `touching`.
     template <class Visit>
-    void for_contacts_of(Row body, Visit&& visit) const {
-        for (Row k = first_contact(body); k < contact_end[body]; ++k)
-            visit(contact[k] & ~as_partner, (contact[k] & as_partner) != 0);
+    void for_flagged(const std::vector<std::uint8_t>& flags, Visit&& visit) const {
+        for (const NearChunk& c : chunks)
+            for (std::size_t g = 0; c.first + group * g < c.last; ++g)
+                for (unsigned bits = flags[c.first_flags + g]; bits != 0; bits &= bits - 1)
+                    if (const std::size_t k =
+                            c.first + group * g + static_cast<unsigned>(__builtin_ctz(bits));
+                        k < c.last)
+                        visit(static_cast<Row>(k));
     }
-
-    /// Flag in an entry of `contact`: the body is the partner.
-    static constexpr Row as_partner = Row{1} << 31;
-    /// Entries of `contact` past those of a body that may be read; their values do not matter.
-    static constexpr Row look_ahead = 6;
-    Row first_contact(Row body) const { return incident_first[body] + owned_first[body]; }
+    /// Calls visit(near row) for the touching pairs, owner by owner.
+    template <class Visit>
+    void for_touching(Visit&& visit) const {
+        for_flagged(touching, visit);
+    }
 };
 
 } // namespace bris

@@ -64,6 +64,13 @@ struct ListState {
     double candidate_skin = 0; ///< m, gap up to which the candidate pairs are complete
 };
 
+/// Whether the records of contact forces are written in the present step. Most steps need only the
+/// sums of forces.
+struct Observation {
+    static constexpr auto name = "observation";
+    bool due = true;
+};
+
 /// Limits at which the guard stops the run.
 struct Limits {
     static constexpr auto name = "limits";

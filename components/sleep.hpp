@@ -20,8 +20,9 @@ struct Sleep {
     unsigned steps = 100;              ///< > 0
     // state left by the last review_sleep
     std::vector<std::uint8_t> sleeps = {}; ///< by row: 1 if the body sleeps
-    /// True: review again in the next step, because pairs that fell asleep were computed once more.
-    bool again = false;
+    /// By row: 1 if the body is awake or has a near pair with a body that is.
+    std::vector<std::uint8_t> busy = {};
+    bool all = false; ///< the contacts of all bodies are computed in this step
 };
 
 /// Number of consecutive steps in which the body was at rest; from Sleep::steps on it sleeps.

@@ -16,6 +16,9 @@ struct Clock {
     std::uint64_t block_step = 0; ///< step at which the current block began
     double block_time = 0;        ///< s
     double dt = 0;                ///< s
+    /// Whether something outside the step may look at the world after the present step, which must
+    /// then leave behind what is derived for such readers only. Not saved.
+    bool observed = true;
 
     double time() const { return block_time + static_cast<double>(step - block_step) * dt; }
     /// Begins a new block with another time step, `new_dt` (s).

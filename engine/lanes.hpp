@@ -27,8 +27,7 @@ using Lane [[gnu::vector_size(sizeof(double) * lane_count)]] = double;
 using LaneMask [[gnu::vector_size(sizeof(double) * lane_count)]] = std::int64_t;
 /// Half a cache line: x, y, z and one more number.
 using Quad [[gnu::vector_size(4 * sizeof(double)), gnu::may_alias]] = double;
-/// A whole cache line.
-using Line [[gnu::vector_size(8 * sizeof(double)), gnu::may_alias]] = double;
+using IntQuad [[gnu::vector_size(4 * sizeof(double)), gnu::may_alias]] = std::int64_t;
 
 inline Lane lanes(double value) { return value - Lane{}; }
 
@@ -40,6 +39,17 @@ inline Lane sqrt(Lane a) {
     return a;
 #endif
 }
+/// Nearest integers; halves are rounded to even. Numbers beyond 2^63 and NaN give no valid result.
+inline LaneMask nearest_integers(Lane a) {
+#ifdef __AVX512DQ__
+    return reinterpret_cast<LaneMask>(_mm512_maskz_cvtpd_epi64(0xff, a));
+#else
+    LaneMask n;
+    for (int k = 0; k < lane_count; ++k) n[k] = std::llrint(a[k]);
+    return n;
+#endif
+}
+inline Lane magnitude(Lane a) { return a < 0.0 ? -a : a; }
 inline Lane floor(Lane a) {
 #ifdef __AVX512F__
     return _mm512_maskz_roundscale_pd(0xff, a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
@@ -96,26 +106,6 @@ inline Quad load(const double* row) {
     return a;
 }
 inline void store(double* row, Quad value) { std::memcpy(row, &value, sizeof value); }
-/// -a if the highest bit of `sign` is set, otherwise a; the other bits of `sign` must be 0.
-inline Quad flipped(Quad a, std::uint32_t sign) {
-    using Bits [[gnu::vector_size(sizeof(Quad)), gnu::may_alias]] = std::int64_t;
-    return reinterpret_cast<Quad>(reinterpret_cast<Bits>(a) ^
-                                  static_cast<std::int64_t>(std::uint64_t{sign} << 32));
-}
-
-/// Cross product of the first three numbers in the order z, x, y: a sum of many such products is
-/// rotated to x, y, z once, at its end. The fourth number is a[3]*b[3] - a[3]*b[3] = 0 for finite
-/// numbers.
-inline Quad turned_cross(Quad a, Quad b) {
-    const Quad a_turned = __builtin_shufflevector(a, a, 1, 2, 0, 3);
-    const Quad b_turned = __builtin_shufflevector(b, b, 1, 2, 0, 3);
-    return a * b_turned - a_turned * b;
-}
-inline Quad cross(Quad a, Quad b) {
-    const Quad c = turned_cross(a, b);
-    return __builtin_shufflevector(c, c, 1, 2, 0, 3);
-}
-
 /// Rows of four numbers, one row per lane, as four Lanes, and the reverse (by the same shuffles).
 using FourLanes = std::array<Lane, 4>;
 
@@ -189,6 +179,32 @@ void store_rows(const FourLanes& rows, int count, RowOf&& row_of) {
         if (q < count) store(row_of(q), r);
 #endif
     }
+}
+
+/// Adds row q of `integers` (bits of int64 numbers in the layout of load_rows) to the four numbers
+/// at row_of(q), for the first `count` lanes in order, so that lanes may share a row.
+template <class RowOf>
+void add_integer_rows(const FourLanes& integers, int count, RowOf&& row_of) {
+    const auto add = [&](int q, Quad row) {
+        IntQuad sum;
+        std::memcpy(&sum, row_of(q), sizeof sum);
+        sum += reinterpret_cast<IntQuad>(row);
+        std::memcpy(row_of(q), &sum, sizeof sum);
+    };
+    for (int q = 0; q < 4 && q < count; ++q) {
+        const Lane r = integers[static_cast<std::size_t>(q)];
+#ifdef __AVX512F__
+        add(q, __builtin_shufflevector(r, r, 0, 1, 2, 3));
+#else
+        add(q, r);
+#endif
+    }
+#ifdef __AVX512F__
+    for (int q = 4; q < count; ++q) {
+        const Lane r = integers[static_cast<std::size_t>(q - 4)];
+        add(q, __builtin_shufflevector(r, r, 4, 5, 6, 7));
+    }
+#endif
 }
 
 /// Consecutive vectors of three numbers, one vector per lane, as x, y and z, and the reverse.

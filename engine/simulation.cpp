@@ -34,6 +34,7 @@ void Simulation::advance(std::uint64_t steps) {
     const std::uint64_t before = clock.step;
     (rows_of(*world_) < least_rows_ ? alone_ : threads_)->run([&] {
         for (std::uint64_t k = 0; k < steps && !health.bad; ++k) {
+            clock.observed = k + 1 == steps;
             schedule_.run(*world_);
             ++clock.step;
         }

@@ -26,7 +26,7 @@ template <class Pairs>
 void guard_overlap(Rows<typename Pairs::Near, const NearPair, const PairForce> near,
                    Rows<Pairs, const PairKey> pairs, const NearIndex<Pairs>& index,
                    const Limits& limits, Health& health) {
-    for (const Row row : index.too_deep) {
+    for (const Row row : index.beyond_limit) {
         if (row == no_row || health.bad) continue;
         const PairNames& who =
             pairs.template column<PairKey>()[near.template column<NearPair>()[row].pair];

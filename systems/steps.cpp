@@ -2,9 +2,8 @@
 
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/collide.hpp"
-#include "systems/contact/gather.hpp"
-#include "systems/contact/list_contacts.hpp"
 #include "systems/contact/share_patches.hpp"
+#include "systems/contact/sum_contacts.hpp"
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/nudging.hpp"
@@ -18,28 +17,16 @@ namespace bris {
 
 namespace {
 
-template <class Pairs>
-System gather_of(const char* name, LawName law, bool energy_budget) {
-    if (has_rolling(law))
-        return required(energy_budget
-                            ? row_local(name, gather_and_accumulate_work<Pairs, PairTorque>)
-                            : row_local(name, gather<Pairs, PairTorque>));
-    return required(energy_budget && has_springs(law)
-                        ? row_local(name, gather_and_accumulate_work<Pairs>)
-                        : row_local(name, gather<Pairs>));
-}
-
-/// Membrane contacts have no friction, so they dissipate energy only with dashpots.
-System gather_of_membrane(LawName law, bool energy_budget) {
-    constexpr auto name = "gather_membrane";
-    return energy_budget && has_dashpots(law)
-               ? row_local(name, gather_and_accumulate_work<MembranePairs>)
-               : row_local(name, gather<MembranePairs>);
-}
-
 System damping_of(bool energy_budget) {
     return required(energy_budget ? row_local("damp_and_accumulate_work", damp_and_accumulate_work)
                                   : row_local("damp", damp));
+}
+
+/// Analyses read the records of contact forces, as readers outside the step do.
+void note_observation(World& world) {
+    world.resource<Observation>().due =
+        world.resource<Clock>().observed ||
+        (world.has_resource<Replay>() && fusion_is_due(world));
 }
 
 bool sleep_or_lists_are_due(const World& world) {
@@ -52,6 +39,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
     const auto due = lists_are_due, moved = positions_are_due;
     const StepChoices choices{energy_budget, patch};
     return {
+        system("note_observation", note_observation),
         // when lists are due: new lists, then all positions that contacts read
         when(due, system("rebuild_pairs", rebuild_pairs)),
         when(due, system("prune_pairs", prune_pairs)),
@@ -64,23 +52,16 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         when(moved, system("note_positions", note_positions)),
         when(sleep_or_lists_are_due, system("review_sleep", review_sleep)),
         // contacts
+        system("choose_force_grid", choose_force_grid),
         system("share_sphere_patches", share_sphere_patches),
         system("share_plane_patches", share_plane_patches),
         required(collide_spheres(law, choices)),
         required(collide_facets(law, choices)),
         required(collide_planes(law, choices)),
         required(collide_membrane(law, choices)),
-        system("list_sphere_contacts", list_contacts<SpherePairs>),
-        system("list_facet_contacts", list_contacts<FacetPairs>),
-        system("list_plane_contacts", list_contacts<PlanePairs>),
-        system("list_membrane_contacts", list_contacts<MembranePairs>),
         // forces on bodies, and their motion, in one pass over the rows
-        row_local("clear_forces", clear_forces),
+        row_local("sum_contacts", sum_contacts),
         row_local("apply_gravity", apply_gravity),
-        gather_of<SpherePairs>("gather_spheres", law, energy_budget),
-        gather_of<FacetPairs>("gather_facets", law, energy_budget),
-        gather_of<PlanePairs>("gather_planes", law, energy_budget),
-        gather_of_membrane(law, energy_budget),
         row_local("accumulate_boundary_work", accumulate_boundary_work),
         row_local("accumulate_correction_work", accumulate_correction_work),
         row_local("nudge_spheres", nudge_spheres),

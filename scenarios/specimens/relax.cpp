@@ -95,14 +95,13 @@ void find_deepest(const World& world, Deepest& deepest) {
     const auto entry = world.column<typename Pairs::Near, NearPair>();
     const auto force = world.column<typename Pairs::Near, PairForce>();
     const auto sphere_row = world.column<Listed, ListedPosition>();
-    for (Row k = 0; k < index.size(); ++k) {
-        if (!index.touches(k)) continue;
+    index.for_touching([&](Row k) {
         double diameter = 2 * sphere_row[entry[k].owner].radius;
         if constexpr (std::is_same_v<Pairs, SpherePairs>)
             diameter = diameter / 2 + sphere_row[entry[k].other].radius;
         if (force[k].overlap / diameter > deepest.overlap)
             deepest = {force[k].overlap / diameter, world.column<Pairs, PairKey>()[entry[k].pair]};
-    }
+    });
 }
 
 Deepest deepest_of(const World& world) {

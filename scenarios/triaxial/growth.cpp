@@ -1,6 +1,7 @@
 #include "scenarios/triaxial/growth.hpp"
 
 #include "components/body.hpp"
+#include "components/body_contacts.hpp"
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "components/sphere.hpp"
@@ -17,12 +18,10 @@ namespace {
 template <class Pairs>
 void note_overlaps(const World& world, std::span<double> largest) {
     if (!world.has<Pairs>()) return;
-    const auto& index = world.resource<NearIndex<Pairs>>();
+    const BodyContacts<Pairs> contacts(world);
     const auto force = world.column<typename Pairs::Near, PairForce>();
-    if (index.size() == 0) return;
     for (Row b = 0; b < largest.size(); ++b)
-        index.for_contacts_of(
-            b, [&](Row k, bool) { largest[b] = std::max(largest[b], force[k].overlap); });
+        contacts.visit(b, [&](Row k, bool) { largest[b] = std::max(largest[b], force[k].overlap); });
 }
 
 } // namespace

@@ -2,6 +2,7 @@
 #include "components/membrane_surface.hpp"
 #include "components/near_spheres.hpp"
 #include "systems/broadphase/chunk_lists.hpp"
+#include "systems/broadphase/force_targets.hpp"
 #include "systems/broadphase/lists.hpp"
 
 #include <algorithm>
@@ -40,20 +41,16 @@ void list_near(World& world, Near&& near_bits) {
             }
         });
     Table& near = world.table<typename Pairs::Near>();
-    const std::size_t count = found.size(), padded = (count + 7) / 8 * 8;
+    const std::size_t count = found.size(), padded = count == 0 ? 0 : count + 7;
     near.resize(padded);
     const auto entry = near.template column<NearPair>();
     found.lay_out([&](std::size_t slot, const NearEntry& e) { entry[slot] = e; });
     for (std::size_t k = count; k < padded; ++k)
         entry[k] = entry[0]; // lanes past the end read valid rows
-    // all are marked as touching, so that the next step clears those that do not touch
-    index.touching.assign((count + index.group - 1) / index.group, index.group == 1 ? 1 : 0xff);
-    if (index.group > 1 && count % index.group != 0)
-        index.touching.back() = static_cast<std::uint8_t>((1u << (count % index.group)) - 1);
     index.centred = world.table<Bodies>().has<SphereInertia>();
-    index.too_deep.assign((count + near_rows_per_chunk - 1) / near_rows_per_chunk, no_row);
-    index.listed.assign(index.touching.size(), 0);
     index.awake.clear();
+    index.look.clear();
+    detail::divide_into_chunks(index);
 }
 
 template <class Pairs, class Gap>
@@ -76,43 +73,6 @@ void list_near_spheres(World& world, double skin) {
                           [&](int q) -> const SphereRow& { return sphere_row[row(q).other]; },
                           skin) &
                ((1u << count) - 1);
-    });
-}
-
-// Lists the near rows in which each body is the partner. Owners are found in the order of their
-// rows, so each list is then sorted by their ids.
-template <class Pairs>
-void make_incidence(World& world) {
-    auto& index = world.resource<NearIndex<Pairs>>();
-    const auto entry = world.column<typename Pairs::Near, NearPair>();
-    const auto rows = world.column<Pairs, PairRows>();
-    const auto names = world.column<Pairs, PairKey>();
-    const std::size_t bodies = world.table<Bodies>().size();
-    index.incident_first.assign(bodies + 1, 0);
-    const std::size_t count = index.size();
-    for (std::size_t k = 0; k < count; ++k)
-        ++index.incident_first[rows[entry[k].pair].partner_body + 1];
-    for (std::size_t b = 0; b < bodies; ++b) index.incident_first[b + 1] += index.incident_first[b];
-    index.incident.resize(count);
-    std::vector<Row> next(index.incident_first.begin(), index.incident_first.end());
-    for (std::size_t k = 0; k < count; ++k)
-        index.incident[next[rows[entry[k].pair].partner_body]++] = static_cast<Row>(k);
-    index.contact.resize(2 * count + index.look_ahead);
-    index.contact_end.resize(bodies); // no contacts yet
-    for (Row b = 0; b < bodies; ++b) index.contact_end[b] = index.first_contact(b);
-    for_chunks(bodies, 256, [&](std::size_t, std::size_t begin, std::size_t end) {
-        // id of the owner, then row: the rows of one owner are sorted already
-        std::vector<std::uint64_t> keys;
-        for (std::size_t b = begin; b < end; ++b) {
-            const std::span<Row> mine(index.incident.data() + index.incident_first[b],
-                                      index.incident_first[b + 1] - index.incident_first[b]);
-            keys.clear();
-            for (const Row k : mine)
-                keys.push_back(std::uint64_t{names[entry[k].pair].owner} << 32 | k);
-            std::sort(keys.begin(), keys.end());
-            std::ranges::transform(keys, mine.begin(),
-                                   [](std::uint64_t key) { return static_cast<Row>(key); });
-        }
     });
 }
 
@@ -191,7 +151,6 @@ void prune_pairs(World& world) {
     bodies.leave_idle({});
     const detail::ListDistances within = detail::list_distances(world, skin);
     list_near_spheres(world, within.spheres_and_planes);
-    make_incidence<SpherePairs>(world);
     const auto position = bodies.column<Position>();
     if (world.has<PlanePairs>()) {
         const auto shape = world.column<Planes, LocalPlane>();
@@ -202,7 +161,6 @@ void prune_pairs(World& world) {
                        .dot(plane.normal) -
                    sphere_row[p.sphere].radius;
         });
-        make_incidence<PlanePairs>(world);
     }
     if (world.has<FacetPairs>()) {
         const auto shape = world.column<Facets, LocalFacet>();
@@ -221,7 +179,6 @@ void prune_pairs(World& world) {
             return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) -
                    sphere_row[p.sphere].radius;
         });
-        make_incidence<FacetPairs>(world);
     }
     if (world.has<MembranePairs>()) {
         const auto& membrane = world.resource<Membrane>();
@@ -235,10 +192,10 @@ void prune_pairs(World& world) {
                 return skin; // most pairs; their exact distance would be costly
             return surface.nearest(sector, out, x.z()).distance - sphere_row[p.sphere].radius;
         });
-        make_incidence<MembranePairs>(world);
         std::ranges::copy(world.column<Elements, ElementRadius>(),
                           world.column<Elements, PrunedRadius>().begin());
     }
+    detail::direct_forces(world);
     list_spheres(world);
     use_slots<SpherePairs>(world, true);
     if (world.has<PlanePairs>()) use_slots<PlanePairs>(world, false);

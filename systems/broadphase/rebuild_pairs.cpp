@@ -1,4 +1,5 @@
 #include "components/boundary.hpp"
+#include "components/force_sums.hpp"
 #include "components/material.hpp"
 #include "components/membrane.hpp"
 #include "engine/lane_math.hpp"
@@ -160,6 +161,24 @@ void tune_outer_skin(const World& world, ListSettings& settings, const ListState
                                      2 * settings.inner_skin, settings.largest_skin);
 }
 
+/// Notes what the units of force sums are chosen from.
+void note_bodies(World& world) {
+    const Table& bodies = world.table<Bodies>();
+    const auto radius = bodies.column<BoundingRadius>();
+    const auto material = bodies.column<MaterialOf>();
+    const auto spheres = bodies.column<SpheresOf>();
+    auto& grid = world.resource<ForceGrid>();
+    const std::size_t materials = world.resource<Materials>().list.size();
+    grid.largest_radius = 0;
+    grid.grains.assign(materials, 0);
+    grid.hosts.assign(materials, 0);
+    for (Row b = 0; b < bodies.size(); ++b) {
+        const bool grain = spheres[b].count > 0;
+        ++(grain ? grid.grains : grid.hosts)[material[b]];
+        if (grain) grid.largest_radius = std::max(grid.largest_radius, radius[b]);
+    }
+}
+
 /// Brings SpherePosition up to date.
 void locate_spheres(World& world) {
     const Table& bodies = world.table<Bodies>();
@@ -231,6 +250,7 @@ void rebuild_pairs(World& world) {
     const auto rebuilt = bodies.column<RebuiltAt>();
     const Poses poses(bodies);
     for (Row b = 0; b < bodies.size(); ++b) rebuilt[b] = poses[b];
+    note_bodies(world);
 
     locate_spheres(world);
     const detail::ListDistances within = detail::list_distances(world, settings.outer_skin);
@@ -270,8 +290,8 @@ void add_pair_tables(World& world, LawName law) {
     if (has_rolling(law)) pairs.add<Roll>();
     Table& near = world.table<typename Pairs::Near>();
     near.add<NearPair>();
+    near.add<PartnerSum>();
     near.add<PairForce>();
-    if (has_rolling(law)) near.add<PairTorque>();
     world.add_resource<NearIndex<Pairs>>();
     world.add_resource<detail::Candidates<Pairs>>();
 }
@@ -284,6 +304,8 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     bodies.add<DisplacementBound>();
     bodies.add<PrunedAt>();
     bodies.add<RebuiltAt>();
+    bodies.add<ContactSum>();
+    bodies.add<HaloOf>();
     bodies.add<Force>();
     bodies.add<Torque>();
     bodies.add<RigidMotion>();
@@ -303,6 +325,7 @@ void add_lists(World& world, LawName law, ListSettings settings) {
                                        LawName::linear_frictionless); // for any law between grains
         world.table<NearMembrane>().add<FootOf>();
         world.add_resource<MembraneBands>();
+        world.add_resource<ElementSums>();
     }
     if (world.resource<Materials>().policy.patch == PatchStiffness::shared) {
         world.table<NearSpheres>().add<PatchShare>();
@@ -311,6 +334,9 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     world.add_resource(settings);
     world.add_resource(ContactLaw{law});
     world.add_resource<ListState>();
+    world.add_resource<ContactHalo>();
+    world.add_resource<ForceGrid>();
+    world.add_resource<Observation>();
 }
 
 } // namespace bris

@@ -11,6 +11,9 @@ namespace bris::detail {
 /// so many rows, prefetching is not needed.
 inline constexpr std::size_t near_rows_in_cache = 8192;
 
+/// Near rows whose touching pairs are listed before the law is applied to them.
+inline constexpr std::size_t near_rows_per_block = 1024;
+
 /// Those of a group of eight near pairs that do not touch, but on which the law acts beyond touch,
 /// as bits.
 template <class Law, class Geometry>
@@ -26,57 +29,75 @@ unsigned held(const TileTarget& to, const Geometry& geometry, std::size_t group,
     return found;
 }
 
+/// Lists the touching pairs of near rows [first, last) that have to be evaluated, and clears the
+/// springs of those that have separated. `flags`: of the first row. Returns their number.
+template <class Law, class Geometry>
+std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepers& sleepers,
+                          std::uint8_t* flags, std::size_t first_group, Row first, Row last,
+                          Row* touching) {
+    std::size_t count = 0;
+    for (Row row = first; row < last; row += 8) {
+        const std::size_t group = first_group + (row - first) / 8;
+        if (sleepers.skips(group)) continue;
+        unsigned now = geometry.touching(to.near + row);
+        if constexpr (lane_count == 4) now |= geometry.touching(to.near + row + 4) << 4;
+        if constexpr (Law::has_reach) now |= held<Law>(to, geometry, row, now);
+        if (last - row < 8) now &= (1u << (last - row)) - 1;
+        if (row + 56 <= last) geometry.prefetch_positions(to.near + row + 48);
+        now = sleepers.touching(group, now, flags[group]);
+        forget(to, row, flags[group] & ~now);
+        flags[group] = static_cast<std::uint8_t>(now);
+        now = sleepers.asked(group, row, now);
+        for (; now != 0; now &= now - 1)
+            touching[count++] = row + static_cast<Row>(__builtin_ctz(now));
+    }
+    return count;
+}
+
 /// Computes the forces of a chunk of near rows: lists the rows that touch, then applies the law to
 /// lane_count of them at a time. A Geometry describes the surfaces:
 ///   unsigned touching(near)         bit q: near pair q of lane_count touches
 ///   double gap(near), radius(near)  of one pair: gap between the surfaces, effective radius, m
 ///   void prefetch_positions(near)   prefetches what touching() will read for these eight pairs
 ///   void prefetch_rows(to, rows)    prefetches what the tile after the next will read
-///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes whose overlap is
-///                                            beyond the limit
+///   unsigned collide<Law>(to, rows, count)   applies the law; bits of the lanes whose overlap or
+///                                            force is beyond the limit
 template <class Law, class Geometry, class Pairs>
 void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index,
-                   std::size_t chunk, std::size_t first, std::size_t last) {
-    alignas(64) std::array<Row, near_rows_per_chunk + 8> touching;
-    std::size_t count = 0;
-    Sleepers<Pairs> sleepers(to, index);
-    for (std::size_t group = first; group < last; group += 8) {
-        if (sleepers.skips(group)) continue;
-        unsigned now = geometry.touching(to.near + group);
-        if constexpr (lane_count == 4) now |= geometry.touching(to.near + group + 4) << 4;
-        if constexpr (Law::has_reach) now |= held<Law>(to, geometry, group, now);
-        if (last - group < 8) now &= (1u << (last - group)) - 1;
-        if (group + 56 <= last) geometry.prefetch_positions(to.near + group + 48);
-        std::uint8_t& flags = index.touching[group / 8];
-        now = sleepers.touching(group, now, flags);
-        forget(to, static_cast<Row>(group), flags & ~now);
-        flags = static_cast<std::uint8_t>(now);
-        now = sleepers.asked(group, now);
-        for (; now != 0; now &= now - 1)
-            touching[count++] = static_cast<Row>(group) + static_cast<Row>(__builtin_ctz(now));
-    }
-    if (count == 0) return;
+                   std::size_t chunk) {
+    const NearChunk& here = index.chunks[chunk];
+    alignas(64) std::array<Row, near_rows_per_block + 8> touching;
+    const auto flags_of = [&](std::vector<std::uint8_t>& flags) {
+        return flags.empty() ? nullptr : flags.data() + here.first_flags;
+    };
+    Sleepers sleepers(to, flags_of(index.awake), flags_of(index.look));
     const bool far = index.size() > near_rows_in_cache;
-    for (std::size_t k = 0; k < 8; ++k) touching[count + k] = touching[count - 1];
-    for (std::size_t k = 0; k < count; k += lane_count) {
-        if (far && k + 3 * lane_count <= count)
-            geometry.prefetch_rows(to, &touching[k + 2 * lane_count]);
-        const int here = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
-        const unsigned deep = geometry.template collide<Law>(to, &touching[k], here);
-        if (deep != 0 && index.too_deep[chunk] == no_row)
-            index.too_deep[chunk] = touching[k + static_cast<std::size_t>(__builtin_ctz(deep))];
+    for (Row first = here.first; first < here.last; first += near_rows_per_block) {
+        const Row last = std::min<Row>(first + near_rows_per_block, here.last);
+        const std::size_t count =
+            list_touching<Law>(to, geometry, sleepers, flags_of(index.touching),
+                               (first - here.first) / 8, first, last, touching.data());
+        if (count == 0) continue;
+        for (std::size_t k = 0; k < 8; ++k) touching[count + k] = touching[count - 1];
+        for (std::size_t k = 0; k < count; k += lane_count) {
+            if (far && k + 3 * lane_count <= count)
+                geometry.prefetch_rows(to, &touching[k + 2 * lane_count]);
+            const int here_count = static_cast<int>(std::min<std::size_t>(lane_count, count - k));
+            const unsigned beyond = geometry.template collide<Law>(to, &touching[k], here_count);
+            if (beyond != 0 && index.beyond_limit[chunk] == no_row)
+                index.beyond_limit[chunk] =
+                    touching[k + static_cast<std::size_t>(__builtin_ctz(beyond))];
+        }
+        sleepers.put_springs_back();
     }
-    sleepers.put_springs_back();
 }
 
 /// The same for all near rows of a kind of pair, in parallel.
 template <class Law, class Geometry, class Pairs>
 void collide_all(const TileTarget& to, const Geometry& geometry, NearIndex<Pairs>& index) {
-    for_chunks(index.size(), near_rows_per_chunk,
-               [&](std::size_t chunk, std::size_t first, std::size_t last) {
-                   collide_chunk<Law>(to, geometry, index, chunk, first, last);
-               });
-    index.look.clear();
+    for_chunks(index.chunks.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {
+        collide_chunk<Law>(to, geometry, index, chunk);
+    });
 }
 
 } // namespace bris::detail

@@ -140,8 +140,8 @@ void hand_over_springs(const TileTarget& to, std::span<const Reached> run) {
 // near rows [first, last) are one sphere against the facets of one body
 template <class Law>
 void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index,
-                              std::size_t first, std::size_t last, detail::ScalarTile<Law>& tile,
-                              Row& too_deep) {
+                              std::size_t first, std::size_t last,
+                              detail::ScalarTile<Law>& tile) {
     std::array<Reached, usual_run> few;
     std::vector<Reached> many(last - first > usual_run ? last - first : 0);
     const std::span<Reached> run =
@@ -162,57 +162,55 @@ void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex
         if (index.touching[row] != 0 && !touches) detail::forget(to, row, 1);
         index.touching[row] = touches ? 1 : 0;
         if (!touches) continue;
-        if (radius - next->distance > s.deepest * radius) too_deep = row;
         const SurfaceMotion& motion = s.facets[to.near[row].other].motion;
-        tile.add(row, next->normal, next->distance, motion.at(next->point),
-                 motion.angular_velocity);
+        tile.add(row, next->normal, next->distance,
+                 {motion.at(next->point), motion.angular_velocity, motion.centre});
     }
 }
 
 template <class Law>
 void collide_chunk(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index,
-                   std::size_t chunk, std::size_t first, std::size_t last) {
-    detail::ScalarTile<Law> tile(to, s.movers);
-    const std::size_t end = index.size();
+                   std::size_t chunk) {
+    const NearChunk& here = index.chunks[chunk];
+    detail::ScalarTile<Law> tile(to, s.movers, s.deepest, index.beyond_limit[chunk]);
     const auto same_run = [&](std::size_t a, std::size_t b) {
         const PairNames &x = s.names[to.near[a].pair], &y = s.names[to.near[b].pair];
         return x.owner == y.owner && x.partner == y.partner && x.sphere == y.sphere;
     };
-    // a run belongs to the chunk in which it begins
-    std::size_t row = first;
-    while (row < last && row > 0 && same_run(row - 1, row)) ++row;
-    while (row < last) {
+    for (std::size_t row = here.first; row < here.last;) {
         std::size_t after = row + 1;
-        while (after < end && same_run(row, after)) ++after;
-        collide_sphere_with_body<Law>(s, to, index, row, after, tile, index.too_deep[chunk]);
+        while (after < here.last && same_run(row, after)) ++after;
+        collide_sphere_with_body<Law>(s, to, index, row, after, tile);
         row = after;
     }
     tile.flush();
 }
 
 template <class Law>
-void run_chunks(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index) {
-    for_chunks(index.size(), near_rows_per_chunk,
-               [&](std::size_t chunk, std::size_t first, std::size_t last) {
-                   collide_chunk<Law>(s, to, index, chunk, first, last);
-               });
+void collide_all(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index) {
+    for_chunks(index.chunks.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {
+        collide_chunk<Law>(s, to, index, chunk);
+    });
 }
 
-template <class Law, class Near, class Pairs>
+template <class Law, class Near, class Pairs, class Work>
 struct Collide;
-template <class Law, class... Near, class... Pairs>
-struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
-    static void facets(Rows<NearFacets, const NearPair, PairForce, Near...> near,
-                       detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
+template <class Law, class... Near, class... Pairs, class... Work>
+struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
+    static void facets(Rows<NearFacets, const NearPair, const PartnerSum, PairForce, Near...> near,
+                       detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                        Rows<Facets, const FacetPosition> facet_rows,
                        Rows<FacetPairs, const PairKey, Pairs...> pairs,
-                       NearIndex<FacetPairs>& index, const Materials& materials,
-                       const Limits& limits, const Clock& clock) {
-        run_chunks<Law>({{listed, bodies, index},
-                         facet_rows.template column<FacetPosition>(),
-                         pairs.template column<PairKey>(),
-                         limits.overlap},
-                        detail::target_of<Law>(near, pairs, materials, clock), index);
+                       NearIndex<FacetPairs>& index, ContactHalo& halo, const ForceGrid& grid,
+                       const Materials& materials, const Limits& limits,
+                       const Observation& observation, const Clock& clock) {
+        collide_all<Law>({{listed, bodies, index},
+                          facet_rows.template column<FacetPosition>(),
+                          pairs.template column<PairKey>(),
+                          limits.overlap},
+                         detail::target_of<Law>(near, pairs, bodies,
+                                                {halo, grid, materials, limits, observation, clock}),
+                         index);
     }
 };
 
@@ -220,8 +218,9 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
 
 System collide_facets(LawName law, const StepChoices& choices) {
     return system_of_law(law, {.energy_budget = choices.energy_budget},
-                         []<class Law, class Near, class Pairs>() {
-                             return system("collide_facets", Collide<Law, Near, Pairs>::facets);
+                         []<class Law, class Near, class Pairs, class Work>() {
+                             return system("collide_facets",
+                                           Collide<Law, Near, Pairs, Work>::facets);
                          });
 }
 

@@ -5,6 +5,9 @@
 #include "systems/contact/collide.hpp"
 #include "systems/contact/scalar_tile.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 namespace bris {
 
 namespace {
@@ -17,6 +20,7 @@ struct Band {
     detail::Movers movers;
     const double* speed; // by element
     Foot* foot;          // by near row
+    Vec3 centre;         // of the membrane's body
     double deepest;
 };
 
@@ -70,14 +74,37 @@ Found find_touching(const Band& band, const NearEntry* near) {
     return f;
 }
 
+/// Adds the radial forces of contacts to the two elements of each, as integers.
+struct ElementReader {
+    const Band* band;
+    const NearEntry* near;
+    ElementRow* elements; // of the chunk
+    double per_force;
+
+    void operator()(const Row* rows, int count, const ForceLanes& force) const {
+        const auto integer = [](double x) { return std::llrint(x); };
+        for (int q = 0; q < count; ++q) {
+            const Row row = rows[q];
+            const Foot& foot = band->foot[row];
+            const Vec3& outward = band->surface.outward[near[row].other];
+            const double radial = -(force.x[q] * outward.x() + force.y[q] * outward.y());
+            ElementRow &lower = elements[foot.lower], &upper = elements[foot.upper];
+            lower.push += integer(per_force * ((1 - foot.share) * radial));
+            upper.push += integer(per_force * (foot.share * radial));
+            lower.hold += integer((1 - foot.share) / ElementSums::hold_unit);
+            upper.hold += integer(foot.share / ElementSums::hold_unit);
+        }
+    }
+};
+template <class Law>
+using Tile = detail::ScalarTile<Law, ElementReader>;
+
 template <class Law>
 void add_touching(const Found& f, unsigned touching, const Band& band, const TileTarget& to,
-                  Row first, detail::ScalarTile<Law>& tile, Row& too_deep) {
+                  Row first, Tile<Law>& tile) {
     for (; touching != 0; touching &= touching - 1) {
         const int k = __builtin_ctz(touching);
         const Row row = first + static_cast<Row>(k);
-        const double distance = f.nearest.distance[k], radial = f.nearest.radial[k];
-        if (f.radius[k] - distance > band.deepest * f.radius[k]) too_deep = row;
         const Foot foot =
             band.surface.foot(static_cast<int>(f.here[k] + f.nearest.strip[k]),
                               static_cast<int>(to.near[row].other), f.nearest.share[k]);
@@ -85,52 +112,63 @@ void add_touching(const Found& f, unsigned touching, const Band& band, const Til
         const double speed =
             (1 - foot.share) * band.speed[foot.lower] + foot.share * band.speed[foot.upper];
         const Vec3 outward(f.outward_x[k], f.outward_y[k], 0);
+        const double radial = f.nearest.radial[k];
         tile.add(row, Vec3(radial * outward.x(), radial * outward.y(), f.nearest.axial[k]),
-                 distance, speed * outward, Vec3::Zero());
+                 f.nearest.distance[k], {speed * outward, Vec3::Zero(), band.centre});
     }
 }
 
 template <class Law>
 void collide_chunk(const TileTarget& to, const Band& band, NearIndex<MembranePairs>& index,
-                   std::size_t chunk, std::size_t first, std::size_t last) {
-    detail::ScalarTile<Law> tile(to, band.movers);
-    for (std::size_t group = first; group < last; group += 8) {
-        const unsigned valid = last - group < 8 ? (1u << (last - group)) - 1 : 0xff;
+                   ElementSums& sums, std::size_t chunk) {
+    const NearChunk& here = index.chunks[chunk];
+    ElementRow* elements = sums.rows.data() + chunk * sums.elements;
+    std::fill_n(elements, sums.elements, ElementRow{});
+    Tile<Law> tile(to, band.movers, band.deepest, index.beyond_limit[chunk],
+                   {&band, to.near, elements, to.sums.per_force});
+    for (Row group = here.first; group < here.last; group += 8) {
+        const unsigned valid = here.last - group < 8 ? (1u << (here.last - group)) - 1 : 0xff;
         unsigned now = 0;
         for (unsigned lane = 0; lane < 8; lane += lane_count) {
-            const auto row = static_cast<Row>(group) + lane;
+            const Row row = group + lane;
             const Found found = find_touching(band, to.near + row);
             const unsigned touching = found.touching & (valid >> lane);
             if (touching == 0) continue;
-            add_touching(found, touching, band, to, row, tile, index.too_deep[chunk]);
+            add_touching(found, touching, band, to, row, tile);
             now |= touching << lane;
         }
-        detail::write_touching(to, index, group, now);
+        index.touching[here.first_flags + (group - here.first) / 8] =
+            static_cast<std::uint8_t>(now);
     }
     tile.flush();
 }
 
 // a membrane has no friction, whatever the law between grains is
 template <class Law, class... Work>
-void collide(Rows<NearMembrane, const NearPair, PairForce, FootOf, Work...> near,
-             detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
-             Rows<Elements, const ElementRadius, const ElementSpeed> elements,
+void collide(Rows<NearMembrane, const NearPair, const PartnerSum, PairForce, FootOf> near,
+             detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
+             Rows<Bodies, const Position> positions,
+             Rows<Elements, const ElementRadius, const ElementSpeed> elements, ElementSums& sums,
              NearIndex<MembranePairs>& index, MembraneBands& bands, const Membrane& membrane,
-             const Materials& materials, const Limits& limits, const Clock& clock) {
+             ContactHalo& halo, const ForceGrid& grid, const Materials& materials,
+             const Limits& limits, const Observation& observation, const Clock& clock) {
     const TileTarget to =
-        detail::target_of<Law>(near, Rows<MembranePairs>({}, 0, {}), materials, clock);
+        detail::target_of<Law>(near, Rows<MembranePairs>({}, 0, {}), bodies,
+                               {halo, grid, materials, limits, observation, clock});
     const MembraneSurface surface(membrane, elements.column<ElementRadius>());
     lay_out_bands(surface, bands);
+    sums.elements = elements.size();
+    sums.rows.resize(index.chunks.size() * sums.elements); // allocates only after new lists
     const Band band{surface,
                     bands.radii.data(),
                     {listed, bodies, index},
                     elements.column<ElementSpeed>(),
                     near.template column<FootOf>(),
+                    positions.column<Position>()[membrane.body_row],
                     limits.overlap};
-    for_chunks(index.size(), near_rows_per_chunk,
-               [&](std::size_t chunk, std::size_t first, std::size_t last) {
-                   collide_chunk<Law>(to, band, index, chunk, first, last);
-               });
+    for_chunks(index.chunks.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {
+        collide_chunk<Law>(to, band, index, sums, chunk);
+    });
 }
 
 } // namespace
@@ -141,7 +179,8 @@ System collide_membrane(LawName law, const StepChoices& choices) {
     return with_law(law, [&]<class L>() {
         using Smooth = Law<typename L::Normal, typename L::DampingPart, Frictionless>;
         if constexpr (Smooth::has_dashpots)
-            return choices.energy_budget ? system(name, collide<Smooth, PairWork>)
+            return choices.energy_budget
+                       ? system(name, collide<Smooth, FrictionWork, ViscousWork, RollingWork>)
                                          : system(name, collide<Smooth>);
         else
             return system(name, collide<Smooth>);

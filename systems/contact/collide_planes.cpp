@@ -92,33 +92,37 @@ struct PlaneGeometry {
             const Vec3Lanes w = omega - turning;
             c.wx = w.x, c.wy = w.y, c.wz = w.z;
         }
-        detail::apply_law<Law>(to, rows, count, c, point.x, point.y, point.z);
-        return bits(overlap > deepest * a[3]);
+        ForceLanes force;
+        return detail::apply_law<Law>(to, rows, own.data(), count, c,
+                                      {point, point - middle, point - pivot},
+                                      overlap > deepest * a[3], force);
     }
 };
 
-template <class Law, class Near, class Pairs>
+template <class Law, class Near, class Pairs, class Work>
 struct Collide;
-template <class Law, class... Near, class... Pairs>
-struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
-    static void planes(Rows<NearPlanes, const NearPair, PairForce, Near...> near,
-                       detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
+template <class Law, class... Near, class... Pairs, class... Work>
+struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
+    static void planes(Rows<NearPlanes, const NearPair, const PartnerSum, PairForce, Near...> near,
+                       detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                        Rows<Planes, const PlanePosition> plane_rows,
                        Rows<PlanePairs, Pairs...> pairs, NearIndex<PlanePairs>& index,
-                       const Materials& materials, const Limits& limits, const Clock& clock) {
-        detail::collide_all<Law>(detail::target_of<Law>(near, pairs, materials, clock),
-                                 PlaneGeometry{{listed, bodies, index},
-                                               plane_rows.column<PlanePosition>(),
-                                               limits.overlap},
-                                 index);
+                       ContactHalo& halo, const ForceGrid& grid, const Materials& materials,
+                       const Limits& limits, const Observation& observation, const Clock& clock) {
+        detail::collide_all<Law>(
+            detail::target_of<Law>(near, pairs, bodies,
+                                   {halo, grid, materials, limits, observation, clock}),
+            PlaneGeometry{
+                {listed, bodies, index}, plane_rows.column<PlanePosition>(), limits.overlap},
+            index);
     }
 };
 
 } // namespace
 
 System collide_planes(LawName law, const StepChoices& choices) {
-    return system_of_law(law, choices, []<class Law, class Near, class Pairs>() {
-        return system("collide_planes", Collide<Law, Near, Pairs>::planes);
+    return system_of_law(law, choices, []<class Law, class Near, class Pairs, class Work>() {
+        return system("collide_planes", Collide<Law, Near, Pairs, Work>::planes);
     });
 }
 

@@ -135,29 +135,35 @@ struct SphereGeometry {
             c.twist =
                 0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
         }
-        detail::apply_law<Law>(to, rows, count, c, px, py, pz);
-        return bits(c.overlap > (0.5 * deepest) * reach);
+        ForceLanes force;
+        return detail::apply_law<Law>(
+            to, rows, own.data(), count, c,
+            {{px, py, pz}, {px - xa[0], py - xa[1], pz - xa[2]}, {px - xb[0], py - xb[1], pz - xb[2]}},
+            c.overlap > (0.5 * deepest) * reach, force);
     }
 };
 
-template <class Law, class Near, class Pairs>
+template <class Law, class Near, class Pairs, class Work>
 struct Collide;
-template <class Law, class... Near, class... Pairs>
-struct Collide<Law, Columns<Near...>, Columns<Pairs...>> {
-    static void spheres(Rows<NearSpheres, const NearPair, PairForce, Near...> near,
-                        detail::ListedSpheres listed, detail::MovingBodies<Law> bodies,
+template <class Law, class... Near, class... Pairs, class... Work>
+struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
+    static void spheres(Rows<NearSpheres, const NearPair, const PartnerSum, PairForce, Near...> near,
+                        detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                         Rows<SpherePairs, Pairs...> pairs, NearIndex<SpherePairs>& index,
-                        const Materials& materials, const Limits& limits, const Clock& clock) {
-        detail::collide_all<Law>(detail::target_of<Law>(near, pairs, materials, clock),
-                                 SphereGeometry{{listed, bodies, index}, limits.overlap}, index);
+                        ContactHalo& halo, const ForceGrid& grid, const Materials& materials,
+                        const Limits& limits, const Observation& observation, const Clock& clock) {
+        detail::collide_all<Law>(
+            detail::target_of<Law>(near, pairs, bodies,
+                                   {halo, grid, materials, limits, observation, clock}),
+            SphereGeometry{{listed, bodies, index}, limits.overlap}, index);
     }
 };
 
 } // namespace
 
 System collide_spheres(LawName law, const StepChoices& choices) {
-    return system_of_law(law, choices, []<class Law, class Near, class Pairs>() {
-        return system("collide_spheres", Collide<Law, Near, Pairs>::spheres);
+    return system_of_law(law, choices, []<class Law, class Near, class Pairs, class Work>() {
+        return system("collide_spheres", Collide<Law, Near, Pairs, Work>::spheres);
     });
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "components/body.hpp"
 #include "components/laws/table.hpp"
 #include "components/pair.hpp"
 #include "systems/contact/collide.hpp"
@@ -12,27 +13,27 @@ struct Columns {};
 
 namespace detail {
 
-/// System of one law. `make` receives the law, the columns of near rows and those of pairs.
+/// System of one law. `make` receives the law, the columns of near rows, of pairs and of bodies.
 template <class L, class... Share, class Make>
 System make_system_of(bool energy_budget, Make&& make) {
-    if constexpr (L::has_rolling) {
-        using Pairs = Columns<Spring, Roll>;
-        return energy_budget
-                   ? make.template operator()<L, Columns<PairTorque, PairWork, Share...>, Pairs>()
-                   : make.template operator()<L, Columns<PairTorque, Share...>, Pairs>();
-    } else if constexpr (L::has_history) {
-        using Pairs = Columns<Spring>;
-        return energy_budget ? make.template operator()<L, Columns<PairWork, Share...>, Pairs>()
-                             : make.template operator()<L, Columns<Share...>, Pairs>();
-    } else {
-        return make.template operator()<L, Columns<Share...>, Columns<>>();
-    }
+    using Near = Columns<Share...>;
+    using Work = Columns<FrictionWork, ViscousWork, RollingWork>;
+    const auto make_with = [&]<class Pairs>() {
+        return energy_budget ? make.template operator()<L, Near, Pairs, Work>()
+                             : make.template operator()<L, Near, Pairs, Columns<>>();
+    };
+    if constexpr (L::has_rolling)
+        return make_with.template operator()<Columns<Spring, Roll>>();
+    else if constexpr (L::has_history)
+        return make_with.template operator()<Columns<Spring>>();
+    else
+        return make.template operator()<L, Near, Columns<>, Columns<>>();
 }
 
 } // namespace detail
 
-/// Calls make.template operator()<Law, columns of near rows, columns of pairs>() with the law of
-/// that name and the columns that it needs in addition to the force record.
+/// Calls make.template operator()<Law, columns of near rows, of pairs and of bodies>() with the law
+/// of that name and the columns that it needs in addition to those of all laws.
 template <class Make>
 System system_of_law(LawName law, const StepChoices& choices, Make&& make) {
     return with_law(law, [&]<class L>() {

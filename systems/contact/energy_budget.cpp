@@ -15,13 +15,6 @@ void add_energy_budget(World& world) {
     bodies.add<DampingWork>();
     bodies.add<ScalingWork>();
     bodies.add<BoundaryWork>();
-    for_each_kind_of_pair([&]<class Pairs>() {
-        if (world.has<Pairs>() && world.table<Pairs>().template has<Spring>())
-            world.table<typename Pairs::Near>().template add<PairWork>();
-    });
-    // a membrane has no friction, but it may have dashpots
-    if (world.has<MembranePairs>() && has_dashpots(world.resource<ContactLaw>().law))
-        world.table<NearMembrane>().add<PairWork>();
 }
 
 } // namespace bris

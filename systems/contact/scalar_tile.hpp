@@ -5,18 +5,34 @@
 
 namespace bris::detail {
 
+/// A surface at a contact point: its velocity there and those of the body that it belongs to.
+struct SurfaceAt {
+    Vec3 velocity;         ///< m/s, at the contact point
+    Vec3 angular_velocity; ///< rad/s, of the host
+    Vec3 centre;           ///< m, about which torques on the host are taken
+};
+
+/// Does nothing with the forces of a tile.
+struct NoReader {
+    void operator()(const Row*, int, const ForceLanes&) const {}
+};
+
 /// Collects contacts that are found one by one (spheres against facets and membrane) and applies
-/// the law to lane_count of them at a time.
-template <class Law>
+/// the law to lane_count of them at a time. `reader` is then called with their near rows, their
+/// number and their forces.
+template <class Law, class Reader = NoReader>
 class ScalarTile {
 public:
-    ScalarTile(const TileTarget& to, const Movers& movers) : to_(to), movers_(movers) {}
+    /// `deepest`: largest overlap accepted, over the radius. `beyond_limit` receives a near row
+    /// beyond this limit or that of the force.
+    ScalarTile(const TileTarget& to, const Movers& movers, double deepest, Row& beyond_limit,
+               Reader reader = {})
+        : to_(to), movers_(movers), deepest_(deepest), beyond_limit_(beyond_limit),
+          reader_(reader) {}
 
     /// Adds the contact of a sphere with a surface at `distance` (m) from its centre along `normal`
-    /// (unit, from the surface to the sphere). The surface moves with `velocity` (m/s) at the
-    /// contact point and rotates with the angular velocity `turning` (rad/s).
-    void add(Row near_row, const Vec3& normal, double distance, const Vec3& velocity,
-             const Vec3& turning) {
+    /// (unit, from the surface to the sphere).
+    void add(Row near_row, const Vec3& normal, double distance, const SurfaceAt& surface) {
         const Row slot = to_.near[near_row].owner;
         const SphereRow& p = movers_.sphere_row[slot];
         const std::size_t owner = movers_.body_of(slot);
@@ -25,22 +41,25 @@ public:
         const double overlap = p.radius - distance, arm = p.radius - 0.5 * overlap;
         const Vec3 centre(p.x, p.y, p.z), omega(body.omega_x, body.omega_y, body.omega_z),
             point = centre - arm * normal;
-        Vec3 u = Vec3(body.vx, body.vy, body.vz) - velocity, middle = centre; // of the body
+        Vec3 u = Vec3(body.vx, body.vy, body.vz) - surface.velocity, middle = centre; // of the body
         if (movers_.centre != nullptr) {
             const CentreRow& x = movers_.centre[owner];
             middle = Vec3(x.x, x.y, x.z);
             u += omega.cross(centre - middle);
         }
         rows_[k] = near_row;
+        own_[k] = owner;
         put(k, normal_at, normal);
         put(k, point_at, point);
+        put(k, own_arm_at, point - middle);
+        put(k, partner_arm_at, point - surface.centre);
         values_[overlap_at][k] = overlap;
         values_[inverse_mass_at][k] = body.inverse_mass;
         values_[radius_at][k] = p.radius;
         values_[closing_at][k] = -u.dot(normal);
         if constexpr (Law::has_history) {
             u -= arm * omega.cross(normal);
-            values_[twist_at][k] = 0.5 * (omega + turning).dot(normal);
+            values_[twist_at][k] = 0.5 * (omega + surface.angular_velocity).dot(normal);
             put(k, sliding_at, u);
         }
         if constexpr (Law::has_dashpots) {
@@ -48,7 +67,7 @@ public:
             const Vec3 more(kick.omega_x, kick.omega_y, kick.omega_z);
             put(k, velocity_at, u + Vec3(kick.vx, kick.vy, kick.vz) + more.cross(point - middle));
         }
-        if constexpr (Law::has_rolling) put(k, omega_at, omega - turning);
+        if constexpr (Law::has_rolling) put(k, omega_at, omega - surface.angular_velocity);
         if (count_ == lane_count) flush();
     }
 
@@ -58,10 +77,14 @@ public:
         // unused lanes repeat the first contact: valid numbers that are never stored
         for (auto k = static_cast<std::size_t>(count_); k < lane_count; ++k) {
             rows_[k] = rows_[0];
+            own_[k] = own_[0];
             for (auto& field : values_) field[k] = field[0];
         }
         const auto lane = [&](std::size_t i) {
             return *reinterpret_cast<const Lane*>(values_[i].data());
+        };
+        const auto vector = [&](std::size_t i) {
+            return Vec3Lanes{lane(i), lane(i + 1), lane(i + 2)};
         };
         ContactLanes c{lane(normal_at),  lane(normal_at + 1),   lane(normal_at + 2),
                        lane(overlap_at), lane(inverse_mass_at), lane(radius_at)};
@@ -82,8 +105,13 @@ public:
             c.wy = lane(omega_at + 1);
             c.wz = lane(omega_at + 2);
         }
-        apply_law<Law>(to_, rows_.data(), count_, c, lane(point_at), lane(point_at + 1),
-                       lane(point_at + 2));
+        ForceLanes force;
+        const unsigned beyond = apply_law<Law>(
+            to_, rows_.data(), own_.data(), count_, c,
+            {vector(point_at), vector(own_arm_at), vector(partner_arm_at)},
+            c.overlap > deepest_ * c.radius, force);
+        if (beyond != 0) beyond_limit_ = rows_[static_cast<std::size_t>(__builtin_ctz(beyond))];
+        reader_(rows_.data(), count_, force);
         count_ = 0;
     }
 
@@ -95,7 +123,9 @@ private:
         sliding_at = 6,
         velocity_at = 9,
         omega_at = 12,
-        overlap_at = 15,
+        own_arm_at = 15,
+        partner_arm_at = 18,
+        overlap_at = 21,
         inverse_mass_at,
         radius_at,
         closing_at,
@@ -108,19 +138,13 @@ private:
 
     TileTarget to_;
     Movers movers_;
+    double deepest_;
+    Row& beyond_limit_;
+    Reader reader_;
     int count_ = 0;
     std::array<Row, lane_count> rows_{};
+    std::array<std::size_t, lane_count> own_{};
     alignas(64) std::array<std::array<double, lane_count>, fields> values_{};
 };
-
-/// Records which near rows of a group of eight touch now, and clears the springs of those that have
-/// separated.
-template <class Pairs>
-void write_touching(const TileTarget& to, NearIndex<Pairs>& index, std::size_t group,
-                    unsigned now) {
-    std::uint8_t& flags = index.touching[group / 8];
-    forget(to, static_cast<Row>(group), flags & ~now);
-    flags = static_cast<std::uint8_t>(now);
-}
 
 } // namespace bris::detail

@@ -22,12 +22,11 @@ void normalise(double* share, Row first, Row last, Belongs&& belongs) {
 // calls share_rows(first, last) with the range of near rows of every owner
 template <class Pairs, class ShareRows>
 void for_owners(const NearIndex<Pairs>& index, ShareRows&& share_rows) {
-    if (index.size() == 0) return;
-    for_chunks(index.owned_first.size() - 1, 64,
-               [&](std::size_t, std::size_t begin, std::size_t end) {
-                   for (std::size_t b = begin; b < end; ++b)
-                       share_rows(index.owned_first[b], index.owned_first[b + 1]);
-               });
+    for_chunks(index.chunks.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {
+        const NearChunk& here = index.chunks[chunk];
+        for (Row b = here.first_body; b < here.last_body; ++b)
+            share_rows(index.owned_first[b], index.owned_first[b + 1]);
+    });
 }
 
 } // namespace

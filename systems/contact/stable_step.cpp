@@ -1,6 +1,7 @@
 #include "systems/contact/stable_step.hpp"
 
 #include "components/body.hpp"
+#include "components/body_contacts.hpp"
 #include "components/elasticity.hpp"
 #include "components/kinds.hpp"
 #include "components/material.hpp"
@@ -45,13 +46,12 @@ Touch touch_of(const LawTraits& traits, const LawRow& law, const Elasticity& e, 
     return t;
 }
 
-/// Calls visit(body, touch) for the contacts of every body in the order of the force sums, so that
+/// Calls visit(body, touch) for the contacts of every body in the order of BodyContacts, so that
 /// the result is always bitwise the same.
 template <class Pairs, class Visit>
 void visit_touches(const World& world, Visit&& visit) {
     if (!world.has<Pairs>()) return;
-    const auto& index = world.resource<NearIndex<Pairs>>();
-    if (index.size() == 0) return; // no pair is near, or no step has been taken
+    const BodyContacts<Pairs> contacts(world);
     const auto entry = world.column<typename Pairs::Near, NearPair>();
     const auto force = world.column<typename Pairs::Near, PairForce>();
     const auto rows = world.column<Pairs, PairRows>();
@@ -69,7 +69,7 @@ void visit_touches(const World& world, Visit&& visit) {
         near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
     const auto inverse_mass = [&](Row b) { return motion[b] == free_motion ? 1 / mass[b] : 0; };
     for (Row b = 0; b < position.size(); ++b)
-        index.for_contacts_of(b, [&](Row k, bool) {
+        contacts.visit(b, [&](Row k, bool) {
             const PairRowNumbers& pair = rows[entry[k].pair];
             const SphereRow& p = sphere_row[entry[k].owner];
             const Row owner = body[entry[k].owner];

@@ -1,10 +1,13 @@
 #pragma once
 
 #include "components/body.hpp"
+#include "components/force_sums.hpp"
 #include "components/material.hpp"
 #include "components/pair.hpp"
+#include "components/settings.hpp"
 #include "components/sphere.hpp"
 #include "engine/clock.hpp"
+#include "engine/lane_math.hpp"
 #include "engine/prefetch.hpp"
 #include "engine/rows.hpp"
 #include "systems/contact/columns_of_law.hpp"
@@ -13,25 +16,49 @@
 
 namespace bris::detail {
 
-/// Coefficients, springs and records that the kernels of all kinds of pairs read and write. Null:
-/// the law or the scene has none.
+/// Where the forces of pairs are added, and the units in which.
+struct SumTarget {
+    SumRow *body, *halo;
+    const Row* partner; ///< by near row
+    double per_force, per_torque, per_partner_torque; ///< units per N and N m
+
+    SumTarget(SumRow* bodies, ContactHalo& halo_rows, const Row* partners, const ForceGrid& grid,
+              bool with_boundary)
+        : body(bodies), halo(halo_rows.rows.data()), partner(partners), per_force(1 / grid.force),
+          per_torque(1 / grid.torque),
+          per_partner_torque(1 / (with_boundary ? grid.host_torque : grid.torque)) {}
+    SumRow& of_partner(Row near_row) const {
+        const Row at = partner[near_row];
+        return (at & ContactHalo::flag) != 0 ? halo[at & ~ContactHalo::flag] : body[at];
+    }
+};
+
+/// Columns (J, by body) in which owners accumulate the work that their pairs dissipate. Null: there
+/// is no energy budget.
+struct WorkTarget {
+    double *friction = nullptr, *viscous = nullptr, *rolling = nullptr;
+};
+
+/// Coefficients and springs that the kernels of all kinds of pairs read and write. Null: the law or
+/// the scene has none.
 struct TileTarget {
     const NearEntry* near;
     SpringRow* spring;
     RollRow* roll;
     ForceRow* force;
-    TorqueRow* torque;
-    WorkRow* work;
     const double* share; ///< by near row, where patches share one stiffness
     const LawRow* laws;
     const RollingRow* rolling_laws;
     const OwnRow* own; ///< coefficients that only this law reads, by pair of materials
     bool one_law;      ///< all pairs have the coefficients of laws[0]
+    bool observed;     ///< the records of forces are written
+    SumTarget sums;
+    WorkTarget work;
     LawStep step;
 
     /// Prefetches the rows that the contacts of these near rows write.
     void prefetch_rows(const Row* rows) const {
-        for (int q = 0; q < lane_count; ++q) prefetch<true>(&force[rows[q]]);
+        for (int q = 0; q < lane_count; ++q) prefetch<true>(&sums.of_partner(rows[q]));
         if (spring != nullptr)
             for (int q = 0; q < lane_count; ++q) prefetch<true>(&spring[near[rows[q]].pair]);
         if (roll != nullptr)
@@ -49,30 +76,44 @@ auto* column_or_null(const Rows<K, Cs...>& rows) {
         return static_cast<Value*>(nullptr);
 }
 
-template <class Law, class NearRows, class PairRowsOf>
-TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const Materials& materials,
-                     const Clock& clock) {
-    WorkRow* work = column_or_null<PairWork>(near);
-    const auto& laws = Law::Normal::rows(materials);
+/// Resources that the systems of all kinds of pairs share.
+struct ContactScene {
+    ContactHalo& halo;
+    const ForceGrid& grid;
+    const Materials& materials;
+    const Limits& limits;
+    const Observation& observation;
+    const Clock& clock;
+};
+
+template <class Law, class NearRows, class PairRowsOf, class BodyRows>
+TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const BodyRows& bodies,
+                     const ContactScene& scene) {
+    const auto& laws = Law::Normal::rows(scene.materials);
+    const WorkTarget work{column_or_null<FrictionWork>(bodies), column_or_null<ViscousWork>(bodies),
+                          column_or_null<RollingWork>(bodies)};
     return {near.template column<NearPair>(),
             column_or_null<Spring>(pairs),
             column_or_null<Roll>(pairs),
             near.template column<PairForce>(),
-            column_or_null<PairTorque>(near),
-            work,
             column_or_null<const PatchShare>(near),
             laws.data(),
-            materials.rolling_pairs.data(),
-            materials.own_pairs.data(),
+            scene.materials.rolling_pairs.data(),
+            scene.materials.own_pairs.data(),
             laws.size() == 1,
-            {materials.policy, clock.dt, work != nullptr}};
+            scene.observation.due,
+            {bodies.template column<ContactSum>(), scene.halo, near.template column<PartnerSum>(),
+             scene.grid, !std::is_same_v<typename NearRows::TableKind, NearSpheres>},
+            work,
+            {scene.materials.policy, scene.clock.dt, work.friction != nullptr}};
 }
 
 using ListedSpheres = Rows<Listed, const ListedPosition, const ListedBody>;
-template <class Law>
-using MovingBodies = std::conditional_t<Law::has_dashpots,
-                                        Rows<Bodies, const RigidMotion, const CentreOf, const Kick>,
-                                        Rows<Bodies, const RigidMotion, const CentreOf>>;
+template <class Law, class... Work>
+using MovingBodies =
+    std::conditional_t<Law::has_dashpots,
+                       Rows<Bodies, const RigidMotion, const CentreOf, const Kick, ContactSum, Work...>,
+                       Rows<Bodies, const RigidMotion, const CentreOf, ContactSum, Work...>>;
 
 /// Columns that contacts read: of spheres, by slot, and of their bodies.
 struct Movers {
@@ -128,11 +169,72 @@ inline OwnLanes own_coefficients(const TileTarget& to, const Row* rows) {
     return {transpose(load_rows([&](int q) { return to.own[to.near[rows[q]].law].value; }))};
 }
 
+/// Contact points, and the lever arms to them from the centres of mass of both bodies (m).
+struct Levers {
+    Vec3Lanes point, own, partner;
+};
+
+/// Adds the forces and torques of `count` contacts to both bodies. `own`: rows of the owners.
+/// Returns the bits of the lanes whose force is beyond the grid or is not a number.
+[[gnu::always_inline]] inline unsigned add_to_bodies(const SumTarget& to, const Row* rows,
+                                                     const std::size_t* own, int count,
+                                                     const ForceLanes& f, const Levers& at) {
+    const Vec3Lanes force{f.x, f.y, f.z}, couple{f.torque_x, f.torque_y, f.torque_z};
+    const Vec3Lanes units = to.per_force * force,
+                    own_torque = to.per_torque * (cross(at.own, force) + couple),
+                    partner_torque = to.per_partner_torque * (cross(at.partner, force) + couple);
+    const auto size = [](const Vec3Lanes& v) {
+        return magnitude(v.x) + magnitude(v.y) + magnitude(v.z);
+    };
+    const LaneMask fits =
+        size(units) + size(own_torque) + size(partner_torque) <= ForceGrid::largest;
+    const auto integers = [](Lane a) { return reinterpret_cast<Lane>(nearest_integers(a)); };
+    const Lane none{};
+    const FourLanes forces = transpose({integers(units.x), integers(units.y), integers(units.z), none}),
+                    torques = transpose({integers(own_torque.x), integers(own_torque.y),
+                                         integers(own_torque.z), none});
+    add_integer_rows(forces, count, [&](int q) { return &to.body[own[q]].fx; });
+    add_integer_rows(torques, count, [&](int q) { return &to.body[own[q]].tx; });
+    const auto opposite = [](Lane a) {
+        return reinterpret_cast<Lane>(-reinterpret_cast<LaneMask>(a));
+    };
+    const FourLanes reactions = transpose({opposite(integers(units.x)), opposite(integers(units.y)),
+                                           opposite(integers(units.z)), none}),
+                    partner_torques = transpose({opposite(integers(partner_torque.x)),
+                                                 opposite(integers(partner_torque.y)),
+                                                 opposite(integers(partner_torque.z)), none});
+    add_integer_rows(reactions, count, [&](int q) { return &to.of_partner(rows[q]).fx; });
+    add_integer_rows(partner_torques, count, [&](int q) { return &to.of_partner(rows[q]).tx; });
+    return ~bits(fits) & all_lanes;
+}
+
+/// Writes the records of `count` contacts, for readers outside the step.
+inline void record(const TileTarget& to, const Row* rows, int count, const ForceLanes& f,
+                   const Lane& overlap, const Vec3Lanes& point) {
+    store_rows(transpose({f.x, f.y, f.z, overlap}), count,
+               [&](int q) { return &to.force[rows[q]].fx; });
+    store_rows(transpose({point.x, point.y, point.z, f.normal}), count,
+               [&](int q) { return &to.force[rows[q]].px; });
+}
+
+inline void add_work(const WorkTarget& to, const std::size_t* own, int count,
+                     const WorkLanes& work) {
+    for (int q = 0; q < count; ++q) {
+        to.friction[own[q]] += work.friction[q];
+        to.viscous[own[q]] += work.viscous[q];
+        to.rolling[own[q]] += work.rolling[q];
+    }
+}
+
 /// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid
-/// rows), and writes their springs and records.
+/// rows), advances their springs and adds their forces to both bodies. `own`: rows of the owners.
+/// `too_deep`: bits of the contacts beyond the limit of overlap. Returns these bits and those of
+/// the contacts whose force is beyond the grid.
 template <class Law>
-[[gnu::always_inline]] inline void apply_law(const TileTarget& to, const Row* rows, int count,
-                                             ContactLanes& c, Lane px, Lane py, Lane pz) {
+[[gnu::always_inline]] inline unsigned apply_law(const TileTarget& to, const Row* rows,
+                                                 const std::size_t* own, int count,
+                                                 ContactLanes& c, const Levers& at,
+                                                 LaneMask too_deep, ForceLanes& f) {
     if (to.share != nullptr)
         for (int q = 0; q < lane_count; ++q) c.share[q] = to.share[rows[q]];
     std::array<std::size_t, lane_count> pair;
@@ -152,29 +254,21 @@ template <class Law>
             [&](int q) { return &to.rolling_laws[to.near[rows[q]].law].rolling_friction; }));
         rolling = {k[0], k[1], k[2], k[3]};
     }
-    const ForceLanes f = [&] {
-        if constexpr (Law::has_reach)
-            return Law::force(c, coefficients(to, rows), own_coefficients(to, rows), rolling,
-                              to.step, spring, roll);
-        else
-            return Law::force(c, coefficients(to, rows), rolling, to.step, spring, roll);
-    }();
+    if constexpr (Law::has_reach)
+        f = Law::force(c, coefficients(to, rows), own_coefficients(to, rows), rolling, to.step,
+                       spring, roll);
+    else
+        f = Law::force(c, coefficients(to, rows), rolling, to.step, spring, roll);
     if constexpr (Law::has_history)
         store_rows(transpose({spring.x, spring.y, spring.z, spring.stiffness}), count,
                    [&](int q) { return &to.spring[pair_of(q)].x; });
-    if constexpr (Law::has_rolling) {
+    if constexpr (Law::has_rolling)
         store_rows(transpose({roll.x, roll.y, roll.z, roll.twist}), count,
                    [&](int q) { return &to.roll[pair_of(q)].x; });
-        store_rows(transpose({f.torque_x, f.torque_y, f.torque_z, Lane{}}), count,
-                   [&](int q) { return &to.torque[rows[q]].x; });
-    }
-    store_rows(transpose({f.x, f.y, f.z, c.overlap}), count,
-               [&](int q) { return &to.force[rows[q]].fx; });
-    store_rows(transpose({px, py, pz, f.normal}), count,
-               [&](int q) { return &to.force[rows[q]].px; });
-    if (to.work != nullptr)
-        store_rows(transpose({f.work.friction, f.work.viscous, f.work.rolling, Lane{}}), count,
-                   [&](int q) { return &to.work[rows[q]].friction; });
+    const unsigned beyond = bits(too_deep) | add_to_bodies(to.sums, rows, own, count, f, at);
+    if (to.observed || beyond != 0) record(to, rows, count, f, c.overlap, at.point);
+    if (to.work.friction != nullptr) add_work(to.work, own, count, f.work);
+    return beyond & ((1u << count) - 1);
 }
 
 /// Whether a law with reach still acts on a near pair whose surfaces are `gap` (m) apart. The
@@ -187,26 +281,27 @@ bool is_held(const TileTarget& to, const NearEntry& near, double gap, double rad
 
 /// Selects, in each group of eight pairs, those whose contacts have to be evaluated, and restores
 /// the springs of sleeping pairs, which must not advance.
-template <class Pairs>
 class Sleepers {
 public:
-    Sleepers(const TileTarget& to, const NearIndex<Pairs>& index)
-        : to_(to), awake_(index.awake.empty() ? nullptr : index.awake.data()),
-          look_(index.look.empty() ? awake_ : index.look.data()) {}
+    /// `awake`, `look`: flags of a chunk; null where no body can sleep. In observed steps all pairs
+    /// are evaluated.
+    Sleepers(const TileTarget& to, const std::uint8_t* awake, const std::uint8_t* look)
+        : to_(to), awake_(awake), look_(to.observed ? nullptr : look) {}
 
-    bool skips(std::size_t group) const { return look_ != nullptr && look_[group / 8] == 0; }
+    bool skips(std::size_t group) const { return look_ != nullptr && look_[group] == 0; }
     /// Pairs that count as touching: evaluated pairs that touch `now`, and others as `before`.
     unsigned touching(std::size_t group, unsigned now, unsigned before) const {
         if (look_ == nullptr) return now;
-        return (before & ~unsigned{look_[group / 8]}) | (now & look_[group / 8]);
+        return (before & ~unsigned{look_[group]}) | (now & look_[group]);
     }
     /// Those of the touching pairs to which the law is applied; keeps the springs of sleeping ones.
-    unsigned asked(std::size_t group, unsigned touching) {
-        if (look_ == nullptr) return touching;
-        touching &= look_[group / 8];
-        for (unsigned remaining = touching & ~unsigned{awake_[group / 8]}; remaining != 0;
+    /// `first`: near row of the group's first pair.
+    unsigned asked(std::size_t group, Row first, unsigned touching) {
+        if (awake_ == nullptr) return touching;
+        if (look_ != nullptr) touching &= look_[group];
+        for (unsigned remaining = touching & ~unsigned{awake_[group]}; remaining != 0;
              remaining &= remaining - 1)
-            keep(to_.near[group + static_cast<std::size_t>(__builtin_ctz(remaining))].pair);
+            keep(to_.near[first + static_cast<Row>(__builtin_ctz(remaining))].pair);
         return touching;
     }
     /// Restores the springs of the sleeping pairs.
@@ -215,6 +310,7 @@ public:
             if (to_.spring != nullptr) to_.spring[pair] = spring;
             if (to_.roll != nullptr) to_.roll[pair] = roll;
         }
+        kept_.clear();
     }
 
 private:

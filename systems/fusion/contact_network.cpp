@@ -1,6 +1,7 @@
 #include "systems/fusion/contact_network.hpp"
 
 #include "components/body.hpp"
+#include "components/body_contacts.hpp"
 #include "components/kinds.hpp"
 #include "components/material.hpp"
 #include "components/pair.hpp"
@@ -24,20 +25,19 @@ struct Contact {
 template <class Pairs>
 class ContactsOf {
 public:
-    explicit ContactsOf(const World& world) : laws_(world.resource<Materials>().linear_pairs) {
-        if (!world.has<Pairs>() || world.resource<NearIndex<Pairs>>().size() == 0) return;
-        index_ = &world.resource<NearIndex<Pairs>>();
+    explicit ContactsOf(const World& world)
+        : laws_(world.resource<Materials>().linear_pairs), contacts_(world) {
+        if (!world.has<Pairs>()) return;
         near_ = world.column<typename Pairs::Near, NearPair>();
         force_ = world.column<typename Pairs::Near, PairForce>();
         rows_ = world.column<Pairs, PairRows>();
         sphere_row_ = world.column<Listed, ListedPosition>();
         body_ = world.column<Listed, ListedBody>();
     }
-    /// Calls visit(contact) in the order of the force sums, which does not depend on the rows.
+    /// Calls visit(contact) in an order that does not depend on the rows.
     template <class Visit>
     void visit(Row body, Visit&& visit) const {
-        if (index_ == nullptr) return;
-        index_->for_contacts_of(body, [&](Row k, bool as_partner) {
+        contacts_.visit(body, [&](Row k, bool as_partner) {
             const ForceRow& f = force_[k];
             const SphereRow& sphere = sphere_row_[near_[k].owner];
             const LawRow& law = laws_[near_[k].law];
@@ -52,7 +52,7 @@ public:
 
 private:
     std::span<const LawRow> laws_;
-    const NearIndex<Pairs>* index_ = nullptr;
+    BodyContacts<Pairs> contacts_;
     std::span<const NearEntry> near_;
     std::span<const ForceRow> force_;
     std::span<const PairRowNumbers> rows_;

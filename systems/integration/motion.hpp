@@ -9,9 +9,6 @@
 
 namespace bris {
 
-/// Sets force and torque to zero at the beginning of a step.
-void clear_forces(Rows<Bodies, Force, Torque> bodies);
-
 /// Adds weight: true mass times gravity.
 void apply_gravity(Rows<Bodies, const Mass, Force> bodies, const Gravity& gravity);
 

@@ -20,15 +20,6 @@ Vec3Lanes damped(const Vec3Lanes& force, const Vec3Lanes& velocity, double fract
 
 } // namespace
 
-void clear_forces(Rows<Bodies, Force, Torque> bodies) {
-    Vec3* force = bodies.column<Force>();
-    Vec3* torque = bodies.column<Torque>();
-    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        store(force, rows, Vec3Lanes{});
-        store(torque, rows, Vec3Lanes{});
-    });
-}
-
 void apply_gravity(Rows<Bodies, const Mass, Force> bodies, const Gravity& gravity) {
     const double* mass = bodies.column<Mass>();
     Vec3* force = bodies.column<Force>();

@@ -1,6 +1,7 @@
 #include "systems/output/balance.hpp"
 
 #include "components/body.hpp"
+#include "components/body_contacts.hpp"
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "engine/ordering.hpp"
@@ -21,11 +22,10 @@ struct Sum {
 template <class Pairs>
 void add_pairs(const World& world, std::vector<Sum>& sums, Balance& balance) {
     if (!world.has<Pairs>()) return;
-    const auto& index = world.resource<NearIndex<Pairs>>();
-    if (index.size() == 0) return;
+    const BodyContacts<Pairs> contacts(world);
     const auto force = world.column<typename Pairs::Near, PairForce>();
     for (Row b = 0; b < sums.size(); ++b)
-        index.for_contacts_of(b, [&](Row k, bool as_partner) {
+        contacts.visit(b, [&](Row k, bool as_partner) {
             const Vec3 f(force[k].fx, force[k].fy, force[k].fz);
             sums[b].resultant += as_partner ? -f : f;
             sums[b].total += f.norm();

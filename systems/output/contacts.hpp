@@ -39,14 +39,13 @@ std::vector<TouchingPair> touching_pairs(const World& world) {
     const double* share =
         near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
     const auto sphere_row = world.column<Listed, ListedPosition>();
-    for (Row k = 0; k < index.size(); ++k) {
-        if (!index.touches(k)) continue;
+    index.for_touching([&](Row k) {
         const Row p = entry[k].pair;
         list.push_back({names[p], force[k], spring != nullptr ? spring[p] : SpringRow{},
                         roll != nullptr ? roll[p] : RollRow{}, entry[k].law,
                         effective_radius<Pairs>(entry[k], sphere_row),
                         share != nullptr ? share[k] : 1});
-    }
+    });
     std::sort(list.begin(), list.end(),
               [](const TouchingPair& a, const TouchingPair& b) { return a.names < b.names; });
     return list;

@@ -78,25 +78,19 @@ double ServoMotion::next(double speed, double force, double touching) {
     return std::clamp(speed * dt + driven * kick, -largest_step, largest_step) / dt;
 }
 
-void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
-                   Rows<NearMembrane, const NearPair, const PairForce, const FootOf> near,
-                   const NearIndex<MembranePairs>& index, const Membrane& membrane) {
+void push_membrane(Rows<Elements, ElementPush, ElementHold> elements, const ElementSums& sums,
+                   const ForceGrid& grid) {
     double* push = elements.column<ElementPush>();
     double* hold = elements.column<ElementHold>();
-    std::fill_n(push, elements.size(), 0.0);
-    std::fill_n(hold, elements.size(), 0.0);
-    if (index.size() == 0) return;
-    const NearEntry* entry = near.column<NearPair>();
-    const ForceRow* force = near.column<PairForce>();
-    const Foot* foot = near.column<FootOf>();
-    index.for_contacts_of(membrane.body_row, [&](Row k, bool) {
-        const Vec3& outward = membrane.outward[entry[k].other];
-        const double radial = -(force[k].fx * outward.x() + force[k].fy * outward.y());
-        push[foot[k].lower] += (1 - foot[k].share) * radial;
-        push[foot[k].upper] += foot[k].share * radial;
-        hold[foot[k].lower] += 1 - foot[k].share;
-        hold[foot[k].upper] += foot[k].share;
-    });
+    for (std::size_t e = 0; e < elements.size(); ++e) {
+        ElementRow sum;
+        for (std::size_t k = e; k < sums.rows.size(); k += sums.elements) {
+            sum.push += sums.rows[k].push;
+            sum.hold += sums.rows[k].hold;
+        }
+        push[e] = grid.force * static_cast<double>(sum.push);
+        hold[e] = ElementSums::hold_unit * static_cast<double>(sum.hold);
+    }
 }
 
 void accumulate_membrane_work(Rows<Bodies, BoundaryWork> bodies,

@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/boundary.hpp"
+#include "components/force_sums.hpp"
 #include "components/kinds.hpp"
 #include "components/membrane.hpp"
 #include "components/pair.hpp"
@@ -13,12 +14,11 @@
 
 namespace bris {
 
-/// Distributes the contact forces to the elements: the radial part of a contact is divided between
-/// the two nearest elements by the lever rule, so that push times speed is the power of the
+/// Forces of the grains on the elements. The contact kernels divide the radial part of a contact
+/// between the two nearest elements by the lever rule, so that push times speed is the power of the
 /// contacts.
-void push_membrane(Rows<Elements, ElementPush, ElementHold> elements,
-                   Rows<NearMembrane, const NearPair, const PairForce, const FootOf> near,
-                   const NearIndex<MembranePairs>& index, const Membrane& membrane);
+void push_membrane(Rows<Elements, ElementPush, ElementHold> elements, const ElementSums& sums,
+                   const ForceGrid& grid);
 
 /// Accumulates the work of the elements on the grains over half a step. It runs twice a step, at
 /// the speed of the last step and at the speed of the next (trapezoidal rule).

@@ -31,7 +31,7 @@ void hold(const BodyRows& bodies, const Sleep& sleep, Keep&& keep, RestorePose&&
             held[b].position = position[b];
             held[b].held = 1;
             keep(held[b], b);
-        } else if (!balanced) {
+        } else if ((sleep.all || sleep.busy[b] != 0) && !balanced) {
             resting[b] = 0;
             held[b].held = 0;
             continue;

@@ -57,54 +57,70 @@ private:
     std::span<const Row> body_;
 };
 
-/// Marks the pairs with a body that is awake, by the bits of their group. Pairs that fall asleep
-/// are computed once more, and so are all pairs after the lists were made anew: from then on their
-/// forces are those of bodies that do not move.
-template <class Pairs>
-void mark_awake(World& world, const std::vector<std::uint8_t>& sleeps) {
-    if (!world.has<Pairs>()) return;
-    auto& index = world.resource<NearIndex<Pairs>>();
-    const PartnersOf<Pairs> partners(world);
-    if (index.awake.empty())
-        index.look.assign(index.touching.size(), 0xff);
-    else
-        index.look = index.awake;
-    index.awake.assign(index.touching.size(), 0);
-    for (std::size_t k = 0; k < index.size(); ++k) {
-        const auto [owner, partner] = partners(k);
-        const bool sleep = sleeps[owner] != 0 && sleeps[partner] != 0;
-        index.awake[k / 8] =
-            static_cast<std::uint8_t>(index.awake[k / 8] | (sleep ? 0u : 1u) << (k % 8));
-    }
-    for (std::size_t g = 0; g < index.look.size(); ++g) index.look[g] |= index.awake[g];
-}
-
-/// Marks the bodies with a pair that is computed in this step.
-template <class Pairs>
-void mark_busy(const World& world, std::vector<std::uint8_t>& busy) {
-    if (!world.has<Pairs>()) return;
+/// Sets the flags of the near pairs for which wanted(owner, partner) is true.
+template <class Pairs, class Wanted>
+void flag_pairs(const World& world, std::vector<std::uint8_t>& flags, Wanted&& wanted) {
     const auto& index = world.resource<NearIndex<Pairs>>();
     const PartnersOf<Pairs> partners(world);
-    const auto& look = index.look.empty() ? index.awake : index.look;
-    for (std::size_t g = 0; g < look.size(); ++g)
-        for (unsigned remaining = look[g]; remaining != 0; remaining &= remaining - 1) {
-            const std::size_t k = 8 * g + static_cast<std::size_t>(__builtin_ctz(remaining));
-            if (k >= index.size()) break; // past the last pair of its group
+    flags.assign(index.touching.size(), 0);
+    for (const NearChunk& c : index.chunks)
+        for (std::size_t k = c.first; k < c.last; ++k) {
             const auto [owner, partner] = partners(k);
-            busy[owner] = busy[partner] = 1;
+            if (wanted(owner, partner))
+                flags[c.first_flags + (k - c.first) / 8] |=
+                    static_cast<std::uint8_t>(1u << ((k - c.first) % 8));
         }
 }
 
-/// Lets row-local systems skip the rows of sleeping bodies without a contact that is computed.
-void leave_idle_rows(World& world, const Sleep& sleep) {
-    std::vector<std::uint8_t> busy(sleep.sleeps.size());
-    std::ranges::transform(sleep.sleeps, busy.begin(),
-                           [](std::uint8_t s) { return static_cast<std::uint8_t>(s == 0); });
-    mark_busy<SpherePairs>(world, busy);
-    mark_busy<PlanePairs>(world, busy);
-    std::vector<std::uint8_t> idle((busy.size() + Table::idle_rows - 1) / Table::idle_rows, 1);
-    for (std::size_t b = 0; b < busy.size(); ++b)
-        if (busy[b] != 0) idle[b / Table::idle_rows] = 0;
+/// Marks the pairs with a body that is awake, and the sleeping bodies that have such a pair.
+template <class Pairs>
+void mark_awake(World& world, Sleep& sleep) {
+    if (!world.has<Pairs>()) return;
+    auto& index = world.resource<NearIndex<Pairs>>();
+    flag_pairs<Pairs>(world, index.awake, [&](Row owner, Row partner) {
+        const bool awake = sleep.sleeps[owner] == 0 || sleep.sleeps[partner] == 0;
+        if (awake) sleep.busy[owner] = sleep.busy[partner] = 1;
+        return awake;
+    });
+}
+
+/// Marks the pairs that are computed: those of free bodies that are awake or have a partner that
+/// is, since the balance of a body needs the forces of all its contacts.
+template <class Pairs>
+void mark_computed(World& world, const Sleep& sleep, bool all) {
+    if (!world.has<Pairs>()) return;
+    auto& index = world.resource<NearIndex<Pairs>>();
+    if (all) return index.look.clear();
+    const auto motion = world.column<Bodies, MotionOf>();
+    const auto needs_all = [&](Row b) {
+        return sleep.busy[b] != 0 && motion[b] == static_cast<std::uint32_t>(Motion::free);
+    };
+    flag_pairs<Pairs>(world, index.look, [&](Row owner, Row partner) {
+        return needs_all(owner) || needs_all(partner);
+    });
+}
+
+/// Lets row-local systems skip the rows of bodies whose contacts are not computed.
+void leave_idle_rows(World& world, const Sleep& sleep, bool all) {
+    std::vector<std::uint8_t> idle;
+    if (!all) {
+        // a row is written wherever one of its pairs is computed
+        std::vector<std::uint8_t> written = sleep.busy;
+        const auto mark = [&]<class Pairs>() {
+            if (!world.has<Pairs>()) return;
+            const auto& index = world.resource<NearIndex<Pairs>>();
+            const PartnersOf<Pairs> partners(world);
+            index.for_flagged(index.look, [&](Row k) {
+                const auto [owner, partner] = partners(k);
+                written[owner] = written[partner] = 1;
+            });
+        };
+        mark.template operator()<SpherePairs>();
+        mark.template operator()<PlanePairs>();
+        idle.assign((written.size() + Table::idle_rows - 1) / Table::idle_rows, 1);
+        for (std::size_t b = 0; b < written.size(); ++b)
+            if (written[b] != 0) idle[b / Table::idle_rows] = 0;
+    }
     world.table<Bodies>().leave_idle(std::move(idle));
 }
 
@@ -159,21 +175,27 @@ std::size_t sleepers(const World& world) {
 
 bool sleep_is_due(const World& world) {
     const Sleep& sleep = world.resource<Sleep>();
-    return sleep.again || WhoSleeps(world, sleep).differs_from(sleep.sleeps);
+    return sleep.all || world.resource<Clock>().observed ||
+           WhoSleeps(world, sleep).differs_from(sleep.sleeps);
 }
 
 void review_sleep(World& world, Sleep& sleep) {
     const WhoSleeps who(world, sleep);
     const bool listed =
         world.resource<NearIndex<SpherePairs>>().awake.empty(); // new lists have no marks
-    const bool changed = listed || who.differs_from(sleep.sleeps);
-    if (changed) {
+    if (listed || who.differs_from(sleep.sleeps)) {
         sleep.sleeps = who.all();
-        mark_awake<SpherePairs>(world, sleep.sleeps);
-        mark_awake<PlanePairs>(world, sleep.sleeps);
+        sleep.busy.resize(sleep.sleeps.size());
+        std::ranges::transform(sleep.sleeps, sleep.busy.begin(),
+                               [](std::uint8_t s) { return static_cast<std::uint8_t>(s == 0); });
+        mark_awake<SpherePairs>(world, sleep);
+        mark_awake<PlanePairs>(world, sleep);
     }
-    leave_idle_rows(world, sleep);
-    sleep.again = changed;
+    // new lists do not know yet which pairs touch, and observers read the forces of all pairs
+    const bool all = sleep.all = listed || world.resource<Clock>().observed;
+    mark_computed<SpherePairs>(world, sleep, all);
+    mark_computed<PlanePairs>(world, sleep, all);
+    leave_idle_rows(world, sleep, all);
 }
 
 } // namespace bris

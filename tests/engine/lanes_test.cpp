@@ -86,17 +86,31 @@ TEST_SUITE("engine/lanes") {
         }
     }
 
-    TEST_CASE("the cross product is that of the first three numbers") {
-        Random random(5, 0);
-        for (int k = 0; k < 100; ++k) {
-            const Vec3 a = random.direction(), b = random.direction();
-            const Quad c = cross(Quad{a.x(), a.y(), a.z(), 3}, Quad{b.x(), b.y(), b.z(), -7});
-            const Vec3 expected = a.cross(b);
-            // both are differences of two products, rounded in the same way
-            CHECK(c[0] == expected.x());
-            CHECK(c[1] == expected.y());
-            CHECK(c[2] == expected.z());
-            CHECK(c[3] == 0);
+    TEST_CASE("numbers are rounded to the nearest integer, halves to the even one") {
+        Lane a{};
+        const std::array<double, 4> number{2.5, -3.5, 0x1p52 + 1, -0.49999999999999994};
+        const std::array<std::int64_t, 4> expected{2, -4, (std::int64_t{1} << 52) + 1, 0};
+        for (std::size_t q = 0; q < width; ++q) a[q] = number[q % 4];
+        const LaneMask n = nearest_integers(a);
+        for (std::size_t q = 0; q < width; ++q) CHECK(n[q] == expected[q % 4]);
+    }
+
+    TEST_CASE("integer rows are added in order, also where lanes share a row") {
+        FourLanes numbers;
+        for (std::size_t i = 0; i < 4; ++i) {
+            LaneMask n{};
+            for (std::size_t q = 0; q < width; ++q)
+                n[q] = static_cast<std::int64_t>(100 * q + i) - 300;
+            numbers[i] = reinterpret_cast<Lane>(n);
         }
+        std::array<std::array<std::int64_t, 4>, 2> sums{{{1, 2, 3, 4}, {5, 6, 7, 8}}}, expected = sums;
+        const int count = lane_count - 1;
+        for (int q = 0; q < count; ++q)
+            for (std::size_t i = 0; i < 4; ++i)
+                expected[static_cast<std::size_t>(q % 2)][i] +=
+                    100 * q + static_cast<std::int64_t>(i) - 300;
+        add_integer_rows(transpose(numbers), count,
+                         [&](int q) { return sums[static_cast<std::size_t>(q % 2)].data(); });
+        CHECK(sums == expected);
     }
 }

@@ -188,7 +188,7 @@ TEST_SUITE("invariance/fingerprint") {
                                        settings);
                 sim.advance(2400);
                 CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() >
-                      2 * near_rows_per_chunk);
+                      8192);
                 CHECK(compute_quantities(sim.world()).contacts > 100);
                 return sim.snapshot();
             };

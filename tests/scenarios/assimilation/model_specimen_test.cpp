@@ -175,7 +175,7 @@ TEST_SUITE("assimilation/model_specimen") {
         CHECK(displaced.distance < 4e-3);
         CHECK(displaced.angle > 0);
         // only the sensor rocks are at the positions of the truth
-        CHECK(packed.distance > 10 * packed.sensor_distance);
+        CHECK(packed.distance > 5 * packed.sensor_distance);
     }
 
     TEST_CASE("a model's specimen is the same each time it is made, differs with the seed, and is "

@@ -1,0 +1,134 @@
+#include "systems/contact/sum_contacts.hpp"
+
+#include "components/elasticity.hpp"
+#include "engine/lane_math.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace bris {
+
+namespace {
+
+/// The power of two at or above a positive number.
+double power_of_two(double least) {
+    int exponent = 0;
+    const double fraction = std::frexp(least, &exponent); // in [0.5, 1)
+    return std::ldexp(1, fraction == 0.5 ? exponent - 1 : exponent);
+}
+
+/// Whether two bodies of these materials may touch, at least one of them a grain.
+bool may_touch(const ForceGrid& grid, std::uint32_t a, std::uint32_t b) {
+    if (a == b) return grid.grains[a] > 0 && grid.grains[a] + grid.hosts[a] > 1;
+    return (grid.grains[a] > 0 && grid.grains[b] + grid.hosts[b] > 0) ||
+           (grid.grains[b] > 0 && grid.hosts[a] > 0);
+}
+
+__extension__ using WideInteger = __int128;
+
+void add(SumRow& sum, const SumRow& more) {
+    sum.fx += more.fx;
+    sum.fy += more.fy;
+    sum.fz += more.fz;
+    sum.tx += more.tx;
+    sum.ty += more.ty;
+    sum.tz += more.tz;
+}
+
+/// Calls take(row) for the rows of a body in ContactHalo, and clears them.
+template <class Take>
+void take_halo(Row first, ContactHalo& halo, Take&& take) {
+    for (Row k = first; k != no_row; k = halo.next[k]) {
+        take(halo.rows[k]);
+        halo.rows[k] = {};
+    }
+}
+
+/// Force and torque on a boundary, which may have more contacts than 64 bits can add.
+void sum_host(Row first, ContactHalo& halo, const ForceGrid& grid, Vec3& force, Vec3& torque) {
+    std::array<WideInteger, 6> sum{};
+    take_halo(first, halo, [&](const SumRow& r) {
+        const std::array<std::int64_t, 6> more{r.fx, r.fy, r.fz, r.tx, r.ty, r.tz};
+        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += more[i];
+    });
+    for (int i = 0; i < 3; ++i) {
+        const auto k = static_cast<std::size_t>(i);
+        force[i] = grid.force * static_cast<double>(sum[k]);
+        torque[i] = grid.host_torque * static_cast<double>(sum[k + 3]);
+    }
+}
+
+/// Sums of lane_count bodies, one body per lane.
+struct SumLanes {
+    Vec3Lanes force, torque;
+};
+Lane number(Lane integers) {
+    return __builtin_convertvector(reinterpret_cast<LaneMask>(integers), Lane);
+}
+SumLanes load_sums(const SumRow* row, const ByRow& at) {
+    const auto numbers = [&](std::int64_t SumRow::*member) {
+        return transpose(load_rows([&](int q) {
+            return reinterpret_cast<const double*>(&(row[at.valid(q)].*member));
+        }));
+    };
+    const FourLanes f = numbers(&SumRow::fx), t = numbers(&SumRow::tx);
+    return {{number(f[0]), number(f[1]), number(f[2])}, {number(t[0]), number(t[1]), number(t[2])}};
+}
+
+Vec3Lanes scaled_or_nan(double unit, const Vec3Lanes& sum) {
+    const LaneMask fits = magnitude(sum.x) + magnitude(sum.y) + magnitude(sum.z) <=
+                          ForceGrid::largest_sum;
+    const Lane nan = lanes(std::numeric_limits<double>::quiet_NaN());
+    return select(fits, {unit * sum.x, unit * sum.y, unit * sum.z}, {nan, nan, nan});
+}
+
+} // namespace
+
+void choose_force_grid(const Materials& materials, const ContactLaw& law, const Limits& limits,
+                       ForceGrid& grid) {
+    constexpr double units_at_limit = ForceGrid::largest / 16;
+    constexpr double longer_arms = 0x1p12; // of boundaries, relative to the radii of grains
+    constexpr double deepest = 0.5; // where overlaps are not limited: four times as deep is allowed
+    const LawTraits& of = traits(law.law);
+    const double radius = grid.largest_radius,
+                 overlap = std::min(limits.overlap, deepest) * radius;
+    double force = 0;
+    for (std::uint32_t a = 0; a < grid.grains.size(); ++a)
+        for (std::uint32_t b = 0; b < grid.grains.size(); ++b)
+            if (may_touch(grid, a, b)) {
+                const LawRow& row = of.rows(materials)[materials.pair(a, b)];
+                force = std::max(force, of.elasticity(row, overlap, radius).normal * overlap);
+            }
+    grid.force = power_of_two(force > 0 ? force : 1) / units_at_limit;
+    grid.torque = grid.force * power_of_two(radius > 0 ? radius : 1);
+    grid.host_torque = grid.torque * longer_arms;
+}
+
+void sum_contacts(Rows<Bodies, const HaloOf, const SpheresOf, ContactSum, Force, Torque> bodies,
+                  ContactHalo& halo, const ForceGrid& grid) {
+    const Row* first_of_halo = bodies.column<HaloOf>();
+    const SphereRun* spheres = bodies.column<SpheresOf>();
+    SumRow* sum = bodies.column<ContactSum>();
+    Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
+    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+        for (int q = 0; q < rows.count; ++q) {
+            const Row b = rows.first + static_cast<Row>(q);
+            if (first_of_halo[b] != no_row && spheres[b].count > 0)
+                take_halo(first_of_halo[b], halo, [&](const SumRow& r) { add(sum[b], r); });
+        }
+        const ByRow at(rows);
+        const SumLanes sums = load_sums(sum, at);
+        store(force, rows, scaled_or_nan(grid.force, sums.force));
+        store(torque, rows, scaled_or_nan(grid.torque, sums.torque));
+        for (int q = 0; q < rows.count; ++q) {
+            const Row b = at(q);
+            sum[b] = {};
+            if (first_of_halo[b] != no_row && spheres[b].count == 0)
+                sum_host(first_of_halo[b], halo, grid, force[b], torque[b]);
+        }
+    });
+}
+
+} // namespace bris
