@@ -28,14 +28,34 @@ struct Law {
     static double reach(const OwnRow&, double) { return 0; }
     static double potential(const OwnRow&, double, double) { return 0; }
 
-    /// Computes the force and torque on the owner and advances the springs by one step.
+    /// Whether the force of a contact that has ended is corrected in the step after
+    /// (CorrectionOfEnd). The tangential spring records that the pair touched.
+    static constexpr bool corrects_end = has_history && has_dashpots;
+
+    /// Computes the force and torque on the owner and advances the springs by one step. With
+    /// corrects_end, pairs that have separated in the last step are included; their overlap is
+    /// negative.
     static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k,
                             const RollingLanes& rolling, const LawStep& step, SpringLanes& spring,
                             RollLanes& roll) {
-        StiffnessLanes stiffness = Normal::stiffness(c, k);
-        if (step.shared)
-            stiffness = {c.share * stiffness.force, c.share * stiffness.normal,
-                         c.share * stiffness.shear};
+        ContactLanes closed = c; // rounding may leave touching surfaces with a negative overlap
+        closed.overlap = max(c.overlap, lanes(0));
+        if constexpr (corrects_end) {
+            const LaneMask ended = (c.overlap <= 0.0) & (spring.stiffness > 0.0);
+            if (bits(ended) != 0) {
+                ForceLanes f = force_of_touching(closed, k, rolling, step, spring, roll);
+                end(c, k, step, ended, f, spring, roll);
+                return f;
+            }
+        }
+        return force_of_touching(closed, k, rolling, step, spring, roll);
+    }
+
+private:
+    static ForceLanes force_of_touching(const ContactLanes& c, const CoefficientLanes& k,
+                                        const RollingLanes& rolling, const LawStep& step,
+                                        SpringLanes& spring, RollLanes& roll) {
+        const StiffnessLanes stiffness = stiffness_of(c, k, step);
         ForceLanes f{};
         const DashpotLanes dashpots = Damping::coefficients(c, k, stiffness);
         f.normal = normal_force(c, k, step, stiffness, dashpots, f.work);
@@ -52,11 +72,40 @@ struct Law {
         return f;
     }
 
-private:
+    static StiffnessLanes stiffness_of(const ContactLanes& c, const CoefficientLanes& k,
+                                       const LawStep& step) {
+        const StiffnessLanes s = Normal::stiffness(c, k);
+        return step.shared ? StiffnessLanes{c.share * s.force, c.share * s.normal, c.share * s.shear}
+                           : s;
+    }
+
+    /// Replaces the forces of the contacts that have ended by their corrections, and clears their
+    /// springs.
+    static void end(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step,
+                    LaneMask ended, ForceLanes& f, SpringLanes& spring, RollLanes& roll) {
+        const CorrectionOfEnd last(c, step.dt);
+        const StiffnessLanes stiffness = stiffness_of(last.before, k, step);
+        const Lane dashpot = Damping::coefficients(last.before, k, stiffness).normal,
+                   elastic = last.template elastic<Normal>(k),
+                   force = last.template force<Normal>(stiffness.force, elastic, dashpot,
+                                                       step.least_force),
+                   separation = 0.5 * step.dt * c.inverse_mass * force - c.closing;
+        const auto replace = [&](Lane& value, Lane by) { value = ended ? by : value; };
+        replace(f.normal, force);
+        replace(f.x, force * c.nx);
+        replace(f.y, force * c.ny);
+        replace(f.z, force * c.nz);
+        replace(f.work.viscous, step.dt * separation * (elastic - stiffness.force - force));
+        for (Lane* none : {&f.torque_x, &f.torque_y, &f.torque_z, &f.work.friction, &f.work.rolling,
+                           &spring.x, &spring.y, &spring.z, &spring.stiffness, &roll.x, &roll.y,
+                           &roll.z, &roll.twist})
+            replace(*none, lanes(0));
+    }
+
     static Lane normal_force(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step,
                              const StiffnessLanes& stiffness, const DashpotLanes& dashpots,
                              WorkLanes& work) {
-        const PartialStep partial(c, step.dt);
+        const PartialStep partial(c, step.dt, !corrects_end);
         Lane elastic = stiffness.force, share = lanes(1);
         if (partial.any()) {
             elastic = partial.template elastic<Normal>(c, k, elastic);

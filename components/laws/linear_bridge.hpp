@@ -94,14 +94,13 @@ struct LinearBridge : Law<LinearNormal, Dashpots, CoulombSpring> {
     static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k, const OwnLanes& own,
                             const RollingLanes& rolling, const LawStep& step, SpringLanes& spring,
                             RollLanes& roll) {
-        const LaneMask touches = c.overlap > 0.0, forms = spring.stiffness == 0.0;
-        ContactLanes closed = c;
-        closed.overlap = max(c.overlap, lanes(0));
+        const LaneMask touches = c.overlap > 0.0, forms = spring.stiffness == 0.0,
+                       solids = touches | (spring.stiffness > 0.0); // touch, or have just parted
         SpringLanes begun = spring; // between surfaces that are apart it has not begun yet
         begun.stiffness = max(spring.stiffness, lanes(0));
-        ForceLanes f = Dry::force(closed, k, rolling, step, begun, roll);
+        ForceLanes f = Dry::force(c, k, rolling, step, begun, roll);
         for (Lane* part : {&f.x, &f.y, &f.z, &f.normal, &f.work.friction, &f.work.viscous})
-            *part = touches ? *part : lanes(0);
+            *part = solids ? *part : lanes(0);
         spring = {touches ? begun.x : lanes(0), touches ? begun.y : lanes(0),
                   touches ? begun.z : lanes(0), touches ? begun.stiffness : lanes(held_apart)};
         const Lane pull = pull_of(c, own, step, forms);

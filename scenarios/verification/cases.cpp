@@ -16,6 +16,9 @@ constexpr std::array cases{
                      detail::verify_impact_scaling},
     VerificationCase{"restitution", "Chung and Ooi (2011), test 3; Schwager and Poeschel (2007)",
                      detail::verify_restitution},
+    VerificationCase{"phases",
+                     "Schwager and Poeschel (2007), eq. 21; Tsuji, Tanaka and Ishida (1992)",
+                     detail::verify_phases},
     VerificationCase{
         "oblique_impact",
         "Chung and Ooi (2011), test 4; independent integration of the law in 60 000 steps; "

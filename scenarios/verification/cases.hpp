@@ -22,6 +22,7 @@ namespace detail {
 void verify_elastic_impacts(Checks&);
 void verify_impact_scaling(Checks&);
 void verify_restitution(Checks&);
+void verify_phases(Checks&);
 void verify_oblique_impacts(Checks&);
 void verify_slip_impacts(Checks&);
 void verify_spinning_impacts(Checks&);

@@ -29,8 +29,19 @@ unsigned held(const TileTarget& to, const Geometry& geometry, std::size_t group,
     return found;
 }
 
-/// Lists the touching pairs of near rows [first, last) that have to be evaluated, and clears the
-/// springs of those that have separated. `flags`: of the first row. Returns their number.
+/// Those of the near pairs that are apart (bits) that touched in the last step, as their springs
+/// record.
+inline unsigned ended(const TileTarget& to, Row first, unsigned apart) {
+    unsigned found = 0;
+    for (; apart != 0; apart &= apart - 1) {
+        const auto q = static_cast<Row>(__builtin_ctz(apart));
+        if (Spring::keep(to.spring[to.near[first + q].pair])) found |= 1u << q;
+    }
+    return found;
+}
+
+/// Lists the touching pairs of near rows [first, last) that have to be evaluated, and those whose
+/// contact has just ended, or clears the springs of the latter. `flags`: of the first row. Returns their number.
 template <class Law, class Geometry>
 std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepers& sleepers,
                           std::uint8_t* flags, std::size_t first_group, Row first, Row last,
@@ -45,9 +56,13 @@ std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepe
         if (last - row < 8) now &= (1u << (last - row)) - 1;
         if (row + 56 <= last) geometry.prefetch_positions(to.near + row + 48);
         now = sleepers.touching(group, now, flags[group]);
-        forget(to, row, flags[group] & ~now);
+        const unsigned apart = flags[group] & ~now;
         flags[group] = static_cast<std::uint8_t>(now);
         now = sleepers.asked(group, row, now);
+        if constexpr (Law::corrects_end && !Law::has_reach)
+            now |= ended(to, row, apart); // the law clears their springs
+        else
+            forget(to, row, apart);
         for (; now != 0; now &= now - 1)
             touching[count++] = row + static_cast<Row>(__builtin_ctz(now));
     }

@@ -159,12 +159,28 @@ void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex
     for (auto row = static_cast<Row>(first); row < last; ++row) {
         while (next != run.end() && (next->row < row || !next->counts)) ++next;
         const bool touches = next != run.end() && next->row == row;
-        if (index.touching[row] != 0 && !touches) detail::forget(to, row, 1);
+        const FacetRow& facet = s.facets[to.near[row].other];
+        const SurfaceMotion& motion = facet.motion;
+        const auto add = [&](const Nearest& at) {
+            tile.add(row, at.normal, at.distance,
+                     {motion.at(at.point), motion.angular_velocity, motion.centre});
+        };
+        const bool touched = index.touching[row] != 0;
         index.touching[row] = touches ? 1 : 0;
-        if (!touches) continue;
-        const SurfaceMotion& motion = s.facets[to.near[row].other].motion;
-        tile.add(row, next->normal, next->distance,
-                 {motion.at(next->point), motion.angular_velocity, motion.centre});
+        if (touches) {
+            add(*next);
+        } else if (touched) {
+            if constexpr (Law::corrects_end && !Law::has_reach) {
+                if (!Spring::keep(to.spring[to.near[row].pair])) continue;
+                const SphereRow& p = s.movers.sphere_row[to.near[row].owner];
+                const Nearest n = detail::nearest_on_mesh_facet(facet, Vec3(p.x, p.y, p.z));
+                if (n.distance > radius) {
+                    add(n); // the law clears its spring
+                    continue;
+                }
+            }
+            detail::forget(to, row, 1);
+        }
     }
 }
 

@@ -86,7 +86,7 @@ struct SphereGeometry {
         c.nx = dx * inverse;
         c.ny = dy * inverse;
         c.nz = dz * inverse;
-        c.overlap = Law::has_reach ? reach - distance : max(reach - distance, lanes(0));
+        c.overlap = reach - distance;
         c.inverse_mass = u[3];
         if constexpr (Law::Normal::varying || Law::has_rolling || Law::has_reach)
             c.radius = a[3] * b[3] / reach;
