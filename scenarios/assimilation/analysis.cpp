@@ -103,8 +103,8 @@ constexpr double gate = 4; // standard deviations, along each axis
 
 /// Outliers are isolated: a sample that is far from the forecast but like the one before it shows
 /// that the rock itself departs from the forecast.
-bool is_outlier(const Vec3& innovation, const std::optional<Vec3>& innovation_before,
-                double deviation) {
+bool is_isolated_outlier(const Vec3& innovation, const std::optional<Vec3>& innovation_before,
+                         double deviation) {
     if (innovation.squaredNorm() <= 3 * gate * gate * deviation * deviation) return false;
     return !innovation_before ||
            (innovation - *innovation_before).squaredNorm() > 0.25 * innovation.squaredNorm();
@@ -150,8 +150,8 @@ std::optional<Vec3> innovation_at(const SensorTrajectory& trajectory, const Mode
     for (auto k = last_sample(trajectory, strain); k >= 0; --k) {
         const auto innovation = innovation_of(trajectory, k, forecast, motion, host);
         if (innovation &&
-            !is_outlier(*innovation, innovation_of(trajectory, k - 1, forecast, motion, host),
-                        deviation))
+            !is_isolated_outlier(
+                *innovation, innovation_of(trajectory, k - 1, forecast, motion, host), deviation))
             return innovation;
     }
     return {};
@@ -209,9 +209,9 @@ std::optional<Assessment> assess(const SensorTrajectory& trajectory, std::ptrdif
     const auto innovation = innovation_of(trajectory, sample, forecast, motion, host);
     if (!innovation) return {};
     const double variance = deviation * deviation + noise * noise;
-    const bool outlier =
-        is_outlier(*innovation, innovation_of(trajectory, sample - 1, forecast, motion, host),
-                   std::sqrt(variance));
+    const bool outlier = is_isolated_outlier(
+        *innovation, innovation_of(trajectory, sample - 1, forecast, motion, host),
+        std::sqrt(variance));
     const double gain = outlier ? 0 : deviation * deviation / variance;
     return Assessment{innovation->norm(), innovation->squaredNorm() / variance, gain,
                       deviation * std::sqrt(1 - gain), outlier};
