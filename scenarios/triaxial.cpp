@@ -152,7 +152,7 @@ void Test::finish() {
                 {{folder_of(settings_.confining_pressure), &test_.state().points}});
     if (!views_.empty())
         draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
-    summary().write(common_.out / "summary.json");
+    write_results(common_, summary());
 }
 
 Summary Test::summary() const {
@@ -176,26 +176,7 @@ Summary Test::summary() const {
         summary.add("preparation_steps", made.steps);
         summary.add("preparation_wall_time_s", made.count.wall_time);
     }
-    for (const NamedValue& entry : shared_.common.settings)
-        if (entry.key != "confining_pressure_Pa")
-            summary.add(entry); // the pressure of this test is already there
     return summary;
-}
-
-void print_table(const std::vector<Summary>& results) {
-    Summary table;
-    for (const Summary& result : results) {
-        std::string suffix;
-        for (const NamedValue& entry : result.entries()) {
-            if (entry.key == "confining_pressure_Pa")
-                suffix = folder_of(std::get<double>(entry.value));
-            if (entry.key == "stage_strain") break; // the settings follow
-            NamedValue named = entry;
-            named.key = suffix + " " + entry.key;
-            table.add(named);
-        }
-    }
-    table.print("triaxial");
 }
 
 void print_specimen(const Triaxial& t, const TriaxialScene& scene) {
@@ -259,19 +240,15 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
         results.push_back(done[k]->summary());
         curves.push_back({folder_of(pressures[k]), &done[k]->state().points});
     }
-    print_table(results);
-    if (done.size() == 1) return;
+    if (done.size() == 1) return report_results(shared.common, results.front());
     draw_curves(shared.common.out / "curves.png", curves);
     Summary all;
     for (std::size_t k = 0; k < done.size(); ++k)
-        for (const NamedValue& entry : results[k].entries()) {
-            if (entry.key == "stage_strain") break; // the settings follow
-            NamedValue named = entry;
-            named.key = folder_of(pressures[k]) + "_" + entry.key;
-            all.add(named);
+        for (NamedValue entry : results[k].entries()) {
+            entry.key = fmt::format("{}_{}", folder_of(pressures[k]), entry.key);
+            all.add(entry);
         }
-    all.add(shared.common.settings);
-    all.write(shared.common.out / "summary.json");
+    report_results(shared.common, all);
 }
 
 void run(const Triaxial& t, const Common& common) {
@@ -298,7 +275,6 @@ void run(const Triaxial& t, const Common& common) {
     });
     progress.pause();
     write_all(shared, done);
-    fmt::print("results in {}\n", common.out.string());
 }
 
 std::string explain(const Triaxial& t, const Common& common) { return explain_triaxial(t, common); }
