@@ -14,6 +14,7 @@
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
+#include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "systems/output/frames.hpp"
@@ -46,7 +47,7 @@ struct Smart {
     void describe(auto& option) {
         option.group("Recordings");
         option("recordings", recordings, "",
-               "Folder of the recordings: rock_NN.txt, sensor_poses.csv, and for each pressure a "
+               "Folder of the recordings: rock_NN.txt for each sensor, and for each pressure a "
                "folder such as 55kPa with recordings.csv (or recordings.h5) and test.csv.");
         option("columns", quality_control.columns, "",
                "File that maps the columns of recordings.csv if another program wrote it: names, "
@@ -111,16 +112,10 @@ struct Computed {
 
 class Computation {
 public:
-    Computation(const Smart& settings, const Common& common, std::vector<RecordedTest> tests)
-        : s_(settings), common_(common), tests_(std::move(tests)),
-          scene_(make_scene(s_.triaxial, common.seed)), progress_(progress_of_models(common)),
-          done_(tests_.size()) {
-        const std::size_t recorded = tests_.front().recordings.size();
-        require(recorded == scene_.poses.size(),
-                fmt::format("--recordings: expected one file rock_NN.txt for each of the model's "
-                            "{} sensor rocks, found {}",
-                            scene_.poses.size(), recorded));
-    }
+    Computation(const Smart& settings, const Common& common, TriaxialScene scene,
+                std::vector<RecordedTest> tests)
+        : s_(settings), common_(common), tests_(std::move(tests)), scene_(std::move(scene)),
+          progress_(progress_of_models(common)), done_(tests_.size()) {}
     void run();
     void report();
 
@@ -157,6 +152,18 @@ void Computation::prepare() {
     preparation_wall_ = seconds_since(began);
 }
 
+void print_learned(const std::string& test, const std::vector<EstimateAt>& estimates) {
+    std::string text;
+    if (!estimates.empty())
+        for (const NamedValue& v : describe(estimates.back().estimate))
+            text += fmt::format("{}{} {:.3f}", text.empty() ? "" : ", ", v.key,
+                                std::get<double>(v.value));
+    fmt::print("{}: {}\n", test,
+               text.empty() ? "nothing was learned, the model keeps its friction and stiffness"
+                            : text);
+    std::fflush(stdout);
+}
+
 // All tests have the same specimen, whose error is nearly the same at all pressures (correlation
 // 0.9), so three tests give no more certainty than one. Each estimation therefore begins with the
 // prior from before all tests, while the model of a test begins with the estimate of the test
@@ -175,8 +182,7 @@ void Computation::learn() {
             });
         if (!done_[k].learned.estimates.empty())
             now = mean_of(done_[k].learned.estimates.back().estimate);
-        fmt::print("{}: friction {:.3f}, stiffness {:.2f}\n", folder_of(tests_[k].pressure),
-                   now.friction, now.stiffness);
+        print_learned(folder_of(tests_[k].pressure), done_[k].learned.estimates);
         write_estimates(common_.out / folder_of(tests_[k].pressure) / "learned.csv",
                         done_[k].learned.estimates);
     }
@@ -344,7 +350,9 @@ void Computation::report() {
         if (!c.learned.estimates.empty())
             for (const NamedValue& v : describe(c.learned.estimates.back().estimate))
                 summary.add(NamedValue(at + v.key, std::get<double>(v.value)));
+        add("sensors_accepted", test.recordings.size() - test.refused());
         add("sensors_refused", test.refused());
+        add("machine_channels_refused", refused_channels(test));
         for (const auto& [name, run] :
              {std::pair{"dem_only.csv", &c.free}, std::pair{"fused.csv", &c.fused}})
             if (run->stopped.empty())
@@ -367,6 +375,7 @@ void Computation::report() {
                 fused_then.volumetric_strain / free_then.volumetric_strain);
         }
         both("sensor_displacement", "_m", free.sensor_displacement, fused.sensor_displacement);
+        if (s_.corrections.nudging.stiffness <= 0) continue; // there are no corrections
         add("measurements_accepted", c.fused.accepted);
         add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.boundary_work);
         add("corrections_reduced_by_work", c.fused.too_costly);
@@ -377,8 +386,36 @@ void Computation::report() {
     summary.add("tests_wall_time_s", variants_wall_);
     draw();
     report_results(common_, summary);
-    fmt::print("results in {}\n", common_.out.string());
     if (!stopped.empty()) throw SimulationError(stopped);
+}
+
+/// Reads the tests and runs their quality control. The verdict is printed now, because the
+/// computation takes long.
+std::vector<RecordedTest> judged_tests(const Smart& s, const Common& common,
+                                       const std::vector<SensorInfo>& infos) {
+    std::vector<RecordedTest> tests;
+    std::string report;
+    const double duration = s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time;
+    for (const double pressure : s.triaxial.confining_pressure) {
+        tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.quality_control));
+        RecordedTest& test = tests.back();
+        std::erase_if(test.measured, [&](const TriaxialPoint& p) {
+            return p.axial_strain >
+                   s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain;
+        });
+        report += fmt::format("{}{}\n{}\n{}", report.empty() ? "" : "\n\n", folder_of(pressure),
+                              quality_control_report(test),
+                              observability_report(test, duration, s.drift, s.turn));
+    }
+    for (const RecordedTest& test : tests) {
+        std::filesystem::create_directories(common.out / folder_of(test.pressure));
+        fmt::print("{}: {}\n", folder_of(test.pressure), verdict_on(test));
+    }
+    const auto file = common.out / "quality_control.txt";
+    write_whole(file, report);
+    fmt::print("The reasons, and what each sensor observes, are in {}.\n", file.string());
+    std::fflush(stdout); // also where stdout is a file
+    return tests;
 }
 
 std::string explain(const Smart& given, const Common& common) {
@@ -392,27 +429,9 @@ void run(const Smart& given, const Common& common) {
     refuse_friction(s.triaxial);
     require_memory_for(s.triaxial, common.threads, common.memory_limit);
     const auto infos = read_sensor_infos(s.recordings);
-    std::vector<RecordedTest> tests;
-    std::string report;
-    for (const double pressure : s.triaxial.confining_pressure) {
-        tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.quality_control));
-        std::erase_if(tests.back().measured, [&](const TriaxialPoint& p) {
-            return p.axial_strain >
-                   s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain;
-        });
-        report += fmt::format("{}\n{}", folder_of(pressure), quality_control_report(tests.back()));
-        std::filesystem::create_directories(common.out / folder_of(pressure));
-    }
-    report +=
-        fmt::format("\n{}", observability(tests.front().recordings,
-                                          s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time,
-                                          s.drift, s.turn));
-    write_whole(common.out / "quality_control.txt", report);
-    for (const RecordedTest& t : tests)
-        fmt::print("{}: {} recordings, {} of them refused (see {})\n", folder_of(t.pressure),
-                   t.recordings.size(), t.refused(), (common.out / "quality_control.txt").string());
-    std::fflush(stdout); // said before the long computation, also where stdout is a file
-    Computation computation(s, common, std::move(tests));
+    TriaxialScene scene = make_scene(s.triaxial, common.seed);
+    require_sensor_for_each(scene.poses, infos);
+    Computation computation(s, common, std::move(scene), judged_tests(s, common, infos));
     computation.run();
     computation.report();
     remove_checkpoints(common);
