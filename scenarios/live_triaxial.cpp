@@ -10,6 +10,7 @@
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
+#include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/live_model.hpp"
 #include "scenarios/assimilation/live_test.hpp"
@@ -58,8 +59,10 @@ struct Live {
                "Time without a record of the test machine after which the stream counts as ended "
                "and the model continues alone.",
                above(0, 1e7));
-        option("lateness", live.lateness, "",
-               "Axial strain for which the model waits for late records.", within(0, 1));
+        option(
+            "analysis_delay", live.analysis_delay, "",
+            "Axial strain by which the analysis stays behind the test, to wait for late records.",
+            within(0, 1));
         option("speed", live.speed, "",
                "Speed of a replay relative to the times of the records. 1: real time. 0: as fast "
                "as possible.",
@@ -288,28 +291,22 @@ void LiveRun::run() {
 
 void LiveRun::draw(const RecordedTest& measured) const {
     std::vector<Plot> panels;
-    const auto panel = [&](const char* title, const char* label, double scale,
-                           double TriaxialPoint::*value) {
-        Plot plot{
-            .title = title,
-            .x_label = "axial strain (%)",
-            .y_label = label,
-            .curves = {curve_of("measured", measured.measured, scale, value, Curve::Style::points),
-                       curve_of("analysis", model_->state().points, scale, value)}};
-        if (free_)
-            plot.curves.push_back(
-                curve_of("DEM only", free_->points, scale, value, Curve::Style::dashed));
-        panels.push_back(std::move(plot));
+    const ComparedPoints points{&measured.measured, free_ ? &free_->points : nullptr,
+                                &model_->state().points};
+    const auto panel = [&](const char* title, const char* label, const MakeCurve& make) {
+        panels.push_back({.title = title,
+                          .x_label = "axial strain (%)",
+                          .y_label = label,
+                          .curves = compared_curves(points, make)});
     };
-    panel("Deviatoric stress", "q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress);
-    panel("Volumetric strain", "volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain);
-    Plot friction{.title = "Estimated friction coefficient",
+    panel("Deviatoric stress", "q (kPa)", curves_of(1e-3, &TriaxialPoint::deviatoric_stress));
+    panel("Volumetric strain", "volumetric strain (%)",
+          curves_of(100, &TriaxialPoint::volumetric_strain));
+    Plot friction{.title = "Estimated friction coefficient (dashed: one standard deviation)",
                   .x_label = "axial strain (%)",
                   .y_label = "friction"};
-    for (const auto& [label, sign] :
-         {std::pair{"estimate", 0.0}, std::pair{"one standard deviation", 1.0},
-          std::pair{"", -1.0}}) {
-        Curve curve{.label = label, .style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
+    for (const double sign : {0.0, 1.0, -1.0}) { // without labels: all in one colour
+        Curve curve{.style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
         for (const auto& row : rows_) {
             curve.x.push_back(100 * row[0]);
             curve.y.push_back(row[3] + sign * row[4]);

@@ -10,6 +10,7 @@
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
+#include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/misfit.hpp"
@@ -37,7 +38,7 @@ struct Smart {
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     Corrections corrections;
     QualityControlSettings quality_control;
-    double change = 0.03, stage_time = 1.2, drift = 1e-3, turn = 0.1;
+    double change = 0.03, stage_time = 1.2, displacement_deviation = 1e-3, rotation_deviation = 0.1;
 
     Smart() {
         corrections.filter.gate = 0.999;
@@ -87,11 +88,11 @@ struct Smart {
                within(0, 1));
         option("interval", quality_control.interval, "", "Axial strain between samples.",
                above(0, 1));
-        option("drift", drift, "m",
+        option("displacement_deviation", displacement_deviation, "m",
                "Standard deviation of the model's displacements at the end of the test, for the "
                "report on observability.",
                above(0, 1));
-        option("turn", turn, "rad",
+        option("rotation_deviation", rotation_deviation, "rad",
                "Standard deviation of the model's rotations at the end of the test, for the report "
                "on observability.",
                above(0, 10));
@@ -287,43 +288,24 @@ void Computation::run() {
     run_variants();
 }
 
-/// About a hundred of the points, and the last one.
-std::vector<TriaxialPoint> thinned(const std::vector<TriaxialPoint>& points) {
-    std::vector<TriaxialPoint> some;
-    const std::size_t every = std::max<std::size_t>(1, points.size() / 100);
-    for (std::size_t k = 0; k < points.size(); k += every) some.push_back(points[k]);
-    if ((points.size() - 1) % every != 0) some.push_back(points.back());
-    return some;
-}
-
 void Computation::draw() const {
     std::vector<Plot> panels;
     for (std::size_t k = 0; k < tests_.size(); ++k) {
-        const auto three = [&](const std::string& title, const char* x, const char* y,
-                               auto&& curve) {
-            panels.push_back(
-                {.title = title,
-                 .x_label = x,
-                 .y_label = y,
-                 .curves = {curve("measured", thinned(tests_[k].measured), Curve::Style::points)}});
-            if (done_[k].free.stopped.empty())
-                panels.back().curves.push_back(
-                    curve("DEM only", done_[k].free.points, Curve::Style::dashed));
-            if (done_[k].fused.stopped.empty())
-                panels.back().curves.push_back(
-                    curve("fused", done_[k].fused.points, Curve::Style::line));
+        const ComparedPoints points{&tests_[k].measured, &done_[k].free.points,
+                                    &done_[k].fused.points};
+        const auto panel = [&](const char* title, const char* x, const char* y,
+                               const MakeCurve& make) {
+            panels.push_back({.title = fmt::format("{} at {}", title, label_of(tests_[k].pressure)),
+                              .x_label = x,
+                              .y_label = y,
+                              .curves = compared_curves(points, make)});
         };
-        const std::string at = fmt::format(" at {}", folder_of(tests_[k].pressure));
-        three(fmt::format("Deviatoric stress{}", at), "axial strain (%)", "q (kPa)",
-              [](const std::string& label, const auto& points, Curve::Style style) {
-                  return curve_of(label, points, 1e-3, &TriaxialPoint::deviatoric_stress, style);
-              });
-        three(fmt::format("Volumetric strain{}", at), "axial strain (%)", "volumetric strain (%)",
-              [](const std::string& label, const auto& points, Curve::Style style) {
-                  return curve_of(label, points, 100, &TriaxialPoint::volumetric_strain, style);
-              });
-        three(fmt::format("Rings at the end{}", at), "radial strain, expansion positive (%)",
-              "ring, counted from below", profile_of);
+        panel("Deviatoric stress", "axial strain (%)", "q (kPa)",
+              curves_of(1e-3, &TriaxialPoint::deviatoric_stress));
+        panel("Volumetric strain", "axial strain (%)", "volumetric strain (%)",
+              curves_of(100, &TriaxialPoint::volumetric_strain));
+        panel("Rings at the end of the test", "radial strain, widening positive (%)",
+              "ring, from below", profile_of);
     }
     draw_plots(common_.out / "smart_triaxial.png", panels, 3);
     for (std::size_t k = 0; k < tests_.size(); ++k)
@@ -405,7 +387,8 @@ std::vector<RecordedTest> judged_tests(const Smart& s, const Common& common,
         });
         report += fmt::format("{}{}\n{}\n{}", report.empty() ? "" : "\n\n", folder_of(pressure),
                               quality_control_report(test),
-                              observability_report(test, duration, s.drift, s.turn));
+                              observability_report(test, duration, s.displacement_deviation,
+                                                   s.rotation_deviation));
     }
     for (const RecordedTest& test : tests) {
         std::filesystem::create_directories(common.out / folder_of(test.pressure));

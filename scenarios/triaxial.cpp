@@ -149,7 +149,7 @@ void Test::finish() {
     write_curve(common_.out / "curve.csv", test_.state().points);
     frames_.reset();
     draw_curves(common_.out / "curves.png",
-                {{folder_of(settings_.confining_pressure), &test_.state().points}});
+                {{label_of(settings_.confining_pressure), &test_.state().points}});
     if (!views_.empty())
         draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
     write_results(common_, summary());
@@ -168,7 +168,7 @@ Summary Test::summary() const {
     summary.add("diameter_over_largest_rock",
                 2 * shared_.scene.specimen.radius / shared_.scene.grading.sieves.front().size);
     summary.add("sensor_rock_drift_m", s.drift);
-    summary.add("sensor_rock_turn_deg", s.turn * 180 / pi);
+    summary.add("sensor_rock_rotation_deg", s.rotation * 180 / pi);
     summary.add("coordination_number", s.points.back().coordination);
     summary.add("stages", s.stage);
     run_.describe(summary);
@@ -238,7 +238,7 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
     const auto& pressures = shared.settings.confining_pressure;
     for (std::size_t k = 0; k < done.size(); ++k) {
         results.push_back(done[k]->summary());
-        curves.push_back({folder_of(pressures[k]), &done[k]->state().points});
+        curves.push_back({label_of(pressures[k]), &done[k]->state().points});
     }
     if (done.size() == 1) return report_results(shared.common, results.front());
     draw_curves(shared.common.out / "curves.png", curves);

@@ -137,8 +137,8 @@ bool is_displacement_outlier(const MemberSubset& members, const Observation& h, 
     return (found - mean).squaredNorm() > 100 * variance;
 }
 
-/// The last sample of each sensor that was taken in a window, allowing for lateness. None if fewer
-/// than half of the sensors have one.
+/// The last sample of each sensor that was taken in a window, allowing for their delay. None if
+/// fewer than half of the sensors have one.
 std::vector<Observation> observations_in(const MemberSubset& members, const MeasuredTest& measured,
                                          double from, double to) {
     const ModelRun& like = *members.runs.front();
@@ -149,10 +149,10 @@ std::vector<Observation> observations_in(const MemberSubset& members, const Meas
         if (trajectory.strain.empty() || !stands_off_axis(like, s)) continue;
         ++expected;
         const auto after = std::upper_bound(trajectory.strain.begin(), trajectory.strain.end(),
-                                            to - measured.lateness + 1e-9);
+                                            to - measured.sample_delay + 1e-9);
         for (auto k = after - trajectory.strain.begin() - 1; k >= 0; --k) {
             const auto sample = static_cast<std::size_t>(k);
-            if (trajectory.strain[sample] <= from - measured.lateness + 1e-9) break;
+            if (trajectory.strain[sample] <= from - measured.sample_delay + 1e-9) break;
             const auto stage = stage_of_sample(like, trajectory.strain[sample]);
             if (!stage || !trajectory.displacement[sample].allFinite()) continue;
             const Observation h{s, sample, *stage};

@@ -116,7 +116,7 @@ std::optional<LineSource::Line> LiveTest::next_of_log() {
 bool LiveTest::follow_to(double strain) {
     waiting_since_ = this_instant();
     while (!over_ && (machine_.empty() ||
-                      machine_.rbegin()->first < strain + settings_.lateness - same_strain)) {
+                      machine_.rbegin()->first < strain + settings_.analysis_delay - same_strain)) {
         if (interrupted())
             throw Interrupted("interrupted; all lines so far are logged: continue with --resume "
                               "and the folder of the results");

@@ -92,7 +92,7 @@ void TriaxialTest::start_shear() {
     state.core_porosity = porosity(world, core(world), 240);
     for (const SensorDrift& d : sensor_drift(world)) {
         state.drift = std::max(state.drift, (d.now - d.given).norm());
-        state.turn = std::max(state.turn, d.turn);
+        state.rotation = std::max(state.rotation, d.rotation);
     }
     platen.controlled = false;
     platen.speed = 0;

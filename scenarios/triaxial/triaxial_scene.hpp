@@ -42,8 +42,9 @@ struct Triaxial {
                "Largest relative error of the pressure of each ring at the end of a stage.",
                within(1e-6, 0.1));
         option("gravity", test.gravity, "",
-               "Keep gravity during the test (the weight of the specimen is a fifth of the lowest "
-               "pressure).");
+               "Turn gravity on when consolidation begins. Otherwise there is none, so that the "
+               "pressure is the same at all heights (the weight of 400 rocks is 5 kPa at the "
+               "bottom).");
         option.group("Specimen");
         option("bodies", bodies, "", "Number of rocks, sensor rocks included.", within(60, 1e6));
         option("grading", grading, "", "Grading of the rocks, a file of assets/gradings.",

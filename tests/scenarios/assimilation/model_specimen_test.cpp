@@ -113,7 +113,7 @@ TEST_SUITE("assimilation/model_specimen") {
         const Truth& truth = the_truth();
         Simulation before = restored(truth.specimen);
         for (const ModelMismatch& mismatch : {ModelMismatch{}, ModelMismatch{.placement = 1e-3},
-                                              ModelMismatch{.placement = 2e-3, .turn = 0.05}}) {
+                                              ModelMismatch{.placement = 2e-3, .rotation = 0.05}}) {
             CAPTURE(mismatch.name());
             Simulation simulation = make_simulation(truth.specimen.scene, 1, false);
             TriaxialTest test(simulation, truth.described.test);

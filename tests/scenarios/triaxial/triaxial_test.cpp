@@ -204,7 +204,7 @@ TEST_SUITE("triaxial/triaxial") {
         // the same observations two stages late: assimilated at their own times, as far as the
         // filters look back
         ModelVariant late = variant;
-        late.corrections.lateness = 2e-4;
+        late.corrections.sample_delay = 2e-4;
         const ModelRun refused = run(late);
         CHECK(refused.too_late == 10 * 18);
         CHECK(refused.accepted == 0);
@@ -367,7 +367,7 @@ TEST_SUITE("triaxial/triaxial") {
             variant.corrections.nudging = {catch_up ? 0 : 1e6, 50, 0.01};
             variant.corrections.spread = catch_up; // inserted rocks take others along
             variant.corrections.filter.lag = 5;
-            variant.corrections.lateness = 3e-4;
+            variant.corrections.sample_delay = 3e-4;
             variant.corrections.note_every = 1e-4;
             variant.corrections.largest_shift = 1e-7;
             variant.corrections.largest_work_share = 1e-4;
