@@ -98,8 +98,7 @@ void run(const Settle& settings, const Common& common) {
         return true;
     };
     const auto status = [&](const World&) {
-        return fmt::format("floor force / weight {:.3f}",
-                           std::abs(last.boundary_force_over_weight()));
+        return fmt::format("coordination number {:.2f}", last.coordination);
     };
     run.go({run.timed({"settle", total, sample_every, sample, status})});
     draw(world, motion, common);
