@@ -415,6 +415,7 @@ std::vector<NamedValue> Options::values() const {
                 [&](const std::filesystem::path* x) { list.emplace_back(key, x->string()); },
                 [&](const auto* x) { list.emplace_back(key, *x); }},
             option.target);
+        list.back().flag = flag(option.name);
     }
     return list;
 }

@@ -75,6 +75,10 @@ Run::Run(Simulation& simulation, const Common& common, const std::string& name,
          ReportProgress report)
     : simulation_(simulation), common_(common), name_(name), report_(std::move(report)) {}
 
+Run::Run(Simulation& simulation, const Common& common, const std::string& name)
+    : simulation_(simulation), common_(common), name_(name),
+      progress_(new Progress(make_progress(common))), report_(progress_slot(*progress_)) {}
+
 void Run::resume(const std::filesystem::path& path,
                  const std::vector<std::string_view>& may_differ) {
     const Archive state =

@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -84,6 +85,8 @@ public:
     /// simulation must outlive the run.
     Run(Simulation& simulation, const Common& common, const std::string& name,
         ReportProgress report);
+    /// A run with a progress line of its own.
+    Run(Simulation& simulation, const Common& common, const std::string& name);
 
     /// Saves an object beside the State of the world in every checkpoint, and loads it when the run
     /// is resumed. The object has `save(Archive&)` and `load(const Archive&)` and must outlive the
@@ -144,6 +147,7 @@ private:
     Simulation& simulation_;
     Common common_;
     std::string name_;
+    std::unique_ptr<Progress> progress_; // null if the run shares a line with others
     ReportProgress report_;
     CheckpointTimer timer_;
     std::vector<Kept> kept_;

@@ -394,6 +394,7 @@ void run(const Live& given, const Common& common) {
     check_test(s.triaxial);
     refuse_friction(s.triaxial);
     require_memory_for_members(s, common.memory_limit);
+    require_same_specimen(common);
     LiveRun live(s, common);
     live.run();
     live.report();

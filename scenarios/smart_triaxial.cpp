@@ -24,6 +24,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -129,6 +130,15 @@ private:
     void prepare();
     void learn();
     void run_variants();
+    /// Number of points of a model run to an axial strain: at the start, and one for each stage.
+    double points_to(double strain) const {
+        const TriaxialSettings& test = s_.triaxial.test;
+        return 1 + std::round(std::min(strain, test.final_axial_strain) / test.stage_strain);
+    }
+    double work_of_variants() const {
+        return 2 * static_cast<double>(tests_.size()) *
+               points_to(s_.triaxial.test.final_axial_strain);
+    }
     void show(std::size_t test, const World& world, const TriaxialPoint& point,
               std::unique_ptr<FrameWriter>& frames);
     std::unique_ptr<FrameWriter> make_frames(const RecordedTest& test) const;
@@ -173,13 +183,21 @@ void Computation::learn() {
     const auto began = this_instant();
     const Gaussian prior = prior_of(s_.model, s_.learning);
     RockParameters now = s_.model;
+    double done = 0;
+    progress_.begin_job(
+        static_cast<double>(tests_.size()) * s_.learning.members *
+            (points_to(s_.learning.first_strain) + points_to(s_.learning.final_strain)) +
+        work_of_variants());
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         done_[k].before = now;
         done_[k].learned = learn_in_two_generations(
             prior, measured_test(tests_[k]), s_.learning, s_.learning.final_strain,
             [&](const std::vector<ModelVariant>& variants, double strain) {
-                return try_models(scene_, settings_at(tests_[k].pressure), specimen_, variants,
-                                  strain, common_, progress_);
+                auto runs = try_models(scene_, settings_at(tests_[k].pressure), specimen_, variants,
+                                       strain, common_, progress_);
+                progress_.job_reached(done +=
+                                      static_cast<double>(variants.size()) * points_to(strain));
+                return runs;
             });
         if (!done_[k].learned.estimates.empty())
             now = mean_of(done_[k].learned.estimates.back().estimate);
@@ -411,6 +429,7 @@ void run(const Smart& given, const Common& common) {
     check_test(s.triaxial);
     refuse_friction(s.triaxial);
     require_memory_for(s.triaxial, common.threads, common.memory_limit);
+    require_same_specimen(common);
     const auto infos = read_sensor_infos(s.recordings);
     TriaxialScene scene = make_scene(s.triaxial, common.seed);
     require_sensor_for_each(scene.poses, infos);

@@ -4,6 +4,7 @@
 
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
+#include "engine/resume.hpp"
 #include "engine/run.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/triaxial/make_specimen.hpp"
@@ -32,6 +33,11 @@ std::vector<NamedValue> settings_of(const Common& common, double pressure) {
     for (NamedValue& entry : settings)
         if (entry.key == "confining_pressure_Pa") entry.value = fmt::format("{:g}", pressure);
     return settings;
+}
+
+/// Folder of a test's results within that of the run.
+std::filesystem::path folder_in(const Triaxial& t, double pressure) {
+    return t.confining_pressure.size() == 1 ? "" : folder_of(pressure);
 }
 
 constexpr auto test_file = "triaxial.ckpt.h5";
@@ -223,6 +229,15 @@ struct Resume {
                                             tests));
         }
     }
+    /// Throws InputError if a checkpoint was made with settings other than those of this run.
+    void require_same_settings(const Triaxial& t, const Common& common) const {
+        Common of_specimen = common;
+        of_specimen.resume = specimen;
+        require_same_specimen(of_specimen);
+        for (const double pressure : t.confining_pressure)
+            if (const auto file = test_in(folder_in(t, pressure)); !file.empty())
+                (void)checkpoint_to_resume(file, common.scenario, settings_of(common, pressure));
+    }
     /// Checkpoint of the test whose results go into a folder of the run. Empty: the test begins
     /// with the specimen.
     std::filesystem::path test_in(const std::filesystem::path& folder) const {
@@ -255,20 +270,24 @@ void run(const Triaxial& t, const Common& common) {
     require_memory_for(t,
                        std::min(common.threads, static_cast<unsigned>(t.confining_pressure.size())),
                        common.memory_limit);
-    const TriaxialScene scene = make_scene(t, common.seed);
     check_test(t);
-    print_specimen(t, scene);
     const std::size_t tests = t.confining_pressure.size();
+    const Resume from(common.resume, tests);
+    from.require_same_settings(t, common);
+    const TriaxialScene scene = make_scene(t, common.seed);
+    print_specimen(t, scene);
     const unsigned at_once =
         std::max(1u, std::min<unsigned>(common.threads, static_cast<unsigned>(tests)));
     const unsigned threads = std::max(1u, common.threads / at_once);
     Progress progress = make_progress(common, static_cast<unsigned>(tests));
     Shared shared{t, common, scene, progress, {}};
-    const Resume from(common.resume, tests);
     if (from.test.empty()) shared.specimen = make_specimen(shared, from.specimen);
+    if (tests > 1)
+        progress.begin_job(static_cast<double>(tests) *
+                           (1 + t.test.final_axial_strain / t.test.stage_strain));
     std::vector<std::unique_ptr<Test>> done(tests);
     run_ensemble(tests, at_once, [&](std::size_t k) {
-        const std::filesystem::path folder = tests == 1 ? "" : folder_of(t.confining_pressure[k]);
+        const std::filesystem::path folder = folder_in(t, t.confining_pressure[k]);
         done[k] = std::make_unique<Test>(shared, k, folder, threads);
         done[k]->begin(from.test_in(folder));
         done[k]->run();

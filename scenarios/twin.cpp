@@ -635,6 +635,7 @@ void run(const Twin& t, const Common& common) {
             fmt::format("--model-spheres: expected 0 or 4 and more, found {}", t.mismatch.spheres));
     check_test(t.triaxial);
     require_memory_for(t.triaxial, common.threads, common.memory_limit);
+    require_same_specimen(common);
     Experiment experiment(t, common);
     experiment.run();
     experiment.report();

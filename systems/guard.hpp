@@ -7,6 +7,9 @@
 #include "components/sphere.hpp"
 #include "engine/rows.hpp"
 
+#include <string>
+#include <type_traits>
+
 namespace bris {
 
 using WatchedBodies =
@@ -21,21 +24,28 @@ using WatchedBodies =
 /// a checkpoint.
 void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock, Health& health);
 
+/// The message on two bodies that overlap too deeply: `overlap` and mean `radius` in m, `limit` as
+/// a fraction of the radius.
+std::string overlap_message(const PairNames& who, double overlap, double radius, double limit);
+
 /// Reports overlaps beyond the limit that the contact kernels found. One system per kind of pair.
 template <class Pairs>
 void guard_overlap(Rows<typename Pairs::Near, const NearPair, const PairForce> near,
-                   Rows<Pairs, const PairKey> pairs, const NearIndex<Pairs>& index,
+                   Rows<Pairs, const PairKey, const PairRows> pairs,
+                   Rows<Spheres, const LocalBall> spheres, const NearIndex<Pairs>& index,
                    const Limits& limits, Health& health) {
+    const Ball* ball = spheres.template column<LocalBall>();
     for (const Row row : index.too_deep) {
         if (row == no_row || health.bad) continue;
-        const PairNames& who =
-            pairs.template column<PairKey>()[near.template column<NearPair>()[row].pair];
+        const Row pair = near.template column<NearPair>()[row].pair;
+        const PairNames& who = pairs.template column<PairKey>()[pair];
+        const PairRowNumbers& rows = pairs.template column<PairRows>()[pair];
+        double radius = ball[rows.sphere].radius; // of the sphere alone at a boundary
+        if constexpr (std::is_same_v<Pairs, SpherePairs>)
+            radius = 0.5 * (radius + ball[rows.other].radius);
         health.bad = true;
-        health.what = "overlap of bodies " + std::to_string(who.owner) + " and " +
-                      std::to_string(who.partner) + ": expected less than " +
-                      std::to_string(limits.overlap) + " radii, found " +
-                      std::to_string(near.template column<PairForce>()[row].overlap) +
-                      " m; try a smaller step or a gentler start";
+        health.what = overlap_message(who, near.template column<PairForce>()[row].overlap, radius,
+                                      limits.overlap);
     }
 }
 

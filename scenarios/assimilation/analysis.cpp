@@ -114,9 +114,8 @@ bool is_isolated_outlier(const Vec3& innovation, const std::optional<Vec3>& inno
 /// gravity; the yaw of the forecast is kept.
 Vec3 tilt_innovation(const Vec3& tilt, const Quat& start, const Vec3& turned) {
     const Vec3 up = (start.conjugate() * Vec3::UnitZ() - tilt).normalized(); // in the body's axes
-    return attitude_error(
-        Quat::FromTwoVectors(exponential_map(turned) * (start * up), Vec3::UnitZ()),
-        Quat::Identity());
+    return attitude_error(shortest_rotation(exponential_map(turned) * (start * up), Vec3::UnitZ()),
+                          Quat::Identity());
 }
 
 /// Innovation of a sample, observation minus forecast; nothing if not measured.

@@ -110,7 +110,7 @@ Common common_of_packing(const Common& common, const std::string& folder, std::u
     std::filesystem::create_directories(own.out);
     own.seed = seed;
     for (NamedValue& v : own.settings)
-        if (v.key == "seed") v = NamedValue("seed", seed);
+        if (v.key == "seed") v.value = seed;
     return own;
 }
 

@@ -96,7 +96,7 @@ void BulkRun::start_from_files() {
         open_frames();
     } else if (!settings_.bed_file.empty()) {
         resume(simulation_, settings_.bed_file, common_.scenario, common_.settings,
-               settings_of_run_only);
+               settings_of_run_only, "--bed");
         require(bed().phase == BedPhase::ready,
                 fmt::format("--bed: expected a finished bed, found '{}', which is unfinished; "
                             "continue it with --resume",

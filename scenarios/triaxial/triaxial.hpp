@@ -108,11 +108,16 @@ private:
     bool analyse();
     void run(std::uint64_t steps);
     void keep_stable();
-    bool is_in_equilibrium() const;
+    bool is_in_equilibrium();
+    PhaseProgress filling_progress() const;
+    std::string compaction_status() const;
+    std::string consolidation_status() const;
     TriaxialPoint compute_point() const;
 
     Simulation& simulation_;
     TriaxialSettings settings_;
+    // of the last check of equilibrium, for the progress line
+    double unbalanced_ratio_ = 1, pressure_error_ = 1;
 };
 
 } // namespace bris
