@@ -125,8 +125,9 @@ std::string observability_report(const RecordedTest& test, double duration, doub
         "What the accepted sensors observe of the motion of their rocks at the end of the test, "
         "after {:.4g} s.\n"
         "deviation: standard deviation of what the channel measures; model: that of the model's "
-        "motion (--drift, --turn\nof smart_triaxial); gain: share of the model's variance that the "
-        "measurement removes, from 0 (none) to 1 (all);\nobservable: gain above {:g}.\n",
+        "motion\n(--displacement-deviation, --rotation-deviation of smart_triaxial); gain: share of the "
+        "model's variance that the\nmeasurement removes, from 0 (none) to 1 (all); observable: gain "
+        "above {:g}.\n",
         duration, Observability::least_gain);
     text +=
         fmt::format("{:<13}  {:<9}  {:<22}  {:<13}  {:<13}  {:<4}  {}\n", "sensors", "direction",
