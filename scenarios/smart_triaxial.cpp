@@ -114,7 +114,7 @@ class Computation {
 public:
     Computation(const Smart& settings, const Common& common, std::vector<RecordedTest> tests)
         : s_(settings), common_(common), tests_(std::move(tests)),
-          scene_(make_scene(s_.triaxial, common.seed)), progress_(progress_of_models(common)),
+          scene_(make_scene(s_.triaxial, common.seed)), progress_(make_progress(common)),
           done_(tests_.size()) {
         const std::size_t recorded = tests_.front().recordings.size();
         require(recorded == scene_.poses.size(),
@@ -278,7 +278,7 @@ void Computation::run_variants() {
     };
     run_ensemble(2 * tests_.size(), common_.threads, [&](std::size_t job) {
         const std::size_t k = job / 2;
-        ModelWatch watch = watch_on(progress_, job, common_);
+        ModelWatch watch = watch_on(progress_, job);
         if (job % 2 == 0) {
             done_[k].free = run(k, {.name = "DEM only", .rocks = s_.model}, watch, true);
             return;
