@@ -134,7 +134,7 @@ struct Progress::State {
 
     void clear_line() {
         if (!line_open) return;
-        fmt::print(out, "\r\033[K");
+        std::fputs("\r\033[K", out); // does not throw: it is called while errors are handled
         std::fflush(out);
         line_open = false;
     }
@@ -165,9 +165,7 @@ struct Progress::State {
     Rate job_rate;
 };
 
-Progress::Progress(unsigned slots, Style style, std::FILE* out)
-    : state_(std::make_unique<State>()) {
-    state_->slots.resize(slots);
+Progress::Progress(Style style, std::FILE* out) : state_(std::make_unique<State>()) {
     state_->style = resolved(style, out);
     state_->out = out;
 }
@@ -191,7 +189,8 @@ void Progress::job_reached(double work) {
 void Progress::report(unsigned slot, const PhaseProgress& now) {
     if (state_->style == Style::quiet) return;
     const std::lock_guard lock(state_->mutex);
-    State::Slot& mine = state_->slots.at(slot);
+    if (slot >= state_->slots.size()) state_->slots.resize(slot + 1);
+    State::Slot& mine = state_->slots[slot];
     if (now.phase.empty()) {
         state_->end_run(mine);
         if (std::ranges::none_of(state_->slots, &State::Slot::shown)) state_->clear_line();
@@ -201,7 +200,6 @@ void Progress::report(unsigned slot, const PhaseProgress& now) {
     const bool begins = !mine.shown || now.phase != mine.now.phase ||
                         // of a new or restarted run
                         now.fraction < mine.now.fraction;
-    if (now.work < mine.now.work) state_->end_run(mine); // a guard stopped the run before
     mine.now = now;
     mine.now.fraction = std::isfinite(now.fraction) ? std::min(now.fraction, 1.0) : -1;
     mine.time = time;

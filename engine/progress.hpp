@@ -25,7 +25,7 @@ class Progress {
 public:
     /// How progress is shown; `automatic` checks whether stderr is a terminal.
     enum class Style { automatic, rewritten, lines, quiet };
-    explicit Progress(unsigned slots = 1, Style style = Style::automatic, std::FILE* out = stderr);
+    explicit Progress(Style style = Style::automatic, std::FILE* out = stderr);
     ~Progress(); ///< clears the line on a terminal
 
     /// Begins a job of many runs: `work` is that of all of them, in any unit.
@@ -34,7 +34,8 @@ public:
     /// reported: some resume from a checkpoint, others are stopped.
     void job_reached(double work);
 
-    /// Reports that run `slot` is at `now`; a run that has ended is no longer shown. Cheap when no
+    /// Reports that run `slot` is at `now`; a run that has ended is no longer shown. Runs that are
+    /// in progress at the same time need slots of their own. Cheap when no
     /// output is due (at most two lines per second on a terminal).
     void report(unsigned slot, const PhaseProgress& now);
 

@@ -43,8 +43,8 @@ private:
 /// Interrupted. None of this changes a bit of the computed results.
 void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgress& report);
 
-/// The progress line of a scenario, with one slot for each concurrent run.
-Progress make_progress(const Common& common, unsigned slots = 1);
+/// The progress line of a scenario.
+Progress make_progress(const Common& common);
 
 /// Runs independent short cases one after the other by the same loop: with progress, and stopping
 /// between two of them when the user asks to (throws Interrupted).

@@ -128,7 +128,7 @@ class LiveRun {
 public:
     LiveRun(const Live& settings, const Common& common)
         : s_(settings), common_(common), scene_(make_scene(s_.triaxial, common.seed)),
-          test_settings_(s_.triaxial.test), progress_(progress_of_models(common)) {
+          test_settings_(s_.triaxial.test), progress_(make_progress(common)) {
         test_settings_.confining_pressure = s_.triaxial.confining_pressure.front();
         infos_ = infos_of_test(s_.recordings, test_settings_.confining_pressure,
                                read_sensor_infos(s_.recordings));

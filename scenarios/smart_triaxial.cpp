@@ -117,7 +117,7 @@ public:
     Computation(const Smart& settings, const Common& common, TriaxialScene scene,
                 std::vector<RecordedTest> tests)
         : s_(settings), common_(common), tests_(std::move(tests)), scene_(std::move(scene)),
-          progress_(progress_of_models(common)), done_(tests_.size()) {}
+          progress_(make_progress(common)), done_(tests_.size()) {}
     void run();
     void report();
 
@@ -285,7 +285,7 @@ void Computation::run_variants() {
     };
     run_ensemble(2 * tests_.size(), common_.threads, [&](std::size_t job) {
         const std::size_t k = job / 2;
-        ModelWatch watch = watch_on(progress_, job, common_);
+        ModelWatch watch = watch_on(progress_, job);
         if (job % 2 == 0) {
             done_[k].free = run(k, {.name = "DEM only", .rocks = s_.model}, watch, true);
             return;

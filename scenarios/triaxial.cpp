@@ -279,7 +279,7 @@ void run(const Triaxial& t, const Common& common) {
     const unsigned at_once =
         std::max(1u, std::min<unsigned>(common.threads, static_cast<unsigned>(tests)));
     const unsigned threads = std::max(1u, common.threads / at_once);
-    Progress progress = make_progress(common, static_cast<unsigned>(tests));
+    Progress progress = make_progress(common);
     Shared shared{t, common, scene, progress, {}};
     if (from.test.empty()) shared.specimen = make_specimen(shared, from.specimen);
     if (tests > 1)

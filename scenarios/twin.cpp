@@ -230,7 +230,7 @@ public:
         : t_(settings), common_(common),
           learning_(learning_for(t_)), true_{make_scene(t_.triaxial, common.seed), {}},
           names_(names_of_variants(t_.variants)), test_(t_.triaxial.test),
-          progress_(progress_of_models(common)) {
+          progress_(make_progress(common)) {
         test_.confining_pressure = t_.triaxial.confining_pressure.front();
     }
     void run();

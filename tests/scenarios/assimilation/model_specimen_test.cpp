@@ -147,7 +147,7 @@ TEST_SUITE("assimilation/model_specimen") {
         Simulation true_one = restored(truth.specimen), rounder = restored(round);
         check_same_masses(rounder, true_one);
         CHECK(rounder.world().table<Spheres>().size() == 8 * truth.described.bodies);
-        Progress progress(2, Progress::Style::quiet);
+        Progress progress(Progress::Style::quiet);
         const std::vector<const PreparedSpecimen*> specimens{&truth.specimen, &moved, &round,
                                                              &other};
         const std::vector<ModelVariant> variants{{.name = "truth", .rocks = {}},
