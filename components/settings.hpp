@@ -81,8 +81,16 @@ struct Limits {
     Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity());
     Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
 
-    void save(Archive& archive) const { put_fields(archive, "limits", std::tie(overlap, speed)); }
-    void load(const Archive& archive) { get_fields(archive, "limits", std::tie(overlap, speed)); }
+    void save(Archive& archive) const {
+        put_fields(archive, "limits", std::tie(overlap, speed));
+        put_fields(archive, "guard/box",
+                   std::tie(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
+    }
+    void load(const Archive& archive) {
+        get_fields(archive, "limits", std::tie(overlap, speed));
+        get_fields(archive, "guard/box",
+                   std::tie(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
+    }
 };
 
 } // namespace bris

@@ -74,7 +74,9 @@ void get_fields(const Archive& archive, const std::string& path,
 }
 
 /// 64-bit hash of the shapes and values of all arrays whose path starts with `prefix`, in their
-/// order. Names are left out, so that renaming a table or a column keeps the fingerprint.
+/// order. Names are left out, so that renaming a table or a column keeps the fingerprint. Arrays
+/// whose path starts with "guard/" are left out too: they can stop a run, but no motion depends on
+/// them.
 std::uint64_t fingerprint(const Archive& archive, const std::string& prefix = "");
 /// A fingerprint as 16 hexadecimal digits.
 std::string hexadecimal(std::uint64_t fingerprint);

@@ -6,22 +6,13 @@
 
 namespace bris {
 
-/// Exit code of the process.
-enum class ExitCode : int {
-    done = 0,
-    bad_input = 2,
-    stopped_by_guard = 3,
-    io_failure = 4,
-    interrupted = 130
-};
-
 /// An invalid option, asset or recording. The message is one line: "file:line: what: expected ...,
 /// found ...".
 struct InputError : std::runtime_error {
     using std::runtime_error::runtime_error;
 };
 
-/// The simulation became unphysical or unstable. The message names the step, the time, the ids
+/// The computation failed. The message of a numerical guard names the step, the time, the ids
 /// involved and what to try.
 struct SimulationError : std::runtime_error {
     using std::runtime_error::runtime_error;

@@ -28,6 +28,7 @@ struct NamedValue {
 
     std::string key;
     Value value;
+    std::string flag = {}; ///< of the option that sets it, as --confining-pressure; empty: none
 };
 
 } // namespace bris

@@ -1,6 +1,7 @@
 #include "engine/options.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/exit_codes.hpp"
 
 #include <fmt/format.h>
 
@@ -396,8 +397,12 @@ std::string Options::help(const std::string& program, const std::string& descrip
     const auto version = wrapped("Print the version of BRIS, the commit, the compiler, the "
                                  "instruction set and the versions of the libraries, and exit.",
                                  indent);
-    return text + fmt::format("  --help, -h\n{}Print this help and exit.\n  --version\n{}", indent,
-                              version);
+    text +=
+        fmt::format("  --help, -h\n{}Print this help and exit.\n  --version\n{}", indent, version);
+    text += "\nExit codes:\n";
+    for (const auto& [code, meaning] : exit_codes)
+        text += fmt::format("  {}\n{}", static_cast<int>(code), wrapped(meaning, indent));
+    return text;
 }
 
 std::vector<NamedValue> Options::values() const {
@@ -410,6 +415,7 @@ std::vector<NamedValue> Options::values() const {
                 [&](const std::filesystem::path* x) { list.emplace_back(key, x->string()); },
                 [&](const auto* x) { list.emplace_back(key, *x); }},
             option.target);
+        list.back().flag = flag(option.name);
     }
     return list;
 }

@@ -21,9 +21,15 @@ constexpr auto position_path = "run/position";
 } // namespace
 
 void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgress& report) {
-    bool advanced = false;
+    struct End { // the run has ended, perhaps by an exception
+        const ReportProgress& report;
+        bool advanced = false;
+        ~End() {
+            if (advanced) report({});
+        }
+    } end{report};
     while (steps.advance()) {
-        advanced = true;
+        end.advanced = true;
         report(steps.progress());
         if (interrupted()) {
             if (steps.save) steps.save();
@@ -34,7 +40,6 @@ void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgre
             timer.restart();
         }
     }
-    if (advanced) report({}); // the run has ended
 }
 
 void run_cases(const Common& common, const std::vector<std::string>& names,
@@ -67,13 +72,17 @@ std::uint64_t steps_of(double duration, double dt, const std::string& option) {
     return static_cast<std::uint64_t>(number);
 }
 
-Progress make_progress(const Common& common, unsigned slots) {
-    return Progress(slots, common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
+Progress make_progress(const Common& common) {
+    return Progress(common.quiet ? Progress::Style::quiet : Progress::Style::automatic);
 }
 
 Run::Run(Simulation& simulation, const Common& common, const std::string& name,
          ReportProgress report)
     : simulation_(simulation), common_(common), name_(name), report_(std::move(report)) {}
+
+Run::Run(Simulation& simulation, const Common& common, const std::string& name)
+    : simulation_(simulation), common_(common), name_(name),
+      progress_(new Progress(make_progress(common))), report_(progress_slot(*progress_)) {}
 
 void Run::resume(const std::filesystem::path& path,
                  const std::vector<std::string_view>& may_differ) {

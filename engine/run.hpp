@@ -9,6 +9,7 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,8 +43,8 @@ private:
 /// Interrupted. None of this changes a bit of the computed results.
 void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgress& report);
 
-/// The progress line of a scenario, with one slot for each concurrent run.
-Progress make_progress(const Common& common, unsigned slots = 1);
+/// The progress line of a scenario.
+Progress make_progress(const Common& common);
 
 /// Runs independent short cases one after the other by the same loop: with progress, and stopping
 /// between two of them when the user asks to (throws Interrupted).
@@ -84,6 +85,8 @@ public:
     /// simulation must outlive the run.
     Run(Simulation& simulation, const Common& common, const std::string& name,
         ReportProgress report);
+    /// A run with a progress line of its own.
+    Run(Simulation& simulation, const Common& common, const std::string& name);
 
     /// Saves an object beside the State of the world in every checkpoint, and loads it when the run
     /// is resumed. The object has `save(Archive&)` and `load(const Archive&)` and must outlive the
@@ -144,6 +147,7 @@ private:
     Simulation& simulation_;
     Common common_;
     std::string name_;
+    std::unique_ptr<Progress> progress_; // null if the run shares a line with others
     ReportProgress report_;
     CheckpointTimer timer_;
     std::vector<Kept> kept_;

@@ -1,6 +1,7 @@
 #include "engine/scenario.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/exit_codes.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/memory.hpp"
 #include "engine/version.hpp"
@@ -16,13 +17,20 @@
 
 namespace bris {
 
-void report_results(const Common& common, const Summary& results) {
+void write_results(const Common& common, const Summary& results) {
     Summary whole;
     whole.add("scenario", common.scenario);
     whole.add(common.settings);
     whole.add(results.entries());
-    whole.write(common.out / "summary.json"); // before printing, which fails if stdout is closed
+    whole.write(common.out / "summary.json");
+}
+
+void report_results(const Common& common, const Summary& results) {
+    write_results(common, results); // before printing, which fails if stdout is closed
     results.print(common.scenario);
+    fmt::print("Results are in {}; summary.json holds this table, under the same names, and all "
+               "settings.\n",
+               common.out.string());
 }
 
 } // namespace bris
@@ -31,14 +39,10 @@ namespace bris::detail {
 
 namespace {
 
-int report(const std::string& name, std::string message, int code) {
+int report(const std::string& name, std::string message, ExitCode code) {
     std::replace(message.begin(), message.end(), '\n', ' ');
     fmt::print(stderr, "{}: {}\n", name, message);
-    return code;
-}
-
-int report(const std::string& name, const std::string& message, ExitCode code) {
-    return report(name, message, static_cast<int>(code));
+    return static_cast<int>(code);
 }
 
 void refuse_flag(const char* flag, bool given, const std::string& reason) {
@@ -122,12 +126,16 @@ void run_in_folder(const std::filesystem::path& folder, const std::function<void
     if (error)
         throw OutputError(
             fmt::format("cannot create directory '{}': {}", folder.string(), error.message()));
+    const auto remove_if_empty = [&] {
+        for (const auto& path : made) std::filesystem::remove(path, error);
+    };
     try {
         body();
-    } catch (const InputError&) {
-        for (const auto& path : made) std::filesystem::remove(path, error); // only if empty
+    } catch (...) {
+        remove_if_empty();
         throw;
     }
+    remove_if_empty(); // a flag such as --list writes nothing
 }
 
 void print_explanation(const std::string& text) {
@@ -142,7 +150,7 @@ int exit_code_of(const std::string& name, const std::function<void()>& body) {
     } catch (const InputError& error) {
         return report(name, error.what(), ExitCode::bad_input);
     } catch (const SimulationError& error) {
-        return report(name, error.what(), ExitCode::stopped_by_guard);
+        return report(name, error.what(), ExitCode::failed);
     } catch (const OutputError& error) {
         return report(name, error.what(), ExitCode::io_failure);
     } catch (const Interrupted& stop) {
@@ -150,11 +158,12 @@ int exit_code_of(const std::string& name, const std::function<void()>& body) {
     } catch (const std::filesystem::filesystem_error& error) {
         return report(name, error.what(), ExitCode::io_failure);
     } catch (const std::bad_alloc&) {
-        return report(name, "out of memory", ExitCode::stopped_by_guard);
+        return report(name, "out of memory", ExitCode::failed);
     } catch (const std::exception& error) {
-        return report(name, fmt::format("internal error: {}", error.what()), 1);
+        return report(name, fmt::format("internal error: {}", error.what()),
+                      ExitCode::internal_error);
     } catch (...) {
-        return report(name, "internal error of unknown kind", 1);
+        return report(name, "internal error of unknown kind", ExitCode::internal_error);
     }
 }
 

@@ -28,8 +28,12 @@ struct Common {
     std::vector<std::string> arguments; ///< as typed
 };
 
-/// Writes scenario, settings and results to summary.json in the folder of the results, and prints
-/// the results as a table under the scenario's name. Throws OutputError.
+/// Writes scenario, settings and results to summary.json in the folder of the results. Throws
+/// OutputError.
+void write_results(const Common& common, const Summary& results);
+/// The same, and prints the results as a table under the scenario's name, with the same names as in
+/// the file, and a closing line that says where they are. Called when all other files are written
+/// and nothing else is to be printed. Throws OutputError.
 void report_results(const Common& common, const Summary& results);
 
 /// Name and description of a scenario, and which of the common flags it refuses.
@@ -51,7 +55,7 @@ bool parse_or_answer(Options& options, const std::vector<std::string>& arguments
 /// Parses the flags of a scenario together with the common ones. Returns false if --help or
 /// --version was requested and has been printed.
 bool parse_flags(Options& options, Common& common, int argc, char** argv, const ScenarioInfo& info);
-/// Creates the folder of the results and calls `body`. If `body` throws InputError before it has
+/// Creates the folder of the results and calls `body`. If `body` ends or throws without having
 /// written anything, the folders that were created are removed. Throws OutputError.
 void run_in_folder(const std::filesystem::path& folder, const std::function<void()>& body);
 /// Runs `body` and returns the exit code. An error is printed as one line on stderr and gives the
@@ -63,8 +67,7 @@ void print_explanation(const std::string& text);
 
 /// The main function of a scenario. Reads the flags into a `Settings` (which describes itself, see
 /// Options) and calls `run(settings, common)`, or with --explain `explain(settings, common)`, which
-/// returns the text. Returns the exit code of the process: that of ExitCode for the error classes
-/// of BRIS, 3 when memory runs out, 4 for errors of the file system, 1 for an internal error.
+/// returns the text. Returns the exit code of the process (see exit_codes).
 template <class Settings, class Run, class Explain>
 int run_scenario(int argc, char** argv, const ScenarioInfo& info, Run&& run, Explain&& explain) {
     return detail::exit_code_of(info.name, [&] {

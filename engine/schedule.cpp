@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <limits>
 #include <stdexcept>
 
 namespace bris {
@@ -92,6 +93,11 @@ void Schedule::prepare(World& world) {
         chunked_.push_back(s.row_local ? world.find_table(*s.row_local) : nullptr);
         if (s.due != nullptr && missing_.back().empty()) conditional_.push_back(i);
     }
+    constexpr std::size_t most = std::numeric_limits<decltype(last_due_)>::digits; // a bit for each
+    if (conditional_.size() > most)
+        throw std::logic_error(fmt::format("step list: expected at most {} conditional systems, "
+                                           "found {}",
+                                           most, conditional_.size()));
 }
 
 std::vector<bool> Schedule::live_systems(std::uint64_t due) const {

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 
@@ -19,7 +20,7 @@ namespace {
 std::string shown(bool x) { return x ? "yes" : "no"; }
 std::string shown(std::int64_t x) { return fmt::format("{}", x); }
 std::string shown(std::uint64_t x) { return fmt::format("{}", x); }
-std::string shown(double x) { return fmt::format("{:.6g}", x); }
+std::string shown(double x) { return std::isnan(x) ? "-" : fmt::format("{:.6g}", x); }
 std::string shown(const std::string& x) { return x; }
 
 } // namespace

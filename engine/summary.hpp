@@ -22,7 +22,8 @@ public:
 
     const std::vector<NamedValue>& entries() const { return entries_; }
 
-    /// A title and two aligned columns; numbers have six significant digits.
+    /// A title and two aligned columns; numbers have six significant digits, and "-" stands for one
+    /// that is not known (NaN).
     std::string table(const std::string& title) const;
     /// One flat JSON object, one line per key. Reading a number back gives the same bits; NaN and
     /// infinity are written as null.

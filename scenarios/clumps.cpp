@@ -69,6 +69,7 @@ int main(int argc, char** argv) {
             library.fill.method =
                 settings.method == "fitted" ? FillMethod::fitted : FillMethod::level_set;
             const std::string table = describe(make_library(library));
-            std::fputs(table.c_str(), stdout);
+            fmt::print("{}Results are in {}; report.csv holds this table.\n", table,
+                       common.out.string());
         });
 }

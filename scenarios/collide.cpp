@@ -24,7 +24,7 @@ Material glass() {
     return m;
 }
 
-struct Game {
+struct CollideSettings {
     Collide collide;
     MaterialOptions material{glass()};
     double friction = 0, restitution = 0.9;
@@ -92,19 +92,19 @@ struct Game {
         option("steps_per_contact", collide.steps_per_contact, "",
                "Number of time steps in the undamped contact time.", above(1, 1e8));
     }
-    Game() {
+    CollideSettings() {
         collide.filter.velocity = 0.2;
         collide.filter.position = 1e-3;
     }
 };
 
-void run(const Game& game, const Common& common) {
-    Collide s = game.collide;
-    s.law = law_named(game.law);
-    s.material = game.material.material;
-    s.material.friction = game.friction;
-    s.material.restitution = game.restitution;
-    s.filter.kind = named<FilterKind>(filter_names, game.filter);
+void run(const CollideSettings& settings, const Common& common) {
+    Collide s = settings.collide;
+    s.law = law_named(settings.law);
+    s.material = settings.material.material;
+    s.material.friction = settings.friction;
+    s.material.restitution = settings.restitution;
+    s.filter.kind = named<FilterKind>(filter_names, settings.filter);
     s.seed = common.seed;
     const CollideResult r = run_experiment(s);
     std::vector<std::vector<double>> rows;
@@ -131,14 +131,14 @@ void run(const Game& game, const Common& common) {
     report_results(common, t);
 }
 
-std::string explain(const Game& game, const Common&) {
-    return explain_step(law_named(game.law), Grains::spheres);
+std::string explain(const CollideSettings& settings, const Common&) {
+    return explain_step(law_named(settings.law), Grains::spheres);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Game>(
+    return run_scenario<CollideSettings>(
         argc, argv,
         {"collide",
          "A ball with a sensor collides with others, and a model assimilates its recording.",

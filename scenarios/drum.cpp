@@ -205,18 +205,17 @@ void report(const DrumTest& t, BulkRun& run) {
     summary.add("contact_time_over_step",
                 hertz_contact_time(t.small_radius, 2500, t.bulk.bed.stiffness * 1e9, 1) /
                     t.bulk.bed.step);
-    std::vector<Curve> second{{.label = "M1", .x = time, .y = zone2},
-                              {.label = "M2", .x = time, .y = series.column("zone2_m2")}};
+    std::vector<Curve> second{series.curve("zone2_m1", "M1"), series.curve("zone2_m2", "M2")};
     for (const Curve& curve : run.reference()) second.push_back(curve);
-    run.report(summary, {{.title = "x < 0, z < 0 (zone 2)",
-                          .x_label = "time (s)",
-                          .y_label = "spheres",
-                          .curves = second},
-                         {.title = "x > 0, z > 0 (zone 1)",
-                          .x_label = "time (s)",
-                          .y_label = "spheres",
-                          .curves = {{.label = "M1", .x = time, .y = series.column("zone1_m1")},
-                                     {.label = "M2", .x = time, .y = series.column("zone1_m2")}}}});
+    run.report(summary,
+               {{.title = "x < 0, z < 0 (zone 2)",
+                 .x_label = "time (s)",
+                 .y_label = "spheres",
+                 .curves = second},
+                {.title = "x > 0, z > 0 (zone 1)",
+                 .x_label = "time (s)",
+                 .y_label = "spheres",
+                 .curves = {series.curve("zone1_m1", "M1"), series.curve("zone1_m2", "M2")}}});
 }
 
 void run(const DrumTest& t, const Common& common) {

@@ -29,7 +29,7 @@ Material wall() {
     return m;
 }
 
-struct Shot {
+struct ImpactSettings {
     Impact impact;
     MaterialOptions sphere{alumina()}, partner{wall()};
     std::string target = "plane", law = "hertz_mindlin_viscous", tension = "allowed",
@@ -40,7 +40,7 @@ struct Shot {
            partner_angular_velocity_x = 0, partner_angular_velocity_y = 0,
            partner_angular_velocity_z = 0;
 
-    Shot() {
+    ImpactSettings() {
         impact.radius = impact.partner_radius = 2.5e-3;
         impact.speed = 3.9;
         impact.steps_per_contact = 1000;
@@ -173,21 +173,22 @@ Summary results_of(const Impact& s, const ImpactResult& r) {
     return t;
 }
 
-void run(const Shot& settings, const Common& common) {
+void run(const ImpactSettings& settings, const Common& common) {
     const Impact impact = settings.complete();
     const Summary results = results_of(impact, run_experiment(impact));
     report_results(common, results);
 }
 
-std::string explain(const Shot& settings, const Common&) {
+std::string explain(const ImpactSettings& settings, const Common&) {
     return explain_step(settings.complete().law, Grains::spheres);
 }
 
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Shot>(argc, argv,
-                              {"impact", "One impact of a sphere on a sphere or a surface.",
-                               "a run of an impact takes only a moment"},
-                              run, explain);
+    return run_scenario<ImpactSettings>(argc, argv,
+                                        {"impact",
+                                         "One impact of a sphere on a sphere or a surface.",
+                                         "a run of an impact takes only a moment"},
+                                        run, explain);
 }

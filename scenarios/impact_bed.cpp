@@ -208,8 +208,7 @@ void report(const ImpactTest& t, BulkRun& run) {
     summary.add("contact_time_over_step",
                 hertz_contact_time(t.diameter / 2, 2500, t.bulk.bed.stiffness * 1e9, 1) /
                     t.bulk.bed.step);
-    std::vector<Curve> curves{
-        {.label = fmt::format("{} spheres", t.spheres), .x = time, .y = depth}};
+    std::vector<Curve> curves{series.curve("displacement", fmt::format("{} spheres", t.spheres))};
     for (const Reference& r : references) {
         if (r.spheres != t.spheres || t.diameter != 0.002) continue;
         summary.add("reference_least_displacement_liggghts_m", r.liggghts);
@@ -226,10 +225,7 @@ void report(const ImpactTest& t, BulkRun& run) {
                           .x_label = "time (s)",
                           .y_label = "vertical displacement (m)",
                           .curves = curves},
-                         {.title = "Velocity of the ball",
-                          .x_label = "time (s)",
-                          .y_label = "vertical velocity (m/s)",
-                          .curves = {{.x = time, .y = series.column("velocity")}}}});
+                         series.plot("velocity", "Vertical velocity of the ball")});
 }
 
 void run(const ImpactTest& t, const Common& common) {

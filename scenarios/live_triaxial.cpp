@@ -10,11 +10,13 @@
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
+#include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/live_model.hpp"
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
+#include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_stream.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "systems/output/frames.hpp"
@@ -51,14 +53,16 @@ struct Live {
                "Source of the records, one JSON object or CSV line each: - (standard input), a "
                "growing file, a pipe, or a folder with recordings.csv and test.csv to replay.");
         option("recordings", recordings, "",
-               "Folder with rock_NN.txt and sensor_poses.csv, which describe the sensor rocks "
+               "Folder with a file rock_NN.txt for each sensor, which describes the sensor rock "
                "before the test.");
         option("timeout", live.timeout, "s",
                "Time without a record of the test machine after which the stream counts as ended "
                "and the model continues alone.",
                above(0, 1e7));
-        option("lateness", live.lateness, "",
-               "Axial strain for which the model waits for late records.", within(0, 1));
+        option(
+            "analysis_delay", live.analysis_delay, "",
+            "Axial strain by which the analysis stays behind the test, to wait for late records.",
+            within(0, 1));
         option("speed", live.speed, "",
                "Speed of a replay relative to the times of the records. 1: real time. 0: as fast "
                "as possible.",
@@ -97,6 +101,12 @@ constexpr auto log_name = "stream.ndjson";
 
 /// Prepares the log in the folder of the results and returns the path from which lines are read.
 std::filesystem::path prepare_stream(const Live& s, const Common& common) {
+    const bool is_replay = std::filesystem::is_directory(s.stream);
+    std::string text;
+    if (is_replay)
+        for (const std::string& line :
+             stream_of(s.stream, s.stage_time, s.live.quality_control.rest))
+            text += line + "\n";
     const auto log = common.out / log_name;
     const bool goes_on = !common.resume.empty() && std::filesystem::is_directory(common.resume);
     if (!goes_on && std::filesystem::exists(log)) { // it may be the only copy of a test
@@ -109,10 +119,7 @@ std::filesystem::path prepare_stream(const Live& s, const Common& common) {
         std::filesystem::exists(common.resume / log_name))
         std::filesystem::copy_file(common.resume / log_name, log,
                                    std::filesystem::copy_options::overwrite_existing);
-    if (!std::filesystem::is_directory(s.stream)) return s.stream;
-    std::string text;
-    for (const std::string& line : stream_of(s.stream, s.stage_time, s.live.quality_control.rest))
-        text += line + "\n";
+    if (!is_replay) return s.stream;
     write_whole(common.out / "replay.ndjson", text);
     return common.out / "replay.ndjson";
 }
@@ -121,16 +128,13 @@ class LiveRun {
 public:
     LiveRun(const Live& settings, const Common& common)
         : s_(settings), common_(common), scene_(make_scene(s_.triaxial, common.seed)),
-          test_settings_(s_.triaxial.test), progress_(progress_of_models(common)) {
+          test_settings_(s_.triaxial.test), progress_(make_progress(common)) {
         test_settings_.confining_pressure = s_.triaxial.confining_pressure.front();
         infos_ = infos_of_test(s_.recordings, test_settings_.confining_pressure,
                                read_sensor_infos(s_.recordings));
-        require(infos_.size() == scene_.poses.size(),
-                fmt::format("--recordings: expected one file rock_NN.txt for each of the model's "
-                            "{} sensor rocks, found {}",
-                            scene_.poses.size(), infos_.size()));
+        require_sensor_for_each(scene_.poses, infos_);
         if (s_.stream != "-" && !std::filesystem::exists(s_.stream))
-            throw OutputError(fmt::format("cannot read '{}'", s_.stream.string()));
+            throw OutputError(fmt::format("--stream: cannot read '{}'", s_.stream.string()));
         source_ = prepare_stream(s_, common);
     }
     void run();
@@ -139,7 +143,7 @@ public:
 private:
     void prepare();
     void follow();
-    void record_stage(double latest);
+    void record_stage(const RecordedTest& so_far, double latest);
     void write_frame();
     void draw(const RecordedTest& measured) const;
 
@@ -157,6 +161,7 @@ private:
     BodyFrame first_frame_;
     std::optional<FrameWriter> frames_;
     std::vector<std::vector<double>> rows_;
+    std::string verdict_;           // of quality control, as printed last
     std::vector<double> latencies_; // s, from the machine's record to the analysis
     std::size_t records_ = 0;
 };
@@ -165,9 +170,9 @@ const std::vector<RunFile::Column> columns{
     {"axial_strain"},       {"q", "Pa"},         {"volumetric_strain"},        {"friction"},
     {"friction_deviation"}, {"stiffness_ratio"}, {"stiffness_ratio_deviation"}};
 
-/// Adds a row to the run file for each stage. Every 0.1 % of strain it prints a line and writes the
-/// table of all stages so far.
-void LiveRun::record_stage(double latest) {
+/// Adds a row to the run file for each stage. Every 0.1 % of strain it prints a line, and the
+/// verdict on the recordings if it has changed, and writes the table of all stages so far.
+void LiveRun::record_stage(const RecordedTest& so_far, double latest) {
     const TriaxialPoint& now = model_->state().points.back();
     rows_.push_back({now.axial_strain, now.deviatoric_stress, now.volumetric_strain});
     for (const NamedValue& v : describe(model_->estimate()))
@@ -183,6 +188,10 @@ void LiveRun::record_stage(double latest) {
               rows_, {}, 6);
     if (common_.quiet) return;
     progress_.pause();
+    if (std::string verdict = verdict_on(so_far); verdict != verdict_) {
+        fmt::print("{:6.2f} %  {}\n", 100 * now.axial_strain, verdict);
+        verdict_ = std::move(verdict);
+    }
     fmt::print(
         "{:6.2f} %  q {:6.1f} kPa  friction {:.3f} +- {:.3f}  stiffness {:.2f} +- {:.2f}{}\n",
         100 * now.axial_strain, 1e-3 * now.deviatoric_stress, rows_.back()[3], rows_.back()[4],
@@ -226,7 +235,7 @@ void LiveRun::follow() {
         records_ += ages.size();
         if (!ages.empty())
             latencies_.push_back(ages.back()); // of the machine's record that was waited for
-        record_stage(ages.empty() ? std::nan("") : ages.back());
+        record_stage(so_far, ages.empty() ? std::nan("") : ages.back());
         write_frame();
         model_->advance_members(); // compute the test's present stage before its record arrives
     }
@@ -282,28 +291,22 @@ void LiveRun::run() {
 
 void LiveRun::draw(const RecordedTest& measured) const {
     std::vector<Plot> panels;
-    const auto panel = [&](const char* title, const char* label, double scale,
-                           double TriaxialPoint::*value) {
-        Plot plot{
-            .title = title,
-            .x_label = "axial strain (%)",
-            .y_label = label,
-            .curves = {curve_of("measured", measured.measured, scale, value, Curve::Style::points),
-                       curve_of("analysis", model_->state().points, scale, value)}};
-        if (free_)
-            plot.curves.push_back(
-                curve_of("DEM only", free_->points, scale, value, Curve::Style::dashed));
-        panels.push_back(std::move(plot));
+    const ComparedPoints points{&measured.measured, free_ ? &free_->points : nullptr,
+                                &model_->state().points};
+    const auto panel = [&](const char* title, const char* label, const MakeCurve& make) {
+        panels.push_back({.title = title,
+                          .x_label = "axial strain (%)",
+                          .y_label = label,
+                          .curves = compared_curves(points, make)});
     };
-    panel("Deviatoric stress", "q (kPa)", 1e-3, &TriaxialPoint::deviatoric_stress);
-    panel("Volumetric strain", "volumetric strain (%)", 100, &TriaxialPoint::volumetric_strain);
-    Plot friction{.title = "Estimated friction coefficient",
+    panel("Deviatoric stress", "q (kPa)", curves_of(1e-3, &TriaxialPoint::deviatoric_stress));
+    panel("Volumetric strain", "volumetric strain (%)",
+          curves_of(100, &TriaxialPoint::volumetric_strain));
+    Plot friction{.title = "Estimated friction coefficient (dashed: one standard deviation)",
                   .x_label = "axial strain (%)",
                   .y_label = "friction"};
-    for (const auto& [label, sign] :
-         {std::pair{"estimate", 0.0}, std::pair{"one standard deviation", 1.0},
-          std::pair{"", -1.0}}) {
-        Curve curve{.label = label, .style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
+    for (const double sign : {0.0, 1.0, -1.0}) { // without labels: all in one colour
+        Curve curve{.style = sign == 0 ? Curve::Style::line : Curve::Style::dashed};
         for (const auto& row : rows_) {
             curve.x.push_back(100 * row[0]);
             curve.y.push_back(row[3] + sign * row[4]);
@@ -319,8 +322,8 @@ void LiveRun::report() {
     constexpr double drift = 1e-3, turn = 0.1; // m and rad, model errors at the end of the test
     const std::string found = fmt::format(
         "{}\n{}", test_->report(),
-        observability(measured.recordings, test_settings_.final_axial_strain / 1e-4 * s_.stage_time,
-                      drift, turn));
+        observability_report(measured, test_settings_.final_axial_strain / 1e-4 * s_.stage_time,
+                             drift, turn));
     write_whole(common_.out / "quality_control.txt", found);
     frames_->file().add_meta({{"quality_control", found}});
     frames_->file().close();
@@ -338,10 +341,13 @@ void LiveRun::report() {
     add("analysis", model_->state());
     add("forecast", model_->forecast());
     if (free_) add("DEM_only", *free_);
-    summary.add("caught_up_at_axial_strain", model_->caught_up_at());
+    if (model_->caught_up_at() > 0)
+        summary.add("caught_up_at_axial_strain", model_->caught_up_at());
     if (model_->lost_second_at() > 0)
         summary.add("second_generation_lost_at_axial_strain", model_->lost_second_at());
+    summary.add("sensors_accepted", measured.recordings.size() - measured.refused());
     summary.add("sensors_refused", measured.refused());
+    summary.add("machine_channels_refused", refused_channels(measured));
     summary.add("records", records_);
     std::ranges::sort(latencies_);
     const auto latency = [&](double share) {
@@ -352,8 +358,8 @@ void LiveRun::report() {
     summary.add("latency_median_s", latency(0.5));
     summary.add("latency_95_percent_s", latency(0.95));
     summary.add("latency_largest_s", latency(1));
+    fmt::print("{}\n", found);
     report_results(common_, summary);
-    fmt::print("{}results in {}\n", found, common_.out.string());
 }
 
 /// Refuses more ensemble members than fit in memory. Both generations are in memory until the
@@ -381,11 +387,14 @@ void run(const Live& given, const Common& common) {
     const bool is_replay =
         std::filesystem::is_directory(s.stream) && s.stream.filename().string().ends_with("kPa");
     require(!is_replay || s.stream.filename() == folder,
-            fmt::format("--stream: expected a test at {} (--confining-pressure), found '{}'",
-                        folder, s.stream.string()));
+            fmt::format("--stream, --confining-pressure: expected a test at {}, found '{}'{}",
+                        folder, s.stream.string(),
+                        hint_at_pressure(s.triaxial.confining_pressure.front(),
+                                         {s.stream.filename().string()})));
     check_test(s.triaxial);
     refuse_friction(s.triaxial);
     require_memory_for_members(s, common.memory_limit);
+    require_same_specimen(common);
     LiveRun live(s, common);
     live.run();
     live.report();

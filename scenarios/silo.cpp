@@ -235,7 +235,7 @@ void report(const SiloTest& t, BulkRun& run) {
                                    t.bulk.bed.stiffness * (t.material == "M1" ? 1e9 : 0.5e9), 1) /
                     t.bulk.bed.step);
     std::vector<Curve> curves{
-        {.label = fmt::format("{} orifice, {}", t.orifice, t.material), .x = time, .y = above}};
+        series.curve("above", fmt::format("{} orifice, {}", t.orifice, t.material))};
     if (t.orifice == "large" && t.material == "M1" && t.spheres == 100000)
         curves.push_back({.label = "LIGGGHTS",
                           .x = reference_time,

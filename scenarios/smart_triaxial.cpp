@@ -10,10 +10,12 @@
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
+#include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
+#include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "systems/output/frames.hpp"
@@ -22,6 +24,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <optional>
 
@@ -36,7 +39,7 @@ struct Smart {
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     Corrections corrections;
     QualityControlSettings quality_control;
-    double change = 0.03, stage_time = 1.2, drift = 1e-3, turn = 0.1;
+    double change = 0.03, stage_time = 1.2, displacement_deviation = 1e-3, rotation_deviation = 0.1;
 
     Smart() {
         corrections.filter.gate = 0.999;
@@ -46,7 +49,7 @@ struct Smart {
     void describe(auto& option) {
         option.group("Recordings");
         option("recordings", recordings, "",
-               "Folder of the recordings: rock_NN.txt, sensor_poses.csv, and for each pressure a "
+               "Folder of the recordings: rock_NN.txt for each sensor, and for each pressure a "
                "folder such as 55kPa with recordings.csv (or recordings.h5) and test.csv.");
         option("columns", quality_control.columns, "",
                "File that maps the columns of recordings.csv if another program wrote it: names, "
@@ -86,11 +89,11 @@ struct Smart {
                within(0, 1));
         option("interval", quality_control.interval, "", "Axial strain between samples.",
                above(0, 1));
-        option("drift", drift, "m",
+        option("displacement_deviation", displacement_deviation, "m",
                "Standard deviation of the model's displacements at the end of the test, for the "
                "report on observability.",
                above(0, 1));
-        option("turn", turn, "rad",
+        option("rotation_deviation", rotation_deviation, "rad",
                "Standard deviation of the model's rotations at the end of the test, for the report "
                "on observability.",
                above(0, 10));
@@ -111,16 +114,10 @@ struct Computed {
 
 class Computation {
 public:
-    Computation(const Smart& settings, const Common& common, std::vector<RecordedTest> tests)
-        : s_(settings), common_(common), tests_(std::move(tests)),
-          scene_(make_scene(s_.triaxial, common.seed)), progress_(progress_of_models(common)),
-          done_(tests_.size()) {
-        const std::size_t recorded = tests_.front().recordings.size();
-        require(recorded == scene_.poses.size(),
-                fmt::format("--recordings: expected one file rock_NN.txt for each of the model's "
-                            "{} sensor rocks, found {}",
-                            scene_.poses.size(), recorded));
-    }
+    Computation(const Smart& settings, const Common& common, TriaxialScene scene,
+                std::vector<RecordedTest> tests)
+        : s_(settings), common_(common), tests_(std::move(tests)), scene_(std::move(scene)),
+          progress_(make_progress(common)), done_(tests_.size()) {}
     void run();
     void report();
 
@@ -133,6 +130,15 @@ private:
     void prepare();
     void learn();
     void run_variants();
+    /// Number of points of a model run to an axial strain: at the start, and one for each stage.
+    double points_to(double strain) const {
+        const TriaxialSettings& test = s_.triaxial.test;
+        return 1 + std::round(std::min(strain, test.final_axial_strain) / test.stage_strain);
+    }
+    double work_of_variants() const {
+        return 2 * static_cast<double>(tests_.size()) *
+               points_to(s_.triaxial.test.final_axial_strain);
+    }
     void show(std::size_t test, const World& world, const TriaxialPoint& point,
               std::unique_ptr<FrameWriter>& frames);
     std::unique_ptr<FrameWriter> make_frames(const RecordedTest& test) const;
@@ -157,6 +163,18 @@ void Computation::prepare() {
     preparation_wall_ = seconds_since(began);
 }
 
+void print_learned(const std::string& test, const std::vector<EstimateAt>& estimates) {
+    std::string text;
+    if (!estimates.empty())
+        for (const NamedValue& v : describe(estimates.back().estimate))
+            text += fmt::format("{}{} {:.3f}", text.empty() ? "" : ", ", v.key,
+                                std::get<double>(v.value));
+    fmt::print("{}: {}\n", test,
+               text.empty() ? "nothing was learned, the model keeps its friction and stiffness"
+                            : text);
+    std::fflush(stdout);
+}
+
 // All tests have the same specimen, whose error is nearly the same at all pressures (correlation
 // 0.9), so three tests give no more certainty than one. Each estimation therefore begins with the
 // prior from before all tests, while the model of a test begins with the estimate of the test
@@ -165,18 +183,25 @@ void Computation::learn() {
     const auto began = this_instant();
     const Gaussian prior = prior_of(s_.model, s_.learning);
     RockParameters now = s_.model;
+    double done = 0;
+    progress_.begin_job(
+        static_cast<double>(tests_.size()) * s_.learning.members *
+            (points_to(s_.learning.first_strain) + points_to(s_.learning.final_strain)) +
+        work_of_variants());
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         done_[k].before = now;
         done_[k].learned = learn_in_two_generations(
             prior, measured_test(tests_[k]), s_.learning, s_.learning.final_strain,
             [&](const std::vector<ModelVariant>& variants, double strain) {
-                return try_models(scene_, settings_at(tests_[k].pressure), specimen_, variants,
-                                  strain, common_, progress_);
+                auto runs = try_models(scene_, settings_at(tests_[k].pressure), specimen_, variants,
+                                       strain, common_, progress_);
+                progress_.job_reached(done +=
+                                      static_cast<double>(variants.size()) * points_to(strain));
+                return runs;
             });
         if (!done_[k].learned.estimates.empty())
             now = mean_of(done_[k].learned.estimates.back().estimate);
-        fmt::print("{}: friction {:.3f}, stiffness {:.2f}\n", folder_of(tests_[k].pressure),
-                   now.friction, now.stiffness);
+        print_learned(folder_of(tests_[k].pressure), done_[k].learned.estimates);
         write_estimates(common_.out / folder_of(tests_[k].pressure) / "learned.csv",
                         done_[k].learned.estimates);
     }
@@ -260,7 +285,7 @@ void Computation::run_variants() {
     };
     run_ensemble(2 * tests_.size(), common_.threads, [&](std::size_t job) {
         const std::size_t k = job / 2;
-        ModelWatch watch = watch_on(progress_, job, common_);
+        ModelWatch watch = watch_on(progress_, job);
         if (job % 2 == 0) {
             done_[k].free = run(k, {.name = "DEM only", .rocks = s_.model}, watch, true);
             return;
@@ -281,43 +306,24 @@ void Computation::run() {
     run_variants();
 }
 
-/// About a hundred of the points, and the last one.
-std::vector<TriaxialPoint> thinned(const std::vector<TriaxialPoint>& points) {
-    std::vector<TriaxialPoint> some;
-    const std::size_t every = std::max<std::size_t>(1, points.size() / 100);
-    for (std::size_t k = 0; k < points.size(); k += every) some.push_back(points[k]);
-    if ((points.size() - 1) % every != 0) some.push_back(points.back());
-    return some;
-}
-
 void Computation::draw() const {
     std::vector<Plot> panels;
     for (std::size_t k = 0; k < tests_.size(); ++k) {
-        const auto three = [&](const std::string& title, const char* x, const char* y,
-                               auto&& curve) {
-            panels.push_back(
-                {.title = title,
-                 .x_label = x,
-                 .y_label = y,
-                 .curves = {curve("measured", thinned(tests_[k].measured), Curve::Style::points)}});
-            if (done_[k].free.stopped.empty())
-                panels.back().curves.push_back(
-                    curve("DEM only", done_[k].free.points, Curve::Style::dashed));
-            if (done_[k].fused.stopped.empty())
-                panels.back().curves.push_back(
-                    curve("fused", done_[k].fused.points, Curve::Style::line));
+        const ComparedPoints points{&tests_[k].measured, &done_[k].free.points,
+                                    &done_[k].fused.points};
+        const auto panel = [&](const char* title, const char* x, const char* y,
+                               const MakeCurve& make) {
+            panels.push_back({.title = fmt::format("{} at {}", title, label_of(tests_[k].pressure)),
+                              .x_label = x,
+                              .y_label = y,
+                              .curves = compared_curves(points, make)});
         };
-        const std::string at = fmt::format(" at {}", folder_of(tests_[k].pressure));
-        three(fmt::format("Deviatoric stress{}", at), "axial strain (%)", "q (kPa)",
-              [](const std::string& label, const auto& points, Curve::Style style) {
-                  return curve_of(label, points, 1e-3, &TriaxialPoint::deviatoric_stress, style);
-              });
-        three(fmt::format("Volumetric strain{}", at), "axial strain (%)", "volumetric strain (%)",
-              [](const std::string& label, const auto& points, Curve::Style style) {
-                  return curve_of(label, points, 100, &TriaxialPoint::volumetric_strain, style);
-              });
-        three(fmt::format("Rings at the end{}", at), "radial strain, expansion positive (%)",
-              "ring, counted from below", profile_of);
+        panel("Deviatoric stress", "axial strain (%)", "q (kPa)",
+              curves_of(1e-3, &TriaxialPoint::deviatoric_stress));
+        panel("Volumetric strain", "axial strain (%)", "volumetric strain (%)",
+              curves_of(100, &TriaxialPoint::volumetric_strain));
+        panel("Rings at the end of the test", "radial strain, widening positive (%)",
+              "ring, from below", profile_of);
     }
     draw_plots(common_.out / "smart_triaxial.png", panels, 3);
     for (std::size_t k = 0; k < tests_.size(); ++k)
@@ -344,7 +350,9 @@ void Computation::report() {
         if (!c.learned.estimates.empty())
             for (const NamedValue& v : describe(c.learned.estimates.back().estimate))
                 summary.add(NamedValue(at + v.key, std::get<double>(v.value)));
+        add("sensors_accepted", test.recordings.size() - test.refused());
         add("sensors_refused", test.refused());
+        add("machine_channels_refused", refused_channels(test));
         for (const auto& [name, run] :
              {std::pair{"dem_only.csv", &c.free}, std::pair{"fused.csv", &c.fused}})
             if (run->stopped.empty())
@@ -367,6 +375,7 @@ void Computation::report() {
                 fused_then.volumetric_strain / free_then.volumetric_strain);
         }
         both("sensor_displacement", "_m", free.sensor_displacement, fused.sensor_displacement);
+        if (s_.corrections.nudging.stiffness <= 0) continue; // there are no corrections
         add("measurements_accepted", c.fused.accepted);
         add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.boundary_work);
         add("corrections_reduced_by_work", c.fused.too_costly);
@@ -377,8 +386,37 @@ void Computation::report() {
     summary.add("tests_wall_time_s", variants_wall_);
     draw();
     report_results(common_, summary);
-    fmt::print("results in {}\n", common_.out.string());
     if (!stopped.empty()) throw SimulationError(stopped);
+}
+
+/// Reads the tests and runs their quality control. The verdict is printed now, because the
+/// computation takes long.
+std::vector<RecordedTest> judged_tests(const Smart& s, const Common& common,
+                                       const std::vector<SensorInfo>& infos) {
+    std::vector<RecordedTest> tests;
+    std::string report;
+    const double duration = s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time;
+    for (const double pressure : s.triaxial.confining_pressure) {
+        tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.quality_control));
+        RecordedTest& test = tests.back();
+        std::erase_if(test.measured, [&](const TriaxialPoint& p) {
+            return p.axial_strain >
+                   s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain;
+        });
+        report += fmt::format("{}{}\n{}\n{}", report.empty() ? "" : "\n\n", folder_of(pressure),
+                              quality_control_report(test),
+                              observability_report(test, duration, s.displacement_deviation,
+                                                   s.rotation_deviation));
+    }
+    for (const RecordedTest& test : tests) {
+        std::filesystem::create_directories(common.out / folder_of(test.pressure));
+        fmt::print("{}: {}\n", folder_of(test.pressure), verdict_on(test));
+    }
+    const auto file = common.out / "quality_control.txt";
+    write_whole(file, report);
+    fmt::print("The reasons, and what each sensor observes, are in {}.\n", file.string());
+    std::fflush(stdout); // also where stdout is a file
+    return tests;
 }
 
 std::string explain(const Smart& given, const Common& common) {
@@ -391,28 +429,11 @@ void run(const Smart& given, const Common& common) {
     check_test(s.triaxial);
     refuse_friction(s.triaxial);
     require_memory_for(s.triaxial, common.threads, common.memory_limit);
+    require_same_specimen(common);
     const auto infos = read_sensor_infos(s.recordings);
-    std::vector<RecordedTest> tests;
-    std::string report;
-    for (const double pressure : s.triaxial.confining_pressure) {
-        tests.push_back(read_recorded_test(s.recordings, pressure, infos, s.quality_control));
-        std::erase_if(tests.back().measured, [&](const TriaxialPoint& p) {
-            return p.axial_strain >
-                   s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain;
-        });
-        report += fmt::format("{}\n{}", folder_of(pressure), quality_control_report(tests.back()));
-        std::filesystem::create_directories(common.out / folder_of(pressure));
-    }
-    report +=
-        fmt::format("\n{}", observability(tests.front().recordings,
-                                          s.triaxial.test.final_axial_strain / 1e-4 * s.stage_time,
-                                          s.drift, s.turn));
-    write_whole(common.out / "quality_control.txt", report);
-    for (const RecordedTest& t : tests)
-        fmt::print("{}: {} recordings, {} of them refused (see {})\n", folder_of(t.pressure),
-                   t.recordings.size(), t.refused(), (common.out / "quality_control.txt").string());
-    std::fflush(stdout); // said before the long computation, also where stdout is a file
-    Computation computation(s, common, std::move(tests));
+    TriaxialScene scene = make_scene(s.triaxial, common.seed);
+    require_sensor_for_each(scene.poses, infos);
+    Computation computation(s, common, std::move(scene), judged_tests(s, common, infos));
     computation.run();
     computation.report();
     remove_checkpoints(common);

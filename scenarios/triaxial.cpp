@@ -4,6 +4,7 @@
 
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
+#include "engine/resume.hpp"
 #include "engine/run.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/triaxial/make_specimen.hpp"
@@ -32,6 +33,11 @@ std::vector<NamedValue> settings_of(const Common& common, double pressure) {
     for (NamedValue& entry : settings)
         if (entry.key == "confining_pressure_Pa") entry.value = fmt::format("{:g}", pressure);
     return settings;
+}
+
+/// Folder of a test's results within that of the run.
+std::filesystem::path folder_in(const Triaxial& t, double pressure) {
+    return t.confining_pressure.size() == 1 ? "" : folder_of(pressure);
 }
 
 constexpr auto test_file = "triaxial.ckpt.h5";
@@ -149,10 +155,10 @@ void Test::finish() {
     write_curve(common_.out / "curve.csv", test_.state().points);
     frames_.reset();
     draw_curves(common_.out / "curves.png",
-                {{folder_of(settings_.confining_pressure), &test_.state().points}});
+                {{label_of(settings_.confining_pressure), &test_.state().points}});
     if (!views_.empty())
         draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
-    summary().write(common_.out / "summary.json");
+    write_results(common_, summary());
 }
 
 Summary Test::summary() const {
@@ -168,7 +174,7 @@ Summary Test::summary() const {
     summary.add("diameter_over_largest_rock",
                 2 * shared_.scene.specimen.radius / shared_.scene.grading.sieves.front().size);
     summary.add("sensor_rock_drift_m", s.drift);
-    summary.add("sensor_rock_turn_deg", s.turn * 180 / pi);
+    summary.add("sensor_rock_rotation_deg", s.rotation * 180 / pi);
     summary.add("coordination_number", s.points.back().coordination);
     summary.add("stages", s.stage);
     run_.describe(summary);
@@ -176,26 +182,7 @@ Summary Test::summary() const {
         summary.add("preparation_steps", made.steps);
         summary.add("preparation_wall_time_s", made.count.wall_time);
     }
-    for (const NamedValue& entry : shared_.common.settings)
-        if (entry.key != "confining_pressure_Pa")
-            summary.add(entry); // the pressure of this test is already there
     return summary;
-}
-
-void print_table(const std::vector<Summary>& results) {
-    Summary table;
-    for (const Summary& result : results) {
-        std::string suffix;
-        for (const NamedValue& entry : result.entries()) {
-            if (entry.key == "confining_pressure_Pa")
-                suffix = folder_of(std::get<double>(entry.value));
-            if (entry.key == "stage_strain") break; // the settings follow
-            NamedValue named = entry;
-            named.key = suffix + " " + entry.key;
-            table.add(named);
-        }
-    }
-    table.print("triaxial");
 }
 
 void print_specimen(const Triaxial& t, const TriaxialScene& scene) {
@@ -242,6 +229,15 @@ struct Resume {
                                             tests));
         }
     }
+    /// Throws InputError if a checkpoint was made with settings other than those of this run.
+    void require_same_settings(const Triaxial& t, const Common& common) const {
+        Common of_specimen = common;
+        of_specimen.resume = specimen;
+        require_same_specimen(of_specimen);
+        for (const double pressure : t.confining_pressure)
+            if (const auto file = test_in(folder_in(t, pressure)); !file.empty())
+                (void)checkpoint_to_resume(file, common.scenario, settings_of(common, pressure));
+    }
     /// Checkpoint of the test whose results go into a folder of the run. Empty: the test begins
     /// with the specimen.
     std::filesystem::path test_in(const std::filesystem::path& folder) const {
@@ -257,48 +253,47 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
     const auto& pressures = shared.settings.confining_pressure;
     for (std::size_t k = 0; k < done.size(); ++k) {
         results.push_back(done[k]->summary());
-        curves.push_back({folder_of(pressures[k]), &done[k]->state().points});
+        curves.push_back({label_of(pressures[k]), &done[k]->state().points});
     }
-    print_table(results);
-    if (done.size() == 1) return;
+    if (done.size() == 1) return report_results(shared.common, results.front());
     draw_curves(shared.common.out / "curves.png", curves);
     Summary all;
     for (std::size_t k = 0; k < done.size(); ++k)
-        for (const NamedValue& entry : results[k].entries()) {
-            if (entry.key == "stage_strain") break; // the settings follow
-            NamedValue named = entry;
-            named.key = folder_of(pressures[k]) + "_" + entry.key;
-            all.add(named);
+        for (NamedValue entry : results[k].entries()) {
+            entry.key = fmt::format("{}_{}", folder_of(pressures[k]), entry.key);
+            all.add(entry);
         }
-    all.add(shared.common.settings);
-    all.write(shared.common.out / "summary.json");
+    report_results(shared.common, all);
 }
 
 void run(const Triaxial& t, const Common& common) {
     require_memory_for(t,
                        std::min(common.threads, static_cast<unsigned>(t.confining_pressure.size())),
                        common.memory_limit);
-    const TriaxialScene scene = make_scene(t, common.seed);
     check_test(t);
-    print_specimen(t, scene);
     const std::size_t tests = t.confining_pressure.size();
+    const Resume from(common.resume, tests);
+    from.require_same_settings(t, common);
+    const TriaxialScene scene = make_scene(t, common.seed);
+    print_specimen(t, scene);
     const unsigned at_once =
         std::max(1u, std::min<unsigned>(common.threads, static_cast<unsigned>(tests)));
     const unsigned threads = std::max(1u, common.threads / at_once);
-    Progress progress = make_progress(common, static_cast<unsigned>(tests));
+    Progress progress = make_progress(common);
     Shared shared{t, common, scene, progress, {}};
-    const Resume from(common.resume, tests);
     if (from.test.empty()) shared.specimen = make_specimen(shared, from.specimen);
+    if (tests > 1)
+        progress.begin_job(static_cast<double>(tests) *
+                           (1 + t.test.final_axial_strain / t.test.stage_strain));
     std::vector<std::unique_ptr<Test>> done(tests);
     run_ensemble(tests, at_once, [&](std::size_t k) {
-        const std::filesystem::path folder = tests == 1 ? "" : folder_of(t.confining_pressure[k]);
+        const std::filesystem::path folder = folder_in(t, t.confining_pressure[k]);
         done[k] = std::make_unique<Test>(shared, k, folder, threads);
         done[k]->begin(from.test_in(folder));
         done[k]->run();
     });
     progress.pause();
     write_all(shared, done);
-    fmt::print("results in {}\n", common.out.string());
 }
 
 std::string explain(const Triaxial& t, const Common& common) { return explain_triaxial(t, common); }

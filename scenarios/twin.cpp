@@ -15,6 +15,7 @@
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
+#include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/layouts.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
@@ -47,7 +48,7 @@ struct Twin {
     std::string variants = "free,perturbed,learned,ensemble,analysis";
     std::filesystem::path record;
     std::string record_format = "csv";
-    double disturbance = 1e-7, change = 0.03, lateness = 0;
+    double disturbance = 1e-7, change = 0.03, sample_delay = 0;
     SensorSettings sensors;
     bool catch_up = true, layouts = false;
     Learning learning;
@@ -106,11 +107,11 @@ struct Twin {
                filter_names);
         option("sensor_mode", sensors.mode, "",
                "Observations by the sensors. ideal: displacement and attitude without error. "
-               "tracked: displacement and attitude with noise. honest-imu: an inertial sensor with "
+               "tracked: displacement and attitude with noise. inertial: an inertial sensor with "
                "quality control, which observes tilt only.",
                sensor_modes);
         option("imu", sensors.imu, "",
-               "Model of the inertial sensor for honest-imu and for --record.",
+               "Model of the inertial sensor for inertial and for --record.",
                {"lab-grade", "smartrock-like", "cheap"});
         option("interval", sensors.interval, "", "Axial strain between samples.", above(0, 1));
         option("injection_steps", corrections.injection_steps, "",
@@ -139,7 +140,7 @@ struct Twin {
                within(0, 0.99));
         option("outliers", sensors.faults.outliers, "",
                "Fraction of samples that are wrong by 20 mm and half a radian.", within(0, 0.99));
-        option("lateness", lateness, "", "Axial strain by which samples arrive late.",
+        option("sample_delay", sample_delay, "", "Axial strain by which samples arrive late.",
                within(0, 1));
         option("lag", corrections.filter.lag, "",
                "Number of samples by which late ones may lag behind and still be used for an "
@@ -229,7 +230,7 @@ public:
         : t_(settings), common_(common),
           learning_(learning_for(t_)), true_{make_scene(t_.triaxial, common.seed), {}},
           names_(names_of_variants(t_.variants)), test_(t_.triaxial.test),
-          progress_(progress_of_models(common)) {
+          progress_(make_progress(common)) {
         test_.confining_pressure = t_.triaxial.confining_pressure.front();
     }
     void run();
@@ -280,7 +281,7 @@ private:
 // Name of the data set from which the ensemble members learn. Variants with the same data set share
 // the result.
 std::string Experiment::data_set_of(const std::string& variant) const {
-    const bool sensors_uninformative = t_.sensors.mode == "honest-imu" || !learning_.by_sensors;
+    const bool sensors_uninformative = t_.sensors.mode == "inertial" || !learning_.by_sensors;
     const bool own = variant == "sensors_only" ||
                      (!sensors_uninformative && (variant == "load_cell" || variant == "null"));
     return own ? variant : "all";
@@ -306,7 +307,7 @@ ModelVariant Experiment::variant_of(const std::string& name) const {
         variant.corrections.attitude_noise = observations.attitude_noise;
     }
     if (name == "inserted" || name == "spread") variant.corrections.nudging.stiffness = 0;
-    variant.corrections.lateness = t_.lateness;
+    variant.corrections.sample_delay = t_.sample_delay;
     variant.corrections.note_every = t_.sensors.interval;
     variant.corrections.spread = name == "spread";
     return variant;
@@ -350,7 +351,7 @@ Assimilated Experiment::assimilate(const std::string& data_set,
     MeasuredTest measured = measured_test(this->measured());
     measured.trajectories = observations.trajectories;
     measured.displacement_noise = observations.position_noise;
-    measured.lateness = t_.lateness;
+    measured.sample_delay = t_.sample_delay;
     Learning learning = learning_;
     if (data_set == "load_cell") learning.by_sensors = false;
     if (data_set == "sensors_only") {
@@ -400,7 +401,7 @@ ModelRun Experiment::compute(const ModelVariant& variant) {
     return compute_analysis(assimilated.forecast, assimilated.scatter,
                             {sensor_rocks(truth_), variant.trajectories,
                              variant.corrections.position_noise, variant.corrections.attitude_noise,
-                             t_.lateness});
+                             t_.sample_delay});
 }
 
 void Experiment::record(const RecordingSettings& settings) const {
@@ -553,20 +554,27 @@ void Experiment::write_smoothed() const {
             }
         if (!rows.empty())
             write_csv(common_.out / fmt::format("smoothed_{}.csv", variants_[k].name),
-                      {"sensor", "axial_strain", "ux_m", "uy_m", "uz_m", "turn_x_rad", "turn_y_rad",
-                       "turn_z_rad", "deviation_m", "deviation_rad"},
+                      {"sensor", "axial_strain", "ux_m", "uy_m", "uz_m", "rotation_x_rad",
+                       "rotation_y_rad", "rotation_z_rad", "deviation_m", "deviation_rad"},
                       rows, {}, 7);
     }
 }
 
 void Experiment::draw() const {
+    const auto free = std::ranges::find(names_, "free");
+    const auto first = static_cast<std::size_t>(free - names_.begin());
     const auto panel = [&](const char* title, double scale, double TriaxialPoint::*value) {
+        // the truth takes the place of the measurements; other variants have colours of their own
         Plot plot{.title = title,
                   .x_label = "axial strain (%)",
                   .y_label = title,
-                  .curves = {curve_of("truth", truth_.points, scale, value)}};
+                  .curves = compared_curves(
+                      {&truth_.points, free != names_.end() ? &runs_[first].points : nullptr},
+                      curves_of(scale, value))};
+        plot.curves.front().label = "truth";
         for (std::size_t k = 0; k < variants_.size(); ++k)
-            plot.curves.push_back(curve_of(variants_[k].name, runs_[k].points, scale, value));
+            if (variants_[k].name != "free")
+                plot.curves.push_back(curve_of(variants_[k].name, runs_[k].points, scale, value));
         return plot;
     };
     draw_plots(common_.out / "twin.png",
@@ -608,15 +616,17 @@ void run(const Twin& t, const Common& common) {
     require(t.triaxial.confining_pressure.size() == 1,
             "--confining-pressure: expected one pressure, found several");
     const bool faulty = t.sensors.faults.dropout > 0 || t.sensors.faults.outliers > 0;
-    require(t.record.empty() || (!faulty && t.lateness == 0),
-            "--record: expected no --dropout, --outliers or --lateness, which are not recorded");
-    require(t.sensors.mode != "honest-imu" || !faulty,
-            "--sensor-mode honest-imu: expected no --dropout or --outliers, which apply to tracked "
+    require(
+        t.record.empty() || (!faulty && t.sample_delay == 0),
+        "--record: expected no --dropout, --outliers or --sample-delay, which are not recorded");
+    require(t.sensors.mode != "inertial" || !faulty,
+            "--sensor-mode inertial: expected no --dropout or --outliers, which apply to tracked "
             "sensors only");
-    const bool moved = t.mismatch.placement > 0 || t.mismatch.turn > 0;
-    require(t.mismatch.packing == 0 || !moved,
-            "--model-packing: expected no --model-placement or --model-turn, which move rocks from "
-            "the positions of the truth");
+    const bool moved = t.mismatch.placement > 0 || t.mismatch.rotation > 0;
+    require(
+        t.mismatch.packing == 0 || !moved,
+        "--model-packing: expected no --model-placement or --model-rotation, which move rocks from "
+        "the positions of the truth");
     require(t.mismatch.packing == 0 || t.mismatch.packing != common.seed,
             "--model-packing: expected another seed than --seed");
     require(t.mismatch.packing == 0 || !t.layouts,
@@ -625,6 +635,7 @@ void run(const Twin& t, const Common& common) {
             fmt::format("--model-spheres: expected 0 or 4 and more, found {}", t.mismatch.spheres));
     check_test(t.triaxial);
     require_memory_for(t.triaxial, common.threads, common.memory_limit);
+    require_same_specimen(common);
     Experiment experiment(t, common);
     experiment.run();
     experiment.report();

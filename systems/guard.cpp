@@ -75,6 +75,19 @@ Row first_too_fast(WatchedBodies bodies, double limit_of_step, double dt) {
 
 } // namespace
 
+std::string contact_message(const PairNames& who, const ForceRow& contact, double radius,
+                            double limit, double largest_force) {
+    if (contact.overlap > limit * radius)
+        return fmt::format("overlap of bodies {} and {}: expected less than {:g} of the mean radius "
+                           "({:.4g} m), found {:.4g} of it ({:.4g} m)",
+                           who.owner, who.partner, limit, limit * radius, contact.overlap / radius,
+                           contact.overlap);
+    return fmt::format("contact force of bodies {} and {}: expected a number up to {:.4g} N, found "
+                       "{:.4g} N at an overlap of {:.4g} m",
+                       who.owner, who.partner, largest_force,
+                       Vec3(contact.fx, contact.fy, contact.fz).norm(), contact.overlap);
+}
+
 void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock, Health& health) {
     const Offender offender = find_offender(bodies, limits, clock.dt);
     double limit_of_step = largest_displacement(limits, offender.smallest_free);
@@ -90,16 +103,13 @@ void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock
     health.what = fmt::format("body {} at {} m: expected ", bodies.column<BodyId>()[b], point(x));
     const double omega = bodies.column<AngularVelocity>()[b].norm();
     if (!std::isfinite(omega))
-        health.what +=
-            fmt::format("a finite angular velocity, found {:g} rad/s; try a smaller step", omega);
+        health.what += fmt::format("a finite angular velocity, found {:g} rad/s", omega);
     else if (!(bodies.column<DisplacementBound>()[b] < std::numeric_limits<double>::infinity() &&
                speed <= limits.speed))
-        health.what += fmt::format("a speed up to {:g} m/s, found {:g} m/s; try a smaller step",
-                                   limits.speed, speed);
+        health.what += fmt::format("a speed up to {:g} m/s, found {:g} m/s", limits.speed, speed);
     else if (speed * clock.dt > limit_of_step)
-        health.what += fmt::format(
-            "a displacement up to {:g} m in a step, found {:g} m ({:g} m/s); try a smaller step",
-            limit_of_step, speed * clock.dt, speed);
+        health.what += fmt::format("a displacement up to {:g} m in a step, found {:g} m ({:g} m/s)",
+                                   limit_of_step, speed * clock.dt, speed);
     else
         health.what += fmt::format("a position between {} and {} m: it has escaped",
                                    point(limits.low), point(limits.high));

@@ -1,11 +1,15 @@
 #pragma once
 
 #include "components/body.hpp"
+#include "components/force_sums.hpp"
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
 #include "engine/rows.hpp"
+
+#include <string>
+#include <type_traits>
 
 namespace bris {
 
@@ -21,21 +25,30 @@ using WatchedBodies =
 /// a checkpoint.
 void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock, Health& health);
 
-/// Reports overlaps beyond the limit that the contact kernels found. One system per kind of pair.
+/// The message on two bodies that overlap too deeply or whose contact force cannot be added: mean
+/// `radius` in m, `limit` of the overlap as a fraction of the radius, `largest_force` in N.
+std::string contact_message(const PairNames& who, const ForceRow& contact, double radius,
+                            double limit, double largest_force);
+
+/// Reports contacts beyond the limits of overlap or force that the contact kernels found. One
+/// system per kind of pair.
 template <class Pairs>
-void guard_overlap(Rows<typename Pairs::Near, const NearPair, const PairForce> near,
-                   Rows<Pairs, const PairKey> pairs, const NearIndex<Pairs>& index,
-                   const Limits& limits, Health& health) {
+void guard_contacts(Rows<typename Pairs::Near, const NearPair, const PairForce> near,
+                   Rows<Pairs, const PairKey, const PairRows> pairs,
+                   Rows<Spheres, const LocalBall> spheres, const NearIndex<Pairs>& index,
+                   const Limits& limits, const ForceGrid& grid, Health& health) {
+    const Ball* ball = spheres.template column<LocalBall>();
     for (const Row row : index.beyond_limit) {
         if (row == no_row || health.bad) continue;
-        const PairNames& who =
-            pairs.template column<PairKey>()[near.template column<NearPair>()[row].pair];
+        const Row pair = near.template column<NearPair>()[row].pair;
+        const PairNames& who = pairs.template column<PairKey>()[pair];
+        const PairRowNumbers& rows = pairs.template column<PairRows>()[pair];
+        double radius = ball[rows.sphere].radius; // of the sphere alone at a boundary
+        if constexpr (std::is_same_v<Pairs, SpherePairs>)
+            radius = 0.5 * (radius + ball[rows.other].radius);
         health.bad = true;
-        health.what = "overlap of bodies " + std::to_string(who.owner) + " and " +
-                      std::to_string(who.partner) + ": expected less than " +
-                      std::to_string(limits.overlap) + " radii, found " +
-                      std::to_string(near.template column<PairForce>()[row].overlap) +
-                      " m; try a smaller step or a gentler start";
+        health.what = contact_message(who, near.template column<PairForce>()[row], radius,
+                                      limits.overlap, ForceGrid::largest * grid.force);
     }
 }
 

@@ -11,8 +11,8 @@ using MatrixOf = Eigen::Matrix<S, Eigen::Dynamic, Eigen::Dynamic>;
 using Vector = VectorOf<double>;
 using Matrix = MatrixOf<double>;
 
-// S is double; float serves the tests of rounding. The templates are instantiated once, in
-// kalman.cpp, so that the heavy parts of Eigen are compiled only there.
+// S is double; float serves the tests of rounding. The templates are instantiated once for each, in
+// kalman.cpp and beside the tests, so that the heavy parts of Eigen are compiled only there.
 
 /// Lower triangular L with L L^T = A A^T. A must have at least as many columns as rows.
 template <class S>

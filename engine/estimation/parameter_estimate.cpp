@@ -128,8 +128,9 @@ void ParameterEstimate::observe(std::size_t channel, const Vector& forecast,
 }
 
 double ParameterEstimate::normalised_innovation_squared(std::size_t channel) const {
+    if (channels_[channel].raw.empty()) return std::nan("");
     const Observations observations = this->observations();
-    std::size_t last = 0; // index of the last measurement of the channel
+    std::size_t last = 0; // one past the last measurement of the channel
     for (std::size_t c = 0; c <= channel; ++c) last += channels_[c].raw.size();
     const Difference& m = observations.differences[--last];
     const Vector here = terms_at(posterior_.mean[0], posterior_.mean[1]);

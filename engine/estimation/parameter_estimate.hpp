@@ -64,7 +64,7 @@ public:
 
     /// Normalised innovation squared of a channel's last measurement, with respect to the result of
     /// the last call of parameters(). Chi-squared with one degree of freedom if the model is
-    /// consistent and the ensemble is large.
+    /// consistent and the ensemble is large. NaN if the channel has no measurement.
     double normalised_innovation_squared(std::size_t channel) const;
 
     /// Posterior mean and covariance of the parameters, given all measurements. The quadrature runs

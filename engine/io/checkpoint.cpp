@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/hdf5.hpp"
+#include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
 
@@ -23,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t format_version = 2;
+constexpr std::uint64_t format_version = 3;
 
 struct Seal {
     std::array<char, 8> mark{'B', 'R', 'I', 'S', 'c', 'k', 'p', '\n'};
@@ -47,6 +48,15 @@ using File = std::unique_ptr<std::FILE, Close>;
 
 std::string text_of(const NamedValue& entry) {
     return std::visit([](const auto& x) { return fmt::format("{}", x); }, entry.value);
+}
+
+/// Whether two settings are paths of one file or folder, or of files with the same content.
+bool same_file(const std::string& a, const std::string& b) {
+    std::error_code error;
+    if (!fs::exists(a, error) || !fs::exists(b, error)) return false;
+    if (fs::equivalent(a, b, error)) return true;
+    return fs::is_regular_file(a, error) && fs::is_regular_file(b, error) &&
+           read_whole(a) == read_whole(b);
 }
 
 /// Hash of the next `size` bytes of a file, read block by block.
@@ -245,31 +255,37 @@ Checkpoint read_checkpoint(const std::filesystem::path& path) {
     }
 }
 
-void require_same_run(const std::filesystem::path& path, const Checkpoint& checkpoint,
-                      const std::string& scenario, const std::vector<NamedValue>& settings,
+void require_same_run(const std::string& option, const std::filesystem::path& path,
+                      const Checkpoint& checkpoint, const std::string& scenario,
+                      const std::vector<NamedValue>& settings,
                       std::span<const std::string_view> may_differ) {
-    if (checkpoint.scenario != scenario)
-        reject(path, fmt::format("scenario: expected {}, found {}", scenario, checkpoint.scenario));
-    const auto free = [&](const std::string& key) {
-        return std::find(may_differ.begin(), may_differ.end(), key) != may_differ.end();
+    const std::string where = fmt::format("{} {}", option, path.string());
+    require(checkpoint.scenario == scenario,
+            fmt::format("{}: expected a checkpoint of {}, found one of {}", where, scenario,
+                        checkpoint.scenario));
+    std::string made, asked; // the settings that differ
+    const auto compare = [&](const NamedValue& any, const NamedValue* before,
+                             const NamedValue* now) {
+        if (std::ranges::count(may_differ, any.key) > 0) return;
+        const std::string then = before ? text_of(*before) : "", here = now ? text_of(*now) : "";
+        if (then == here || same_file(then, here)) return;
+        const std::string& name = any.flag.empty() ? any.key : any.flag;
+        const auto with = [&](const std::string& value) {
+            return value.empty() ? "no " + name : name + " " + value;
+        };
+        made += (made.empty() ? "" : ", ") + with(then);
+        asked += (asked.empty() ? "" : ", ") + with(here);
     };
     const auto find = [](const std::vector<NamedValue>& list, const std::string& key) {
-        const auto at = std::find_if(list.begin(), list.end(),
-                                     [&](const NamedValue& entry) { return entry.key == key; });
+        const auto at = std::ranges::find(list, key, &NamedValue::key);
         return at == list.end() ? nullptr : &*at;
     };
-    for (const NamedValue& wanted : settings) {
-        if (free(wanted.key)) continue;
-        const NamedValue* found = find(checkpoint.settings, wanted.key);
-        if (found == nullptr || text_of(*found) != text_of(wanted))
-            reject(path,
-                   fmt::format("{}: expected {} as in this run, found {}", wanted.key,
-                               text_of(wanted), found == nullptr ? "nothing" : text_of(*found)));
-    }
-    for (const NamedValue& found : checkpoint.settings)
-        if (!free(found.key) && find(settings, found.key) == nullptr)
-            reject(path, fmt::format("{}: expected no such setting, as in this run, found {}",
-                                     found.key, text_of(found)));
+    for (const NamedValue& now : settings) compare(now, find(checkpoint.settings, now.key), &now);
+    for (const NamedValue& before : checkpoint.settings)
+        if (find(settings, before.key) == nullptr) compare(before, &before, nullptr);
+    require(made.empty(),
+            fmt::format("{}: the {} was made with {}; this run asks for {}", where,
+                        scenario == "specimen" ? scenario : "checkpoint", made, asked));
 }
 
 std::span<const std::string_view> settings_that_may_differ() {

@@ -32,10 +32,13 @@ void write_checkpoint(const std::filesystem::path& path, const Checkpoint& check
 /// truncated or damaged.
 Checkpoint read_checkpoint(const std::filesystem::path& path);
 
-/// Throws InputError, naming the key, unless the checkpoint was written by this scenario with the
-/// same settings. Settings in `may_differ` are not compared.
-void require_same_run(const std::filesystem::path& path, const Checkpoint& checkpoint,
-                      const std::string& scenario, const std::vector<NamedValue>& settings,
+/// Throws InputError, listing all settings that differ, unless the checkpoint was written by this
+/// scenario with the same settings. Settings in `may_differ` are not compared; paths are the same
+/// if they lead to one file or folder, or to files with the same content. `option` is the one that
+/// names the path, as "--resume".
+void require_same_run(const std::string& option, const std::filesystem::path& path,
+                      const Checkpoint& checkpoint, const std::string& scenario,
+                      const std::vector<NamedValue>& settings,
                       std::span<const std::string_view> may_differ);
 
 /// Settings that may differ between a run and its continuation in every scenario.

@@ -58,10 +58,12 @@ public:
             throw InputError(fmt::format(
                 "{}: expected a delimiter different from the decimal sign, found comma for both",
                 path_.string()));
-        if (form_.delimiter == form_.comment)
-            throw InputError(fmt::format(
-                "{}: expected a comment sign different from the delimiter, found '{}' for both",
-                path_.string(), form_.comment));
+        for (const auto& [what, sign] :
+             {std::pair{"delimiter", form_.delimiter}, std::pair{"decimal sign", form_.decimal}})
+            if (sign == form_.comment)
+                throw InputError(fmt::format(
+                    "{}: expected a comment sign different from the {}, found '{}' for both",
+                    path_.string(), what, sign));
         if (const unsigned names = std::max(form_.header_line, 1u);
             form_.first_line != 0 && form_.first_line <= names)
             throw InputError(fmt::format(

@@ -44,9 +44,10 @@ struct LineSource::Reader {
         // non-blocking, because a pipe may have no writer yet
         file = path == "-" ? STDIN_FILENO : open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
         struct stat about {};
-        const bool readable = file >= 0 && fstat(file, &about) == 0 && !S_ISDIR(about.st_mode);
-        if (!readable) {
-            const std::string why = file < 0 ? std::strerror(errno) : "not a file or pipe";
+        const bool is_known = file >= 0 && fstat(file, &about) == 0;
+        if (!is_known || S_ISDIR(about.st_mode)) {
+            const std::string why =
+                is_known ? "expected a file or pipe, found a folder" : std::strerror(errno);
             if (file > STDIN_FILENO) close(file);
             throw OutputError(fmt::format("cannot read '{}': {}", path.string(), why));
         }

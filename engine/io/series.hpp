@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/archive.hpp"
+#include "engine/io/plot.hpp"
 #include "engine/io/run_file.hpp"
 
 #include <filesystem>
@@ -21,6 +22,11 @@ public:
     std::size_t rows() const { return values_.front().size(); }
     const std::vector<double>& column(const std::string& name) const;
 
+    /// A column over the first one, which is the time as a rule.
+    Curve curve(const std::string& column, const std::string& label = "") const;
+    /// The same as a panel, whose axes are labelled with the names and units of the columns.
+    Plot plot(const std::string& column, const std::string& title = "") const;
+
     void save(Archive& archive) const;
     void load(const Archive& archive); ///< throws InputError if it is missing
 
@@ -29,6 +35,7 @@ public:
     void write_track(RunFile& file) const;
 
 private:
+    std::size_t index_of(const std::string& name) const;
     std::string name_;
     std::vector<RunFile::Column> columns_;
     std::vector<std::vector<double>> values_; // per column

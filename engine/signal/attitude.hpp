@@ -17,6 +17,9 @@ inline Vec3 attitude_error(const Quat& truth, const Quat& estimate) {
     return rotation_vector(truth * estimate.conjugate());
 }
 
+/// The shortest rotation that leads from the direction of one vector to that of another.
+Quat shortest_rotation(const Vec3& from, const Vec3& to);
+
 /// The matrix of the cross product with v.
 inline Mat3 cross_matrix(const Vec3& v) {
     Mat3 m;

@@ -103,8 +103,8 @@ constexpr double gate = 4; // standard deviations, along each axis
 
 /// Outliers are isolated: a sample that is far from the forecast but like the one before it shows
 /// that the rock itself departs from the forecast.
-bool is_outlier(const Vec3& innovation, const std::optional<Vec3>& innovation_before,
-                double deviation) {
+bool is_isolated_outlier(const Vec3& innovation, const std::optional<Vec3>& innovation_before,
+                         double deviation) {
     if (innovation.squaredNorm() <= 3 * gate * gate * deviation * deviation) return false;
     return !innovation_before ||
            (innovation - *innovation_before).squaredNorm() > 0.25 * innovation.squaredNorm();
@@ -114,9 +114,8 @@ bool is_outlier(const Vec3& innovation, const std::optional<Vec3>& innovation_be
 /// gravity; the yaw of the forecast is kept.
 Vec3 tilt_innovation(const Vec3& tilt, const Quat& start, const Vec3& turned) {
     const Vec3 up = (start.conjugate() * Vec3::UnitZ() - tilt).normalized(); // in the body's axes
-    return attitude_error(
-        Quat::FromTwoVectors(exponential_map(turned) * (start * up), Vec3::UnitZ()),
-        Quat::Identity());
+    return attitude_error(shortest_rotation(exponential_map(turned) * (start * up), Vec3::UnitZ()),
+                          Quat::Identity());
 }
 
 /// Innovation of a sample, observation minus forecast; nothing if not measured.
@@ -150,8 +149,8 @@ std::optional<Vec3> innovation_at(const SensorTrajectory& trajectory, const Mode
     for (auto k = last_sample(trajectory, strain); k >= 0; --k) {
         const auto innovation = innovation_of(trajectory, k, forecast, motion, host);
         if (innovation &&
-            !is_outlier(*innovation, innovation_of(trajectory, k - 1, forecast, motion, host),
-                        deviation))
+            !is_isolated_outlier(
+                *innovation, innovation_of(trajectory, k - 1, forecast, motion, host), deviation))
             return innovation;
     }
     return {};
@@ -209,9 +208,9 @@ std::optional<Assessment> assess(const SensorTrajectory& trajectory, std::ptrdif
     const auto innovation = innovation_of(trajectory, sample, forecast, motion, host);
     if (!innovation) return {};
     const double variance = deviation * deviation + noise * noise;
-    const bool outlier =
-        is_outlier(*innovation, innovation_of(trajectory, sample - 1, forecast, motion, host),
-                   std::sqrt(variance));
+    const bool outlier = is_isolated_outlier(
+        *innovation, innovation_of(trajectory, sample - 1, forecast, motion, host),
+        std::sqrt(variance));
     const double gain = outlier ? 0 : deviation * deviation / variance;
     return Assessment{innovation->norm(), innovation->squaredNorm() / variance, gain,
                       deviation * std::sqrt(1 - gain), outlier};
@@ -230,8 +229,8 @@ std::optional<bool> are_inconsistent(std::vector<double> squared_distances) {
 std::optional<bool> record_innovations(ModelRun& run, const ModelRun& forecast,
                                        const RockScatter& scatter,
                                        const AssimilatedSensors& sensors, std::size_t stage) {
-    const double arrived = run.points[stage].axial_strain - sensors.lateness,
-                 before = run.points[stage - 1].axial_strain - sensors.lateness;
+    const double arrived = run.points[stage].axial_strain - sensors.sample_delay,
+                 before = run.points[stage - 1].axial_strain - sensors.sample_delay;
     std::vector<double> shifts, turns; // normalised innovations squared
     for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {
         const std::size_t host = sensors.hosts[s];
@@ -315,7 +314,7 @@ void compute_analysis_stage(ModelRun& run, const ModelRun& forecast, const RockS
                             const AssimilatedSensors& sensors, std::size_t stage) {
     require(sensors.hosts.size() == sensors.trajectories.size(),
             "analysis: expected a trajectory for each host");
-    const double arrived = run.points[stage].axial_strain - sensors.lateness;
+    const double arrived = run.points[stage].axial_strain - sensors.sample_delay;
     const auto correct = [&](Motions motion, const MotionScatter& of, double noise) {
         std::vector<Innovation> innovations; // each held until the next sample of its sensor
         for (std::size_t s = 0; s < sensors.hosts.size(); ++s) {

@@ -74,7 +74,7 @@ void put_variant(Archive& archive, const TriaxialSettings& s, const ModelVariant
                                 c.attitude_noise,
                                 c.largest_shift,
                                 c.largest_work_share,
-                                c.lateness,
+                                c.sample_delay,
                                 c.note_every,
                                 double(c.filter.lag)};
     for (const LearnedParameters& b : variant.learned)

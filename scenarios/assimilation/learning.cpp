@@ -97,7 +97,7 @@ std::optional<Means> means_of(const MemberSubset& members, const MeasuredTest& m
 }
 
 /// Whether ln q is an outlier to the whole ensemble, even if specimens differ.
-bool is_outlier(double found, const Vector& forecast, double specimen_scatter) {
+bool is_stress_outlier(double found, const Vector& forecast, double specimen_scatter) {
     const double mean = forecast.mean(), scatter = std::max(specimen_scatter, slip);
     const double variance =
         (forecast.array() - mean).square().sum() / static_cast<double>(forecast.size() - 1) +
@@ -114,7 +114,7 @@ MeasuredTest cleaned(const MemberSubset& members, const MeasuredTest& measured,
         if (!stage || !(m.strain[k] > 1e-9) || !(m.q[k] > no_stress)) continue;
         const Vector forecast = forecast_at(members, *stage, &TriaxialPoint::deviatoric_stress);
         if (!(forecast.minCoeff() > no_stress) ||
-            !is_outlier(std::log(m.q[k]), forecast.array().log(), settings.specimen_scatter))
+            !is_stress_outlier(std::log(m.q[k]), forecast.array().log(), settings.specimen_scatter))
             continue;
         m.q[k] = std::nan("");
         m.rejected.push_back(m.strain[k]);
@@ -124,8 +124,8 @@ MeasuredTest cleaned(const MemberSubset& members, const MeasuredTest& measured,
 
 /// Whether a displacement is an outlier to the whole ensemble: farther from its mean than ten
 /// standard deviations of members and noise.
-bool is_outlier(const MemberSubset& members, const Observation& h, const Vec3& found,
-                double noise) {
+bool is_displacement_outlier(const MemberSubset& members, const Observation& h, const Vec3& found,
+                             double noise) {
     Vec3 mean = Vec3::Zero();
     double squares = 0;
     for (const ModelRun* run : members.runs)
@@ -137,8 +137,8 @@ bool is_outlier(const MemberSubset& members, const Observation& h, const Vec3& f
     return (found - mean).squaredNorm() > 100 * variance;
 }
 
-/// The last sample of each sensor that was taken in a window, allowing for lateness. None if fewer
-/// than half of the sensors have one.
+/// The last sample of each sensor that was taken in a window, allowing for their delay. None if
+/// fewer than half of the sensors have one.
 std::vector<Observation> observations_in(const MemberSubset& members, const MeasuredTest& measured,
                                          double from, double to) {
     const ModelRun& like = *members.runs.front();
@@ -149,15 +149,15 @@ std::vector<Observation> observations_in(const MemberSubset& members, const Meas
         if (trajectory.strain.empty() || !stands_off_axis(like, s)) continue;
         ++expected;
         const auto after = std::upper_bound(trajectory.strain.begin(), trajectory.strain.end(),
-                                            to - measured.lateness + 1e-9);
+                                            to - measured.sample_delay + 1e-9);
         for (auto k = after - trajectory.strain.begin() - 1; k >= 0; --k) {
             const auto sample = static_cast<std::size_t>(k);
-            if (trajectory.strain[sample] <= from - measured.lateness + 1e-9) break;
+            if (trajectory.strain[sample] <= from - measured.sample_delay + 1e-9) break;
             const auto stage = stage_of_sample(like, trajectory.strain[sample]);
             if (!stage || !trajectory.displacement[sample].allFinite()) continue;
             const Observation h{s, sample, *stage};
-            if (is_outlier(members, h, trajectory.displacement[sample],
-                           measured.displacement_noise))
+            if (is_displacement_outlier(members, h, trajectory.displacement[sample],
+                                        measured.displacement_noise))
                 continue;
             observations.push_back(h);
             break;
@@ -345,7 +345,7 @@ std::size_t outlying_displacements(const Ensemble& members, const MeasuredTest& 
             const auto stage =
                 stage_of_sample(members.runs.front(), measured.trajectories[s].strain[k]);
             if (stage && found.allFinite() &&
-                is_outlier(subset, {s, k, *stage}, found, measured.displacement_noise))
+                is_displacement_outlier(subset, {s, k, *stage}, found, measured.displacement_noise))
                 ++outliers;
         }
     return outliers;

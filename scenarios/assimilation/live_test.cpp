@@ -5,6 +5,7 @@
 #include "engine/io/whole_file.hpp"
 #include "engine/signal/median.hpp"
 #include "scenarios/recordings/device_channels.hpp"
+#include "scenarios/recordings/quality_control_report.hpp"
 
 #include <fmt/format.h>
 
@@ -115,7 +116,7 @@ std::optional<LineSource::Line> LiveTest::next_of_log() {
 bool LiveTest::follow_to(double strain) {
     waiting_since_ = this_instant();
     while (!over_ && (machine_.empty() ||
-                      machine_.rbegin()->first < strain + settings_.lateness - same_strain)) {
+                      machine_.rbegin()->first < strain + settings_.analysis_delay - same_strain)) {
         if (interrupted())
             throw Interrupted("interrupted; all lines so far are logged: continue with --resume "
                               "and the folder of the results");
@@ -469,18 +470,21 @@ std::string LiveTest::report() const {
         machine_.size(), machine_.empty() ? 0 : 100 * machine_.rbegin()->first);
     for (const auto& [kind, what] : notes_)
         text += fmt::format("{} time{}: {}\n", what.first, what.first == 1 ? "" : "s", what.second);
+    std::vector<std::pair<unsigned, std::string>> received;
     for (const auto& [id, sensor] : sensors_) {
         const double last = sensor.by_time.empty()
                                 ? std::nan("")
                                 : strain_of(sensor.by_time.rbegin()->first - sensor.clock_offset,
                                             sensor.by_time.rbegin()->second);
-        text += fmt::format("sensor {}: {} records, {} late, {} sent again", id,
-                            sensor.by_time.size(), sensor.late, sensor.twice);
-        text += sensor.by_time.empty()
-                    ? "\n"
-                    : fmt::format(", the last at {:.3f} % of axial strain\n", 100 * last);
+        const std::string until =
+            sensor.by_time.empty()
+                ? ""
+                : fmt::format(", the last at {:.3f} % of axial strain", 100 * last);
+        received.emplace_back(id,
+                              fmt::format("{} records, {} late, {} sent again{}",
+                                          sensor.by_time.size(), sensor.late, sensor.twice, until));
     }
-    return text + quality_control_report(so_far());
+    return text + lines_by_sensor(received) + quality_control_report(so_far());
 }
 
 } // namespace bris

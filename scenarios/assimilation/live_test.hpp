@@ -21,8 +21,8 @@ struct LiveSettings {
     /// s without a usable record of the test machine after which the stream counts as ended; before
     /// its first record: without any line.
     double timeout = 60;
-    /// Axial strain for which the model waits for samples that arrive late.
-    double lateness = 0;
+    /// Axial strain by which the analysis stays behind the test, to wait for late samples.
+    double analysis_delay = 0;
     /// Speed of a replay, by the t of the records: 1: that of the test, 0: as fast as possible.
     double speed = 0;
     QualityControlSettings quality_control = {};
@@ -50,7 +50,7 @@ public:
     LiveTest(const LiveTest&) = delete;
 
     /// Processes records, and waits for them, until the machine has passed an axial strain plus
-    /// `lateness`. Returns false if the stream ended before that strain.
+    /// `analysis_delay`. Returns false if the stream ended before that strain.
     bool follow_to(double strain);
     /// The test by all records processed, after quality control.
     RecordedTest so_far() const;

@@ -43,7 +43,7 @@ struct Corrections {
     double largest_work_share = 0;
     /// Axial strain between the time of a sample and its arrival; filter.lag says how many analyses
     /// back a sample may still be assimilated.
-    double lateness = 0;
+    double sample_delay = 0;
     double note_every = 1e-3; ///< axial strain between records of the motion, for late samples
     double position_noise = 1e-6, attitude_noise = 1e-4; ///< m and rad, of the trajectories
 };

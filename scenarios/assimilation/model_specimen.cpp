@@ -62,7 +62,7 @@ void put_rocks(World& world, const World& truth, const ModelMismatch& mismatch,
         world.column<Bodies, Position>()[r] =
             truth.column<Bodies, Position>()[t] + mismatch.placement * random.direction();
         world.column<Bodies, Orientation>()[r] =
-            exponential_map(mismatch.turn * random.direction()) *
+            exponential_map(mismatch.rotation * random.direction()) *
             truth.column<Bodies, Orientation>()[t];
         world.column<Bodies, MotionOf>()[r] = static_cast<std::uint32_t>(Motion::free);
         world.column<Bodies, Growth>()[r] = 1;
@@ -97,7 +97,7 @@ std::string ModelMismatch::name() const {
     if (packing > 0) text += fmt::format("_packing_{}", packing);
     if (spheres > 0) text += fmt::format("_{}_spheres", spheres);
     if (placement > 0) text += fmt::format("_{:.9g}_mm", 1e3 * placement);
-    if (turn > 0) text += fmt::format("_{:.9g}_rad", turn);
+    if (rotation > 0) text += fmt::format("_{:.9g}_rad", rotation);
     return text;
 }
 
@@ -110,7 +110,7 @@ Common common_of_packing(const Common& common, const std::string& folder, std::u
     std::filesystem::create_directories(own.out);
     own.seed = seed;
     for (NamedValue& v : own.settings)
-        if (v.key == "seed") v = NamedValue("seed", seed);
+        if (v.key == "seed") v.value = seed;
     return own;
 }
 

@@ -12,11 +12,11 @@ namespace bris {
 /// Differences between the specimen of a model and the true specimen.
 struct ModelMismatch {
     double placement = 0;      ///< m, displacement of each rock, in a random direction
-    double turn = 0;           ///< rad, rotation of each rock, about a random axis
+    double rotation = 0;       ///< rad, rotation of each rock, about a random axis
     unsigned spheres = 0;      ///< spheres of each rock in the model; 0: as many as in the truth
     std::uint64_t packing = 0; ///< seed of another packing around the sensor rocks; 0: the truth's
 
-    bool any() const { return placement > 0 || turn > 0 || spheres > 0 || packing > 0; }
+    bool any() const { return placement > 0 || rotation > 0 || spheres > 0 || packing > 0; }
     /// Standard deviation of ln q between specimens that differ in this way and are otherwise
     /// alike; 0 if nothing differs.
     double specimen_scatter() const;
@@ -67,7 +67,7 @@ void ModelMismatch::describe(auto& option) {
            "Distance by which each rock of the model is displaced from its true position, in a "
            "random direction, before overlaps are relaxed.",
            within(0, 5e-3));
-    option("model_turn", turn, "rad",
+    option("model_rotation", rotation, "rad",
            "Angle by which each rock of the model is rotated from its true orientation, about a "
            "random axis.",
            within(0, 0.3));

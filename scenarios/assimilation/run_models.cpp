@@ -37,7 +37,7 @@ std::vector<ModelRun> try_from(const std::vector<Start>& starts, const TriaxialS
         CheckpointedRun checkpoint(common, test, specimen, variants[k]);
         try {
             runs[k] = run_model(scene, test, specimen, variants[k], common.seed,
-                                watch_on(progress, k, common), &checkpoint);
+                                watch_on(progress, k), &checkpoint);
         } catch (const SimulationError& error) {
             runs[k].stopped = stopped_by(error, variants[k]);
         }
@@ -100,7 +100,7 @@ private:
         Member& member = *members_[k];
         if (!member.run) {
             member.run = std::make_unique<VariantRun>(scene_, settings_, specimen_, member.variant,
-                                                      common_.seed, watch_on(progress_, k, common_),
+                                                      common_.seed, watch_on(progress_, k),
                                                       &member.checkpoint);
         }
         member.run->advance_to(points);
@@ -117,13 +117,8 @@ private:
 
 } // namespace
 
-Progress progress_of_models(const Common& common) {
-    return make_progress(common, std::max(2u, common.threads));
-}
-
-ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common) {
-    const auto slots = std::max(2u, common.threads);
-    return {.progress = progress_slot(progress, static_cast<unsigned>(model % slots))};
+ModelWatch watch_on(Progress& progress, std::size_t model) {
+    return {.progress = progress_slot(progress, static_cast<unsigned>(model))};
 }
 
 std::vector<ModelRun> try_models(const TriaxialScene& scene, const TriaxialSettings& settings,

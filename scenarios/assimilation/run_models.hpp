@@ -40,8 +40,6 @@ ConcurrentRuns begin_models(const TriaxialScene& scene, const TriaxialSettings& 
                             const Common& common, Progress& progress);
 
 /// Reports the progress of one of several models.
-ModelWatch watch_on(Progress& progress, std::size_t model, const Common& common);
-/// The progress line of several models.
-Progress progress_of_models(const Common& common);
+ModelWatch watch_on(Progress& progress, std::size_t model);
 
 } // namespace bris

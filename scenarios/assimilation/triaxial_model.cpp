@@ -36,7 +36,7 @@ void give_sensors(Simulation& simulation, const ModelVariant& variant,
         for (std::size_t k = 0; k < variant.trajectories[s].strain.size(); ++k) {
             TimedMeasurement m{variant.trajectories[s].strain[k],
                                {},
-                               variant.trajectories[s].strain[k] + c.lateness};
+                               variant.trajectories[s].strain[k] + c.sample_delay};
             m.what.position = start[s].position + variant.trajectories[s].displacement[k];
             const bool oriented = variant.trajectories[s].rotation[k].allFinite();
             if (oriented)

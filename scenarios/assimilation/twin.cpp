@@ -135,7 +135,7 @@ SensorObservations observe_sensors(const ModelRun& truth, const SensorSettings& 
     SensorObservations observations{.trajectories = {},
                                     .position_noise = ideal ? 1e-7 : settings.position_noise,
                                     .attitude_noise = ideal ? 1e-6 : settings.attitude_noise};
-    if (settings.mode != "honest-imu") {
+    if (settings.mode != "inertial") {
         observations.trajectories = recorded_trajectories(
             truth, sensor_rocks(truth), settings.interval, observations.position_noise,
             observations.attitude_noise, seed, settings.faults);

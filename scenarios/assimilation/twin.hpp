@@ -44,9 +44,9 @@ std::vector<Recording> record_sensors(const ModelRun& truth, const RecordingSett
                                       std::uint64_t seed);
 
 /// Sensors of a truth. "ideal": displacement and attitude almost exactly; "tracked": both with the
-/// noise of an external measurement; "honest-imu": what an inertial sensor records of itself, after
+/// noise of an external measurement; "inertial": what an inertial sensor records of itself, after
 /// quality control: the tilt by gravity, and nothing else.
-inline const std::vector<std::string> sensor_modes{"ideal", "tracked", "honest-imu"};
+inline const std::vector<std::string> sensor_modes{"ideal", "tracked", "inertial"};
 struct SensorSettings {
     std::string mode = "tracked";
     std::string imu = "smartrock-like";                  ///< a preset

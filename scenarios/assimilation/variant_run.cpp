@@ -80,7 +80,8 @@ void VariantRun::advance_to(std::size_t points) {
 PhaseProgress VariantRun::progress() const {
     PhaseProgress now = model_->test().progress();
     const bool catches_up = model_->stages() < run_.points.size();
-    now.phase = variant_.name + (catches_up ? " (catching up) " : " ") + now.phase;
+    now.phase = variant_.name + (catches_up ? ", catching up: " : ": ") + now.phase;
+    now.work = static_cast<double>(run_.points.size()); // not less while it catches up
     return now;
 }
 

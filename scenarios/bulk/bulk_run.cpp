@@ -96,7 +96,7 @@ void BulkRun::start_from_files() {
         open_frames();
     } else if (!settings_.bed_file.empty()) {
         resume(simulation_, settings_.bed_file, common_.scenario, common_.settings,
-               settings_of_run_only);
+               settings_of_run_only, "--bed");
         require(bed().phase == BedPhase::ready,
                 fmt::format("--bed: expected a finished bed, found '{}', which is unfinished; "
                             "continue it with --resume",
@@ -207,13 +207,12 @@ void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
     summary.add("prunes", world().resource<ListState>().prunes);
     run_.describe(summary);
     progress_.pause();
-    report_results(common_, summary);
     series_.write_csv(common_.out / "curve.csv");
     series_.write_track(frames_->file());
     frames_->file().close();
     draw_plots(common_.out / "curve.png", plots);
     draw_picture(common_.out / "scene.png", views_, {.azimuth = 0, .elevation = 0}, 900);
-    fmt::print("results in {}\n", common_.out.string());
+    report_results(common_, summary);
 }
 
 void run_bulk(const Common& common, const BulkSettings& settings, BulkCase bulk_case,

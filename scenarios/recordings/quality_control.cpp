@@ -170,8 +170,9 @@ private:
                      const char* unit) {
         if (density <= 0 || is_stuck(at_, what, values, density)) return;
         if (at_.rest < 20)
-            return note("noise", fmt::format("{}: too few samples at rest to estimate it, found {}",
-                                             what, at_.rest));
+            return note("noise",
+                        fmt::format("{}: too few samples at rest (--rest) to estimate it, found {}",
+                                    what, at_.rest));
         const Vec3 mean = mean_at_rest(values);
         double squares = 0;
         for (std::size_t k = 0; k < at_.rest; ++k) squares += (values[k] - mean).squaredNorm();
@@ -277,22 +278,6 @@ bool accepted(const std::vector<Finding>& findings, unsigned sensor) {
     return std::ranges::none_of(findings, [&](const Finding& f) {
         return f.sensor == sensor && f.kind == Finding::Kind::refusal;
     });
-}
-
-std::string quality_control_report(const std::vector<Finding>& findings,
-                                   const std::vector<Recording>& recordings) {
-    std::string text;
-    for (const Recording& r : recordings) {
-        const auto of_sensor = [&](const Finding& f) { return f.sensor == r.info.id; };
-        if (std::ranges::none_of(findings, of_sensor))
-            text += fmt::format("sensor {}: {} samples, no findings\n", r.info.id, r.size());
-        for (const Finding& f : findings)
-            if (of_sensor(f))
-                text += fmt::format("sensor {}: {}{}: {}\n", f.sensor,
-                                    f.kind == Finding::Kind::refusal ? "refused: " : "", f.check,
-                                    f.text);
-    }
-    return text;
 }
 
 } // namespace bris

@@ -68,8 +68,4 @@ std::vector<Finding> check_recordings(const std::vector<Recording>& recordings, 
 /// Whether the findings contain no refusal of this sensor.
 bool accepted(const std::vector<Finding>& findings, unsigned sensor);
 
-/// Text for people: one line for each finding, and one for each sensor without findings.
-std::string quality_control_report(const std::vector<Finding>& findings,
-                                   const std::vector<Recording>& recordings);
-
 } // namespace bris

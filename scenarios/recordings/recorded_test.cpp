@@ -64,24 +64,57 @@ Bench read_test(const std::filesystem::path& csv, const CsvForm& form) {
     return test;
 }
 
-/// Writes the poses in which the sensor rocks were placed.
-void write_poses(const std::filesystem::path& folder, const SpecimenSettings& specimen,
-                 const std::vector<SmartRockPose>& poses) {
-    const double radius = specimen.radius, height = specimen.height;
-    std::vector<std::vector<double>> rows;
-    for (const SmartRockPose& p : poses)
-        rows.push_back({p.position.x() / radius, p.position.y() / radius, p.position.z() / height,
-                        p.orientation.w(), p.orientation.x(), p.orientation.y(),
-                        p.orientation.z()});
-    write_csv(folder / "sensor_poses.csv",
-              {"x_over_radius", "y_over_radius", "z_over_height", "qw", "qx", "qy", "qz"}, rows,
-              {"Positions and attitudes in which the sensor rocks were placed, relative to the "
-               "radius and height of the specimen."},
-              9);
+/// The recordings with the poses in which their sensor rocks were placed.
+std::vector<Recording> with_poses(std::vector<Recording> recordings,
+                                  const SpecimenSettings& specimen,
+                                  const std::vector<SmartRockPose>& poses) {
+    const Vec3 size(specimen.radius, specimen.radius, specimen.height);
+    for (std::size_t k = 0; k < recordings.size(); ++k)
+        recordings[k].info.set_placed(poses[k].position.cwiseQuotient(size), poses[k].orientation);
+    return recordings;
 }
 
-CsvForm form_of(const std::filesystem::path& map, const std::vector<KnownColumn>& known) {
-    return map.empty() ? CsvForm{} : read_column_map(map, known);
+/// Calls `read`, and names the option that gives the file in the message of an error.
+auto naming(const std::string& option, auto&& read) {
+    try {
+        return read();
+    } catch (const InputError& e) {
+        throw InputError(fmt::format("{}: {}", option, e.what()));
+    } catch (const OutputError& e) {
+        throw OutputError(fmt::format("{}: {}", option, e.what()));
+    }
+}
+
+/// Reads a CSV file, whose form a column map may describe; `option` gives the map.
+auto read_mapped(const char* option, const std::filesystem::path& map,
+                 const std::vector<KnownColumn>& known, auto&& read) {
+    const CsvForm form =
+        map.empty() ? CsvForm{} : naming(option, [&] { return read_column_map(map, known); });
+    return naming("--recordings", [&] {
+        try {
+            return read(form);
+        } catch (const InputError& e) {
+            const std::string what = e.what();
+            if (!map.empty() || what.find("column") == std::string::npos) throw;
+            throw InputError(
+                fmt::format("{} ({} describes files of other programs)", what, option));
+        }
+    });
+}
+
+/// Folder of the test at one pressure.
+std::filesystem::path folder_of_test(const std::filesystem::path& folder, double pressure) {
+    const auto of_test = folder / folder_of(pressure);
+    if (std::filesystem::is_directory(of_test)) return of_test;
+    std::vector<std::string> others;
+    for (const auto& entry : std::filesystem::directory_iterator(folder))
+        if (entry.path().filename().string().ends_with("kPa"))
+            others.push_back(entry.path().filename().string());
+    std::ranges::sort(others);
+    throw InputError(fmt::format("--confining-pressure: expected a folder {} in '{}', found {}{}",
+                                 folder_of(pressure), folder.string(),
+                                 others.empty() ? "none" : listed(others),
+                                 hint_at_pressure(pressure, others)));
 }
 
 } // namespace
@@ -96,7 +129,7 @@ namespace {
 std::vector<std::filesystem::path> metadata_files(const std::filesystem::path& folder) {
     std::vector<std::filesystem::path> files;
     if (!std::filesystem::is_directory(folder))
-        throw OutputError(fmt::format("cannot read folder '{}'", folder.string()));
+        throw OutputError(fmt::format("--recordings: cannot read folder '{}'", folder.string()));
     for (const auto& entry : std::filesystem::directory_iterator(folder))
         if (entry.path().extension() == ".txt" &&
             entry.path().filename().string().starts_with("rock_"))
@@ -113,7 +146,9 @@ std::vector<SensorInfo> infos_in_hdf5(const std::filesystem::path& folder) {
     std::ranges::sort(files);
     std::map<unsigned, SensorInfo> by_id;
     for (const auto& file : files)
-        for (const SensorInfo& info : read_sensor_infos_hdf5(file)) by_id.emplace(info.id, info);
+        for (const SensorInfo& info :
+             naming("--recordings", [&] { return read_sensor_infos_hdf5(file); }))
+            by_id.emplace(info.id, info);
     std::vector<SensorInfo> infos;
     for (const auto& [id, info] : by_id) infos.push_back(info);
     return infos;
@@ -122,8 +157,8 @@ std::vector<SensorInfo> infos_in_hdf5(const std::filesystem::path& folder) {
 /// Refuses two files with the same data, because one of them would be ignored.
 [[noreturn]] void refuse_both(const std::filesystem::path& folder, const char* csv,
                               const char* in_hdf5) {
-    throw InputError(
-        fmt::format("{}: expected {} or {}, found both", folder.string(), csv, in_hdf5));
+    throw InputError(fmt::format("--recordings: {}: expected {} or {}, found both", folder.string(),
+                                 csv, in_hdf5));
 }
 
 void require_no_map(const char* option, const std::filesystem::path& map,
@@ -138,10 +173,11 @@ std::vector<Recording> recordings_of(const std::filesystem::path& of_test,
                                      const std::filesystem::path& map) {
     const auto hdf5 = of_test / "recordings.h5", csv = of_test / "recordings.csv";
     if (!std::filesystem::exists(hdf5))
-        return read_recordings(csv, infos, form_of(map, recording_columns()));
+        return read_mapped("--columns", map, recording_columns(),
+                           [&](const CsvForm& form) { return read_recordings(csv, infos, form); });
     if (std::filesystem::exists(csv)) refuse_both(of_test, "recordings.csv", "recordings.h5");
     require_no_map("--columns", map, hdf5, "recordings.csv");
-    return read_recordings_hdf5(hdf5, infos);
+    return naming("--recordings", [&] { return read_recordings_hdf5(hdf5, infos); });
 }
 
 Bench bench_of(const std::filesystem::path& of_test, double pressure,
@@ -149,13 +185,19 @@ Bench bench_of(const std::filesystem::path& of_test, double pressure,
     const auto hdf5 = of_test / "recordings.h5", csv = of_test / "test.csv";
     const bool in_hdf5 = std::filesystem::exists(hdf5);
     if (!in_hdf5 || (std::filesystem::exists(csv) && !has_bench(hdf5)))
-        return read_test(csv, form_of(map, machine_columns()));
+        return read_mapped("--machine-columns", map, machine_columns(),
+                           [&](const CsvForm& form) { return read_test(csv, form); });
     if (std::filesystem::exists(csv)) refuse_both(of_test, "test.csv", "/bench in recordings.h5");
     require_no_map("--machine-columns", map, hdf5, "test.csv");
-    return read_bench(hdf5, pressure);
+    return naming("--recordings", [&] { return read_bench(hdf5, pressure); });
 }
 
 } // namespace
+
+std::string hint_at_pressure(double pressure, const std::vector<std::string>& folders) {
+    const bool in_kilopascal = std::ranges::count(folders, folder_of(1e3 * pressure)) > 0;
+    return in_kilopascal ? fmt::format(": {:g}e3?", pressure) : "";
+}
 
 const std::vector<KnownColumn>& machine_columns() {
     using Units = std::vector<ColumnUnit>;
@@ -179,7 +221,8 @@ std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder) {
     require(!files.empty() || !infos.empty(),
             fmt::format("--recordings: expected files rock_NN.txt in '{}', found none",
                         folder.string()));
-    for (const auto& file : files) infos.push_back(read_sensor_info(file));
+    for (const auto& file : files)
+        infos.push_back(naming("--recordings", [&] { return read_sensor_info(file); }));
     std::ranges::sort(infos, {}, &SensorInfo::id);
     const auto twice = std::ranges::adjacent_find(infos, {}, &SensorInfo::id);
     require(twice == infos.end(),
@@ -222,26 +265,15 @@ void examine(RecordedTest& test, const QualityControlSettings& settings) {
                                         : SensorTrajectory{});
 }
 
-std::string quality_control_report(const RecordedTest& test) {
-    std::string text;
-    for (const Finding& f : test.findings)
-        if (f.sensor == test_machine)
-            text +=
-                fmt::format("test machine: {}{}: {}\n",
-                            f.kind == Finding::Kind::refusal ? "refused: " : "", f.check, f.text);
-    if (text.empty())
-        text = fmt::format("test machine: {} records, no findings\n", test.measured.size());
-    return text + quality_control_report(test.findings, test.recordings);
-}
-
 RecordedTest read_recorded_test(const std::filesystem::path& folder, double pressure,
                                 const std::vector<SensorInfo>& infos,
                                 const QualityControlSettings& settings) {
     RecordedTest test;
     test.pressure = pressure;
-    test.recordings = recordings_of(folder / folder_of(pressure),
-                                    infos_of_test(folder, pressure, infos), settings.columns);
-    Bench bench = bench_of(folder / folder_of(pressure), pressure, settings.machine_columns);
+    const auto of_test = folder_of_test(folder, pressure);
+    test.recordings =
+        recordings_of(of_test, infos_of_test(folder, pressure, infos), settings.columns);
+    Bench bench = bench_of(of_test, pressure, settings.machine_columns);
     test.measured = std::move(bench.points);
     test.clock = std::move(bench.clock);
     examine(test, settings);
@@ -253,7 +285,7 @@ void write_recorded_test(const std::filesystem::path& folder, double pressure,
                          const std::vector<SmartRockPose>& poses,
                          const std::vector<TriaxialPoint>& measured) {
     const auto of_test = folder / folder_of(pressure);
-    for (const Recording& r : recordings)
+    for (const Recording& r : with_poses(recordings, specimen, poses))
         write_sensor_info(folder / fmt::format("rock_{:02}.txt", r.info.id), r.info);
     write_recordings(of_test / "recordings.csv", recordings,
                      {"Sensor rocks in a triaxial test. t: clock of the sensor (s); strain: axial "
@@ -262,7 +294,6 @@ void write_recorded_test(const std::filesystem::path& folder, double pressure,
                       "axes, means since the previous sample.",
                       "ux uy uz: displacement (m), qw qx qy qz: attitude, body to world, as from "
                       "another means of tracking."});
-    write_poses(folder, specimen, poses);
     std::vector<std::vector<double>> rows;
     std::vector<std::string> names{"axial_strain", "deviatoric_stress_Pa", "volumetric_strain"};
     for (std::size_t r = 1; r <= measured.front().ring_radius.size(); ++r)
@@ -284,8 +315,7 @@ void write_recorded_test_hdf5(const std::filesystem::path& folder, double pressu
                               const std::vector<TriaxialPoint>& measured,
                               const std::vector<double>& time) {
     const auto path = folder / folder_of(pressure) / "recordings.h5";
-    write_poses(folder, specimen, poses);
-    write_recordings_hdf5(path, recordings);
+    write_recordings_hdf5(path, with_poses(recordings, specimen, poses));
     write_bench(path, measured, time, pi * specimen.radius * specimen.radius, pressure);
 }
 

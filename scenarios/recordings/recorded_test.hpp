@@ -44,9 +44,6 @@ struct QualityControlSettings {
 /// trajectories of the sensors that are accepted, and removes wrong measurements of the machine.
 void examine(RecordedTest& test, const QualityControlSettings& settings);
 
-/// Text for people: the findings, or their absence, for the test machine and for each sensor.
-std::string quality_control_report(const RecordedTest& test);
-
 /// The columns that test.csv may have, with the units that a column map may give.
 const std::vector<KnownColumn>& machine_columns();
 
@@ -60,6 +57,9 @@ std::vector<SensorInfo> read_sensor_infos(const std::filesystem::path& folder);
 /// InputError, OutputError.
 std::vector<SensorInfo> infos_of_test(const std::filesystem::path& folder, double pressure,
                                       std::vector<SensorInfo> infos);
+
+/// The question whether 1000 times this pressure (Pa) is meant, if there is a folder for that; "".
+std::string hint_at_pressure(double pressure, const std::vector<std::string>& folders);
 
 /// Reads the test at one pressure (Pa) and runs its quality control. `infos`: see infos_of_test.
 /// Throws InputError with file:line, also if two files contain the same data; OutputError.

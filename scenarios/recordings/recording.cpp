@@ -36,6 +36,12 @@ void SensorInfo::set_pose(const Vec3& position, const Quat& attitude) {
     std::tie(qw, qx, qy, qz) = std::tuple(attitude.w(), attitude.x(), attitude.y(), attitude.z());
 }
 
+void SensorInfo::set_placed(const Vec3& relative, const Quat& attitude) {
+    std::tie(placed_x, placed_y, placed_z) = std::tuple(relative.x(), relative.y(), relative.z());
+    std::tie(placed_qw, placed_qx, placed_qy, placed_qz) =
+        std::tuple(attitude.w(), attitude.x(), attitude.y(), attitude.z());
+}
+
 double SensorInfo::tesla() const {
     return field_unit == "uT"   ? 1e-6
            : field_unit == "nT" ? 1e-9
@@ -65,6 +71,14 @@ void check_sensor_info(const SensorInfo& info, const std::string& where) {
         require(std::abs(q.norm() - 1) < 1e-3,
                 fmt::format("{}: {}: expected a unit quaternion, found one of norm {:.6g}", where,
                             what, q.norm()));
+    const double norm = info.placed_attitude().norm();
+    require(!info.is_placed() || std::abs(norm - 1) < 1e-3,
+            fmt::format("{}: placed_qw qx qy qz: expected a unit quaternion, found one of norm "
+                        "{:.6g}",
+                        where, norm));
+    require(info.is_placed() || info.placed_position() == Vec3::Zero(),
+            fmt::format("{}: expected placed_qw qx qy qz with placed_x_over_radius, found none",
+                        where));
 }
 
 SensorInfo read_sensor_info(const std::filesystem::path& path) {

@@ -23,8 +23,12 @@ struct SensorInfo {
     unsigned id = 0;
     double x = 0, y = 0, z = 0;            ///< m, centre of the rock at the start, world frame
     double qw = 1, qx = 0, qy = 0, qz = 0; ///< attitude at the start, body to world
-    double position_deviation = 3e-3;      ///< m, standard deviation of the initial position
-    double attitude_deviation = 2;         ///< degrees, standard deviation of the initial attitude
+    /// Pose in which the rock was placed when the specimen was built: relative to the radius (x, y)
+    /// and the height (z) of the mould. A quaternion of 0: not known.
+    double placed_x = 0, placed_y = 0, placed_z = 0;
+    double placed_qw = 0, placed_qx = 0, placed_qy = 0, placed_qz = 0;
+    double position_deviation = 3e-3; ///< m, standard deviation of the initial position
+    double attitude_deviation = 2;    ///< degrees, standard deviation of the initial attitude
     /// Lever arm from the centre to the sensor, m, in body axes.
     double arm_x = 0, arm_y = 0, arm_z = 0;
     /// Rotation from the axes of the sensor to those of the body.
@@ -52,6 +56,10 @@ struct SensorInfo {
     void set_pose(const Vec3& position, const Quat& attitude);
     Vec3 position() const { return {x, y, z}; }
     Quat attitude() const { return Quat(qw, qx, qy, qz).normalized(); }
+    void set_placed(const Vec3& relative, const Quat& attitude);
+    Vec3 placed_position() const { return {placed_x, placed_y, placed_z}; }
+    Quat placed_attitude() const { return {placed_qw, placed_qx, placed_qy, placed_qz}; }
+    bool is_placed() const { return placed_attitude().norm() > 0; }
     Quat mounting() const {
         return Quat(mounting_w, mounting_x, mounting_y, mounting_z).normalized();
     }
@@ -160,6 +168,21 @@ void SensorInfo::describe(auto& option) {
     option("qx", qx, "", "Attitude at the start, body to world: quaternion, x.", within(-1, 1));
     option("qy", qy, "", "Attitude at the start, body to world: quaternion, y.", within(-1, 1));
     option("qz", qz, "", "Attitude at the start, body to world: quaternion, z.", within(-1, 1));
+    option("placed_x_over_radius", placed_x, "",
+           "Coordinate x, over the radius of the specimen, where the rock was placed when the "
+           "specimen was built. All names that begin with placed_ may be omitted: then the rock "
+           "was placed as it is at the start.");
+    option("placed_y_over_radius", placed_y, "", "Coordinate y, over the radius, likewise.");
+    option("placed_z_over_height", placed_z, "",
+           "Coordinate z, over the height of the specimen, likewise.");
+    option("placed_qw", placed_qw, "", "Attitude in which it was placed: quaternion, w.",
+           within(-1, 1));
+    option("placed_qx", placed_qx, "", "Attitude in which it was placed: quaternion, x.",
+           within(-1, 1));
+    option("placed_qy", placed_qy, "", "Attitude in which it was placed: quaternion, y.",
+           within(-1, 1));
+    option("placed_qz", placed_qz, "", "Attitude in which it was placed: quaternion, z.",
+           within(-1, 1));
     option("position_deviation", position_deviation, "m",
            "Standard deviation of the position at the start.", above(0));
     option("attitude_deviation", attitude_deviation, "degrees",

@@ -93,15 +93,4 @@ std::vector<Observability> observability_of(const Recording& recording, double d
     return all;
 }
 
-std::string observability(const std::vector<Recording>& recordings, double duration, double drift,
-                          double turn) {
-    std::string text = "sensor  direction  by                      deviation   gain  verdict\n";
-    for (const Recording& r : recordings)
-        for (const Observability& entry : observability_of(r, duration, drift, turn))
-            text += fmt::format("{:6}  {:<9}  {:<22}  {:9.2g}  {:5.2f}  {}\n", r.info.id,
-                                entry.direction, entry.source, entry.deviation, entry.gain,
-                                entry.observable() ? "observable" : "not observable");
-    return text;
-}
-
 } // namespace bris

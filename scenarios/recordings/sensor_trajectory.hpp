@@ -31,7 +31,8 @@ struct Observability {
     std::string source;    ///< channel that observes it
     double deviation; ///< m or rad, standard deviation of the measurement at the end of the test
     double gain;      ///< 1 - P+/P-: share of the variance of the model that it removes
-    bool observable() const { return gain > 0.1; }
+    static constexpr double least_gain = 0.1;
+    bool observable() const { return gain > least_gain; }
 };
 
 /// Observability in a test of `duration` (s) during which a model drifts by the standard deviations
@@ -40,8 +41,5 @@ struct Observability {
 /// (heading.hpp) but is not fused: its entry states what could be observed.
 std::vector<Observability> observability_of(const Recording& recording, double duration,
                                             double drift, double turn);
-/// The same for several recordings, as a table for people.
-std::string observability(const std::vector<Recording>& recordings, double duration, double drift,
-                          double turn);
 
 } // namespace bris

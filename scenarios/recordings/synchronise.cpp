@@ -51,10 +51,11 @@ private:
         const double unsure = 3 * r_.info.clock_offset_deviation,
                      strain = unsure * median(std::move(rates));
         if (strain > interval)
-            return refuse(fmt::format("clock_offset is known to {:.2g} s, during which the axial "
-                                      "strain grows by {:.2g} %, expected at most {:.2g} %: give "
-                                      "strain, phase or a more accurate clock_offset",
-                                      unsure, 100 * strain, 100 * interval));
+            return refuse(fmt::format(
+                "clock_offset is known to {:.2g} s, during which the axial "
+                "strain grows by {:.2g} %, expected at most {:.2g} % (--interval): give "
+                "strain, phase or a more accurate clock_offset",
+                unsure, 100 * strain, 100 * interval));
         std::vector<double> t;
         for (const double own : r_.time) t.push_back(own - r_.info.clock_offset);
         take(clock_.by_time, t, "s", ": give clock_offset");

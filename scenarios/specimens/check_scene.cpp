@@ -8,6 +8,7 @@
 #include "engine/errors.hpp"
 #include "engine/options.hpp"
 #include "engine/ordering.hpp"
+#include "systems/contact/stable_step.hpp"
 
 #include <fmt/format.h>
 
@@ -158,6 +159,24 @@ void check_scene(const World& world, LawName law) {
     if (world.has_resource<LocalDamping>())
         expect("scene", "local damping", world.resource<LocalDamping>().fraction,
                Range{.low = 0, .high = 1, .high_accepted = false}, "");
+}
+
+void check_first_step(const World& world) {
+    const double step = world.resource<Clock>().dt, stable = stable_step_of_first_contact(world);
+    require(step <= stable,
+            fmt::format("--step: expected at most the stable step {:.3g} s, found {:.3g} s", stable,
+                        step));
+}
+
+double checked_stable_step(const World& world) {
+    const Clock& clock = world.resource<Clock>();
+    const double stable = stable_step(world);
+    if (clock.dt > stable)
+        throw SimulationError(
+            fmt::format("step {}, time {:.6g} s: --step: expected at most the stable step {:.3g} s "
+                        "of the contacts that have formed, found {:.3g} s",
+                        clock.step, clock.time(), stable, clock.dt));
+    return stable;
 }
 
 } // namespace bris

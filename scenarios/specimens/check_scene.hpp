@@ -17,4 +17,12 @@ void check_scene(const World& world, LawName law);
 /// rebuilt in the first step.
 void check_overlaps(World& world);
 
+/// Checks the time step of a scene before its first step, in which nothing needs to touch yet.
+/// Throws InputError, naming --step, if it is longer than the stable step of a first contact.
+void check_first_step(const World& world);
+
+/// Returns the stable step (s) of the contacts that have formed. Throws SimulationError, naming
+/// --step, if the time step is longer.
+double checked_stable_step(const World& world);
+
 } // namespace bris

@@ -7,6 +7,7 @@
 #include "components/platen.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
+#include "engine/errors.hpp"
 #include "engine/ordering.hpp"
 #include "engine/random.hpp"
 #include "engine/simulation.hpp"
@@ -189,7 +190,8 @@ Simulation make_pushing(const World& world, LawName law, const RelaxSettings& se
     part_coincident(copy);
     invalidate_lists(copy);
     copy.resource<Clock>().dt = 1e-9 * stable_step_of_first_contact(copy); // to find the contacts
-    return Simulation(std::move(copy), steps(smooth), settings.threads);
+    const PatchStiffness patch = copy.resource<Materials>().policy.patch;
+    return Simulation(std::move(copy), steps(smooth, false, patch), settings.threads);
 }
 
 } // namespace
@@ -233,6 +235,13 @@ Relaxed relax(World& world, LawName law, const RelaxSettings& settings) {
     }
     take_places(world, now);
     return r;
+}
+
+void relax_start(World& world, LawName law, unsigned threads) {
+    const Relaxed r = relax(world, law, {.threads = threads});
+    fmt::print("relaxed in {} steps: largest overlap from {:.3g} to {:.3g} of a diameter\n",
+               r.steps, r.first_overlap, r.overlap);
+    if (!r.done) throw SimulationError(r.left);
 }
 
 } // namespace bris

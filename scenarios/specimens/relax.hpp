@@ -45,4 +45,8 @@ struct Relaxed {
 /// scene must be complete and have no pair lists.
 Relaxed relax(World& world, LawName law, const RelaxSettings& settings = {});
 
+/// Relaxes the start of a run and prints by how much. Throws SimulationError if large overlaps are
+/// left.
+void relax_start(World& world, LawName law, unsigned threads);
+
 } // namespace bris

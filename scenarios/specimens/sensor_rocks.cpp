@@ -49,8 +49,7 @@ std::vector<SmartRockPose> smart_rock_poses(const SensorRoom& room, std::uint64_
     return poses;
 }
 
-std::vector<SmartRockPose> read_smart_rock_poses(const std::filesystem::path& csv,
-                                                 const SensorRoom& room) {
+std::vector<GivenPose> read_sensor_poses(const std::filesystem::path& csv) {
     const CsvTable table = read_csv(csv);
     std::array<std::vector<double>, 7> columns;
     const std::array<const char*, 7> names{
@@ -58,29 +57,38 @@ std::vector<SmartRockPose> read_smart_rock_poses(const std::filesystem::path& cs
     for (std::size_t c = 0; c < columns.size(); ++c) columns[c] = table.column(names[c]);
     require(!table.rows.empty(),
             csv.string() + ": expected a line for each sensor rock, found none");
+    std::vector<GivenPose> poses;
+    for (std::size_t r = 0; r < table.rows.size(); ++r)
+        poses.push_back(
+            {.position = Vec3(columns[0][r], columns[1][r], columns[2][r]),
+             .orientation = Quat(columns[3][r], columns[4][r], columns[5][r], columns[6][r]),
+             .where = fmt::format("{}:{}", csv.string(), table.lines[r])});
+    return poses;
+}
+
+std::vector<SmartRockPose> placed_in(const SensorRoom& room, const std::vector<GivenPose>& given) {
     std::vector<SmartRockPose> poses;
-    for (std::size_t r = 0; r < table.rows.size(); ++r) {
-        const auto where = fmt::format("{}:{}: ", csv.string(), table.lines[r]);
-        const Vec3 x(columns[0][r] * room.radius, columns[1][r] * room.radius,
-                     columns[2][r] * room.height);
+    for (const GivenPose& g : given) {
+        const Vec3 x = g.is_relative
+                           ? Vec3(g.position.x() * room.radius, g.position.y() * room.radius,
+                                  g.position.z() * room.height)
+                           : g.position;
         const double away = std::hypot(x.x(), x.y());
         require(away + 0.9 * room.bounding_radius <= room.radius && x.z() > 0 &&
                     x.z() < room.height,
-                where + fmt::format("expected a sensor rock inside the mould (radius {:g} m, "
-                                    "height {:g} m), found one of "
-                                    "radius {:g} m at ({:g}, {:g}, {:g}) m",
-                                    room.radius, room.height, room.bounding_radius, x.x(), x.y(),
-                                    x.z()));
-        const Quat q(columns[3][r], columns[4][r], columns[5][r], columns[6][r]);
-        require(std::abs(q.norm() - 1) < 1e-3,
-                where +
-                    fmt::format("expected a unit quaternion, found one of length {:g}", q.norm()));
+                fmt::format("{}: expected a sensor rock inside the mould (radius {:g} m, height "
+                            "{:g} m), found one of radius {:g} m at ({:g}, {:g}, {:g}) m",
+                            g.where, room.radius, room.height, room.bounding_radius, x.x(), x.y(),
+                            x.z()));
+        require(std::abs(g.orientation.norm() - 1) < 1e-3,
+                fmt::format("{}: expected a unit quaternion, found one of length {:g}", g.where,
+                            g.orientation.norm()));
         for (std::size_t k = 0; k < poses.size(); ++k)
             require((poses[k].position - x).norm() >= 1.6 * room.bounding_radius,
-                    where + fmt::format("expected sensor rocks clear of each other, found it {:g} "
-                                        "m from that of line {}",
-                                        (poses[k].position - x).norm(), table.lines[k]));
-        poses.push_back({x, q.normalized()});
+                    fmt::format("{}: expected sensor rocks clear of each other, found it {:g} m "
+                                "from that of {}",
+                                g.where, (poses[k].position - x).norm(), given[k].where));
+        poses.push_back({x, g.orientation.normalized()});
     }
     return poses;
 }

@@ -3,6 +3,7 @@
 #include "engine/math.hpp"
 
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace bris {
@@ -30,10 +31,20 @@ std::size_t smart_rock_count(const SensorRoom& room);
 std::vector<SmartRockPose> smart_rock_poses(const SensorRoom& room, std::uint64_t seed,
                                             std::size_t count);
 
+/// A pose by a file, before the size of the mould is known.
+struct GivenPose {
+    Vec3 position; ///< relative to the radius (x, y) and the height (z) of the mould, or m
+    Quat orientation;
+    bool is_relative = true;
+    std::string where; ///< file and line, or sensor, for messages
+};
+
 /// Reads poses from a CSV file with a row for each sensor rock: x_over_radius, y_over_radius,
-/// z_over_height, qw, qx, qy, qz (a unit quaternion, principal axes to world). Throws InputError
-/// with file:line for a sensor rock outside the mould or too close to another one.
-std::vector<SmartRockPose> read_smart_rock_poses(const std::filesystem::path& csv,
-                                                 const SensorRoom& room);
+/// z_over_height, qw, qx, qy, qz (a unit quaternion, principal axes to world). Throws InputError.
+std::vector<GivenPose> read_sensor_poses(const std::filesystem::path& csv);
+
+/// Places sensor rocks in a mould. Throws InputError for one outside the mould, too close to
+/// another one, or with a quaternion that is not a unit quaternion.
+std::vector<SmartRockPose> placed_in(const SensorRoom& room, const std::vector<GivenPose>& given);
 
 } // namespace bris

@@ -3,6 +3,7 @@
 #include "scenarios/specimens/check_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/energy_budget.hpp"
+#include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
 
 namespace bris {
@@ -15,8 +16,15 @@ Simulation start(World world, const StartSettings& s) {
 Simulation start_unchecked(World world, const StartSettings& s) {
     add_lists(world, s.law, s.lists);
     if (s.energy_budget) add_energy_budget(world);
-    Simulation simulation(std::move(world), steps(s.law, s.energy_budget), s.threads, s.schedule);
+    const PatchStiffness patch = world.resource<Materials>().policy.patch;
+    Simulation simulation(std::move(world), steps(s.law, s.energy_budget, patch), s.threads,
+                          s.schedule);
     simulation.on_restore(forget_lists);
+    if (s.sleep > 0) {
+        const double weight = simulation.world().resource<Gravity>().value.norm();
+        add_sleep(simulation.world(), {.acceleration = s.sleep * weight});
+        simulation.prepare();
+    }
     return simulation;
 }
 

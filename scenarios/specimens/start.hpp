@@ -13,6 +13,8 @@ struct StartSettings {
     ListSettings lists = {};
     ScheduleSettings schedule = {};
     bool energy_budget = false; ///< accumulates the energy budget
+    /// Unbalanced force, relative to the weight, below which bodies sleep (add_sleep); 0: none do.
+    double sleep = 0;
 };
 
 /// Makes the simulation of a complete scene: checks the scene, and adds the neighbour lists and the

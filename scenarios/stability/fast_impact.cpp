@@ -24,14 +24,14 @@ constexpr std::array targets{"a plane", "a facet", "an edge of a facet", "a sphe
 
 /// Velocity after the rebound relative to the speed before, or the message with which the engine
 /// refused the impact.
-struct Shot {
+struct Rebound {
     std::optional<Vec3> velocity;
     std::string refusal;
 };
 
-/// Shoots a sphere at a target. It moves by `step_ratio` radii in a time step, and the contact time
-/// has `steps` time steps.
-Shot shoot(Target target, double step_ratio, double steps) {
+/// The rebound of a sphere from a target. It moves by `step_ratio` radii in a time step, and the
+/// contact time has `steps` time steps.
+Rebound rebound_of(Target target, double step_ratio, double steps) {
     World world = make_world(Grains::spheres);
     const auto grain = world.resource<Materials>().add(linear_material(kn, 0, 0, density));
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, grain);
@@ -56,17 +56,17 @@ Shot shoot(Target target, double step_ratio, double steps) {
     Simulation simulation =
         begin(std::move(world), {.dt = dt, .law = LawName::linear_frictionless});
     const auto needed = static_cast<std::uint64_t>(1.5 * steps + gap / (speed * dt) * 2) + 5;
-    Shot shot;
-    shot.refusal = refusal_of([&] { simulation.advance(needed); });
-    if (shot.refusal.empty()) shot.velocity = value_of<Velocity>(simulation, ball) / speed;
-    return shot;
+    Rebound rebound;
+    rebound.refusal = refusal_of([&] { simulation.advance(needed); });
+    if (rebound.refusal.empty()) rebound.velocity = value_of<Velocity>(simulation, ball) / speed;
+    return rebound;
 }
 
 void add_impacts(StressRows& rows) {
     for (std::size_t t = 0; t < targets.size(); ++t) {
         const auto target = static_cast<Target>(t);
         for (const double step_ratio : {0.001, 0.01, 0.1, 0.3, 1.0, 2.0, 5.0}) {
-            const Shot coarse = shoot(target, step_ratio, 50);
+            const Rebound coarse = rebound_of(target, step_ratio, 50);
             const std::string what =
                 fmt::format("a sphere moving {} radii per step hits {}", step_ratio, targets[t]);
             const char* criterion = "refused, or within 1 % of a run with steps 100 times finer";
@@ -76,7 +76,7 @@ void add_impacts(StressRows& rows) {
                 rows.push_back({"S10", what, criterion, coarse.refusal, deep});
                 continue;
             }
-            const Shot fine = shoot(target, step_ratio / 100, 5000);
+            const Rebound fine = rebound_of(target, step_ratio / 100, 5000);
             const double error = fine.velocity ? (*coarse.velocity - *fine.velocity).norm() : 1;
             rows.push_back({"S10", what, criterion,
                             fmt::format("error of the rebound {:.2g} %", 100 * error),

@@ -152,7 +152,7 @@ void add_heavy_on_light(StressRows& rows) {
     const std::string refusal =
         refusal_of([&] { find_equilibrium(simulation, {.ratio = 1e-5, .longest = 1'000'000}); });
     const Quantities q = compute_quantities(simulation.world());
-    const double carried = q.boundary_force.z() / q.weight.z(),
+    const double carried = q.boundary_force_over_weight(),
                  gone =
                      (value_of<Position>(simulation, 0) - Vec3(beside, 0, radius)).head<2>().norm();
     rows.push_back(

@@ -30,6 +30,7 @@ constexpr std::uint64_t porosity_steps = 250;  // between measurements of porosi
 constexpr std::uint64_t exchange_steps = 2000;
 // increase of the core porosity from the compaction pressure to the confining pressure of a test
 constexpr double swelling = 0.002;
+constexpr double compacted_within = 0.5; // of the tolerance of the porosity
 constexpr std::uint64_t vibration_stream = 3001, exchange_stream = 4001;
 
 template <class... Columns>
@@ -154,7 +155,7 @@ void TriaxialTest::compact() {
     if (measured) state.prepared_porosity = porosity(world, core(world), 120);
     // after an exchange some rocks are below full size, so a porosity counts only when none is
     const bool wanted = std::abs(state.prepared_porosity + swelling - settings_.porosity) <=
-                        0.5 * settings_.porosity_tolerance;
+                        compacted_within * settings_.porosity_tolerance;
     const bool exchanging = state.phase_steps / exchange_steps % 2 == 0;
     const auto squeezed = largest_overlaps(world);
     if (exchanging) exchange_rocks(world, squeezed, state.phase_steps, rocks.size() / 20, wanted);
@@ -168,6 +169,21 @@ void TriaxialTest::compact() {
                     "after {} steps; try a lower compaction friction or a higher porosity",
                     settings_.porosity, settings_.porosity_tolerance, state.prepared_porosity,
                     world.resource<Platen>().pressure / 1e3, state.phase_steps));
+}
+
+std::string TriaxialTest::compaction_status() const {
+    const World& world = std::as_const(simulation_).world();
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    const auto growth = world.column<Bodies, Growth>();
+    const auto small = std::ranges::count_if(world.resource<Specimen>().rocks,
+                                             [&](EntityId id) { return growth[rows[id]] < 1; });
+    const double found = state().prepared_porosity;
+    return fmt::format(
+        "core porosity {} (target {:.3f} +- {:.4f}, for {:.3f} in the test), {} rocks still "
+        "growing, step {} of at most {}",
+        found < 1 ? fmt::format("{:.3f}", found) : "unknown", settings_.porosity - swelling,
+        compacted_within * settings_.porosity_tolerance, settings_.porosity, small,
+        state().phase_steps, settings_.longest_compaction);
 }
 
 } // namespace bris

@@ -18,6 +18,8 @@ namespace bris {
 
 namespace {
 
+constexpr std::uint64_t least_steps = 1000; // before the first check of equilibrium
+
 /// Sets all velocities to zero.
 void stop_rocks(World& world) {
     const auto stop = [&]<class Column>() {
@@ -74,11 +76,20 @@ void TriaxialTest::consolidate() {
     world.resource<Platen>().target_pressure = settings_.confining_pressure;
     run(50);
     if (state.phase_steps % 500 == 0) rescale();
-    if (state.phase_steps >= 1000 && is_in_equilibrium()) return start_shear();
+    if (state.phase_steps >= least_steps && is_in_equilibrium()) return start_shear();
     if (state.phase_steps > 10 * settings_.longest_stage)
         throw SimulationError(
             fmt::format("consolidation: no equilibrium after {} steps: unbalanced ratio {:.2e}",
                         state.phase_steps, compute_balance(world).unbalanced_ratio));
+}
+
+std::string TriaxialTest::consolidation_status() const {
+    const std::uint64_t step = state().phase_steps;
+    if (step < least_steps) return fmt::format("step {} of at least {}", step, least_steps);
+    return fmt::format("unbalanced force ratio {:.1e} (target {:.0e}), pressure error {:.1f} % "
+                       "(target {:g} %), step {}",
+                       unbalanced_ratio_, settings_.tolerance, 100 * pressure_error_,
+                       100 * settings_.pressure_tolerance, step);
 }
 
 void TriaxialTest::start_shear() {
@@ -92,7 +103,7 @@ void TriaxialTest::start_shear() {
     state.core_porosity = porosity(world, core(world), 240);
     for (const SensorDrift& d : sensor_drift(world)) {
         state.drift = std::max(state.drift, (d.now - d.given).norm());
-        state.turn = std::max(state.turn, d.turn);
+        state.rotation = std::max(state.rotation, d.rotation);
     }
     platen.controlled = false;
     platen.speed = 0;

@@ -134,4 +134,18 @@ void TriaxialTest::fill() {
     rescale();
 }
 
+PhaseProgress TriaxialTest::filling_progress() const {
+    const World& world = std::as_const(simulation_).world();
+    const std::uint64_t lift = state().lift;
+    const auto rocks = rocks_of_lift(world.resource<Specimen>(), lift, settings_.lifts);
+    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
+    double size = 0; // mean, relative to full size
+    for (const EntityId id : rocks) size += world.column<Bodies, Growth>()[rows[id]];
+    size /= static_cast<double>(rocks.size());
+    const double grown = (size - first_scale) / (1 - first_scale);
+    return {"filling", (static_cast<double>(lift) + grown) / settings_.lifts,
+            fmt::format("lift {} of {}, rocks at {:.0f} % of their size", lift + 1, settings_.lifts,
+                        std::floor(100 * size))};
+}
+
 } // namespace bris

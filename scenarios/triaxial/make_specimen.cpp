@@ -1,5 +1,7 @@
 #include "scenarios/triaxial/make_specimen.hpp"
 
+#include "engine/resume.hpp"
+
 #include <algorithm>
 #include <array>
 
@@ -37,21 +39,30 @@ std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all)
     return some;
 }
 
+Common common_of_specimen(const Common& common) {
+    Common own = common;
+    own.scenario = "specimen";
+    own.settings = settings_of_specimen(common.settings);
+    if (std::filesystem::is_directory(common.resume)) own.resume /= specimen_file;
+    return own;
+}
+
 } // namespace
+
+void require_same_specimen(const Common& common) {
+    const Common own = common_of_specimen(common);
+    if (!own.resume.empty()) (void)checkpoint_to_resume(own.resume, own.scenario, own.settings);
+}
 
 MadeSpecimen make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings,
                            const Common& common, const ReportProgress& report,
                            const std::function<void(Simulation&, TriaxialTest&)>& begin) {
-    Common of_specimen = common;
-    of_specimen.scenario = "specimen";
-    of_specimen.settings = settings_of_specimen(common.settings);
+    const Common of_specimen = common_of_specimen(common);
     Simulation simulation = make_simulation(scene, common.threads, common.serial);
     TriaxialTest test(simulation, settings);
     Run run(simulation, of_specimen, "specimen", report);
-    if (std::filesystem::is_directory(common.resume))
-        run.resume(common.resume / specimen_file);
-    else if (!common.resume.empty())
-        run.resume(common.resume);
+    if (!of_specimen.resume.empty())
+        run.resume(of_specimen.resume);
     else if (begin)
         begin(simulation, test);
     const auto is_made = [&] { return test.state().phase >= TriaxialPhase::consolidate; };

@@ -19,6 +19,10 @@ struct MadeSpecimen {
     StepCount count;         ///< steps and wall time of this process
 };
 
+/// Throws InputError, listing all differing settings, if --resume names a specimen that was made
+/// with others than those of this run. Scenarios call this before they print anything.
+void require_same_specimen(const Common& common);
+
 /// Makes the specimen of a scene, up to the moment before the confining pressure is applied, on
 /// `common.threads` threads. If `common.resume` names a checkpoint of the specimen, or a folder
 /// with one, it continues from there. The specimen is saved as specimen.ckpt.h5 in the results

@@ -36,7 +36,7 @@ double wall_contact_stiffness(const World& world);
 struct SensorDrift {
     EntityId body;
     Vec3 given, now; ///< m
-    double turn;     ///< rad
+    double rotation; ///< rad
 };
 std::vector<SensorDrift> sensor_drift(const World& world);
 

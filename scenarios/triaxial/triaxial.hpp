@@ -42,7 +42,7 @@ struct TriaxialSettings {
     /// Scale masses from consolidation on; otherwise masses are true and the time step follows the
     /// contacts.
     bool mass_scaling = true;
-    bool gravity = false; ///< keep gravity during the test
+    bool gravity = false; ///< from consolidation on; while the specimen is made there is none
 };
 
 enum class TriaxialPhase : std::uint32_t { fill, compact, consolidate, shear, done };
@@ -62,12 +62,12 @@ struct TriaxialState {
     double core_porosity = 0, global_porosity = 0; ///< at the start of shearing
     double prepared_porosity = 0;                  ///< of the core, at the end of compaction
     /// rad, largest rotation of a sensor rock from its given attitude, at the start of shearing.
-    double turn = 0;
+    double rotation = 0;
     /// One point at the start of shearing, and one at the end of each stage.
     std::vector<TriaxialPoint> points;
 
     static auto fields(auto& self) {
-        return std::tie(self.height, self.volume, self.drift, self.turn, self.core_porosity,
+        return std::tie(self.height, self.volume, self.drift, self.rotation, self.core_porosity,
                         self.global_porosity, self.prepared_porosity);
     }
     void save(Archive& archive) const;
@@ -108,11 +108,16 @@ private:
     bool analyse();
     void run(std::uint64_t steps);
     void keep_stable();
-    bool is_in_equilibrium() const;
+    bool is_in_equilibrium();
+    PhaseProgress filling_progress() const;
+    std::string compaction_status() const;
+    std::string consolidation_status() const;
     TriaxialPoint compute_point() const;
 
     Simulation& simulation_;
     TriaxialSettings settings_;
+    // of the last check of equilibrium, for the progress line
+    double unbalanced_ratio_ = 1, pressure_error_ = 1;
 };
 
 } // namespace bris

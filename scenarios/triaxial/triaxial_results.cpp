@@ -5,6 +5,8 @@
 #include "engine/options.hpp"
 #include "scenarios/triaxial/specimen_state.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 
 namespace bris {
@@ -136,15 +138,20 @@ void write_curve(const std::filesystem::path& csv, const std::vector<TriaxialPoi
 void write_sensor_drift(const std::filesystem::path& csv, const World& world) {
     std::vector<std::vector<double>> rows;
     for (const SensorDrift& d : sensor_drift(world))
-        rows.push_back({static_cast<double>(d.body), d.given.x(), d.given.y(), d.given.z(),
-                        d.now.x(), d.now.y(), d.now.z(), (d.now - d.given).norm(),
-                        d.turn * 180 / pi});
+        rows.push_back({static_cast<double>(rows.size() + 1), static_cast<double>(d.body),
+                        d.given.x(), d.given.y(), d.given.z(), d.now.x(), d.now.y(), d.now.z(),
+                        (d.now - d.given).norm(), d.rotation * 180 / pi});
     write_csv(
         csv,
-        {"id", "given_x_m", "given_y_m", "given_z_m", "x_m", "y_m", "z_m", "drift_m", "turn_deg"},
+        {"sensor", "body", "given_x_m", "given_y_m", "given_z_m", "x_m", "y_m", "z_m", "drift_m",
+         "rotation_deg"},
         rows,
-        {"poses of the sensor rocks at the start of shearing, compared with their given poses"}, 9);
+        {"poses of the sensor rocks at the start of shearing, compared with their given poses",
+         "sensor: numbered from 1; body: number in the run file, whose bodies are numbered from 0"},
+        9);
 }
+
+std::string label_of(double pressure) { return fmt::format("{:.4g} kPa", pressure / 1e3); }
 
 Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& points, double scale,
                double TriaxialPoint::*value, Curve::Style style) {

@@ -49,6 +49,9 @@ void write_curve(const std::filesystem::path& csv, const std::vector<TriaxialPoi
 /// Writes a CSV file with the given and the present pose of each sensor rock. Throws OutputError.
 void write_sensor_drift(const std::filesystem::path& csv, const World& world);
 
+/// A confining pressure (Pa) in the label of a curve, as "55 kPa".
+std::string label_of(double pressure);
+
 /// A labelled curve of one test.
 struct TestCurve {
     std::string label;

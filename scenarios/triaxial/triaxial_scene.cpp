@@ -4,6 +4,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/memory.hpp"
+#include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/rocks/clump_library.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
 #include "scenarios/specimens/start.hpp"
@@ -90,9 +91,10 @@ TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
         s.specimen.height = 4 * s.specimen.radius;
         return SensorRoom{s.specimen.radius, s.specimen.height, largest_radius(s.smart_rocks)};
     };
-    if (!t.sensor_poses.empty()) {
-        s.poses =
-            read_smart_rock_poses(t.sensor_poses, room_for(read_csv(t.sensor_poses).rows.size()));
+    const auto given =
+        t.sensor_poses.empty() ? t.recorded_poses : read_sensor_poses(t.sensor_poses);
+    if (!given.empty()) {
+        s.poses = placed_in(room_for(given.size()), given);
     } else {
         const std::size_t sensors = smart_rock_count(room_for(10));
         s.poses = smart_rock_poses(room_for(sensors), seed, sensors);
@@ -125,9 +127,21 @@ void refuse_friction(const Triaxial& settings) {
 }
 
 Triaxial with_recorded_poses(Triaxial test, const std::filesystem::path& recordings) {
-    const auto poses = recordings / "sensor_poses.csv";
-    if (test.sensor_poses.empty() && std::filesystem::exists(poses)) test.sensor_poses = poses;
+    for (const SensorInfo& info : read_sensor_infos(recordings))
+        test.recorded_poses.push_back(
+            {.position = info.is_placed() ? info.placed_position() : info.position(),
+             .orientation = info.is_placed() ? info.placed_attitude() : info.attitude(),
+             .is_relative = info.is_placed(),
+             .where = fmt::format("--recordings: sensor {}", info.id)});
     return test;
+}
+
+void require_sensor_for_each(const std::vector<SmartRockPose>& poses,
+                             const std::vector<SensorInfo>& infos) {
+    require(infos.size() == poses.size(),
+            fmt::format("--recordings, --sensor-poses: expected one file rock_NN.txt for each of "
+                        "the model's {} sensor rocks, found {}",
+                        poses.size(), infos.size()));
 }
 
 std::string explain_triaxial(const Triaxial& settings, const Common& common) {

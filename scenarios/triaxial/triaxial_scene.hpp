@@ -2,6 +2,7 @@
 
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
+#include "scenarios/recordings/recording.hpp"
 #include "scenarios/rocks/grading.hpp"
 #include "scenarios/specimens/specimen.hpp"
 #include "scenarios/triaxial/triaxial.hpp"
@@ -22,6 +23,8 @@ struct Triaxial {
     double initial_porosity = 0.37;
     std::string sensor_shape = "rock_01";
     std::filesystem::path sensor_poses;
+    /// Poses of the sensor rocks by a folder of recordings, unless sensor_poses gives others.
+    std::vector<GivenPose> recorded_poses = {};
     unsigned frame_stages = 10;
 
     void describe(auto& option) {
@@ -39,8 +42,9 @@ struct Triaxial {
                "Largest relative error of the pressure of each ring at the end of a stage.",
                within(1e-6, 0.1));
         option("gravity", test.gravity, "",
-               "Keep gravity during the test (the weight of the specimen is a fifth of the lowest "
-               "pressure).");
+               "Turn gravity on when consolidation begins. Otherwise there is none, so that the "
+               "pressure is the same at all heights (the weight of 400 rocks is 5 kPa at the "
+               "bottom).");
         option.group("Specimen");
         option("bodies", bodies, "", "Number of rocks, sensor rocks included.", within(60, 1e6));
         option("grading", grading, "", "Grading of the rocks, a file of assets/gradings.",
@@ -138,9 +142,13 @@ Simulation make_simulation(const TriaxialScene& scene, unsigned threads, bool se
 /// Refuses --friction where the model's friction is estimated. Throws InputError.
 void refuse_friction(const Triaxial& settings);
 
-/// The test with the poses of the sensor rocks that a folder of recordings has, unless it names
-/// others.
+/// The test with the poses of the sensor rocks that a folder of recordings gives. Throws InputError
+/// and OutputError.
 Triaxial with_recorded_poses(Triaxial test, const std::filesystem::path& recordings);
+
+/// Throws InputError unless there are as many descriptions of sensors as sensor rocks in the model.
+void require_sensor_for_each(const std::vector<SmartRockPose>& poses,
+                             const std::vector<SensorInfo>& infos);
 
 /// The text that --explain prints for a triaxial test.
 std::string explain_triaxial(const Triaxial& settings, const Common& common);

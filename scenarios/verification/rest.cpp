@@ -68,7 +68,7 @@ PackingResult run_experiment(const Packing& s) {
         sim.advance(1000);
         const Quantities q = compute_quantities(sim.world());
         r.unbalanced_ratio = q.unbalanced_ratio;
-        r.floor_force_error = std::abs(q.boundary_force.z() / q.weight.z() - 1);
+        r.floor_force_error = std::abs(q.boundary_force_over_weight() - 1);
         r.coordination = q.coordination;
         if (r.unbalanced_ratio < 1e-12) break;
     }

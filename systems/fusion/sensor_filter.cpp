@@ -2,6 +2,7 @@
 
 #include "engine/estimation/chi_squared.hpp"
 #include "engine/estimation/constant_velocity.hpp"
+#include "engine/signal/attitude.hpp"
 
 #include <limits>
 
@@ -124,7 +125,7 @@ Analysis SensorFilter::observe(const Measured& measured) {
     // the shortest rotation that aligns the upward vector leaves yaw to the model
     if (measured.up.allFinite()) {
         const Quat now = filter_.state.orientation;
-        take_attitude(Quat::FromTwoVectors(now * measured.up, Vec3::UnitZ()) * now,
+        take_attitude(shortest_rotation(now * measured.up, Vec3::UnitZ()) * now,
                       is_unit(measured.up));
     }
     if (measured.angular_velocity.allFinite())

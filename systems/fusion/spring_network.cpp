@@ -4,7 +4,9 @@
 #include "engine/signal/attitude.hpp"
 
 #include <Eigen/Cholesky>
+#include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 namespace bris {
@@ -15,8 +17,8 @@ using Mat6 = Eigen::Matrix<double, 6, 6, Eigen::DontAlign>;
 using Rows3x6 = Eigen::Matrix<double, 3, 6, Eigen::DontAlign>;
 using Motions = std::vector<Vector6>;
 
-constexpr auto no_motion =
-    "fusion: expected a motion of least energy of the contact network, found none";
+constexpr auto bad_stiffness = "fusion: contact network: expected stiffnesses that are finite and "
+                               "positive, found others";
 
 /// Matrix [1, -r x] that maps the shift and rotation of a body to the displacement of its point at
 /// r.
@@ -134,7 +136,7 @@ void DividedStiffness::divide(std::vector<Mat6> diagonal) {
             diagonal[i].noalias() -= L * L.transpose();
         }
         const Eigen::LLT<Mat6> root(diagonal[i]);
-        if (root.info() != Eigen::Success) throw SimulationError(no_motion);
+        if (root.info() != Eigen::Success) throw SimulationError(bad_stiffness);
         inverse_root_[i] = root.matrixL().solve(Mat6::Identity());
         for (std::size_t b = first_[i]; b < first_[i + 1]; ++b) {
             Mat6& L = blocks_[b].L;
@@ -191,7 +193,12 @@ std::vector<Vector6> motion_of_least_energy(const SpringNetwork& network, double
     double square = dot(missing, missing);
     const double end = tolerance * tolerance * square;
     for (std::size_t iteration = 0; !(square <= end); ++iteration) { // conjugate gradients
-        if (iteration > 6 * n) throw SimulationError(no_motion);
+        if (!std::isfinite(square)) throw SimulationError(bad_stiffness);
+        if (iteration > 6 * n)
+            throw SimulationError(fmt::format(
+                "fusion: contact network: expected a relative error of its motion below {:g} after "
+                "{} iterations, found {:.3g}",
+                tolerance, iteration, tolerance * std::sqrt(square / end)));
         stiffness.multiply(direction, product);
         const double step = square / dot(direction, product);
         for (std::size_t i = 0; i < n; ++i) {

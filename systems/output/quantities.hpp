@@ -26,6 +26,12 @@ struct Quantities {
     double unbalanced_ratio = 0;
     Vec3 boundary_force = Vec3::Zero(); ///< N, of all grains on all driven bodies
     Vec3 weight = Vec3::Zero();         ///< N, of all free bodies
+
+    /// Vertical force of all grains on all driven bodies over their weight: 1 at rest; 0 without
+    /// weight.
+    double boundary_force_over_weight() const {
+        return weight.z() < 0 ? boundary_force.z() / weight.z() : 0;
+    }
 };
 
 /// Computes the quantities of the world after the last step. Reads only.

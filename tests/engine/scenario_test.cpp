@@ -1,10 +1,14 @@
+#include "engine/assets.hpp"
 #include "engine/errors.hpp"
+#include "engine/exit_codes.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
+#include <cctype>
 #include <new>
 
 using namespace bris;
@@ -33,11 +37,13 @@ TEST_SUITE("engine/scenario") {
         const std::string out = (directory / "a" / "b").string();
         Common common;
         double height = 0;
+        bool is_there = false;
         const int code = exit_code(
             {"--height", "2", "--out", out, "--threads", "3", "--memory", "512", "--quiet"},
             [&](const Nothing& settings, const Common& given) {
                 common = given;
                 height = settings.height;
+                is_there = std::filesystem::is_directory(given.out);
             });
         CHECK(code == 0);
         CHECK(height == 2);
@@ -46,7 +52,7 @@ TEST_SUITE("engine/scenario") {
         CHECK(common.memory_limit == std::uint64_t{512} << 30);
         CHECK(common.quiet);
         CHECK(common.seed == 1);
-        CHECK(std::filesystem::is_directory(out));
+        CHECK(is_there);
         REQUIRE_FALSE(common.settings.empty());
         CHECK(common.settings.front().key == "height_m");
         CHECK(common.arguments.size() == 9);
@@ -78,6 +84,38 @@ TEST_SUITE("engine/scenario") {
         CHECK(exit_code({"--help"}, run) == 0);
         CHECK(exit_code({"--version"}, run) == 0);
         CHECK_FALSE(ran);
+    }
+
+    TEST_CASE("--help, README and the user's guide give the same meaning of every exit code") {
+        const std::string help = Options().help("nothing", "Does nothing.");
+        const auto words = [](std::string text) {
+            std::erase_if(text, [](char c) { return c == '`' || std::isspace(c) != 0; });
+            return text;
+        };
+        for (const auto& [code, meaning] : exit_codes) {
+            const int number = static_cast<int>(code);
+            CAPTURE(number);
+            CHECK(words(help).find(words(fmt::format("{} {}", number, meaning))) !=
+                  std::string::npos);
+            for (const char* page : {"README.md", "scenarios/README.md"})
+                CHECK(words(read_whole(assets_folder().parent_path() / page))
+                          .find(words(fmt::format("| {} | {} |", number, meaning))) !=
+                      std::string::npos);
+        }
+    }
+
+    TEST_CASE("a run that fails before it has written anything leaves no folder") {
+        const TemporaryDirectory directory;
+        const auto out = directory / "a" / "b";
+        const auto code_after = [&](auto throwing) {
+            return exit_code({"--out", out}, [&](const Nothing&, const Common&) { throwing(); });
+        };
+        CHECK(code_after([] { throw OutputError("cannot read 'recordings.csv'"); }) == 4);
+        CHECK_FALSE(std::filesystem::exists(directory / "a"));
+        CHECK(code_after([] { throw SimulationError("message of a guard"); }) == 3);
+        CHECK_FALSE(std::filesystem::exists(directory / "a"));
+        CHECK(code_after([] {}) == 0); // as after --list
+        CHECK_FALSE(std::filesystem::exists(directory / "a"));
     }
 
     TEST_CASE("a scenario that refuses its input leaves no empty folder, and keeps what it wrote") {

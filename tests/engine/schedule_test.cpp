@@ -172,6 +172,16 @@ TEST_SUITE("engine/schedule") {
         CHECK(has(text, "c: unwanted"));
     }
 
+    TEST_CASE("more conditional systems than the schedule can tell apart are an error") {
+        World world = world_of(4);
+        const System conditional =
+            when([](const World&) { return true; }, system("left", b_from_a));
+        CHECK_NOTHROW(Schedule(StepList(64, conditional)).prepare(world));
+        CHECK_THROWS_WITH_AS(Schedule(StepList(65, conditional)).prepare(world),
+                             "step list: expected at most 64 conditional systems, found 65",
+                             std::logic_error);
+    }
+
     TEST_CASE("a system that is not due does not run, nor do the systems that only feed it") {
         World world = world_of(1);
         world.add_resource<Log>();

@@ -49,7 +49,9 @@ TEST_SUITE("engine/summary") {
         Summary summary;
         summary.add("a", 1.0 / 3);
         summary.add("long_key", false);
-        CHECK(summary.table("results") == "results\n  a         0.333333\n  long_key  no\n");
+        summary.add("unknown", -std::numeric_limits<double>::quiet_NaN());
+        CHECK(summary.table("results") ==
+              "results\n  a         0.333333\n  long_key  no\n  unknown   -\n");
     }
 
     TEST_CASE("the file replaces the old one, or the error says why not") {

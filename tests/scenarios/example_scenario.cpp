@@ -1,6 +1,5 @@
 // A sphere falls onto a plane and rebounds. The height of the first rebound has a closed form.
 #include "engine/errors.hpp"
-#include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
 #include "engine/run.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -49,8 +48,7 @@ void run(const Bounce& s, const Common& common) {
             {now.world().resource<Clock>().time(), value_of<Position>(now, ball).z() - radius});
         return true;
     };
-    Progress progress = make_progress(common);
-    Run run(simulation, common, "bounce", progress_slot(progress));
+    Run run(simulation, common, "bounce");
     run.keep(motion);
     if (!common.resume.empty()) run.resume(common.resume, {"duration_s"});
     run.go({run.timed({.name = "bounce",
@@ -63,9 +61,7 @@ void run(const Bounce& s, const Common& common) {
     const double rebound = *std::max_element(height.begin() + after, height.end()),
                  exact = s.restitution * s.restitution * s.height;
     motion.write_csv(common.out / "bounce.csv");
-    draw_plots(
-        common.out / "bounce.png",
-        {{.x_label = "time (s)", .y_label = "height (m)", .curves = {{.x = time, .y = height}}}});
+    draw_plots(common.out / "bounce.png", {motion.plot("height")});
     Summary summary;
     summary.add("rebound_height_m", rebound);
     summary.add("rebound_height_error", rebound / exact - 1);

@@ -119,6 +119,18 @@ TEST_SUITE("guard") {
         CHECK(sim.world().resource<Clock>().step < 510);
     }
 
+    TEST_CASE("a run that continues from a checkpoint has the box of its scene") {
+        Simulation before = five(Grains::spheres, false, [](World& w) {
+            w.resource<Limits>().high = Vec3(0.3, 0.1, 0.3);
+            value_of<Velocity>(w, 2) = Vec3(0, 20, 0);
+        });
+        Simulation after = five(Grains::spheres, false);
+        after.restore(before.snapshot());
+        CHECK(after.world().resource<Limits>().high == Vec3(0.3, 0.1, 0.3));
+        CHECK(after.world().resource<Limits>().low.x() == -infinity);
+        CHECK(has(message_of(after, 1000), "body 2"));
+    }
+
     TEST_CASE("an angular velocity that is not a number stops a run of single spheres before the "
               "sphere has contacts") {
         Simulation sim = five(Grains::spheres, false);
@@ -159,7 +171,8 @@ TEST_SUITE("guard") {
         CAPTURE(text);
         CHECK(has(text, "bodies 1 and 2"));
         CHECK(has(text, "step 1,"));
-        CHECK(has(text, "0.004")); // m of overlap
+        CHECK(has(text, "expected less than 0.25 of the mean radius (0.0025 m), found 0.4 of it "
+                        "(0.004 m)"));
     }
 
     TEST_CASE("the message names a sphere that is too deep in a plane or facet, and the boundary") {
@@ -169,6 +182,7 @@ TEST_SUITE("guard") {
             const std::string text = message_of(sim, 100);
             CAPTURE(text);
             CHECK(has(text, "bodies 3 and 5"));
+            CHECK(has(text, "found 0.26 of it (0.0026 m)"));
             Simulation just = five(Grains::spheres, facets,
                                    [](World& w) { value_of<Position>(w, 3).z() = 0.0076; });
             CHECK(message_of(just, 1) == "no error"); // a quarter of the radius is allowed

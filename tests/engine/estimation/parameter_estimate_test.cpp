@@ -232,6 +232,19 @@ TEST_SUITE("engine/estimation/parameter_estimate") {
         CHECK((EnsembleRegression(members).residual_projection() * line).norm() < 1e-12);
     }
 
+    TEST_CASE("a channel without measurements has no normalised innovation, and another one does "
+              "not change that") {
+        Matrix members(6, 2);
+        members << -0.7, 0.2, -0.4, 0.3, -0.9, 0.1, -0.6, 0.5, -0.8, -0.2, -0.5, 0;
+        ParameterEstimate estimate(Game{}.prior(), members, 2);
+        CHECK(std::isnan(estimate.normalised_innovation_squared(0)));
+        Vector forecast(6);
+        forecast << 1, 1.2, 0.9, 1.1, 0.8, 1.3;
+        estimate.observe(0, forecast, {1.4, 0.01});
+        CHECK(estimate.normalised_innovation_squared(0) > 0);
+        CHECK(std::isnan(estimate.normalised_innovation_squared(1)));
+    }
+
     TEST_CASE("too few members, and members with equal parameters, are rejected") {
         const Gaussian prior = Game{}.prior();
         CHECK_THROWS_AS(ParameterEstimate(prior, Matrix::Random(5, 2), 1), InputError);

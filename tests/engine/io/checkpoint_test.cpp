@@ -210,32 +210,53 @@ TEST_SUITE("engine/io/checkpoint") {
         CHECK(last > 1);
     }
 
-    TEST_CASE("the checkpoint of another run is rejected with the key, the expected and the found "
-              "value") {
+    TEST_CASE("the checkpoint of another run is rejected with all settings that differ, as it was "
+              "made and as this run asks for") {
         const Checkpoint checkpoint = sample();
         const auto refusal = [&](const std::string& scenario,
                                  const std::vector<NamedValue>& settings) {
             return message_of<InputError>([&] {
-                require_same_run("a.h5", checkpoint, scenario, settings,
+                require_same_run("--resume", "a.h5", checkpoint, scenario, settings,
                                  settings_that_may_differ());
             });
         };
         auto settings = checkpoint.settings;
+        for (NamedValue& v : settings) v.flag = "--" + v.key.substr(0, v.key.find('_'));
         CHECK(refusal("sample", settings) == "");
-        settings[3] = {"threads", 1u};
+        settings[3].value = std::uint64_t{1}; // threads
         CHECK(refusal("sample", settings) == "");
         CHECK(refusal("other", settings) ==
-              "checkpoint 'a.h5': scenario: expected other, found sample");
-        settings[0] = {"radius_m", 0.02};
-        CHECK(refusal("sample", settings) ==
-              "checkpoint 'a.h5': radius_m: expected 0.02 as in this run, found 0.01");
-        settings = checkpoint.settings;
+              "--resume a.h5: expected a checkpoint of other, found one of sample");
+        settings[0].value = 0.02;
+        CHECK(refusal("sample", settings) == "--resume a.h5: the checkpoint was made with --radius "
+                                             "0.01; this run asks for --radius 0.02");
+        settings[2].value = "hertz";
         settings.emplace_back("new", true);
+        settings.erase(settings.begin() + 1);
         CHECK(refusal("sample", settings) ==
-              "checkpoint 'a.h5': new: expected true as in this run, found nothing");
-        settings.pop_back();
-        settings.erase(settings.begin() + 2);
-        CHECK(refusal("sample", settings) ==
-              "checkpoint 'a.h5': law: expected no such setting, as in this run, found linear");
+              "--resume a.h5: the checkpoint was made with --radius 0.01, --law linear, no new, "
+              "spheres 50; this run asks for --radius 0.02, --law hertz, new true, no spheres");
+    }
+
+    TEST_CASE(
+        "paths that lead to one folder or to files with the same content are equal settings") {
+        const TemporaryDirectory directory;
+        fs::create_directory(directory / "data");
+        write_whole(directory / "data/poses.csv", "id,x\n1,0\n");
+        write_whole(directory / "copy.csv", "id,x\n1,0\n");
+        write_whole(directory / "other.csv", "id,x\n1,1\n");
+        const auto is_refused = [&](const fs::path& before, const fs::path& now) {
+            const Checkpoint checkpoint{"sample", 0, {{"poses", before.string()}}, {}};
+            return message_of<InputError>([&] {
+                       require_same_run("--resume", "a.h5", checkpoint, "sample",
+                                        {{"poses", now.string()}}, {});
+                   }) != "";
+        };
+        const fs::path data = directory / "data", poses = data / "poses.csv";
+        CHECK_FALSE(is_refused(data, directory / "data/../data/"));
+        CHECK_FALSE(is_refused(poses, directory / "copy.csv"));
+        CHECK(is_refused(poses, directory / "other.csv"));
+        CHECK(is_refused(data, directory.path()));
+        CHECK(is_refused(poses, directory / "none.csv"));
     }
 }

@@ -114,6 +114,9 @@ TEST_SUITE("engine/io/column_map") {
         CHECK(why("t = T\ndelimiter = semicolon\ncomment = ;\n") ==
               "columns.txt: expected a comment sign different from the delimiter, found ';' for "
               "both");
+        CHECK(why("t = T\ncomment = .\n") ==
+              "columns.txt: expected a comment sign different from the decimal sign, found '.' for "
+              "both");
         CHECK(why("t = T\nheader_line = 4\nfirst_line = 4\n") ==
               "columns.txt: first_line: expected a line after the column names in line 4, found 4");
         CHECK(why("t = T\nfirst_line = 1\n") ==

@@ -120,8 +120,10 @@ std::string cheapest(const Knob& knob, const Kind& kind, double tolerance,
 }
 
 Plot panel(const Scene& scene, const Kind& kind, const std::vector<Summed>& all, bool steps) {
-    Plot plot{.title = fmt::format("{}: {}", scene.name, kind.name),
-              .x_label = fmt::format("error of {}{}", kind.name, kind.relative ? ", relative" : ""),
+    std::string quantity = kind.name;
+    std::ranges::replace(quantity, '_', ' ');
+    Plot plot{.title = fmt::format("{}: {}", scene.title, quantity),
+              .x_label = fmt::format("{}error of {}", kind.relative ? "relative " : "", quantity),
               .y_label = steps ? fmt::format("steps per {}", scene.cost_unit)
                                : fmt::format("wall time (s) per {}", scene.cost_unit),
               .x_logarithmic = true,

@@ -143,7 +143,7 @@ const Archive& Bench::specimen(const std::string& library, std::uint64_t seed) {
                                              {"vibration", how.vibration}};
     if (std::filesystem::exists(file)) {
         Checkpoint kept = read_checkpoint(file);
-        require_same_run(file, kept, "time_vs_error", provenance, {});
+        require_same_run("checkpoint", file, kept, "time_vs_error", provenance, {});
         ready_ = std::move(kept.state);
     } else {
         Simulation simulation = begin(made, seed);

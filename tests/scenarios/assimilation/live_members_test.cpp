@@ -38,7 +38,7 @@ struct Live {
     TriaxialSettings settings = testing::short_test();
     Archive specimen = testing::prepared(scene);
     ModelRun truth = run_model(scene, settings, specimen, {.rocks = {0.6, 1.2}}, 1);
-    Progress progress{1, Progress::Style::quiet};
+    Progress progress{Progress::Style::quiet};
 
     LiveModel model(const Common& common) {
         Learning learning;

@@ -113,7 +113,7 @@ TEST_SUITE("assimilation/model_specimen") {
         const Truth& truth = the_truth();
         Simulation before = restored(truth.specimen);
         for (const ModelMismatch& mismatch : {ModelMismatch{}, ModelMismatch{.placement = 1e-3},
-                                              ModelMismatch{.placement = 2e-3, .turn = 0.05}}) {
+                                              ModelMismatch{.placement = 2e-3, .rotation = 0.05}}) {
             CAPTURE(mismatch.name());
             Simulation simulation = make_simulation(truth.specimen.scene, 1, false);
             TriaxialTest test(simulation, truth.described.test);
@@ -147,7 +147,7 @@ TEST_SUITE("assimilation/model_specimen") {
         Simulation true_one = restored(truth.specimen), rounder = restored(round);
         check_same_masses(rounder, true_one);
         CHECK(rounder.world().table<Spheres>().size() == 8 * truth.described.bodies);
-        Progress progress(2, Progress::Style::quiet);
+        Progress progress(Progress::Style::quiet);
         const std::vector<const PreparedSpecimen*> specimens{&truth.specimen, &moved, &round,
                                                              &other};
         const std::vector<ModelVariant> variants{{.name = "truth", .rocks = {}},

@@ -35,7 +35,7 @@ TEST_SUITE("assimilation/twin") {
         for (const char* imu : {"lab-grade", "smartrock-like"}) {
             CAPTURE(imu);
             const SensorObservations observations =
-                observe_sensors(truth, {.mode = "honest-imu", .imu = imu}, 1);
+                observe_sensors(truth, {.mode = "inertial", .imu = imu}, 1);
             CHECK(observations.refused == 0);
             for (std::size_t s = 0; s < 3; ++s) {
                 REQUIRE(observations.trajectories[s].strain.size() == 10);

@@ -2,6 +2,7 @@
 #include "engine/io/hdf5.hpp"
 #include "scenarios/assimilation/twin.hpp"
 #include "scenarios/recordings/bench_hdf5.hpp"
+#include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/assimilation/steady_run.hpp"
@@ -28,6 +29,7 @@ TEST_SUITE("recordings/bench_hdf5") {
         const auto infos = read_sensor_infos(hdf5.path()); // there are no metadata files
         REQUIRE(infos.size() == 3);
         CHECK(infos[2].attitude().coeffs() == read_sensor_infos(csv.path())[2].attitude().coeffs());
+        CHECK(infos[2].placed_position() == read_sensor_infos(csv.path())[2].placed_position());
         const RecordedTest a = read_recorded_test(csv.path(), 110e3, read_sensor_infos(csv.path()),
                                                   {}),
                            b = read_recorded_test(hdf5.path(), 110e3, infos, {});

@@ -1,6 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/signal/imu.hpp"
-#include "scenarios/recordings/quality_control.hpp"
+#include "scenarios/recordings/quality_control_report.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -78,7 +78,7 @@ TEST_SUITE("recordings/quality_control") {
         CHECK(says(findings, Finding::Kind::note, "clock", "2e-05"));
         const Recording ideal = recording(4, imu_preset("ideal"));
         CHECK(quality_control_report(check_recordings({ideal}, earth), {ideal}) ==
-              "sensor 4: 2000 samples, no findings\n");
+              "sensor 4: accepted, 2000 samples\n");
     }
 
     TEST_CASE("a recording in other units, signs or axes than declared is refused with the "

@@ -2,6 +2,7 @@
 #include "engine/signal/imu.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/twin.hpp"
+#include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/assimilation/steady_run.hpp"
@@ -101,7 +102,7 @@ TEST_SUITE("recordings/recorded_test") {
             return quality_control_report(test).find(text) != std::string::npos;
         };
         const RecordedTest good = read([](TriaxialPoint&, std::size_t) {});
-        CHECK(says(good, "test machine: 101 records, no findings\nsensor 1: "));
+        CHECK(says(good, "test machine: accepted, 101 records\nsensors 1 to 3: accepted, "));
 
         const RecordedTest wild = read([](TriaxialPoint& p, std::size_t k) {
             if (k == 15) p.deviatoric_stress = 1e12;
@@ -166,6 +167,29 @@ TEST_SUITE("recordings/recorded_test") {
                 }
     }
 
+    TEST_CASE(
+        "the model's sensor rocks are placed where the metadata say, in the order of the ids") {
+        const TemporaryDirectory folder;
+        const ModelRun truth = steady_run();
+        SpecimenSettings mould = scene_of(truth).specimen;
+        std::vector<SmartRockPose> placed = scene_of(truth).poses;
+        for (SmartRockPose& p : placed) p.position *= 0.9;
+        write_recorded_test(folder.path(), 55e3, record_sensors(truth, {}, 1), mould, placed,
+                            truth.points);
+        const auto infos = read_sensor_infos(folder.path());
+        SensorInfo elsewhere = infos[1]; // its pose at the start is known, and nothing else
+        elsewhere.set_placed(Vec3::Zero(), Quat(0, 0, 0, 0));
+        write_sensor_info(folder / "rock_02.txt", elsewhere);
+        const auto given = with_recorded_poses({}, folder.path()).recorded_poses;
+        REQUIRE(given.size() == 3);
+        const auto poses = placed_in({mould.radius, mould.height, 1e-3}, given);
+        CHECK((poses[0].position - placed[0].position).norm() < 1e-15);
+        CHECK((poses[2].position - placed[2].position).norm() < 1e-15);
+        CHECK(poses[2].orientation.angularDistance(placed[2].orientation) < 1e-7);
+        CHECK((poses[1].position - infos[1].position()).norm() == 0);
+        CHECK(poses[1].orientation.angularDistance(infos[1].attitude()) < 1e-7);
+    }
+
     TEST_CASE("missing, truncated or unordered files are refused with the line") {
         const TemporaryDirectory folder;
         const ModelRun truth = steady_run();
@@ -175,7 +199,12 @@ TEST_SUITE("recordings/recorded_test") {
         write_recorded_test(folder.path(), 55e3, record_sensors(truth, {}, 1),
                             scene_of(truth).specimen, scene_of(truth).poses, truth.points);
         const auto infos = read_sensor_infos(folder.path());
-        CHECK_THROWS_AS((void)read_recorded_test(folder.path(), 165e3, infos, {}), OutputError);
+        CHECK(message_of<InputError>([&] {
+                  (void)read_recorded_test(folder.path(), 165e3, infos, {});
+              }).starts_with("--confining-pressure: expected a folder 165kPa in "));
+        CHECK(message_of<InputError>([&] {
+                  (void)read_recorded_test(folder.path(), 55, infos, {});
+              }).ends_with(", found 55kPa: 55e3?"));
         const auto csv = folder / "55kPa" / "test.csv";
         replace_line(csv, 9, "0.0001,1,1,1,1,1,1,1,1,1,1");
         CHECK_THROWS_WITH_AS(
@@ -184,6 +213,17 @@ TEST_SUITE("recordings/recorded_test") {
         replace_line(csv, 9, "0.0006,12");
         CHECK_THROWS_WITH_AS((void)read_recorded_test(folder.path(), 55e3, infos, {}),
                              doctest::Contains("test.csv:9"), InputError);
+        replace_line(csv, 3, "strain,q");
+        CHECK(message_of<InputError>([&] {
+                  (void)read_recorded_test(folder.path(), 55e3, infos, {});
+              }).ends_with(" (--machine-columns describes files of other programs)"));
+        std::ofstream(folder / "map") << "t = T\n";
+        CHECK(message_of<InputError>([&] {
+                  (void)read_recorded_test(folder.path(), 55e3, infos,
+                                           {.machine_columns = folder / "map"});
+              }).starts_with("--machine-columns: "));
+        write_recorded_test(folder.path(), 55e3, record_sensors(truth, {}, 1),
+                            scene_of(truth).specimen, scene_of(truth).poses, truth.points);
         replace_line(csv, 9, "0.0006,,0,1,1,1,1,1,1,1,1");
         CHECK_THROWS_WITH_AS((void)read_recorded_test(folder.path(), 55e3, infos, {}),
                              doctest::Contains("deviatoric_stress_Pa: expected a number"),

@@ -3,6 +3,7 @@
 #include "engine/io/json_numbers.hpp"
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/twin.hpp"
+#include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_stream.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/assimilation/steady_run.hpp"
@@ -95,7 +96,8 @@ TEST_SUITE("recordings/synchronise") {
         const RecordedTest test =
             r.read({.interval = 0.99e-3}); // rounding to seven digits may fall below 1e-3
         check_trajectories(test, r.by_strain, 1e-5);
-        CHECK(says(test, "sensor 1: clock: strain is interpolated from phase of the machine\n"));
+        CHECK(says(test,
+                   "sensors 1 to 3: clock: strain is interpolated from phase of the machine\n"));
     }
 
     TEST_CASE("recordings without strain or phase are synchronised by their clock minus its "
@@ -105,7 +107,7 @@ TEST_SUITE("recordings/synchronise") {
         r.change("recordings.csv", "strain", "", 0);
         RecordedTest test = r.read({.interval = 0.99e-3});
         CHECK(test.refused() == 0);
-        CHECK(says(test, "sensor 1: clock: strain is interpolated from t of the machine"));
+        CHECK(says(test, "sensors 1 to 3: clock: strain is interpolated from t of the machine"));
         REQUIRE(test.trajectories[0].strain.size() ==
                 9); // the last sample is, by a clock 20 ppm fast, after the machine's last
         CHECK(says(test, "1 of 15 samples are outside it and left out"));
@@ -130,8 +132,9 @@ TEST_SUITE("recordings/synchronise") {
         r.change("recordings.csv", "strain", "", 0);
         RecordedTest test = r.read({});
         CHECK(test.refused() == 3);
-        CHECK(says(test, "sensor 3: refused: clock: expected strain or phase in its records, or t "
-                         "in those of the machine, found none\n"));
+        CHECK(says(test,
+                   "sensors 1 to 3: refused: clock: expected strain or phase in its records, or t "
+                   "in those of the machine, found none\n"));
         CHECK(test.measured.size() == 101);
         const Recorded other;
         other.change("recordings.csv", "strain", "phase", phase_at);
@@ -148,9 +151,8 @@ TEST_SUITE("recordings/synchronise") {
                  [](double strain) { return std::fmod(0.9 * phase_at(strain), 1.0); });
         const RecordedTest test = r.read({});
         CHECK(test.refused() == 3);
-        CHECK(
-            says(test,
-                 "sensor 1: refused: clock: expected phases that increase over all cycles, found"));
+        CHECK(says(test, "sensors 1 to 3: refused: clock: expected phases that increase over all "
+                         "cycles, found"));
         const Recorded other;
         other.give_machine("phase", [](double strain) { return std::fmod(phase_at(strain), 1.0); });
         CHECK_THROWS_WITH_AS(
@@ -167,7 +169,8 @@ TEST_SUITE("recordings/synchronise") {
         });
         RecordedTest test = r.read({.interval = 0.99e-3});
         CHECK(test.refused() == 0);
-        CHECK(says(test, "sensor 1: clock: strain is interpolated from phase of the machine\n"));
+        CHECK(says(test,
+                   "sensors 1 to 3: clock: strain is interpolated from phase of the machine\n"));
         const auto sampled = std::ranges::count_if(test.recordings[0].strain,
                                                    [](double e) { return std::isfinite(e); });
         CHECK(sampled < static_cast<std::ptrdiff_t>(test.recordings[0].size()));
@@ -179,8 +182,9 @@ TEST_SUITE("recordings/synchronise") {
         late.change("recordings.csv", "strain", "phase", [k = 0](double strain) mutable {
             return k++ < 3 ? std::nan("") : 1000 + phase_at(strain);
         });
-        CHECK(says(late.read({}), "sensor 2: refused: clock: expected records of the test, 0 to 25 "
-                                  "cycles by the machine, found 1000 to 1025\n"));
+        CHECK(says(late.read({}),
+                   "sensors 1 to 3: refused: clock: expected records of the test, 0 to 25 "
+                   "cycles by the machine, found 1000 to 1025\n"));
     }
 
     TEST_CASE("a folder is replayed as a stream with the clock and the phase of the machine") {

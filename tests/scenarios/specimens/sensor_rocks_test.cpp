@@ -19,7 +19,7 @@ std::string complaint(const std::string& text) {
     const auto path = directory / "poses.csv";
     std::ofstream(path) << text;
     try {
-        read_smart_rock_poses(path, room);
+        (void)placed_in(room, read_sensor_poses(path));
     } catch (const InputError& e) {
         return e.what();
     }
@@ -65,7 +65,7 @@ TEST_SUITE("specimens/sensor_rocks") {
         const TemporaryDirectory directory;
         std::ofstream(directory / "poses.csv")
             << names << "0,0.5,0.25,1,0,0,0\n-0.5,0,0.75,0.5,0.5,0.5,0.5\n";
-        const auto poses = read_smart_rock_poses(directory / "poses.csv", room);
+        const auto poses = placed_in(room, read_sensor_poses(directory / "poses.csv"));
         REQUIRE(poses.size() == 2);
         CHECK((poses[0].position - Vec3(0, 0.075, 0.15)).norm() < 1e-15);
         CHECK((poses[1].position - Vec3(-0.075, 0, 0.45)).norm() < 1e-15);

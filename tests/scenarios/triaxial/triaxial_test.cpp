@@ -10,8 +10,10 @@
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 
 using namespace bris;
 using testing::prepared, testing::pressure, testing::short_test, testing::small_scene;
@@ -89,6 +91,34 @@ TEST_SUITE("triaxial/triaxial") {
             CHECK(materials.list[sensor].friction ==
                   (specimen.sensor_friction < 0 ? short_test().friction : 0.25));
         }
+    }
+
+    TEST_CASE("the progress of a test names in each phase what is awaited, with its target") {
+        Simulation simulation = make_simulation(small_scene(), 1, false);
+        TriaxialSettings settings = short_test();
+        settings.final_axial_strain = 2e-4;
+        TriaxialTest test(simulation, settings);
+        std::map<std::string, PhaseProgress> last;
+        bool falls = false;
+        while (test.advance()) {
+            const PhaseProgress now = test.progress();
+            falls = falls || (now.phase == "filling" && now.fraction < last[now.phase].fraction);
+            last[now.phase] = now;
+        }
+        CHECK_FALSE(falls);
+        CHECK(last["filling"].fraction > 0.9);
+        CHECK(last["filling"].fraction < 1);
+        CHECK(last["filling"].status.starts_with("lift 4 of 4, rocks at 9"));
+        const double target = settings.porosity - 0.002; // see TriaxialTest::compact
+        CHECK(last["compaction"].status.find(fmt::format(
+                  "(target {:.3f} +- {:.4f}, for {:.3f} in the test), ", target,
+                  settings.porosity_tolerance / 2, settings.porosity)) != std::string::npos);
+        const std::string at = fmt::format("{:.0f} kPa ", pressure / 1e3);
+        CHECK(last[at + "consolidation"].status.find("(target 3e-04), pressure error ") !=
+              std::string::npos);
+        CHECK(last[at + "shear"].status.starts_with("axial strain 0.02 of 0.02 %, q "));
+        CHECK(last[at + "shear"].fraction == about(1));
+        CHECK(last[at + "shear"].work == 3); // points: at the start and after each stage
     }
 
     TEST_CASE("a test restored from any phase ends with the same bits, whatever the threads, "
@@ -204,7 +234,7 @@ TEST_SUITE("triaxial/triaxial") {
         // the same observations two stages late: assimilated at their own times, as far as the
         // filters look back
         ModelVariant late = variant;
-        late.corrections.lateness = 2e-4;
+        late.corrections.sample_delay = 2e-4;
         const ModelRun refused = run(late);
         CHECK(refused.too_late == 10 * 18);
         CHECK(refused.accepted == 0);
@@ -367,7 +397,7 @@ TEST_SUITE("triaxial/triaxial") {
             variant.corrections.nudging = {catch_up ? 0 : 1e6, 50, 0.01};
             variant.corrections.spread = catch_up; // inserted rocks take others along
             variant.corrections.filter.lag = 5;
-            variant.corrections.lateness = 3e-4;
+            variant.corrections.sample_delay = 3e-4;
             variant.corrections.note_every = 1e-4;
             variant.corrections.largest_shift = 1e-7;
             variant.corrections.largest_work_share = 1e-4;

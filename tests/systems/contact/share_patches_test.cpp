@@ -43,9 +43,7 @@ Rebound drop(int balls, PatchStiffness patch, LawName law, bool on_clump) {
         add_floor(world, grain);
     const EntityId ball = add_clump(world, clump, 0, Vec3(0, 0, 0.0101), Quat::Identity(), grain);
     value_of<Velocity>(world, ball) = Vec3(0, 0, -0.5);
-    world.resource<Clock>().dt = 1e-6;
-    add_lists(world, law);
-    Simulation sim(std::move(world), steps(law, false, patch), 1, {});
+    Simulation sim = begin(std::move(world), {.dt = 1e-6, .law = law});
     double least = 1;
     for (int k = 0; k < 3000; ++k) {
         sim.advance();

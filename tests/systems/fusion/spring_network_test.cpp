@@ -130,8 +130,16 @@ TEST_SUITE("fusion/spring_network") {
     TEST_CASE("stiffnesses that are not finite or not positive are an error") {
         SpringNetwork network = random_network(10);
         network.joints[3].kn = std::numeric_limits<double>::quiet_NaN();
-        CHECK_THROWS_AS(motion_of_least_energy(network, 1e-3), SimulationError);
+        constexpr auto message = "fusion: contact network: expected stiffnesses that are finite "
+                                 "and positive, found others";
+        CHECK_THROWS_WITH_AS(motion_of_least_energy(network, 1e-3), message, SimulationError);
         network.joints[3].kn = -1e4;
-        CHECK_THROWS_AS(motion_of_least_energy(network, 1e-3), SimulationError);
+        CHECK_THROWS_WITH_AS(motion_of_least_energy(network, 1e-3), message, SimulationError);
+    }
+
+    TEST_CASE("a tolerance that the precision of numbers does not allow is an error of its own") {
+        CHECK_THROWS_WITH_AS(motion_of_least_energy(random_network(10), 1e-140),
+                             doctest::Contains("of its motion below 1e-140 after 61 iterations"),
+                             SimulationError);
     }
 }
