@@ -63,12 +63,16 @@ void verify_cooling(Checks& checks) {
     s.material.young_modulus = 1e8;
     s.material.poisson_ratio = 0.25;
     s.material.restitution = 0.9;
+    // a gas of 512 spheres is chaotic: single runs scatter between 0.9995 and 0.9999
+    constexpr unsigned runs = 4;
     for (const LawName law : {LawName::linear_viscous, LawName::hertz_mindlin_viscous}) {
         s.law = law;
-        checks.at_least(
-            fmt::format("{}, restitution 0.9: R^2 of 1/sqrt(T) over time, T from 1/2 to 1/20",
-                        is_hertz(law) ? "Hertz" : "linear"),
-            "", 0.9997, run_experiment(s).r_squared);
+        double sum = 0;
+        for (s.seed = 1; s.seed <= runs; ++s.seed) sum += run_experiment(s).r_squared;
+        checks.at_least(fmt::format("{}, restitution 0.9: R^2 of 1/sqrt(T) over time, T from 1/2 to "
+                                    "1/20, mean of {} runs",
+                                    is_hertz(law) ? "Hertz" : "linear", runs),
+                        "", 0.9997, sum / runs);
     }
 }
 
