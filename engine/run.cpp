@@ -21,25 +21,28 @@ constexpr auto position_path = "run/position";
 } // namespace
 
 void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgress& report) {
-    struct End { // the run has ended, perhaps by an exception
-        const ReportProgress& report;
-        bool advanced = false;
-        ~End() {
-            if (advanced) report({});
+    bool advanced = false;
+    const auto run = [&] {
+        while (steps.advance()) {
+            advanced = true;
+            report(steps.progress());
+            if (interrupted()) {
+                if (steps.save) steps.save();
+                throw Interrupted(fmt::format("interrupted; continue with {}", steps.resume_hint));
+            }
+            if (steps.save && timer.is_due()) {
+                steps.save();
+                timer.restart();
+            }
         }
-    } end{report};
-    while (steps.advance()) {
-        end.advanced = true;
-        report(steps.progress());
-        if (interrupted()) {
-            if (steps.save) steps.save();
-            throw Interrupted(fmt::format("interrupted; continue with {}", steps.resume_hint));
-        }
-        if (steps.save && timer.is_due()) {
-            steps.save();
-            timer.restart();
-        }
+    };
+    try {
+        run();
+    } catch (...) {
+        if (advanced) report({}); // the run has ended
+        throw;
     }
+    if (advanced) report({});
 }
 
 void run_cases(const Common& common, const std::vector<std::string>& names,

@@ -17,8 +17,24 @@ inline Vec3 attitude_error(const Quat& truth, const Quat& estimate) {
     return rotation_vector(truth * estimate.conjugate());
 }
 
-/// The shortest rotation that leads from the direction of one vector to that of another.
-Quat shortest_rotation(const Vec3& from, const Vec3& to);
+/// The shortest rotation that leads from the direction of one vector to that of another; for
+/// opposite vectors, half a turn about any axis perpendicular to them. Eigen's FromTwoVectors has
+/// the same bits but for opposite vectors, where it contains a singular value decomposition, which
+/// takes five seconds to compile.
+inline Quat shortest_rotation(const Vec3& from, const Vec3& to) {
+    const Vec3 a = from.normalized(), b = to.normalized();
+    const double cosine = b.dot(a);
+    Quat q;
+    if (cosine < -1 + 1e-12) {
+        q.w() = 0;
+        q.vec() = a.unitOrthogonal();
+        return q;
+    }
+    const double twice_w = std::sqrt((1 + cosine) * 2);
+    q.vec() = Vec3(a.cross(b)) * (1 / twice_w);
+    q.w() = twice_w * 0.5;
+    return q;
+}
 
 /// The matrix of the cross product with v.
 inline Mat3 cross_matrix(const Vec3& v) {
