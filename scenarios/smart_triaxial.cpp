@@ -403,10 +403,10 @@ std::vector<RecordedTest> judged_tests(const Smart& s, const Common& common,
             return p.axial_strain >
                    s.triaxial.test.final_axial_strain + 0.5 * s.triaxial.test.stage_strain;
         });
-        report += fmt::format("{}{}\n{}\n{}", report.empty() ? "" : "\n\n", folder_of(pressure),
-                              quality_control_report(test),
-                              observability_report(test, duration, s.displacement_deviation,
-                                                   s.rotation_deviation));
+        report += fmt::format(
+            "{}{}\n{}\n{}", report.empty() ? "" : "\n\n", folder_of(pressure),
+            quality_control_report(test),
+            observability_report(test, duration, s.displacement_deviation, s.rotation_deviation));
     }
     for (const RecordedTest& test : tests) {
         std::filesystem::create_directories(common.out / folder_of(test.pressure));

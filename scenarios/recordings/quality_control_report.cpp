@@ -125,8 +125,10 @@ std::string observability_report(const RecordedTest& test, double duration, doub
         "What the accepted sensors observe of the motion of their rocks at the end of the test, "
         "after {:.4g} s.\n"
         "deviation: standard deviation of what the channel measures; model: that of the model's "
-        "motion\n(--displacement-deviation, --rotation-deviation of smart_triaxial); gain: share of the "
-        "model's variance that the\nmeasurement removes, from 0 (none) to 1 (all); observable: gain "
+        "motion\n(--displacement-deviation, --rotation-deviation of smart_triaxial); gain: share "
+        "of the "
+        "model's variance that the\nmeasurement removes, from 0 (none) to 1 (all); observable: "
+        "gain "
         "above {:g}.\n",
         duration, Observability::least_gain);
     text +=
