@@ -92,11 +92,11 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         // assimilation of sensor recordings
         when(fusion_is_due, system("fuse_spheres", fuse_spheres)),
         when(fusion_is_due, system("fuse_clumps", fuse_clumps)),
-        system("guard_motion", guard_motion),
         system("guard_spheres", guard_contacts<SpherePairs>),
         system("guard_facets", guard_contacts<FacetPairs>),
         system("guard_planes", guard_contacts<PlanePairs>),
         system("guard_membrane", guard_contacts<MembranePairs>),
+        system("guard_motion", guard_motion),
     };
 }
 

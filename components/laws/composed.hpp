@@ -87,15 +87,19 @@ private:
         const StiffnessLanes stiffness = stiffness_of(last.before, k, step);
         const Lane dashpot = Damping::coefficients(last.before, k, stiffness).normal,
                    elastic = last.template elastic<Normal>(k),
-                   force = last.template force<Normal>(stiffness.force, elastic, dashpot,
-                                                       step.least_force),
+                   // the shares of a patch are those of touching pairs: its end is predicted
+                   force = step.shared ? lanes(0)
+                                       : last.template force<Normal>(stiffness.force, elastic,
+                                                                     dashpot, step.least_force),
                    separation = 0.5 * step.dt * c.inverse_mass * force - c.closing;
         const auto replace = [&](Lane& value, Lane by) { value = ended ? by : value; };
         replace(f.normal, force);
         replace(f.x, force * c.nx);
         replace(f.y, force * c.ny);
         replace(f.z, force * c.nz);
-        replace(f.work.viscous, step.dt * separation * (elastic - stiffness.force - force));
+        replace(f.work.viscous,
+                step.shared ? lanes(0)
+                            : step.dt * separation * (elastic - stiffness.force - force));
         for (Lane* none : {&f.torque_x, &f.torque_y, &f.torque_z, &f.work.friction, &f.work.rolling,
                            &spring.x, &spring.y, &spring.z, &spring.stiffness, &roll.x, &roll.y,
                            &roll.z, &roll.twist})
@@ -105,7 +109,7 @@ private:
     static Lane normal_force(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step,
                              const StiffnessLanes& stiffness, const DashpotLanes& dashpots,
                              WorkLanes& work) {
-        const PartialStep partial(c, step.dt, !corrects_end);
+        const PartialStep partial(c, step.dt, !corrects_end || step.shared);
         Lane elastic = stiffness.force, share = lanes(1);
         if (partial.any()) {
             elastic = partial.template elastic<Normal>(c, k, elastic);

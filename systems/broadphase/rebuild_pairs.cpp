@@ -179,6 +179,17 @@ void note_bodies(World& world) {
     }
 }
 
+/// Upper bound (m) of the gap that can open between two surfaces in one step.
+double separation_in_a_step(const World& world) {
+    const Table& bodies = world.table<Bodies>();
+    const auto velocity = bodies.column<Velocity>(), omega = bodies.column<StepAngularVelocity>();
+    const auto radius = bodies.column<BoundingRadius>();
+    double fastest = 0;
+    for (Row b = 0; b < bodies.size(); ++b)
+        fastest = std::max(fastest, velocity[b].norm() + omega[b].norm() * radius[b]);
+    return (1 + 1e-6) * 2 * fastest * world.resource<Clock>().dt;
+}
+
 /// Brings SpherePosition up to date.
 void locate_spheres(World& world) {
     const Table& bodies = world.table<Bodies>();
@@ -219,13 +230,16 @@ void note_positions(World& world) { world.resource<ListState>().velocities_chang
 void show_velocities(World& world) { world.resource<ListState>().velocities_changed = true; }
 
 detail::ListDistances detail::list_distances(const World& world, double skin) {
-    const LawName law = world.resource<ContactLaw>().law;
-    if (!traits(law).reaches) return {skin, skin};
+    const LawTraits& law = traits(world.resource<ContactLaw>().law);
+    // a contact that has ended in the last step is still to be corrected
+    if (law.springs && law.dashpots) skin = std::max(skin, separation_in_a_step(world));
+    if (!law.reaches) return {skin, skin};
     double radius = 0;
     for (const Ball& ball : world.column<Spheres, LocalBall>())
         radius = std::max(radius, ball.radius);
     // a pair at its very reach must not be lost to rounding
-    const double reach = (1 + 1e-6) * largest_reach(law, world.resource<Materials>(), radius);
+    const double reach = (1 + 1e-6) * largest_reach(world.resource<ContactLaw>().law,
+                                                    world.resource<Materials>(), radius);
     return {std::max(skin, reach), skin + reach};
 }
 
