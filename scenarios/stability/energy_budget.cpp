@@ -96,10 +96,9 @@ Impact impact(LawName law, double degrees, double friction, bool pair, double dt
         const auto before = dissipated(simulation.world());
         simulation.advance(1);
         const auto after = dissipated(simulation.world());
-        const auto [friction, viscous, rolling] = after;
-        found.least =
-            std::min({found.least, (friction - before[0]) / start, viscous / start,
-                      (rolling - before[2]) / start});
+        const auto [by_friction, by_dashpots, by_rolling] = after;
+        found.least = std::min({found.least, (by_friction - before[0]) / start,
+                                by_dashpots / start, (by_rolling - before[2]) / start});
     }
     simulation.advance(2);
     found.closure = std::abs(budget_of(simulation.world()).total() / start - 1);
