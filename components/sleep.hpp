@@ -20,8 +20,10 @@ struct Sleep {
     unsigned steps = 100;              ///< > 0
     // state left by the last review_sleep
     std::vector<std::uint8_t> sleeps = {}; ///< by row: 1 if the body sleeps
-    /// By row: 1 if the body is awake or has a near pair with a body that is.
+    /// By row: 1 if the body is awake or has just fallen asleep, or has a near pair with
+    /// such a body.
     std::vector<std::uint8_t> busy = {};
+    bool fell_asleep = false; ///< a body has fallen asleep or woken in the last step
     bool all = false; ///< the contacts of all bodies are computed in this step
 };
 

@@ -72,15 +72,16 @@ void flag_pairs(const World& world, std::vector<std::uint8_t>& flags, Wanted&& w
         }
 }
 
-/// Marks the pairs with a body that is awake, and the sleeping bodies that have such a pair.
+/// Marks the pairs with a body that is awake, and the bodies of such pairs and of those with a body
+/// that has just fallen asleep, since its dashpots no longer push.
 template <class Pairs>
-void mark_awake(World& world, Sleep& sleep) {
+void mark_awake(World& world, Sleep& sleep, const std::vector<std::uint8_t>& slept) {
     if (!world.has<Pairs>()) return;
     auto& index = world.resource<NearIndex<Pairs>>();
+    const auto is_new = [&](Row b) { return sleep.sleeps[b] == 0 || slept[b] == 0; };
     flag_pairs<Pairs>(world, index.awake, [&](Row owner, Row partner) {
-        const bool awake = sleep.sleeps[owner] == 0 || sleep.sleeps[partner] == 0;
-        if (awake) sleep.busy[owner] = sleep.busy[partner] = 1;
-        return awake;
+        if (is_new(owner) || is_new(partner)) sleep.busy[owner] = sleep.busy[partner] = 1;
+        return sleep.sleeps[owner] == 0 || sleep.sleeps[partner] == 0;
     });
 }
 
@@ -175,7 +176,7 @@ std::size_t sleepers(const World& world) {
 
 bool sleep_is_due(const World& world) {
     const Sleep& sleep = world.resource<Sleep>();
-    return sleep.all || world.resource<Clock>().observed ||
+    return sleep.all || sleep.fell_asleep || world.resource<Clock>().observed ||
            WhoSleeps(world, sleep).differs_from(sleep.sleeps);
 }
 
@@ -183,13 +184,16 @@ void review_sleep(World& world, Sleep& sleep) {
     const WhoSleeps who(world, sleep);
     const bool listed =
         world.resource<NearIndex<SpherePairs>>().awake.empty(); // new lists have no marks
-    if (listed || who.differs_from(sleep.sleeps)) {
-        sleep.sleeps = who.all();
-        sleep.busy.resize(sleep.sleeps.size());
-        std::ranges::transform(sleep.sleeps, sleep.busy.begin(),
-                               [](std::uint8_t s) { return static_cast<std::uint8_t>(s == 0); });
-        mark_awake<SpherePairs>(world, sleep);
-        mark_awake<PlanePairs>(world, sleep);
+    if (listed || sleep.fell_asleep || who.differs_from(sleep.sleeps)) {
+        std::vector<std::uint8_t> slept = who.all();
+        if (sleep.sleeps.size() != slept.size()) sleep.sleeps = slept;
+        std::swap(slept, sleep.sleeps);
+        sleep.fell_asleep = slept != sleep.sleeps;
+        sleep.busy.resize(slept.size());
+        for (std::size_t b = 0; b < slept.size(); ++b)
+            sleep.busy[b] = slept[b] == 0 || sleep.sleeps[b] == 0 ? 1 : 0;
+        mark_awake<SpherePairs>(world, sleep, slept);
+        mark_awake<PlanePairs>(world, sleep, slept);
     }
     // new lists do not know yet which pairs touch, and observers read the forces of all pairs
     const bool all = sleep.all = listed || world.resource<Clock>().observed;
