@@ -22,7 +22,7 @@ constexpr auto position_path = "run/position";
 
 void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgress& report) {
     bool advanced = false;
-    const auto run = [&] {
+    try {
         while (steps.advance()) {
             advanced = true;
             report(steps.progress());
@@ -35,9 +35,6 @@ void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgre
                 timer.restart();
             }
         }
-    };
-    try {
-        run();
     } catch (...) {
         if (advanced) report({}); // the run has ended
         throw;

@@ -103,21 +103,23 @@ std::string quality_control_report(const RecordedTest& test) {
     return report_on_machine(test) + quality_control_report(test.findings, test.recordings);
 }
 
-std::string observability_report(const RecordedTest& test, double duration, double drift,
-                                 double turn) {
+std::string observability_report(const RecordedTest& test, double duration,
+                                 double displacement_deviation, double rotation_deviation) {
     std::vector<std::pair<unsigned, std::string>> rows;
     for (const Recording& r : test.recordings) {
         if (!accepted(test.findings, r.info.id)) continue;
-        for (const Observability& entry : observability_of(r, duration, drift, turn)) {
+        for (const Observability& entry :
+             observability_of(r, duration, displacement_deviation, rotation_deviation)) {
             const bool is_angle = entry.direction == "tilt" || entry.direction == "yaw";
             rows.emplace_back(
                 r.info.id,
-                fmt::format("{:<9}  {:<22}  {:>9} {:<3}  {:9.2g} {:<3}  {:4.2f}  {}",
-                            entry.direction, entry.source,
-                            std::isfinite(entry.deviation) ? fmt::format("{:.2g}", entry.deviation)
-                                                           : "-",
-                            is_angle ? "rad" : "m", is_angle ? turn : drift, is_angle ? "rad" : "m",
-                            entry.gain, entry.observable() ? "observable" : "not observable"));
+                fmt::format(
+                    "{:<9}  {:<22}  {:>9} {:<3}  {:9.2g} {:<3}  {:4.2f}  {}", entry.direction,
+                    entry.source,
+                    std::isfinite(entry.deviation) ? fmt::format("{:.2g}", entry.deviation) : "-",
+                    is_angle ? "rad" : "m", is_angle ? rotation_deviation : displacement_deviation,
+                    is_angle ? "rad" : "m", entry.gain,
+                    entry.observable() ? "observable" : "not observable"));
         }
     }
     if (rows.empty()) return "No sensor is accepted, so none observes anything.\n";
@@ -125,11 +127,9 @@ std::string observability_report(const RecordedTest& test, double duration, doub
         "What the accepted sensors observe of the motion of their rocks at the end of the test, "
         "after {:.4g} s.\n"
         "deviation: standard deviation of what the channel measures; model: that of the model's "
-        "motion\n(--displacement-deviation, --rotation-deviation of smart_triaxial); gain: share "
-        "of the "
-        "model's variance that the\nmeasurement removes, from 0 (none) to 1 (all); observable: "
-        "gain "
-        "above {:g}.\n",
+        "motion\n(--displacement-deviation, --rotation-deviation of smart_triaxial); gain: "
+        "share of the model's variance that the\nmeasurement removes, from 0 (none) to 1 (all); "
+        "observable: gain above {:g}.\n",
         duration, Observability::least_gain);
     text +=
         fmt::format("{:<13}  {:<9}  {:<22}  {:<13}  {:<13}  {:<4}  {}\n", "sensors", "direction",

@@ -18,10 +18,11 @@ std::string quality_control_report(const std::vector<Finding>& findings,
 /// The same, preceded by the test machine.
 std::string quality_control_report(const RecordedTest& test);
 
-/// A table of what the accepted sensors of a test can observe (see observability_of), with an
+/// A table of what the accepted sensors of a test can observe after `duration` (s) if the model's
+/// displacement and rotation have these standard deviations (m, rad; see observability_of), with an
 /// explanation of its columns.
-std::string observability_report(const RecordedTest& test, double duration, double drift,
-                                 double turn);
+std::string observability_report(const RecordedTest& test, double duration,
+                                 double displacement_deviation, double rotation_deviation);
 
 /// The channels of the test machine that are refused, separated by commas; "none".
 std::string refused_channels(const RecordedTest& test);

@@ -3,6 +3,7 @@
 #include "engine/math.hpp"
 #include "engine/options.hpp"
 
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <filesystem>
@@ -160,14 +161,18 @@ void write_recordings_hdf5(const std::filesystem::path& path,
                            const std::vector<Recording>& recordings);
 
 void SensorInfo::describe(auto& option) {
+    const auto quaternion = [&](const std::string& name, std::array<double*, 4> wxyz,
+                                const std::string& what) {
+        for (std::size_t i = 0; i < wxyz.size(); ++i) {
+            const std::string part(1, "wxyz"[i]);
+            option(name + part, *wxyz[i], "", what + ": quaternion, " + part + ".", within(-1, 1));
+        }
+    };
     option("id", id, "", "Number of the sensor in the recordings.");
     option("x", x, "m", "Coordinate x of the centre of the rock at the start.");
     option("y", y, "m", "Coordinate y of the centre of the rock at the start.");
     option("z", z, "m", "Coordinate z (upwards) of the centre of the rock at the start.");
-    option("qw", qw, "", "Attitude at the start, body to world: quaternion, w.", within(-1, 1));
-    option("qx", qx, "", "Attitude at the start, body to world: quaternion, x.", within(-1, 1));
-    option("qy", qy, "", "Attitude at the start, body to world: quaternion, y.", within(-1, 1));
-    option("qz", qz, "", "Attitude at the start, body to world: quaternion, z.", within(-1, 1));
+    quaternion("q", {&qw, &qx, &qy, &qz}, "Attitude at the start, body to world");
     option("placed_x_over_radius", placed_x, "",
            "Coordinate x, over the radius of the specimen, where the rock was placed when the "
            "specimen was built. All names that begin with placed_ may be omitted: then the rock "
@@ -175,14 +180,8 @@ void SensorInfo::describe(auto& option) {
     option("placed_y_over_radius", placed_y, "", "Coordinate y, over the radius, likewise.");
     option("placed_z_over_height", placed_z, "",
            "Coordinate z, over the height of the specimen, likewise.");
-    option("placed_qw", placed_qw, "", "Attitude in which it was placed: quaternion, w.",
-           within(-1, 1));
-    option("placed_qx", placed_qx, "", "Attitude in which it was placed: quaternion, x.",
-           within(-1, 1));
-    option("placed_qy", placed_qy, "", "Attitude in which it was placed: quaternion, y.",
-           within(-1, 1));
-    option("placed_qz", placed_qz, "", "Attitude in which it was placed: quaternion, z.",
-           within(-1, 1));
+    quaternion("placed_q", {&placed_qw, &placed_qx, &placed_qy, &placed_qz},
+               "Attitude in which it was placed");
     option("position_deviation", position_deviation, "m",
            "Standard deviation of the position at the start.", above(0));
     option("attitude_deviation", attitude_deviation, "degrees",
@@ -190,14 +189,8 @@ void SensorInfo::describe(auto& option) {
     option("arm_x", arm_x, "m", "Lever arm from the centre to the sensor, body axes: x.");
     option("arm_y", arm_y, "m", "Lever arm from the centre to the sensor, body axes: y.");
     option("arm_z", arm_z, "m", "Lever arm from the centre to the sensor, body axes: z.");
-    option("mounting_w", mounting_w, "", "Rotation from sensor axes to body axes: quaternion, w.",
-           within(-1, 1));
-    option("mounting_x", mounting_x, "", "Rotation from sensor axes to body axes: quaternion, x.",
-           within(-1, 1));
-    option("mounting_y", mounting_y, "", "Rotation from sensor axes to body axes: quaternion, y.",
-           within(-1, 1));
-    option("mounting_z", mounting_z, "", "Rotation from sensor axes to body axes: quaternion, z.",
-           within(-1, 1));
+    quaternion("mounting_", {&mounting_w, &mounting_x, &mounting_y, &mounting_z},
+               "Rotation from sensor axes to body axes");
     option("force_unit", force_unit, "", "Unit of ax ay az.", {"m/s2", "g"});
     option("rate_unit", rate_unit, "", "Unit of gx gy gz.", {"rad/s", "deg/s"});
     option("sampling_rate", sampling_rate, "Hz", "Nominal sampling rate.", above(0));
