@@ -18,16 +18,20 @@ struct Sleep {
     double acceleration = 0.01 * 9.81; ///< m/s2, > 0
     double speed = 1e-4;               ///< m/s, > 0
     unsigned steps = 100;              ///< > 0
-    // state left by the last review_sleep
-    std::vector<std::uint8_t> sleeps = {}; ///< by row: 1 if the body sleeps
-    /// By row: 1 if the body is awake or has just fallen asleep, or has a near pair with
-    /// such a body.
+    /// A body that has fallen asleep no longer moves, so that the forces of its contacts change
+    /// once more; a contact that has just ended changes them twice. It and its partners are
+    /// therefore computed for as many steps before it is settled.
+    static constexpr unsigned settling = 2;
+    enum class State : std::uint8_t { awake, asleep, settled };
+    // what the last review_sleep has left
+    std::vector<State> states = {}; ///< by row
+    /// By row: 1 if the body is not settled or has a near pair with such a body.
     std::vector<std::uint8_t> busy = {};
-    bool fell_asleep = false; ///< a body has fallen asleep or woken in the last step
     bool all = false; ///< the contacts of all bodies are computed in this step
 };
 
-/// Number of consecutive steps in which the body was at rest; from Sleep::steps on it sleeps.
+/// Number of consecutive steps in which the body was at rest; from Sleep::steps on it sleeps. It is
+/// not counted beyond Sleep::steps + Sleep::settling.
 struct Resting : State<std::uint32_t> {
     static constexpr auto name = "resting", unit = "";
 };

@@ -89,6 +89,7 @@ std::string contact_message(const PairNames& who, const ForceRow& contact, doubl
 }
 
 void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock, Health& health) {
+    if (health.bad) return; // a contact beyond its limits is the cause
     const Offender offender = find_offender(bodies, limits, clock.dt);
     double limit_of_step = largest_displacement(limits, offender.smallest_free);
     Row b = offender.body;

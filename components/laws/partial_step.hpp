@@ -66,12 +66,16 @@ private:
 /// touched one step ago. The impulse of that step was given as if the contact went on for half a
 /// step; what was missing or too much is given now. The time of separation is known from the
 /// displacement of the last step, which the leapfrog makes at a constant speed. With it restitution
-/// has an error of second order in dt for every phase between steps and contacts.
+/// has an error of second order in dt for every phase between steps and contacts. Surfaces that are
+/// further apart than the last step can explain were moved from outside, and are not corrected.
 struct CorrectionOfEnd {
+    /// Largest gap that is corrected, over the displacement of the surfaces in the last step. Above
+    /// 1, because that displacement is computed to first order.
+    static constexpr double largest_gap = 1.1;
     ContactLanes before; ///< the contact one step ago
 
     CorrectionOfEnd(const ContactLanes& c, double dt) : before(c) {
-        separates_ = c.closing < 0.0;
+        separates_ = (c.closing < 0.0) & (c.overlap > (largest_gap * dt) * c.closing);
         displacement_ = separates_ ? -c.closing * dt : lanes(1);
         before.overlap = max(c.overlap + displacement_, lanes(0));
         part_ = min(before.overlap / displacement_, lanes(1));

@@ -1,5 +1,6 @@
 #include "components/boundary.hpp"
 #include "components/force_sums.hpp"
+#include "components/laws/partial_step.hpp"
 #include "components/material.hpp"
 #include "components/membrane.hpp"
 #include "engine/lane_math.hpp"
@@ -179,15 +180,15 @@ void note_bodies(World& world) {
     }
 }
 
-/// Upper bound (m) of the gap that can open between two surfaces in one step.
-double separation_in_a_step(const World& world) {
+/// Upper bound (m) of the gap of contacts that have ended in the last step and are still corrected.
+double largest_corrected_gap(const World& world) {
     const Table& bodies = world.table<Bodies>();
     const auto velocity = bodies.column<Velocity>(), omega = bodies.column<StepAngularVelocity>();
     const auto radius = bodies.column<BoundingRadius>();
     double fastest = 0;
     for (Row b = 0; b < bodies.size(); ++b)
         fastest = std::max(fastest, velocity[b].norm() + omega[b].norm() * radius[b]);
-    return (1 + 1e-6) * 2 * fastest * world.resource<Clock>().dt;
+    return (1 + 1e-6) * CorrectionOfEnd::largest_gap * 2 * fastest * world.resource<Clock>().dt;
 }
 
 /// Brings SpherePosition up to date.
@@ -231,8 +232,7 @@ void show_velocities(World& world) { world.resource<ListState>().velocities_chan
 
 detail::ListDistances detail::list_distances(const World& world, double skin) {
     const LawTraits& law = traits(world.resource<ContactLaw>().law);
-    // a contact that has ended in the last step is still to be corrected
-    if (law.springs && law.dashpots) skin = std::max(skin, separation_in_a_step(world));
+    if (law.springs && law.dashpots) skin = std::max(skin, largest_corrected_gap(world));
     if (!law.reaches) return {skin, skin};
     double radius = 0;
     for (const Ball& ball : world.column<Spheres, LocalBall>())

@@ -35,6 +35,8 @@ void hold(const BodyRows& bodies, const Sleep& sleep, Keep&& keep, RestorePose&&
             resting[b] = 0;
             held[b].held = 0;
             continue;
+        } else if (resting[b] < sleep.steps + Sleep::settling) {
+            ++resting[b];
         }
         position[b] = held[b].position;
         restore_pose(held[b], b);

@@ -13,26 +13,28 @@ namespace bris {
 
 namespace {
 
-/// Which bodies sleep, by row. Fixed bodies always do.
-class WhoSleeps {
+/// Whether bodies are awake, asleep or settled, by row. Fixed bodies are always settled.
+class States {
 public:
-    WhoSleeps(const World& world, const Sleep& sleep)
+    States(const World& world, const Sleep& sleep)
         : motion_(world.column<Bodies, MotionOf>()), resting_(world.column<Bodies, Resting>()),
           steps_(sleep.steps) {}
-    bool operator()(Row b) const {
-        return motion_[b] == static_cast<std::uint32_t>(Motion::fixed) || resting_[b] >= steps_;
+    Sleep::State operator[](Row b) const {
+        if (motion_[b] == static_cast<std::uint32_t>(Motion::fixed)) return Sleep::State::settled;
+        return resting_[b] < steps_                      ? Sleep::State::awake
+               : resting_[b] < steps_ + Sleep::settling ? Sleep::State::asleep
+                                                        : Sleep::State::settled;
     }
-    bool differs_from(const std::vector<std::uint8_t>& sleeps) const {
-        if (sleeps.size() != motion_.size()) return true;
-        unsigned differs = 0;
-        for (Row b = 0; b < motion_.size(); ++b)
-            differs |= static_cast<unsigned>((*this)(b)) ^ sleeps[b];
-        return differs != 0;
+    bool differ_from(const std::vector<Sleep::State>& states) const {
+        if (states.size() != motion_.size()) return true;
+        bool differ = false;
+        for (Row b = 0; b < motion_.size(); ++b) differ |= (*this)[b] != states[b];
+        return differ;
     }
-    std::vector<std::uint8_t> all() const {
-        std::vector<std::uint8_t> sleeps(motion_.size());
-        for (Row b = 0; b < motion_.size(); ++b) sleeps[b] = (*this)(b) ? 1 : 0;
-        return sleeps;
+    std::vector<Sleep::State> all() const {
+        std::vector<Sleep::State> states(motion_.size());
+        for (Row b = 0; b < motion_.size(); ++b) states[b] = (*this)[b];
+        return states;
     }
 
 private:
@@ -73,15 +75,16 @@ void flag_pairs(const World& world, std::vector<std::uint8_t>& flags, Wanted&& w
 }
 
 /// Marks the pairs with a body that is awake, and the bodies of such pairs and of those with a body
-/// that has just fallen asleep, since its dashpots no longer push.
+/// that is not settled.
 template <class Pairs>
-void mark_awake(World& world, Sleep& sleep, const std::vector<std::uint8_t>& slept) {
+void mark_awake(World& world, Sleep& sleep) {
     if (!world.has<Pairs>()) return;
     auto& index = world.resource<NearIndex<Pairs>>();
-    const auto is_new = [&](Row b) { return sleep.sleeps[b] == 0 || slept[b] == 0; };
+    const auto& state = sleep.states;
     flag_pairs<Pairs>(world, index.awake, [&](Row owner, Row partner) {
-        if (is_new(owner) || is_new(partner)) sleep.busy[owner] = sleep.busy[partner] = 1;
-        return sleep.sleeps[owner] == 0 || sleep.sleeps[partner] == 0;
+        if (state[owner] != Sleep::State::settled || state[partner] != Sleep::State::settled)
+            sleep.busy[owner] = sleep.busy[partner] = 1;
+        return state[owner] == Sleep::State::awake || state[partner] == Sleep::State::awake;
     });
 }
 
@@ -176,24 +179,21 @@ std::size_t sleepers(const World& world) {
 
 bool sleep_is_due(const World& world) {
     const Sleep& sleep = world.resource<Sleep>();
-    return sleep.all || sleep.fell_asleep || world.resource<Clock>().observed ||
-           WhoSleeps(world, sleep).differs_from(sleep.sleeps);
+    return sleep.all || world.resource<Clock>().observed ||
+           States(world, sleep).differ_from(sleep.states);
 }
 
 void review_sleep(World& world, Sleep& sleep) {
-    const WhoSleeps who(world, sleep);
+    const States now(world, sleep);
     const bool listed =
         world.resource<NearIndex<SpherePairs>>().awake.empty(); // new lists have no marks
-    if (listed || sleep.fell_asleep || who.differs_from(sleep.sleeps)) {
-        std::vector<std::uint8_t> slept = who.all();
-        if (sleep.sleeps.size() != slept.size()) sleep.sleeps = slept;
-        std::swap(slept, sleep.sleeps);
-        sleep.fell_asleep = slept != sleep.sleeps;
-        sleep.busy.resize(slept.size());
-        for (std::size_t b = 0; b < slept.size(); ++b)
-            sleep.busy[b] = slept[b] == 0 || sleep.sleeps[b] == 0 ? 1 : 0;
-        mark_awake<SpherePairs>(world, sleep, slept);
-        mark_awake<PlanePairs>(world, sleep, slept);
+    if (listed || now.differ_from(sleep.states)) {
+        sleep.states = now.all();
+        sleep.busy.resize(sleep.states.size());
+        for (std::size_t b = 0; b < sleep.busy.size(); ++b)
+            sleep.busy[b] = sleep.states[b] != Sleep::State::settled ? 1 : 0;
+        mark_awake<SpherePairs>(world, sleep);
+        mark_awake<PlanePairs>(world, sleep);
     }
     // new lists do not know yet which pairs touch, and observers read the forces of all pairs
     const bool all = sleep.all = listed || world.resource<Clock>().observed;

@@ -82,7 +82,8 @@ TEST_SUITE("sleep") {
                              full = compute_quantities(waking.world());
             CHECK(asleep.kinetic_energy == 0);
             CHECK(std::abs(asleep.boundary_force_over_weight() - 1) < 0.01);
-            CHECK(asleep.contacts == full.contacts);
+            // an unbalanced acceleration below the limit may still move a grain a little
+            CHECK(about(full.contacts).epsilon(0.01) == asleep.contacts);
             CHECK(asleep.mean_overlap == about(full.mean_overlap).epsilon(0.01));
             CHECK(asleep.elastic_energy == about(full.elastic_energy).epsilon(0.02));
             double farthest = 0;
@@ -90,7 +91,7 @@ TEST_SUITE("sleep") {
                 farthest =
                     std::max(farthest,
                              (value_of<Position>(sim, id) - value_of<Position>(waking, id)).norm());
-            CHECK(farthest < 10 * full.mean_overlap);
+            CHECK(farthest < 0.01 * 0.0075); // of the smallest radius
             // a state at rest does not change
             const auto before = fingerprint(sim.snapshot(), "bodies/position");
             sim.advance(500);
