@@ -183,6 +183,21 @@ inline double displacement_bound(const Vec3& x, const Quat& q, const Pose& from,
     return (x - from.position).norm() + 2 * radius * std::sqrt(std::min(difference, opposite));
 }
 
+/// How far the surface of the body may move before the short lists of pairs are made anew. Two
+/// bodies are listed while the gap between their surfaces is below the sum of their skins.
+struct InnerSkin : Derived<double> {
+    static constexpr auto name = "inner_skin", unit = "m";
+};
+/// The same for the candidate pairs.
+struct OuterSkin : Derived<double> {
+    static constexpr auto name = "outer_skin", unit = "m";
+};
+/// Distance that the surface has moved per step while the last lists served. A body that was faster
+/// before is forgotten slowly.
+struct SurfaceSpeed : Derived<double> {
+    static constexpr auto name = "surface_speed", unit = "m";
+};
+
 /// Pose at the last prune of the pair lists.
 struct PrunedAt : Derived<Pose> {
     static constexpr auto name = "pruned_at", unit = "";

@@ -41,9 +41,6 @@ struct ForceGrid {
     double force = 0;         ///< N
     double torque = 0;        ///< N m, of bodies with spheres
     double host_torque = 0;   ///< N m, of boundaries, whose lever arms are longer
-    // what the units are chosen from, noted when candidate pairs are made
-    double largest_radius = 0;                ///< m, bounding radius of a body with spheres
-    std::vector<std::uint32_t> grains, hosts; ///< bodies with and without spheres, by material
     static constexpr double largest = 0x1p59; ///< largest force of one contact, in units
     static constexpr double largest_sum = 0x1p62; ///< of a body, in units
 };

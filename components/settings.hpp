@@ -5,6 +5,7 @@
 #include "engine/health.hpp"
 #include "engine/math.hpp"
 
+#include <atomic>
 #include <limits>
 #include <string>
 
@@ -41,6 +42,7 @@ struct LocalDamping {
 /// Settings of the pair lists. None of them changes a bit of the result.
 struct ListSettings {
     static constexpr auto name = "list_settings";
+    // Skins of two bodies of mean speed together. Faster bodies have larger skins than slower ones.
     double outer_skin = 0;   ///< m, > inner_skin; 0: chosen from the radii at the first rebuild
     double inner_skin = 0;   ///< m, > 0; 0: chosen from the radii at the first rebuild
     double largest_skin = 0; ///< m, limit of tuned skins; 0: chosen from the radii
@@ -61,7 +63,10 @@ struct ListState {
     std::uint64_t rebuilds = 0, prunes = 0, sorts = 0;
     std::uint64_t last_rebuild = 0, last_prune = 0; ///< step numbers
     std::uint64_t prunes_at_rebuild = 0;
-    double candidate_skin = 0; ///< m, gap up to which the candidate pairs are complete
+    bool used_up = false; ///< a body has moved further than its inner skin
+
+    /// Sets used_up; may be called by several threads.
+    void note_used_up() { std::atomic_ref(used_up).store(true, std::memory_order_relaxed); }
 };
 
 /// Whether the records of contact forces are written in the present step. Most steps need only the

@@ -27,9 +27,10 @@ struct alignas(32) SphereRow {
     double x, y, z, radius;
 };
 
-/// Positions of all spheres, at the time when the lists are made.
-struct SpherePosition : Derived<SphereRow> {
-    static constexpr auto name = "position", unit = "m";
+/// All spheres at the time when the lists are made, their radii enlarged by the skins of their
+/// bodies.
+struct EnlargedSphere : Derived<SphereRow> {
+    static constexpr auto name = "enlarged_sphere", unit = "m";
 };
 struct ListedPosition : Derived<SphereRow> {
     static constexpr auto name = "position", unit = "m";

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <string>
 
 namespace bris {
@@ -10,6 +11,15 @@ struct Health {
     static constexpr bool is_state = true;
     bool bad = false;
     std::string what; ///< the reason in one line, without step and time
+};
+
+/// Set in a step in which a guard has to look more closely.
+struct Alarm {
+    static constexpr auto name = "alarm";
+    bool raised = false;
+
+    /// May be called by several threads.
+    void raise() { std::atomic_ref(raised).store(true, std::memory_order_relaxed); }
 };
 
 } // namespace bris

@@ -18,19 +18,9 @@ LaneMask at_least(const Vec3Lanes& a, const Vec3& low) {
     return (a.x >= low.x()) & (a.y >= low.y()) & (a.z >= low.z());
 }
 
-/// Largest displacement (m) in a step that cannot carry a surface past another of this radius.
-double largest_displacement(const Limits& limits, double radius) { return limits.overlap * radius; }
-
-struct Offender {
-    /// Its state is not finite, it is too fast or outside the box, or it moves too far in one step.
-    Row body = no_row;
-    double smallest_free = std::numeric_limits<double>::infinity(); ///< m, bounding radius
-    double fastest_driven = 0;                                      ///< m/s
-};
-
-/// The first body that violates a limit, and the numbers that decide whether a boundary moves too
-/// far.
-Offender find_offender(WatchedBodies bodies, const Limits& limits, double dt) {
+/// The first of the bodies that violates a limit, or no_row.
+Row find_offender(const WatchedBodies& bodies, Row first, Row last, const Limits& limits,
+                  const Clock& clock, const Census& census) {
     const double* displacement = bodies.column<DisplacementBound>();
     const double* radius = bodies.column<BoundingRadius>();
     const Vec3* velocity = bodies.column<Velocity>();
@@ -38,39 +28,24 @@ Offender find_offender(WatchedBodies bodies, const Limits& limits, double dt) {
     const Vec3* omega = bodies.column<AngularVelocity>();
     const auto* motion = bodies.column<MotionOf>();
     const double infinite = std::numeric_limits<double>::infinity(),
-                 limit = limits.speed * limits.speed;
-    Offender offender;
-    Lane smallest = lanes(infinite), fastest{};
-    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
+                 fastest = limits.speed * limits.speed;
+    Row offender = no_row;
+    for_lane_rows(first, last, [&](LaneRows rows) {
         const Vec3Lanes x = load(position, rows), v = load(velocity, rows), w = load(omega, rows);
         const LaneMask free = equal(motion, rows, static_cast<std::uint32_t>(Motion::free));
         const LaneMask inside = at_least(x, limits.low) & at_least(Vec3Lanes{} - x, -limits.high);
-        const Lane r = load(radius, rows), squared = dot(v, v), limit_of_step = limits.overlap * r;
+        const Lane squared = dot(v, v),
+                   most = limits.overlap *
+                          (free ? load(radius, rows) : lanes(census.smallest_free_radius));
         const LaneMask finite = (load(displacement, rows) < infinite) & (dot(w, w) < infinite),
-                       slow = squared <= limit,
-                       near = (dt * dt) * squared <= limit_of_step * limit_of_step;
+                       slow = squared <= fastest,
+                       near = (clock.dt * clock.dt) * squared <= most * most;
         const unsigned wrong =
-            ~bits(finite & slow & (~free | (inside & near))) & ((1u << rows.count) - 1);
-        if (wrong != 0 && offender.body == no_row)
-            offender.body = rows.first + static_cast<Row>(__builtin_ctz(wrong));
-        smallest =
-            min(smallest, free & (r > 0.0) ? r : lanes(infinite)); // empty lanes have radius 0
-        fastest = max(fastest, free ? Lane{} : squared);
+            ~bits(finite & slow & near & (~free | inside)) & ((1u << rows.count) - 1);
+        if (wrong != 0 && offender == no_row)
+            offender = rows.first + static_cast<Row>(__builtin_ctz(wrong));
     });
-    for (std::size_t k = 0; k < lane_count; ++k) {
-        offender.smallest_free = std::min(offender.smallest_free, smallest[k]);
-        offender.fastest_driven = std::max(offender.fastest_driven, std::sqrt(fastest[k]));
-    }
     return offender;
-}
-
-/// The first driven body that moves further in a step than the smallest grain allows.
-Row first_too_fast(WatchedBodies bodies, double limit_of_step, double dt) {
-    for (Row b = bodies.first(); b < bodies.last(); ++b)
-        if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free) &&
-            bodies.column<Velocity>()[b].norm() * dt > limit_of_step)
-            return b;
-    return no_row;
 }
 
 } // namespace
@@ -88,29 +63,37 @@ std::string contact_message(const PairNames& who, const ForceRow& contact, doubl
                        Vec3(contact.fx, contact.fy, contact.fz).norm(), contact.overlap);
 }
 
-void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock, Health& health) {
-    if (health.bad) return; // a contact beyond its limits is the cause
-    const Offender offender = find_offender(bodies, limits, clock.dt);
-    double limit_of_step = largest_displacement(limits, offender.smallest_free);
-    Row b = offender.body;
-    if (b == no_row && offender.fastest_driven * clock.dt > limit_of_step)
-        b = first_too_fast(bodies, limit_of_step, clock.dt);
-    if (b == no_row) return;
-    if (bodies.column<MotionOf>()[b] == static_cast<std::uint32_t>(Motion::free))
-        limit_of_step = largest_displacement(limits, bodies.column<BoundingRadius>()[b]);
+void watch_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock,
+                  const Census& census, Alarm& alarm) {
+    if (find_offender(bodies, bodies.first(), bodies.last(), limits, clock, census) != no_row)
+        alarm.raise();
+}
+
+void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock,
+                  const Census& census, Alarm& alarm, Health& health) {
+    Row b = no_row;
+    if (alarm.raised)
+        b = find_offender(bodies, 0, static_cast<Row>(bodies.size()), limits, clock, census);
+    for (const Row boundary : census.boundaries)
+        if (b == no_row) b = find_offender(bodies, boundary, boundary + 1, limits, clock, census);
+    alarm.raised = false;
+    if (b == no_row || health.bad) return; // a contact beyond its limits is the cause
+    const bool free = bodies.column<MotionOf>()[b] == static_cast<std::uint32_t>(Motion::free);
+    const double most = limits.overlap * (free ? bodies.column<BoundingRadius>()[b]
+                                               : census.smallest_free_radius);
     const Vec3& x = bodies.column<Position>()[b];
-    const double speed = bodies.column<Velocity>()[b].norm();
+    const double speed = bodies.column<Velocity>()[b].norm(),
+                 omega = bodies.column<AngularVelocity>()[b].norm();
     health.bad = true;
     health.what = fmt::format("body {} at {} m: expected ", bodies.column<BodyId>()[b], point(x));
-    const double omega = bodies.column<AngularVelocity>()[b].norm();
     if (!std::isfinite(omega))
         health.what += fmt::format("a finite angular velocity, found {:g} rad/s", omega);
     else if (!(bodies.column<DisplacementBound>()[b] < std::numeric_limits<double>::infinity() &&
                speed <= limits.speed))
         health.what += fmt::format("a speed up to {:g} m/s, found {:g} m/s", limits.speed, speed);
-    else if (speed * clock.dt > limit_of_step)
+    else if (speed * clock.dt > most)
         health.what += fmt::format("a displacement up to {:g} m in a step, found {:g} m ({:g} m/s)",
-                                   limit_of_step, speed * clock.dt, speed);
+                                   most, speed * clock.dt, speed);
     else
         health.what += fmt::format("a position between {} and {} m: it has escaped",
                                    point(limits.low), point(limits.high));

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "components/body.hpp"
+#include "components/census.hpp"
 #include "components/force_sums.hpp"
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
@@ -21,9 +22,14 @@ using WatchedBodies =
 /// the limit; free bodies outside the box of the scene; and displacements that could carry one
 /// surface through another undetected. The limit of displacement in a step is Limits::overlap times
 /// the body's own bounding radius for a free body, and times that of the smallest free body for a
-/// driven one. Records the first offender in Health; the simulation then stops with step, time and
-/// a checkpoint.
-void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock, Health& health);
+/// driven one. Raises the alarm; guard_motion then finds the body.
+void watch_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock,
+                  const Census& census, Alarm& alarm);
+
+/// Records in Health the first body that watch_motion has found; the simulation then stops with
+/// step, time and a checkpoint. Watches the boundaries once more, because servos have moved them.
+void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock,
+                  const Census& census, Alarm& alarm, Health& health);
 
 /// The message on two bodies that overlap too deeply or whose contact force cannot be added: mean
 /// `radius` in m, `limit` of the overlap as a fraction of the radius, `largest_force` in N.

@@ -80,6 +80,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         row_local("apply_correction_velocity", apply_correction_velocity),
         row_local("bound_displacement", bound_displacement),
         row_local("bound_displacement_and_rotation", bound_displacement_and_rotation),
+        row_local("watch_motion", watch_motion),
         // boundaries
         system("push_membrane", push_membrane),
         system("accumulate_membrane_work", accumulate_membrane_work),

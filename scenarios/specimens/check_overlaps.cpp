@@ -55,14 +55,15 @@ void find_deepest(const World& world, Deepest& deepest) {
     if (!world.has<Pairs>()) return;
     const auto names = world.column<Pairs, PairKey>();
     const auto rows = world.column<Pairs, PairRows>();
-    const auto sphere_row = world.column<Spheres, SpherePosition>();
+    const auto sphere_row = world.column<Spheres, EnlargedSphere>();
+    const auto ball = world.column<Spheres, LocalBall>();
     for (std::size_t k = 0; k < names.size(); ++k) {
-        const SphereRow& own = sphere_row[rows[k].sphere];
-        const Vec3 x = detail::centre_of(own);
+        const double radius = ball[rows[k].sphere].radius;
+        const Vec3 x = detail::centre_of(sphere_row[rows[k].sphere]);
         if constexpr (std::is_same_v<Pairs, SpherePairs>) {
-            const SphereRow& other = sphere_row[rows[k].other];
-            const double reach = own.radius + other.radius;
-            deepest.consider(names[k], reach - (x - detail::centre_of(other)).norm(), reach / 2);
+            const double reach = radius + ball[rows[k].other].radius;
+            const Vec3 other = detail::centre_of(sphere_row[rows[k].other]);
+            deepest.consider(names[k], reach - (x - other).norm(), reach / 2);
         } else {
             double distance = 0;
             if constexpr (std::is_same_v<Pairs, PlanePairs>)
@@ -71,7 +72,7 @@ void find_deepest(const World& world, Deepest& deepest) {
                 distance = distance_from_facet(world, rows[k].other, rows[k].partner_body, x);
             else
                 distance = distance_from_membrane(world, rows[k].other, x);
-            deepest.consider(names[k], own.radius - distance, own.radius);
+            deepest.consider(names[k], radius - distance, radius);
         }
     }
 }

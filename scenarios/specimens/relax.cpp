@@ -69,11 +69,12 @@ void part_coincident(World& world) {
     const auto ids = rows_by_id(bodies.column<BodyId>());
     const auto names = world.column<SpherePairs, PairKey>();
     const auto rows = world.column<SpherePairs, PairRows>();
-    const auto sphere_row = world.column<Spheres, SpherePosition>();
+    const auto sphere_row = world.column<Spheres, EnlargedSphere>();
+    const auto ball = world.column<Spheres, LocalBall>();
     std::vector<double> aside(bodies.size(), 0.0); // by id
     for (std::size_t k = 0; k < names.size(); ++k) {
         const SphereRow &a = sphere_row[rows[k].sphere], &b = sphere_row[rows[k].other];
-        const double radius = std::min(a.radius, b.radius);
+        const double radius = std::min(ball[rows[k].sphere].radius, ball[rows[k].other].radius);
         if (!((detail::centre_of(a) - detail::centre_of(b)).norm() < 1e-6 * radius)) continue;
         double& separation = aside[std::max(names[k].owner, names[k].partner)];
         separation = std::max(separation, nudge * radius);

@@ -79,6 +79,7 @@ World make_world(Grains grains) {
     world.add_resource<Clock>();
     world.add_resource<Limits>();
     world.add_resource<Health>();
+    world.add_resource<Alarm>();
     return world;
 }
 

@@ -2,6 +2,7 @@
 #include "components/material.hpp"
 #include "components/membrane_surface.hpp"
 #include "systems/broadphase/carry_over.hpp"
+#include "systems/broadphase/skins.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -13,7 +14,7 @@ namespace {
 
 // Makes the candidates of every free body with the boundary parts (planes, facets or sectors of a
 // membrane) that `parts_around` returns for it and that `near_body` and `near_sphere` accept,
-// ordered by (host id, sphere, part id).
+// ordered by (host id, sphere, part id). `near_sphere` is given the enlarged radius.
 template <class Pairs, class PartsAround, class NearBody, class NearSphere>
 void find_pairs(World& world, std::span<const EntityId> part, std::span<const Row> host,
                 PartsAround&& parts_around, NearBody&& near_body, NearSphere&& near_sphere) {
@@ -22,7 +23,7 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
     const auto run = bodies.column<SpheresOf>();
     const auto id = bodies.column<BodyId>();
     const auto material = bodies.column<MaterialOf>();
-    const auto sphere_row = world.column<Spheres, SpherePosition>();
+    const auto sphere_row = world.column<Spheres, EnlargedSphere>();
     const auto& materials = world.resource<Materials>();
     ChunkLists<Candidate> found;
     std::vector<Row> first;
@@ -98,42 +99,43 @@ private:
     std::vector<Row> first_, items_;
 };
 
-// largest distance from its centre at which a free body can be near a boundary
-double largest_reach(const Table& bodies, double skin) {
-    const auto radius = bodies.column<BoundingRadius>();
+// largest radius of a free body, with its skin
+double largest_enlarged_radius(const Table& bodies) {
+    const auto radius = bodies.column<BoundingRadius>(), skin = bodies.column<OuterSkin>();
     const auto run = bodies.column<SpheresOf>();
     const auto motion = bodies.column<MotionOf>();
     double largest = 0;
     for (Row b = 0; b < bodies.size(); ++b)
         if (run[b].count > 0 && motion[b] == static_cast<std::uint32_t>(Motion::free))
-            largest = std::max(largest, radius[b]);
-    return largest + skin;
+            largest = std::max(largest, radius[b] + skin[b]);
+    return largest;
 }
 
 } // namespace
 
-void find_plane_pairs(World& world, double skin) {
+void find_plane_pairs(World& world) {
     Table &planes = world.table<Planes>(), &bodies = world.table<Bodies>();
     const auto host = planes.column<HostRow>();
     const auto shape = planes.column<LocalPlane>();
     const auto position = bodies.column<Position>();
-    const auto radius = bodies.column<BoundingRadius>();
+    const auto radius = bodies.column<BoundingRadius>(), skin = bodies.column<OuterSkin>();
     const auto height = [&](const Vec3& x, Row e) {
         return (x - position[host[e]] - shape[e].point).dot(shape[e].normal);
     };
     const auto all = all_rows(planes.size());
     find_pairs<PlanePairs>(
         world, planes.column<PlaneId>(), host, [&](Row) -> const std::vector<Row>& { return all; },
-        [&](Row b, Row e) { return height(position[b], e) < radius[b] + skin; },
-        [&](const Vec3& x, double r, Row e) { return height(x, e) < r + skin; });
+        [&](Row b, Row e) { return height(position[b], e) < radius[b] + skin[b] + skin[host[e]]; },
+        [&](const Vec3& x, double r, Row e) { return height(x, e) < r + skin[host[e]]; });
 }
 
-void find_facet_pairs(World& world, double skin) {
+void find_facet_pairs(World& world) {
     Table &facets = world.table<Facets>(), &bodies = world.table<Bodies>();
     const auto host = facets.column<HostRow>();
     const auto shape = facets.column<LocalFacet>();
     const auto position = bodies.column<Position>();
-    const auto radius = bodies.column<BoundingRadius>();
+    const auto radius = bodies.column<BoundingRadius>(), skin = bodies.column<OuterSkin>();
+    const double beyond = reach_beyond_skin(world);
     std::vector<Eigen::AlignedBox3d> boxes(facets.size());
     for (std::size_t e = 0; e < boxes.size(); ++e)
         for (const Vec3& corner : shape[e].corners)
@@ -145,13 +147,17 @@ void find_facet_pairs(World& world, double skin) {
     }
     // a sphere out of reach of the facet's box or of its plane is out of reach of the facet
     const auto reaches = [&](const Vec3& x, double r, Row e) {
-        const double height = (x - position[host[e]] - shape[e].corners[0]).dot(normal[e]);
-        return std::abs(height) < r + skin &&
-               boxes[e].squaredExteriorDistance(Eigen::Vector3d(x)) < (r + skin) * (r + skin);
+        const double height = (x - position[host[e]] - shape[e].corners[0]).dot(normal[e]),
+                     reach = r + skin[host[e]] + beyond;
+        return std::abs(height) < reach &&
+               boxes[e].squaredExteriorDistance(Eigen::Vector3d(x)) < reach * reach;
     };
     std::vector<Eigen::AlignedBox3d> within_reach = boxes;
-    const Eigen::Vector3d margin = Eigen::Vector3d::Constant(largest_reach(bodies, skin));
-    for (auto& box : within_reach) box = {box.min() - margin, box.max() + margin};
+    const double largest = largest_enlarged_radius(bodies) + beyond;
+    for (std::size_t e = 0; e < boxes.size(); ++e) {
+        const Eigen::Vector3d margin = Eigen::Vector3d::Constant(largest + skin[host[e]]);
+        within_reach[e] = {boxes[e].min() - margin, boxes[e].max() + margin};
+    }
     // with few boxes a grid costs more than it saves if fast bodies need new lists in every step
     const auto all = all_rows(facets.size());
     const bool few = all.size() <= 16;
@@ -160,16 +166,17 @@ void find_facet_pairs(World& world, double skin) {
     find_pairs<FacetPairs>(
         world, facets.column<FacetId>(), host,
         [&](Row b) { return few ? std::span<const Row>(all) : grid.around(position[b]); },
-        [&](Row b, Row e) { return reaches(position[b], radius[b], e); }, reaches);
+        [&](Row b, Row e) { return reaches(position[b], radius[b] + skin[b], e); }, reaches);
 }
 
-void find_membrane_pairs(World& world, double skin) {
+void find_membrane_pairs(World& world) {
     Table& bodies = world.table<Bodies>();
     const auto& membrane = world.resource<Membrane>();
     const auto element_radius = world.column<Elements, ElementRadius>();
     const MembraneSurface surface(membrane, element_radius.data());
     const auto position = bodies.column<Position>();
-    const auto radius = bodies.column<BoundingRadius>();
+    const auto radius = bodies.column<BoundingRadius>(), skins = bodies.column<OuterSkin>();
+    const double skin = skins[membrane.body_row];
     // least radius over the whole height, because a body may be longer than a ring is high
     std::vector<double> least(membrane.sectors, std::numeric_limits<double>::infinity());
     for (Row e = 0; e < element_radius.size(); ++e)
@@ -181,7 +188,7 @@ void find_membrane_pairs(World& world, double skin) {
     find_pairs<MembranePairs>(
         world, sector, host, [&](Row) -> const std::vector<Row>& { return all; },
         [&](Row b, Row s) {
-            return position[b].dot(membrane.outward[s]) + radius[b] + skin > least[s];
+            return position[b].dot(membrane.outward[s]) + radius[b] + skins[b] + skin > least[s];
         },
         [&](const Vec3& x, double r, Row s) {
             return surface.nearest(static_cast<int>(s), x.dot(membrane.outward[s]), x.z())

@@ -34,8 +34,10 @@ public:
             starts_[chunk] = total;
             total += lists_[chunk].size();
         }
-        for (std::size_t row = 0; row < n; ++row)
-            first[row] += static_cast<Row>(starts_[row / rows_per_chunk]);
+        for_chunks(n, rows_per_chunk, [&](std::size_t chunk, std::size_t begin, std::size_t end) {
+            for (std::size_t row = begin; row < end; ++row)
+                first[row] += static_cast<Row>(starts_[chunk]);
+        });
         first[n] = static_cast<Row>(total);
     }
     std::size_t size() const { return starts_.empty() ? 0 : starts_.back() + lists_.back().size(); }

@@ -63,19 +63,11 @@ struct Candidates {
     std::vector<Row> first; ///< bodies + 1
 };
 
-/// Distance (m) of surfaces within which lists are complete. A pair acts beyond touch only if it
-/// has touched, and was on the lists then: the larger of the skin and the reach of the law does for
-/// spheres and planes. What holds a sphere goes from one facet to the next beyond touch, so facets
-/// must be listed before they come within reach.
-struct ListDistances {
-    double spheres_and_planes, facets;
-};
-ListDistances list_distances(const World& world, double skin);
-
-void find_sphere_pairs(World& world, double skin);
-void find_plane_pairs(World& world, double skin);
-void find_facet_pairs(World& world, double skin);
-void find_membrane_pairs(World& world, double skin);
+// Each finds the candidates of one kind: pairs whose gap is below the sum of their outer skins.
+void find_sphere_pairs(World& world);
+void find_plane_pairs(World& world);
+void find_facet_pairs(World& world);
+void find_membrane_pairs(World& world);
 
 } // namespace detail
 

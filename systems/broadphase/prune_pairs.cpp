@@ -4,9 +4,13 @@
 #include "systems/broadphase/chunk_lists.hpp"
 #include "systems/broadphase/force_targets.hpp"
 #include "systems/broadphase/lists.hpp"
+#include "systems/broadphase/skins.hpp"
+#include "systems/broadphase/sphere_rows.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <span>
+#include <type_traits>
 
 namespace bris {
 
@@ -53,34 +57,91 @@ void list_near(World& world, Near&& near_bits) {
     detail::divide_into_chunks(index);
 }
 
+/// `gap`: lower bound (m) of the gap between an enlarged sphere and the boundary.
 template <class Pairs, class Gap>
-void make_short_list(World& world, double skin, Gap&& gap) {
+void list_near_boundary(World& world, Gap&& gap, double beyond = 0) {
+    const auto skin = world.column<Bodies, InnerSkin>();
     list_near<Pairs>(world, [&](const PairRowNumbers* rows, unsigned count) {
         unsigned now = 0;
-        for (unsigned k = 0; k < count; ++k) now |= (gap(rows[k]) < skin ? 1u : 0u) << k;
+        for (unsigned k = 0; k < count; ++k)
+            now |= (gap(rows[k]) < skin[rows[k].partner_body] + beyond ? 1u : 0u) << k;
         return now;
     });
 }
 
 // only the list of spheres is long enough for lanes to pay off
-void list_near_spheres(World& world, double skin) {
-    const auto sphere_row = world.column<Spheres, SpherePosition>();
+void list_near_spheres(World& world) {
+    const auto sphere_row = world.column<Spheres, EnlargedSphere>();
     list_near<SpherePairs>(world, [&](const PairRowNumbers* rows, unsigned count) {
         const auto row = [&](int q) -> const PairRowNumbers& {
             return rows[std::min(static_cast<unsigned>(q), count - 1)];
         };
         return near_lanes([&](int q) -> const SphereRow& { return sphere_row[row(q).sphere]; },
-                          [&](int q) -> const SphereRow& { return sphere_row[row(q).other]; },
-                          skin) &
+                          [&](int q) -> const SphereRow& { return sphere_row[row(q).other]; }, 0) &
                ((1u << count) - 1);
     });
 }
 
-template <class Pairs>
-void mark_owners(World& world, std::span<Row> slot) {
-    const auto entry = world.column<typename Pairs::Near, NearPair>();
-    const std::size_t count = world.resource<NearIndex<Pairs>>().size();
-    for (std::size_t k = 0; k < count; ++k) slot[entry[k].owner] = 0;
+void list_near_planes(World& world) {
+    const auto position = world.column<Bodies, Position>();
+    const auto sphere_row = world.column<Spheres, EnlargedSphere>();
+    const auto shape = world.column<Planes, LocalPlane>();
+    list_near_boundary<PlanePairs>(world, [&](const PairRowNumbers& p) {
+        const PlaneShape& plane = shape[p.other];
+        return (detail::centre_of(sphere_row[p.sphere]) - position[p.partner_body] - plane.point)
+                   .dot(plane.normal) -
+               sphere_row[p.sphere].radius;
+    });
+}
+
+void list_near_facets(World& world) {
+    const auto position = world.column<Bodies, Position>();
+    const auto sphere_row = world.column<Spheres, EnlargedSphere>();
+    const auto shape = world.column<Facets, LocalFacet>();
+    std::vector<Eigen::AlignedBox3d> boxes(shape.size());
+    std::vector<Vec3> normal(shape.size());
+    for (std::size_t e = 0; e < shape.size(); ++e) {
+        const auto& c = shape[e].corners;
+        for (const Vec3& corner : c) boxes[e].extend(Eigen::Vector3d(corner));
+        normal[e] = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+    }
+    const auto skin = world.column<Bodies, InnerSkin>();
+    const double beyond = detail::reach_beyond_skin(world);
+    // the distances to the facet's box and to its plane are both lower bounds
+    const auto gap = [&](const PairRowNumbers& p) {
+        const Vec3 x = detail::centre_of(sphere_row[p.sphere]) - position[p.partner_body];
+        const double radius = sphere_row[p.sphere].radius,
+                     height = std::abs((x - shape[p.other].corners[0]).dot(normal[p.other]));
+        if (height - radius >= skin[p.partner_body] + beyond) return height - radius;
+        return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) - radius;
+    };
+    list_near_boundary<FacetPairs>(world, gap, beyond);
+}
+
+void list_near_membrane(World& world) {
+    const auto& membrane = world.resource<Membrane>();
+    const auto sphere_row = world.column<Spheres, EnlargedSphere>();
+    const double skin = world.column<Bodies, InnerSkin>()[membrane.body_row];
+    const MembraneSurface surface(membrane, world.column<Elements, ElementRadius>().data());
+    list_near_boundary<MembranePairs>(world, [&](const PairRowNumbers& p) {
+        const Vec3 x = detail::centre_of(sphere_row[p.sphere]);
+        const double out = x.dot(membrane.outward[p.other]);
+        const auto sector = static_cast<int>(p.other);
+        const double reach = sphere_row[p.sphere].radius + skin;
+        if (out + reach <= surface.least_radius(sector, x.z()))
+            return skin; // most pairs; their exact distance would be costly
+        return surface.nearest(sector, out, x.z()).distance - sphere_row[p.sphere].radius;
+    });
+    std::ranges::copy(world.column<Elements, ElementRadius>(),
+                      world.column<Elements, PrunedRadius>().begin());
+}
+
+/// Calls body(row) for all rows of a table, in parallel.
+template <class Body>
+void for_rows(std::size_t rows, Body&& body) {
+    for_chunks(rows, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) body(row);
+    });
 }
 
 // single spheres are all listed, in the rows of their bodies, so contacts need no lookup
@@ -90,125 +151,102 @@ void list_single_spheres(World& world) {
     const auto runs = world.column<Bodies, SpheresOf>();
     Table& listed = world.table<Listed>();
     listed.resize(runs.size());
-    for (Row b = 0; b < runs.size(); ++b) {
+    const auto listed_ball = listed.column<ListedBall>();
+    const auto listed_body = listed.column<ListedBody>();
+    for_rows(runs.size(), [&](std::size_t row) {
+        const auto b = static_cast<Row>(row);
         runs[b].first_listed = b;
         runs[b].listed = runs[b].count;
-        listed.column<ListedBody>()[b] = b;
-        if (runs[b].count == 0) continue;
-        listed.column<ListedBall>()[b] = ball[runs[b].first];
+        listed_body[b] = b;
+        if (runs[b].count == 0) return;
+        listed_ball[b] = ball[runs[b].first];
         slot[runs[b].first] = b;
-    }
+    });
+}
+
+/// Marks the spheres of the near pairs by a slot of 0.
+template <class Pairs>
+void mark_spheres(World& world, std::span<Row> slot) {
+    if (!world.has<Pairs>()) return;
+    const auto entry = world.column<typename Pairs::Near, NearPair>();
+    const auto mark = [&](Row sphere) {
+        std::atomic_ref(slot[sphere]).store(0, std::memory_order_relaxed);
+    };
+    for_rows(world.resource<NearIndex<Pairs>>().size(), [&](std::size_t k) {
+        mark(entry[k].owner);
+        if (std::is_same_v<Pairs, SpherePairs>) mark(entry[k].other);
+    });
 }
 
 // gives every sphere on a short list a slot in Listed, body by body
 void list_spheres(World& world) {
     if (world.table<Bodies>().has<SphereInertia>()) return list_single_spheres(world);
     const auto slot = world.column<Spheres, ListedSlot>();
-    std::fill(slot.begin(), slot.end(), no_row);
-    const auto entry = world.column<NearSpheres, NearPair>();
-    const std::size_t count = world.resource<NearIndex<SpherePairs>>().size();
-    for (std::size_t k = 0; k < count; ++k) slot[entry[k].owner] = slot[entry[k].other] = 0;
-    if (world.has<PlanePairs>()) mark_owners<PlanePairs>(world, slot);
-    if (world.has<FacetPairs>()) mark_owners<FacetPairs>(world, slot);
-    if (world.has<MembranePairs>()) mark_owners<MembranePairs>(world, slot);
+    for_rows(slot.size(), [&](std::size_t k) { slot[k] = no_row; });
+    for_each_kind_of_pair([&]<class Pairs>() { mark_spheres<Pairs>(world, slot); });
 
+    const auto runs = world.column<Bodies, SpheresOf>();
+    std::vector<Row> first;
+    detail::ChunkLists<Row> found;
+    found.collect(runs.size(), first, [&](std::vector<Row>& list, Row b) {
+        for (Row k = runs[b].first; k < runs[b].first + runs[b].count; ++k)
+            if (slot[k] == 0) list.push_back(k);
+    });
     const auto ball = world.column<Spheres, LocalBall>();
     Table& listed = world.table<Listed>();
-    listed.resize(static_cast<std::size_t>(std::count(slot.begin(), slot.end(), Row{0})));
+    listed.resize(found.size());
     const auto listed_ball = listed.column<ListedBall>();
     const auto listed_body = listed.column<ListedBody>();
-    const auto runs = world.column<Bodies, SpheresOf>();
-    Row next = 0;
-    for (Row b = 0; b < runs.size(); ++b) {
-        SphereRun& run = runs[b];
-        run.first_listed = next;
-        for (Row k = run.first; k < run.first + run.count; ++k)
-            if (slot[k] == 0) {
-                listed_ball[next] = ball[k];
-                listed_body[next] = b;
-                slot[k] = next++;
-            }
-        run.listed = next - run.first_listed;
-    }
+    found.lay_out([&](std::size_t index, Row sphere) {
+        listed_ball[index] = ball[sphere];
+        slot[sphere] = static_cast<Row>(index);
+    });
+    for_rows(runs.size(), [&](std::size_t b) {
+        runs[b].first_listed = first[b];
+        runs[b].listed = first[b + 1] - first[b];
+        for (Row k = first[b]; k < first[b + 1]; ++k) listed_body[k] = static_cast<Row>(b);
+    });
 }
 
+/// Replaces the rows of spheres in the near pairs by their slots.
 template <class Pairs>
-void use_slots(World& world, bool partners_too) {
+void use_slots(World& world) {
+    if (!world.has<Pairs>()) return;
     const auto slot = world.column<Spheres, ListedSlot>();
-    for (NearEntry& e : world.column<typename Pairs::Near, NearPair>()) {
-        e.owner = slot[e.owner];
-        if (partners_too) e.other = slot[e.other];
-    }
+    const auto entry = world.column<typename Pairs::Near, NearPair>();
+    for_rows(entry.size(), [&](std::size_t k) {
+        entry[k].owner = slot[entry[k].owner];
+        if (std::is_same_v<Pairs, SpherePairs>) entry[k].other = slot[entry[k].other];
+    });
+}
+
+void note_poses(World& world) {
+    Table& bodies = world.table<Bodies>();
+    const auto position = bodies.column<Position>();
+    const auto pruned = bodies.column<PrunedAt>();
+    const auto displacement = bodies.column<DisplacementBound>();
+    const Quat* q = bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr;
+    for_rows(bodies.size(), [&](std::size_t b) {
+        pruned[b] = {position[b], q != nullptr ? q[b] : Quat(Quat::Identity())};
+        displacement[b] = 0;
+    });
 }
 
 } // namespace
 
 void prune_pairs(World& world) {
-    auto& state = world.resource<ListState>();
-    const double skin = world.resource<ListSettings>().inner_skin;
-    Table& bodies = world.table<Bodies>();
-    const auto sphere_row = world.column<Spheres, SpherePosition>();
-    bodies.leave_idle({});
-    const detail::ListDistances within = detail::list_distances(world, skin);
-    list_near_spheres(world, within.spheres_and_planes);
-    const auto position = bodies.column<Position>();
-    if (world.has<PlanePairs>()) {
-        const auto shape = world.column<Planes, LocalPlane>();
-        make_short_list<PlanePairs>(world, within.spheres_and_planes, [&](const PairRowNumbers& p) {
-            const PlaneShape& plane = shape[p.other];
-            return (detail::centre_of(sphere_row[p.sphere]) - position[p.partner_body] -
-                    plane.point)
-                       .dot(plane.normal) -
-                   sphere_row[p.sphere].radius;
-        });
-    }
-    if (world.has<FacetPairs>()) {
-        const auto shape = world.column<Facets, LocalFacet>();
-        std::vector<Eigen::AlignedBox3d> boxes(shape.size());
-        std::vector<Vec3> normal(shape.size());
-        for (std::size_t e = 0; e < shape.size(); ++e) {
-            const auto& c = shape[e].corners;
-            for (const Vec3& corner : c) boxes[e].extend(Eigen::Vector3d(corner));
-            normal[e] = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
-        }
-        // the distances to the facet's box and to its plane are both lower bounds
-        make_short_list<FacetPairs>(world, within.facets, [&](const PairRowNumbers& p) {
-            const Vec3 x = detail::centre_of(sphere_row[p.sphere]) - position[p.partner_body];
-            const double height = std::abs((x - shape[p.other].corners[0]).dot(normal[p.other]));
-            if (height - sphere_row[p.sphere].radius >= within.facets) return within.facets;
-            return boxes[p.other].exteriorDistance(Eigen::Vector3d(x)) -
-                   sphere_row[p.sphere].radius;
-        });
-    }
-    if (world.has<MembranePairs>()) {
-        const auto& membrane = world.resource<Membrane>();
-        const MembraneSurface surface(membrane, world.column<Elements, ElementRadius>().data());
-        make_short_list<MembranePairs>(world, skin, [&](const PairRowNumbers& p) {
-            const Vec3 x = detail::centre_of(sphere_row[p.sphere]);
-            const double out = x.dot(membrane.outward[p.other]);
-            const auto sector = static_cast<int>(p.other);
-            const double reach = sphere_row[p.sphere].radius + skin;
-            if (out + reach <= surface.least_radius(sector, x.z()))
-                return skin; // most pairs; their exact distance would be costly
-            return surface.nearest(sector, out, x.z()).distance - sphere_row[p.sphere].radius;
-        });
-        std::ranges::copy(world.column<Elements, ElementRadius>(),
-                          world.column<Elements, PrunedRadius>().begin());
-    }
+    world.table<Bodies>().leave_idle({});
+    detail::locate_spheres<InnerSkin>(world);
+    list_near_spheres(world);
+    if (world.has<PlanePairs>()) list_near_planes(world);
+    if (world.has<FacetPairs>()) list_near_facets(world);
+    if (world.has<MembranePairs>()) list_near_membrane(world);
     detail::direct_forces(world);
     list_spheres(world);
-    use_slots<SpherePairs>(world, true);
-    if (world.has<PlanePairs>()) use_slots<PlanePairs>(world, false);
-    if (world.has<FacetPairs>()) use_slots<FacetPairs>(world, false);
-    if (world.has<MembranePairs>()) use_slots<MembranePairs>(world, false);
-
-    const auto pruned = bodies.column<PrunedAt>();
-    const auto displacement = bodies.column<DisplacementBound>();
-    const Quat* q = bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr;
-    for (Row b = 0; b < bodies.size(); ++b) {
-        pruned[b] = {position[b], q != nullptr ? q[b] : Quat(Quat::Identity())};
-        displacement[b] = 0;
-    }
+    for_each_kind_of_pair([&]<class Pairs>() { use_slots<Pairs>(world); });
+    note_poses(world);
+    auto& state = world.resource<ListState>();
+    state.used_up = false;
     state.last_prune = world.resource<Clock>().step;
     ++state.prunes;
 }

@@ -82,24 +82,23 @@ private:
 /// cube of the size ratio.
 class SizeGrids {
 public:
+    /// `radii`: with skins.
     SizeGrids(std::span<const Vec3> positions, std::span<const double> radii, std::vector<Row> rows,
-              double skin, double widest_ratio)
-        : skin_(skin) {
+              double widest_ratio) {
         while (!rows.empty()) {
             double largest = 0;
             for (const Row r : rows) largest = std::max(largest, radii[r]);
             const auto smaller = std::partition(rows.begin(), rows.end(), [&](Row r) {
                 return radii[r] >= largest / widest_ratio;
             });
-            grids_.push_back(
-                {largest, CellGrid(positions, {rows.begin(), smaller}, 2 * largest + skin)});
+            grids_.push_back({largest, CellGrid(positions, {rows.begin(), smaller}, 2 * largest)});
             rows.erase(rows.begin(), smaller);
         }
     }
-    /// Calls body(row) for all bodies that may be within the skin of a sphere, and for some others.
+    /// Calls body(row) for all bodies that may touch a sphere, and for some others.
     template <class Body>
     void around(const Vec3& x, double radius, Body&& body) const {
-        for (const Sized& g : grids_) g.grid.around(x, radius + g.largest + skin_, body);
+        for (const Sized& g : grids_) g.grid.around(x, radius + g.largest, body);
     }
 
 private:
@@ -108,19 +107,17 @@ private:
         CellGrid grid;
     };
     std::vector<Sized> grids_;
-    double skin_;
 };
 
 /// Data of the scene that the search reads.
 struct Scene {
     std::span<const Vec3> position;
-    std::span<const double> radius;
+    std::span<const double> radius; ///< m, bounding radius with skin
     std::span<const EntityId> id;
     std::span<const std::uint32_t> motion, material;
     std::span<const SphereRun> run;
     std::span<const SphereRow> sphere_row;
     const Materials& materials;
-    double skin;
 };
 
 /// Spheres of one body, with contiguous positions.
@@ -129,10 +126,9 @@ struct Cluster {
     std::vector<SphereRow> sphere_row;
 };
 
-// calls visit(k) for those of `count` spheres that are within the skin of `one`
+// calls visit(k) for those of `count` spheres that touch `one`
 template <class Visit>
-void visit_near(const SphereRow& one, const SphereRow* sphere_row, Row count, double skin,
-                Visit&& visit) {
+void visit_near(const SphereRow& one, const SphereRow* sphere_row, Row count, Visit&& visit) {
     for (Row first = 0; first < count; first += lane_count) {
         const Row here = std::min<Row>(lane_count, count - first);
         const unsigned now =
@@ -140,7 +136,7 @@ void visit_near(const SphereRow& one, const SphereRow* sphere_row, Row count, do
                        [&](int q) -> const SphereRow& {
                            return sphere_row[first + std::min(static_cast<Row>(q), here - 1)];
                        },
-                       skin);
+                       0);
         for (unsigned remaining = now & ((1u << here) - 1); remaining != 0;
              remaining &= remaining - 1)
             visit(first + static_cast<Row>(__builtin_ctz(remaining)));
@@ -153,7 +149,7 @@ void near_spheres(const Scene& s, Row a, Row b, Cluster& found) {
     found.sphere_row.clear();
     const Vec3& x = s.position[b];
     const SphereRun& run = s.run[a];
-    visit_near({x.x(), x.y(), x.z(), s.radius[b]}, &s.sphere_row[run.first], run.count, s.skin,
+    visit_near({x.x(), x.y(), x.z(), s.radius[b]}, &s.sphere_row[run.first], run.count,
                [&](Row k) {
                    found.row.push_back(run.first + k);
                    found.sphere_row.push_back(s.sphere_row[run.first + k]);
@@ -172,7 +168,7 @@ void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector
     const std::uint32_t law = s.materials.pair(s.material[a], s.material[b]);
     for (std::size_t k = 0; k < own.row.size(); ++k)
         visit_near(own.sphere_row[k], other.sphere_row.data(), static_cast<Row>(other.row.size()),
-                   s.skin, [&](Row m) {
+                   [&](Row m) {
                        const Row i = own.row[k], j = other.row[m];
                        list.push_back({{s.id[a], s.id[b], i - s.run[a].first, j - s.run[b].first},
                                        {i, j, b, law}});
@@ -181,21 +177,25 @@ void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector
 
 } // namespace
 
-void find_sphere_pairs(World& world, double skin) {
+void find_sphere_pairs(World& world) {
     Table& bodies = world.table<Bodies>();
+    std::vector<double> radius(bodies.size()); // with skins
+    for_chunks(radius.size(), 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b)
+            radius[b] = bodies.column<BoundingRadius>()[b] + bodies.column<OuterSkin>()[b];
+    });
     const Scene s{bodies.column<Position>(),
-                  bodies.column<BoundingRadius>(),
+                  radius,
                   bodies.column<BodyId>(),
                   bodies.column<MotionOf>(),
                   bodies.column<MaterialOf>(),
                   bodies.column<SpheresOf>(),
-                  world.column<Spheres, SpherePosition>(),
-                  world.resource<Materials>(),
-                  skin};
+                  world.column<Spheres, EnlargedSphere>(),
+                  world.resource<Materials>()};
     std::vector<Row> rows;
     for (Row b = 0; b < bodies.size(); ++b)
         if (s.run[b].count > 0) rows.push_back(b);
-    const SizeGrids grids(s.position, s.radius, std::move(rows), skin,
+    const SizeGrids grids(s.position, s.radius, std::move(rows),
                           world.resource<ListSettings>().widest_ratio);
     const auto free_body = [&](Row b) {
         return s.motion[b] == static_cast<std::uint32_t>(Motion::free);
@@ -210,7 +210,7 @@ void find_sphere_pairs(World& world, double skin) {
         mine.partners.clear();
         grids.around(s.position[a], s.radius[a], [&](Row b) {
             if (s.id[b] <= s.id[a] || (!free_body(a) && !free_body(b))) return;
-            const double reach = s.radius[a] + s.radius[b] + skin;
+            const double reach = s.radius[a] + s.radius[b];
             if ((s.position[a] - s.position[b]).squaredNorm() < reach * reach)
                 mine.partners.push_back(b);
         });

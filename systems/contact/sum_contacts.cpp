@@ -20,10 +20,10 @@ double power_of_two(double least) {
 }
 
 /// Whether two bodies of these materials may touch, at least one of them a grain.
-bool may_touch(const ForceGrid& grid, std::uint32_t a, std::uint32_t b) {
-    if (a == b) return grid.grains[a] > 0 && grid.grains[a] + grid.hosts[a] > 1;
-    return (grid.grains[a] > 0 && grid.grains[b] + grid.hosts[b] > 0) ||
-           (grid.grains[b] > 0 && grid.hosts[a] > 0);
+bool may_touch(const Census& bodies, std::uint32_t a, std::uint32_t b) {
+    if (a == b) return bodies.grains[a] > 0 && bodies.grains[a] + bodies.hosts[a] > 1;
+    return (bodies.grains[a] > 0 && bodies.grains[b] + bodies.hosts[b] > 0) ||
+           (bodies.grains[b] > 0 && bodies.hosts[a] > 0);
 }
 
 __extension__ using WideInteger = __int128;
@@ -87,17 +87,17 @@ Vec3Lanes scaled_or_nan(double unit, const Vec3Lanes& sum) {
 } // namespace
 
 void choose_force_grid(const Materials& materials, const ContactLaw& law, const Limits& limits,
-                       ForceGrid& grid) {
+                       const Census& bodies, ForceGrid& grid) {
     constexpr double units_at_limit = ForceGrid::largest / 16;
     constexpr double longer_arms = 0x1p12; // of boundaries, relative to the radii of grains
     constexpr double deepest = 0.5; // where overlaps are not limited: four times as deep is allowed
     const LawTraits& of = traits(law.law);
-    const double radius = grid.largest_radius,
+    const double radius = bodies.largest_radius,
                  overlap = std::min(limits.overlap, deepest) * radius;
     double force = 0;
-    for (std::uint32_t a = 0; a < grid.grains.size(); ++a)
-        for (std::uint32_t b = 0; b < grid.grains.size(); ++b)
-            if (may_touch(grid, a, b)) {
+    for (std::uint32_t a = 0; a < bodies.grains.size(); ++a)
+        for (std::uint32_t b = 0; b < bodies.grains.size(); ++b)
+            if (may_touch(bodies, a, b)) {
                 const LawRow& row = of.rows(materials)[materials.pair(a, b)];
                 force = std::max(force, of.elasticity(row, overlap, radius).normal * overlap);
             }

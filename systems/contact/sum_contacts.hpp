@@ -1,6 +1,7 @@
 #pragma once
 
 #include "components/body.hpp"
+#include "components/census.hpp"
 #include "components/force_sums.hpp"
 #include "components/kinds.hpp"
 #include "components/material.hpp"
@@ -12,7 +13,7 @@ namespace bris {
 /// Chooses the units in which contact forces are added, from the stiffness of the materials, the
 /// limit of overlap and the largest body. They change only if the scene is changed from outside.
 void choose_force_grid(const Materials& materials, const ContactLaw& law, const Limits& limits,
-                       ForceGrid& grid);
+                       const Census& bodies, ForceGrid& grid);
 
 /// Converts the sums of contact forces, and their torques about the centre of mass, to N and N m,
 /// and clears the sums for the next step. Bodies whose sum is beyond the grid get NaN, at which the

@@ -83,15 +83,18 @@ void update_kicks(
     const Clock& clock);
 
 /// Upper bound on the displacement of any point of a body since the last prune, in scenes of single
-/// spheres.
-void bound_displacement(
-    Rows<Bodies, const Position, const PrunedAt, const SphereInertia, DisplacementBound> bodies);
+/// spheres. New lists become due where it exceeds the inner skin.
+void bound_displacement(Rows<Bodies, const Position, const PrunedAt, const SphereInertia,
+                             const InnerSkin, DisplacementBound>
+                            bodies,
+                        ListState& lists);
 
 /// The same in scenes of clumps, with rotation: |dx| + 2 R |dq|, never less than the displacement
 /// of any point.
 void bound_displacement_and_rotation(Rows<Bodies, const Position, const Orientation, const PrunedAt,
-                                          const BoundingRadius, DisplacementBound>
-                                         bodies);
+                                          const BoundingRadius, const InnerSkin, DisplacementBound>
+                                         bodies,
+                                     ListState& lists);
 
 /// Moves planes and facets with their hosts. A host that rotates changes only the velocity of its
 /// surfaces.

@@ -177,13 +177,16 @@ void update_clump_positions(PositionedBodies bodies, PositionedBalls listed) {
 }
 
 void bound_displacement_and_rotation(Rows<Bodies, const Position, const Orientation, const PrunedAt,
-                                          const BoundingRadius, DisplacementBound>
-                                         bodies) {
+                                          const BoundingRadius, const InnerSkin, DisplacementBound>
+                                         bodies,
+                                     ListState& lists) {
     const Vec3* position = bodies.column<Position>();
     const Quat* orientation = bodies.column<Orientation>();
     const Pose* from = bodies.column<PrunedAt>();
     const double* radius = bodies.column<BoundingRadius>();
+    const double* skin = bodies.column<InnerSkin>();
     double* displacement = bodies.column<DisplacementBound>();
+    unsigned exceeded = 0;
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         // as displacement_bound
         const PoseLanes was = load(from, rows);
@@ -191,8 +194,11 @@ void bound_displacement_and_rotation(Rows<Bodies, const Position, const Orientat
         const QuatLanes q = load(orientation, rows);
         const Lane turned =
             min(squared_norm(q - was.orientation), squared_norm(q + was.orientation));
-        store(displacement, rows, sqrt(dot(gone, gone)) + 2.0 * load(radius, rows) * sqrt(turned));
+        const Lane distance = sqrt(dot(gone, gone)) + 2.0 * load(radius, rows) * sqrt(turned);
+        store(displacement, rows, distance);
+        exceeded |= ~bits(distance <= load(skin, rows)) & ((1u << rows.count) - 1);
     });
+    if (exceeded != 0) lists.note_used_up();
 }
 
 } // namespace bris

@@ -172,18 +172,25 @@ void update_kicks(
     });
 }
 
-void bound_displacement(
-    Rows<Bodies, const Position, const PrunedAt, const SphereInertia, DisplacementBound> bodies) {
+void bound_displacement(Rows<Bodies, const Position, const PrunedAt, const SphereInertia,
+                             const InnerSkin, DisplacementBound>
+                            bodies,
+                        ListState& lists) {
     const Vec3* position = bodies.column<Position>();
     const Pose* from = bodies.column<PrunedAt>();
+    const double* skin = bodies.column<InnerSkin>();
     double* displacement = bodies.column<DisplacementBound>();
+    unsigned exceeded = 0;
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         const ByRow at(rows);
         const auto was =
             transpose(load_rows([&](int q) { return from[at.valid(q)].position.data(); }));
         const Vec3Lanes gone = load(position, rows) - Vec3Lanes{was[0], was[1], was[2]};
-        store(displacement, rows, sqrt(dot(gone, gone)));
+        const Lane distance = sqrt(dot(gone, gone));
+        store(displacement, rows, distance);
+        exceeded |= ~bits(distance <= load(skin, rows)) & ((1u << rows.count) - 1);
     });
+    if (exceeded != 0) lists.note_used_up();
 }
 
 void update_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePosition> planes,

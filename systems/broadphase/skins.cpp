@@ -1,0 +1,265 @@
+#include "systems/broadphase/skins.hpp"
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/law.hpp"
+#include "components/laws/partial_step.hpp"
+#include "components/membrane.hpp"
+#include "components/pair.hpp"
+#include "components/sphere.hpp"
+#include "engine/clock.hpp"
+#include "engine/parallel.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <span>
+
+namespace bris::detail {
+
+namespace {
+
+constexpr std::size_t bodies_per_chunk = 1024;
+
+/// Calls body(row) for all bodies, in parallel.
+template <class Body>
+void for_bodies(std::size_t bodies, Body&& body) {
+    for_chunks(bodies, bodies_per_chunk, [&](std::size_t, std::size_t first, std::size_t last) {
+        for (auto b = static_cast<Row>(first); b < last; ++b) body(b);
+    });
+}
+
+/// Sum of value(row) over all bodies, added in the same order on any number of threads.
+template <class Value>
+double sum_over_bodies(std::size_t bodies, Value&& value) {
+    std::vector<double> sums((bodies + bodies_per_chunk - 1) / bodies_per_chunk);
+    for_chunks(bodies, bodies_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
+        for (auto b = static_cast<Row>(first); b < last; ++b) sums[chunk] += value(b);
+    });
+    double sum = 0;
+    for (const double s : sums) sum += s;
+    return sum;
+}
+
+template <class Value>
+double largest_of_bodies(std::size_t bodies, Value&& value) {
+    std::vector<double> most((bodies + bodies_per_chunk - 1) / bodies_per_chunk);
+    for_chunks(bodies, bodies_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
+        for (auto b = static_cast<Row>(first); b < last; ++b)
+            most[chunk] = std::max(most[chunk], value(b));
+    });
+    return most.empty() ? 0 : *std::ranges::max_element(most);
+}
+
+/// Mean of value(row) over the bodies with spheres; 0 if there is none.
+template <class Value>
+double mean_of_grains(const Table& bodies, Value&& value) {
+    const auto spheres = bodies.column<SpheresOf>();
+    const auto over_grains = [&](auto&& of) {
+        return sum_over_bodies(bodies.size(),
+                               [&](Row b) { return spheres[b].count > 0 ? of(b) : 0.0; });
+    };
+    const double count = over_grains([](Row) { return 1.0; });
+    return count > 0 ? over_grains(value) / count : 0;
+}
+
+void choose_mean_skins(const World& world, ListSettings& settings) {
+    if (settings.outer_skin > 0 && settings.inner_skin > 0 && settings.largest_skin > 0) return;
+    const Table& bodies = world.table<Bodies>();
+    const auto radius = bodies.column<BoundingRadius>();
+    const double of_grains = mean_of_grains(bodies, [&](Row b) { return radius[b]; }),
+                 mean = of_grains > 0 ? of_grains : 1;
+    // with a larger skin the number of candidates grows faster than the time for which they serve;
+    // for clumps this limit is lower, because their bounding spheres contain many spheres
+    const double most = bodies.has<SphereInertia>() ? 1.2 : 0.3;
+    if (!(settings.largest_skin > 0))
+        settings.largest_skin = std::max(most * mean, settings.outer_skin);
+    if (!(settings.inner_skin > 0)) settings.inner_skin = 0.02 * mean;
+    if (!(settings.outer_skin > 0)) settings.outer_skin = 5 * settings.inner_skin;
+}
+
+/// Factor by which to change a skin. Making its list costs a/skin per step and carrying the list
+/// costs b*skin; the sum is least where the two are equal. Bounded, because the counts scatter from
+/// one list to the next.
+double change_of_skin(double making, double carrying) {
+    constexpr double most = 1.5;
+    if (!(carrying > 0)) return making > 0 ? most : 1;
+    return std::clamp(std::sqrt(making / carrying), 1 / most, most);
+}
+
+// The skins are adapted to counts of work in units of the test of one near pair, measured on beds
+// of spheres and of clumps.
+
+void tune_inner_skin(const World& world, ListSettings& settings, const ListState& state) {
+    const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_prune);
+    const auto& index = world.resource<NearIndex<SpherePairs>>();
+    if (!settings.tune || state.prunes == 0 || steps == 0 || index.size() == 0) return;
+    std::size_t touching = 0;
+    for (const std::uint8_t flags : index.touching)
+        touching += static_cast<std::size_t>(std::popcount(flags));
+    const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
+    const auto spheres = static_cast<double>(world.table<Listed>().size());
+    const double making = (8 * pairs + 10 * spheres) / steps;
+    const double carrying =
+        3 * static_cast<double>(index.size() - std::min(touching, index.size()));
+    settings.inner_skin =
+        std::min(settings.inner_skin * change_of_skin(making, carrying), settings.largest_skin / 2);
+    settings.outer_skin =
+        std::clamp(settings.outer_skin, 2 * settings.inner_skin, settings.largest_skin);
+}
+
+/// To be called when the candidates are no longer complete.
+void tune_outer_skin(const World& world, ListSettings& settings, const ListState& state) {
+    const auto near = world.resource<NearIndex<SpherePairs>>().size();
+    const auto prunes = static_cast<double>(state.prunes - state.prunes_at_rebuild);
+    if (!settings.tune || near == 0 || prunes == 0) return;
+    const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
+    const double rebuilding = 60 * pairs, pruning = 8 * (pairs - static_cast<double>(near)) *
+                                                    prunes; // while the candidates served
+    settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(rebuilding, pruning),
+                                     2 * settings.inner_skin, settings.largest_skin);
+}
+
+/// Updates the surface speeds of all bodies from their displacements since the last prune.
+void measure_speeds(World& world) {
+    const ListState& state = world.resource<ListState>();
+    const std::uint64_t steps = world.resource<Clock>().step - state.last_prune;
+    if (steps == 0 || state.prunes == 0) return;
+    Table& bodies = world.table<Bodies>();
+    const auto displacement = bodies.column<DisplacementBound>();
+    const auto speed = bodies.column<SurfaceSpeed>();
+    const auto measure = [&](Row b, double gone) {
+        const double now = gone / static_cast<double>(steps);
+        speed[b] = now < 1e300 ? std::max(now, 0.5 * speed[b]) : 0; // the guard stops the run
+    };
+    for_bodies(bodies.size(), [&](Row b) { measure(b, displacement[b]); });
+    if (world.has<Elements>())
+        measure(world.resource<Membrane>().body_row,
+                displacement_of_membrane<PrunedRadius>(world));
+}
+
+/// Least skin (m) of a body: half the gap within which two bodies must be listed although they are
+/// apart, for the correction of a contact that has just ended or by the reach of the law.
+double least_skin(const World& world) {
+    const LawTraits& law = traits(world.resource<ContactLaw>().law);
+    const Table& bodies = world.table<Bodies>();
+    double skin = 0.5 * reach_beyond_skin(world);
+    if (law.springs && law.dashpots) {
+        const auto velocity = bodies.column<Velocity>(),
+                   omega = bodies.column<StepAngularVelocity>();
+        const auto radius = bodies.column<BoundingRadius>();
+        const double fastest = largest_of_bodies(bodies.size(), [&](Row b) {
+            return velocity[b].norm() + omega[b].norm() * radius[b];
+        });
+        skin = std::max(skin, (1 + 1e-6) * CorrectionOfEnd::largest_gap * fastest *
+                                  world.resource<Clock>().dt);
+    }
+    return skin;
+}
+
+/// Skins that new lists should have. A body of mean speed has half the skin of a pair.
+class WantedSkins {
+public:
+    explicit WantedSkins(const World& world)
+        : speed_(world.column<Bodies, SurfaceSpeed>()),
+          mean_(mean_of_grains(world.table<Bodies>(), [&](Row b) { return speed_[b]; })),
+          settings_(world.resource<ListSettings>()), least_(least_skin(world)) {}
+    double inner(Row b) const { return skin(b, settings_.inner_skin, settings_.largest_skin / 2); }
+    double outer(Row b) const { return skin(b, settings_.outer_skin, settings_.largest_skin); }
+    double least() const { return least_; }
+
+private:
+    double skin(Row b, double of_pair, double most_of_pair) const {
+        // some more than in proportion for slow bodies, because they may become faster
+        const double share = mean_ > 0 ? (2 * speed_[b] + mean_) / (3 * mean_) : 1;
+        return std::max(std::min(share * of_pair, std::max(of_pair, most_of_pair)) / 2, least_);
+    }
+    std::span<const double> speed_;
+    double mean_;
+    const ListSettings& settings_;
+    double least_;
+};
+
+/// Upper bound (m) on the displacements of bodies since the last rebuild.
+class SinceRebuild {
+public:
+    explicit SinceRebuild(const World& world)
+        : position_(world.column<Bodies, Position>()), from_(world.column<Bodies, RebuiltAt>()),
+          radius_(world.column<Bodies, BoundingRadius>()),
+          orientation_(world.table<Bodies>().has<Orientation>()
+                           ? world.column<Bodies, Orientation>().data()
+                           : nullptr) {
+        if (!world.has<Elements>()) return;
+        membrane_ = world.resource<Membrane>().body_row;
+        of_membrane_ = displacement_of_membrane<RebuiltRadius>(world);
+    }
+    double operator[](Row b) const {
+        if (b == membrane_) return of_membrane_;
+        const Quat q = orientation_ == nullptr ? Quat(Quat::Identity()) : orientation_[b];
+        return displacement_bound(position_[b], q, from_[b], radius_[b]);
+    }
+
+private:
+    std::span<const Vec3> position_;
+    std::span<const Pose> from_;
+    std::span<const double> radius_;
+    const Quat* orientation_;
+    Row membrane_ = no_row;
+    double of_membrane_ = 0;
+};
+
+} // namespace
+
+template <class Since>
+double displacement_of_membrane(const World& world) {
+    if (!world.has<Elements>()) return 0;
+    const auto radius = world.column<Elements, ElementRadius>();
+    const auto since = world.column<Elements, Since>();
+    double largest = 0;
+    for (std::size_t e = 0; e < radius.size(); ++e)
+        largest = std::max(largest, std::abs(radius[e] - since[e]));
+    return largest;
+}
+template double displacement_of_membrane<PrunedRadius>(const World&);
+template double displacement_of_membrane<RebuiltRadius>(const World&);
+
+double reach_beyond_skin(const World& world) {
+    const LawTraits& law = traits(world.resource<ContactLaw>().law);
+    if (!law.reaches) return 0;
+    const auto ball = world.column<Spheres, LocalBall>();
+    const double radius =
+        largest_of_bodies(ball.size(), [&](Row k) { return ball[k].radius; });
+    // a pair at its very reach must not be lost to rounding
+    return (1 + 1e-6) *
+           largest_reach(world.resource<ContactLaw>().law, world.resource<Materials>(), radius);
+}
+
+bool choose_inner_skins(World& world) {
+    auto& settings = world.resource<ListSettings>();
+    tune_inner_skin(world, settings, world.resource<ListState>());
+    measure_speeds(world);
+    Table& bodies = world.table<Bodies>();
+    const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>();
+    const WantedSkins wanted(world);
+    const SinceRebuild since(world);
+    const double incomplete = largest_of_bodies(bodies.size(), [&](Row b) {
+        const double left = outer[b] - since[b], want = wanted.inner(b);
+        inner[b] = std::min(want, left);
+        return left >= std::max(0.5 * want, wanted.least()) ? 0.0 : 1.0;
+    });
+    if (incomplete != 0) tune_outer_skin(world, settings, world.resource<ListState>());
+    return incomplete == 0;
+}
+
+void choose_skins(World& world) {
+    choose_mean_skins(world, world.resource<ListSettings>());
+    Table& bodies = world.table<Bodies>();
+    const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>();
+    const WantedSkins wanted(world);
+    for_bodies(bodies.size(), [&](Row b) {
+        inner[b] = wanted.inner(b);
+        outer[b] = std::max(wanted.outer(b), inner[b]);
+    });
+}
+
+} // namespace bris::detail

@@ -1,0 +1,30 @@
+#pragma once
+
+#include "components/settings.hpp"
+#include "engine/world.hpp"
+
+namespace bris::detail {
+
+// Skins of bodies. The faster a body is, the larger are its skins, so that one body that flies
+// among others at rest does not make the lists of all of them longer, or serve for fewer steps. The
+// skins of bodies of mean speed are adapted to counts of work. Any skins give the same bits.
+
+/// Chooses inner skins for new short lists. Returns whether the candidates, found with the present
+/// outer skins, contain all pairs within them.
+bool choose_inner_skins(World& world);
+
+/// Chooses the inner and outer skins for new candidates and new short lists.
+void choose_skins(World& world);
+
+/// Gap (m) beyond the sum of the skins of sphere and facet within which facets must be listed. What
+/// holds a sphere goes from one facet to the next beyond touch, so facets must be listed before
+/// they come within reach of the law. A pair of spheres or of sphere and plane acts beyond touch
+/// only if it has touched, and was on the lists then.
+double reach_beyond_skin(const World& world);
+
+/// Largest distance (m) that an element of the membrane has moved since the last prune or since the
+/// last rebuild; 0 where there is none.
+template <class Since>
+double displacement_of_membrane(const World& world);
+
+} // namespace bris::detail
