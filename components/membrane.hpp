@@ -72,11 +72,15 @@ struct ElementSums {
     std::vector<ElementRow> rows; ///< chunk * elements + element
 };
 
-/// Radii of the four rings around each height, which contacts read, indexed by the ring below (from
-/// -2 to the number of rings) and the sector. Derived; resized when the pair lists are built.
+/// What contacts read of the membrane, laid out for four consecutive rings at a time. Derived;
+/// resized when the pair lists are built.
 struct MembraneBands {
     static constexpr auto name = "membrane_bands";
-    std::vector<std::array<double, 4>> radii;
+    static constexpr int lowest = -3, rings_beyond = 6; ///< rings below the first, and in addition
+    /// m, radii of the rings of each sector from ring `lowest` to the number of rings + 2; rings
+    /// beyond either end repeat the end ring.
+    std::vector<double> radii;
+    std::vector<std::array<double, 4>> outward; ///< outward direction of each sector
 };
 
 /// Geometry, settings and target of a servo-controlled membrane. The elements of a group (a ring,

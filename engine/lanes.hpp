@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 
 #ifdef __SSE2__
 #include <immintrin.h>
@@ -49,7 +50,10 @@ inline LaneMask nearest_integers(Lane a) {
     return n;
 #endif
 }
-inline Lane magnitude(Lane a) { return a < 0.0 ? -a : a; }
+inline Lane magnitude(Lane a) {
+    return reinterpret_cast<Lane>(reinterpret_cast<LaneMask>(a) &
+                                  std::numeric_limits<std::int64_t>::max());
+}
 inline Lane floor(Lane a) {
 #ifdef __AVX512F__
     return _mm512_maskz_roundscale_pd(0xff, a, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC);
@@ -181,30 +185,40 @@ void store_rows(const FourLanes& rows, int count, RowOf&& row_of) {
     }
 }
 
-/// Adds row q of `integers` (bits of int64 numbers in the layout of load_rows) to the four numbers
-/// at row_of(q), for the first `count` lanes in order, so that lanes may share a row.
-template <class RowOf>
-void add_integer_rows(const FourLanes& integers, int count, RowOf&& row_of) {
-    const auto add = [&](int q, Quad row) {
-        IntQuad sum;
-        std::memcpy(&sum, row_of(q), sizeof sum);
-        sum += reinterpret_cast<IntQuad>(row);
-        std::memcpy(row_of(q), &sum, sizeof sum);
+/// Adds (or subtracts) row q of `first` to the four int64 numbers at row_of(q) and row q of `second`
+/// to the four after them, for the first `count` lanes in order, so that lanes may share a row.
+/// `first`, `second`: bits of int64 numbers in the layout of load_rows.
+template <bool subtracts, class RowOf>
+[[gnu::always_inline]] inline void add_integer_rows(const FourLanes& first, const FourLanes& second,
+                                                    int count, RowOf&& row_of) {
+    const auto add = [](std::int64_t* row, auto more) __attribute__((always_inline)) {
+        decltype(more) sum;
+        std::memcpy(&sum, row, sizeof sum);
+        sum = subtracts ? sum - more : sum + more;
+        std::memcpy(row, &sum, sizeof sum);
     };
-    for (int q = 0; q < 4 && q < count; ++q) {
-        const Lane r = integers[static_cast<std::size_t>(q)];
+    // lanes 0 to 3 lie in the lower halves of the rows, lanes 4 to 7 in the upper halves
+    const auto add_all = [&](int lanes_used) __attribute__((always_inline)) {
+        for (int q = 0; q < 4; ++q) {
+            const auto k = static_cast<std::size_t>(q);
 #ifdef __AVX512F__
-        add(q, __builtin_shufflevector(r, r, 0, 1, 2, 3));
+            if (q < lanes_used)
+                add(row_of(q), reinterpret_cast<LaneMask>(__builtin_shufflevector(
+                           first[k], second[k], 0, 1, 2, 3, 8, 9, 10, 11)));
+            if (q + 4 < lanes_used)
+                add(row_of(q + 4), reinterpret_cast<LaneMask>(__builtin_shufflevector(
+                               first[k], second[k], 4, 5, 6, 7, 12, 13, 14, 15)));
 #else
-        add(q, r);
+            if (q >= lanes_used) return;
+            add(row_of(q), reinterpret_cast<IntQuad>(first[k]));
+            add(row_of(q) + 4, reinterpret_cast<IntQuad>(second[k]));
 #endif
-    }
-#ifdef __AVX512F__
-    for (int q = 4; q < count; ++q) {
-        const Lane r = integers[static_cast<std::size_t>(q - 4)];
-        add(q, __builtin_shufflevector(r, r, 4, 5, 6, 7));
-    }
-#endif
+        }
+    };
+    if (count == lane_count)
+        add_all(lane_count); // without branches
+    else
+        add_all(count);
 }
 
 /// Consecutive vectors of three numbers, one vector per lane, as x, y and z, and the reverse.

@@ -16,30 +16,52 @@ namespace bris {
 
 namespace {
 
-// Lists the pairs of one kind within the inner skin, body by body, and clears the springs of the
+/// Calls body(row) for all rows of a table, in parallel.
+template <class Body>
+void for_rows(std::size_t rows, Body&& body) {
+    for_chunks(rows, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t row = begin; row < end; ++row) body(row);
+    });
+}
+
+/// Clears the springs of pairs that are no longer near. Of old candidates, only those that were
+/// near can have any.
+template <class Pairs, class Near>
+void forget_separated(World& world, Near&& near_bits) {
+    Table& pairs = world.table<Pairs>();
+    if (!pairs.has<Spring>()) return;
+    const auto rows = pairs.column<PairRows>();
+    const auto spring = pairs.column<Spring>();
+    RollRow* roll = pairs.has<Roll>() ? pairs.column<Roll>().data() : nullptr;
+    const auto forget_if_separated = [&](std::size_t pair) {
+        if (!Spring::keep(spring[pair]) || near_bits(&rows[pair], 1u) != 0) return;
+        spring[pair] = {};
+        if (roll != nullptr) roll[pair] = {};
+    };
+    const auto& state = world.resource<ListState>();
+    if (state.last_rebuild == world.resource<Clock>().step)
+        return for_rows(rows.size(), forget_if_separated);
+    const auto old = world.column<typename Pairs::Near, NearPair>();
+    for_rows(world.resource<NearIndex<Pairs>>().size(),
+             [&](std::size_t k) { forget_if_separated(old[k].pair); });
+}
+
+// Lists the pairs of one kind within the inner skins, body by body, and clears the springs of the
 // others. `near_bits` returns bits for up to lane_count candidates: set where the pair is near.
 template <class Pairs, class Near>
 void list_near(World& world, Near&& near_bits) {
-    Table& pairs = world.table<Pairs>();
-    const auto rows = pairs.column<PairRows>();
+    forget_separated<Pairs>(world, near_bits);
+    const auto rows = world.column<Pairs, PairRows>();
     const auto& candidates = world.resource<detail::Candidates<Pairs>>().first;
-    SpringRow* spring = pairs.has<Spring>() ? pairs.column<Spring>().data() : nullptr;
-    RollRow* roll = pairs.has<Roll>() ? pairs.column<Roll>().data() : nullptr;
     auto& index = world.resource<NearIndex<Pairs>>();
     detail::ChunkLists<NearEntry> found;
     found.collect(
         candidates.size() - 1, index.owned_first, [&](std::vector<NearEntry>& list, Row b) {
             for (Row first = candidates[b], last = candidates[b + 1]; first < last;
                  first += lane_count) {
-                const unsigned count = std::min<unsigned>(lane_count, last - first),
-                               now = near_bits(&rows[first], count);
-                for (Row p = first; spring != nullptr && p < first + count; ++p)
-                    if (((now >> (p - first)) & 1) == 0 && Spring::keep(spring[p])) {
-                        spring[p] = {};
-                        if (roll != nullptr) roll[p] = {};
-                    }
-                for (unsigned remaining = now; remaining != 0; remaining &= remaining - 1) {
-                    const Row p = first + static_cast<Row>(__builtin_ctz(remaining));
+                const unsigned count = std::min<unsigned>(lane_count, last - first);
+                for (unsigned now = near_bits(&rows[first], count); now != 0; now &= now - 1) {
+                    const Row p = first + static_cast<Row>(__builtin_ctz(now));
                     list.push_back({rows[p].sphere, rows[p].other, p, rows[p].law});
                 }
             }
@@ -134,14 +156,6 @@ void list_near_membrane(World& world) {
     });
     std::ranges::copy(world.column<Elements, ElementRadius>(),
                       world.column<Elements, PrunedRadius>().begin());
-}
-
-/// Calls body(row) for all rows of a table, in parallel.
-template <class Body>
-void for_rows(std::size_t rows, Body&& body) {
-    for_chunks(rows, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) body(row);
-    });
 }
 
 // single spheres are all listed, in the rows of their bodies, so contacts need no lookup

@@ -113,9 +113,11 @@ void tune_outer_skin(const World& world, ListSettings& settings, const ListState
     const auto near = world.resource<NearIndex<SpherePairs>>().size();
     const auto prunes = static_cast<double>(state.prunes - state.prunes_at_rebuild);
     if (!settings.tune || near == 0 || prunes == 0) return;
-    const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
-    const double rebuilding = 60 * pairs, pruning = 8 * (pairs - static_cast<double>(near)) *
-                                                    prunes; // while the candidates served
+    // what a rebuild costs per pair does not count, because the number of pairs grows with the skin
+    const auto pairs = static_cast<double>(world.table<SpherePairs>().size()),
+               spheres = static_cast<double>(world.table<Spheres>().size());
+    const double rebuilding = 130 * spheres, pruning = 8 * (pairs - static_cast<double>(near)) *
+                                                       prunes; // while the candidates served
     settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(rebuilding, pruning),
                                      2 * settings.inner_skin, settings.largest_skin);
 }
@@ -169,10 +171,10 @@ public:
     double least() const { return least_; }
 
 private:
-    double skin(Row b, double of_pair, double most_of_pair) const {
+    double skin(Row b, double of_pair, double most) const {
         // some more than in proportion for slow bodies, because they may become faster
         const double share = mean_ > 0 ? (2 * speed_[b] + mean_) / (3 * mean_) : 1;
-        return std::max(std::min(share * of_pair, std::max(of_pair, most_of_pair)) / 2, least_);
+        return std::max(std::min(share * of_pair / 2, std::max(of_pair / 2, most)), least_);
     }
     std::span<const double> speed_;
     double mean_;

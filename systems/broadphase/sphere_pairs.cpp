@@ -3,6 +3,7 @@
 #include "systems/broadphase/carry_over.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace bris::detail {
 
@@ -118,42 +119,68 @@ struct Scene {
     std::span<const SphereRun> run;
     std::span<const SphereRow> sphere_row;
     const Materials& materials;
+    bool single; ///< every sphere is a body
 };
 
-/// Spheres of one body, with contiguous positions.
+/// Spheres of one body, with the numbers of each kind contiguous and padded to whole lanes.
 struct Cluster {
     std::vector<Row> row;
-    std::vector<SphereRow> sphere_row;
+    std::array<std::vector<double>, 4> numbers; ///< x, y, z and enlarged radius
+    void clear() {
+        row.clear();
+        for (auto& n : numbers) n.clear();
+    }
+    void add(Row sphere, const SphereRow& s) {
+        row.push_back(sphere);
+        numbers[0].push_back(s.x);
+        numbers[1].push_back(s.y);
+        numbers[2].push_back(s.z);
+        numbers[3].push_back(s.radius);
+    }
+    void pad() {
+        for (auto& n : numbers) n.resize(n.size() + lane_count);
+    }
+    double number(std::size_t kind, std::size_t k) const { return numbers[kind][k]; }
 };
 
-// calls visit(k) for those of `count` spheres that touch `one`
-template <class Visit>
-void visit_near(const SphereRow& one, const SphereRow* sphere_row, Row count, Visit&& visit) {
-    for (Row first = 0; first < count; first += lane_count) {
-        const Row here = std::min<Row>(lane_count, count - first);
-        const unsigned now =
-            near_lanes([&](int) -> const SphereRow& { return one; },
+// spheres of body a that reach into the bounding sphere of body b
+void near_spheres(const Scene& s, Row a, Row b, Cluster& found) {
+    found.clear();
+    const Vec3& x = s.position[b];
+    const SphereRow bounding{x.x(), x.y(), x.z(), s.radius[b]};
+    const SphereRun& run = s.run[a];
+    const SphereRow* sphere_row = &s.sphere_row[run.first];
+    for (Row first = 0; first < run.count; first += lane_count) {
+        const Row here = std::min<Row>(lane_count, run.count - first);
+        const unsigned near =
+            near_lanes([&](int) -> const SphereRow& { return bounding; },
                        [&](int q) -> const SphereRow& {
                            return sphere_row[first + std::min(static_cast<Row>(q), here - 1)];
                        },
                        0);
-        for (unsigned remaining = now & ((1u << here) - 1); remaining != 0;
-             remaining &= remaining - 1)
-            visit(first + static_cast<Row>(__builtin_ctz(remaining)));
+        for (unsigned remaining = near & ((1u << here) - 1); remaining != 0;
+             remaining &= remaining - 1) {
+            const Row k = first + static_cast<Row>(__builtin_ctz(remaining));
+            found.add(run.first + k, sphere_row[k]);
+        }
     }
+    found.pad();
 }
 
-// spheres of body a that reach into the bounding sphere of body b
-void near_spheres(const Scene& s, Row a, Row b, Cluster& found) {
-    found.row.clear();
-    found.sphere_row.clear();
-    const Vec3& x = s.position[b];
-    const SphereRun& run = s.run[a];
-    visit_near({x.x(), x.y(), x.z(), s.radius[b]}, &s.sphere_row[run.first], run.count,
-               [&](Row k) {
-                   found.row.push_back(run.first + k);
-                   found.sphere_row.push_back(s.sphere_row[run.first + k]);
-               });
+// calls visit(k) for those spheres of a cluster that touch sphere `one` of another
+template <class Visit>
+void visit_touching(const Cluster& of, std::size_t one, const Cluster& cluster, Visit&& visit) {
+    const Lane x = lanes(of.number(0, one)), y = lanes(of.number(1, one)),
+               z = lanes(of.number(2, one)), radius = lanes(of.number(3, one));
+    for (std::size_t first = 0; first < cluster.row.size(); first += lane_count) {
+        const auto load = [&](std::size_t kind) { return load_lane(&cluster.numbers[kind][first]); };
+        const Lane dx = load(0) - x, dy = load(1) - y, dz = load(2) - z, reach = load(3) + radius;
+        const std::size_t here = std::min<std::size_t>(lane_count, cluster.row.size() - first);
+        for (unsigned touching = bits(dx * dx + dy * dy + dz * dz < reach * reach) &
+                                 ((1u << here) - 1);
+             touching != 0; touching &= touching - 1)
+            visit(first + static_cast<std::size_t>(__builtin_ctz(touching)));
+    }
 }
 
 struct Scratch {
@@ -162,17 +189,18 @@ struct Scratch {
 };
 
 void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector<Candidate>& list) {
+    const std::uint32_t law = s.materials.pair(s.material[a], s.material[b]);
+    const auto add = [&](Row i, Row j) {
+        list.push_back(
+            {{s.id[a], s.id[b], i - s.run[a].first, j - s.run[b].first}, {i, j, b, law}});
+    };
+    if (s.single) return add(s.run[a].first, s.run[b].first);
     const Cluster &own = scratch.own, &other = scratch.other;
     near_spheres(s, a, b, scratch.own);
+    if (own.row.empty()) return;
     near_spheres(s, b, a, scratch.other);
-    const std::uint32_t law = s.materials.pair(s.material[a], s.material[b]);
     for (std::size_t k = 0; k < own.row.size(); ++k)
-        visit_near(own.sphere_row[k], other.sphere_row.data(), static_cast<Row>(other.row.size()),
-                   [&](Row m) {
-                       const Row i = own.row[k], j = other.row[m];
-                       list.push_back({{s.id[a], s.id[b], i - s.run[a].first, j - s.run[b].first},
-                                       {i, j, b, law}});
-                   });
+        visit_touching(own, k, other, [&](std::size_t m) { add(own.row[k], other.row[m]); });
 }
 
 } // namespace
@@ -191,7 +219,8 @@ void find_sphere_pairs(World& world) {
                   bodies.column<MaterialOf>(),
                   bodies.column<SpheresOf>(),
                   world.column<Spheres, EnlargedSphere>(),
-                  world.resource<Materials>()};
+                  world.resource<Materials>(),
+                  bodies.has<SphereInertia>()};
     std::vector<Row> rows;
     for (Row b = 0; b < bodies.size(); ++b)
         if (s.run[b].count > 0) rows.push_back(b);

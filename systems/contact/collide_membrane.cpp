@@ -16,7 +16,7 @@ using detail::TileTarget;
 
 struct Band {
     MembraneSurface surface;
-    const std::array<double, 4>* radii; // MembraneBands
+    const MembraneBands& bands;
     detail::Movers movers;
     const double* speed; // by element
     Foot* foot;          // by near row
@@ -24,18 +24,21 @@ struct Band {
     double deepest;
 };
 
-// rings beyond either end repeat the last one; bands extend to two rings below the first and one
-// above the last
-constexpr int lowest_ring = -2;
+// a sphere is compared with bands from two rings below the first to one above the last
+constexpr int lowest_band = MembraneBands::lowest + 1;
 
 void lay_out_bands(const MembraneSurface& surface, MembraneBands& bands) {
-    // the size is the same in every step
-    bands.radii.resize(
-        static_cast<std::size_t>((surface.rings + 1 - lowest_ring) * surface.sectors));
-    std::size_t k = 0;
-    for (int here = lowest_ring; here <= surface.rings; ++here)
-        for (int sector = 0; sector < surface.sectors; ++sector)
-            bands.radii[k++] = surface.radii_around(here, sector);
+    const int rings = surface.rings + MembraneBands::rings_beyond;
+    // the sizes are the same in every step
+    bands.radii.resize(static_cast<std::size_t>(rings * surface.sectors));
+    bands.outward.resize(static_cast<std::size_t>(surface.sectors));
+    double* radius = bands.radii.data();
+    for (int sector = 0; sector < surface.sectors; ++sector) {
+        const Vec3& outward = surface.outward[sector];
+        bands.outward[static_cast<std::size_t>(sector)] = {outward.x(), outward.y(), 0, 0};
+        for (int ring = 0; ring < rings; ++ring)
+            *radius++ = surface.radius_at(ring + MembraneBands::lowest, sector);
+    }
 }
 
 /// Centres of lane_count near rows against the bands of their sectors.
@@ -53,18 +56,17 @@ Found find_touching(const Band& band, const NearEntry* near) {
     f.radius = c[3];
     f.here = floor(c[2] * (1 / height) - 0.5);
     // a centre that is not a number (NaN) is assigned to some band but does not touch it
-    const Lane row = min(max(f.here, lanes(lowest_ring)), lanes(band.surface.rings)) -
-                     static_cast<double>(lowest_ring);
+    const Lane band_of = min(max(f.here, lanes(lowest_band)), lanes(band.surface.rings)) -
+                         static_cast<double>(lowest_band);
+    const double* all = band.bands.radii.data();
+    const int rings = band.surface.rings + MembraneBands::rings_beyond;
     const auto radii = transpose(load_rows([&](int q) {
-        return band
-            .radii[static_cast<int>(row[q]) * band.surface.sectors +
-                   static_cast<int>(near[q].other)]
-            .data();
+        return all + static_cast<int>(near[q].other) * rings + static_cast<int>(band_of[q]);
     }));
-    for (int q = 0; q < lane_count; ++q) {
-        f.outward_x[q] = band.surface.outward[near[q].other].x();
-        f.outward_y[q] = band.surface.outward[near[q].other].y();
-    }
+    const auto outward =
+        transpose(load_rows([&](int q) { return band.bands.outward[near[q].other].data(); }));
+    f.outward_x = outward[0];
+    f.outward_y = outward[1];
     const Lane out = c[0] * f.outward_x + c[1] * f.outward_y;
     const Lane least = min(min(radii[0], radii[1]), min(radii[2], radii[3]));
     f.touching = bits(out + f.radius >= least);
@@ -160,7 +162,7 @@ void collide(Rows<NearMembrane, const NearPair, const PartnerSum, PairForce, Foo
     sums.elements = elements.size();
     sums.rows.resize(index.chunks.size() * sums.elements); // allocates only after new lists
     const Band band{surface,
-                    bands.radii.data(),
+                    bands,
                     {listed, bodies, index},
                     elements.column<ElementSpeed>(),
                     near.template column<FootOf>(),

@@ -189,22 +189,14 @@ struct Levers {
     const LaneMask fits =
         size(units) + size(own_torque) + size(partner_torque) <= ForceGrid::largest;
     const auto integers = [](Lane a) { return reinterpret_cast<Lane>(nearest_integers(a)); };
-    const Lane none{};
-    const FourLanes forces = transpose({integers(units.x), integers(units.y), integers(units.z), none}),
-                    torques = transpose({integers(own_torque.x), integers(own_torque.y),
-                                         integers(own_torque.z), none});
-    add_integer_rows(forces, count, [&](int q) { return &to.body[own[q]].fx; });
-    add_integer_rows(torques, count, [&](int q) { return &to.body[own[q]].tx; });
-    const auto opposite = [](Lane a) {
-        return reinterpret_cast<Lane>(-reinterpret_cast<LaneMask>(a));
+    const auto rows_of = [&](const Vec3Lanes& v) {
+        return transpose({integers(v.x), integers(v.y), integers(v.z), Lane{}});
     };
-    const FourLanes reactions = transpose({opposite(integers(units.x)), opposite(integers(units.y)),
-                                           opposite(integers(units.z)), none}),
-                    partner_torques = transpose({opposite(integers(partner_torque.x)),
-                                                 opposite(integers(partner_torque.y)),
-                                                 opposite(integers(partner_torque.z)), none});
-    add_integer_rows(reactions, count, [&](int q) { return &to.of_partner(rows[q]).fx; });
-    add_integer_rows(partner_torques, count, [&](int q) { return &to.of_partner(rows[q]).tx; });
+    const FourLanes forces = rows_of(units);
+    add_integer_rows<false>(forces, rows_of(own_torque), count,
+                            [&](int q) { return &to.body[own[q]].fx; });
+    add_integer_rows<true>(forces, rows_of(partner_torque), count,
+                           [&](int q) { return &to.of_partner(rows[q]).fx; });
     return ~bits(fits) & all_lanes;
 }
 

@@ -119,7 +119,24 @@ void put(PositionedFrames& frames, Quad PositionedFrame::*row, const Vec3Lanes& 
 void update_balls(const PositionedFrame& frame, const Ball* ball, Row count,
                   SphereRow* sphere_row) {
     constexpr Quad radius{0, 0, 0, 1};
-    for (Row k = 0; k < count; ++k) {
+    Row k = 0;
+#ifdef __AVX512F__
+    // two spheres at a time, with the same operations
+    const auto twice = [](Quad a) { return detail::join(a, a); };
+    const Lane centre = twice(frame.centre), along_x = twice(frame.along_x),
+               along_y = twice(frame.along_y), along_z = twice(frame.along_z);
+    static_assert(sizeof(Ball) == 4 * sizeof(double));
+    for (; k + 2 <= count; k += 2) {
+        const Lane o = load_lane(ball[k].centre.data());
+        const Lane x = __builtin_shufflevector(o, o, 0, 0, 0, 0, 4, 4, 4, 4),
+                   y = __builtin_shufflevector(o, o, 1, 1, 1, 1, 5, 5, 5, 5),
+                   z = __builtin_shufflevector(o, o, 2, 2, 2, 2, 6, 6, 6, 6),
+                   r = __builtin_shufflevector(o, o, 3, 3, 3, 3, 7, 7, 7, 7);
+        const Lane arm = x * along_x + y * along_y + z * along_z;
+        store_lane(&sphere_row[k].x, centre + (arm + r * twice(radius)));
+    }
+#endif
+    for (; k < count; ++k) {
         const Ball& o = ball[k];
         const Quad arm = o.centre.x() * frame.along_x + o.centre.y() * frame.along_y +
                          o.centre.z() * frame.along_z;
