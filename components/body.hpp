@@ -202,11 +202,6 @@ struct SurfaceSpeed : Derived<double> {
 struct PrunedAt : Derived<Pose> {
     static constexpr auto name = "pruned_at", unit = "";
 };
-/// Upper bound on the displacement of any point of the body from the last rebuild of the candidate
-/// pairs to the last prune.
-struct DisplacementOfPrune : Derived<double> {
-    static constexpr auto name = "displacement_of_prune", unit = "m";
-};
 /// Pose at the last rebuild of the candidate pairs.
 struct RebuiltAt : Derived<Pose> {
     static constexpr auto name = "rebuilt_at", unit = "";

@@ -63,7 +63,6 @@ struct ListState {
     std::uint64_t rebuilds = 0, prunes = 0, sorts = 0;
     std::uint64_t last_rebuild = 0, last_prune = 0; ///< step numbers
     std::uint64_t prunes_at_rebuild = 0;
-    std::uint64_t tested = 0; ///< candidate pairs of spheres that the last prune has tested
     bool used_up = false; ///< a body has moved further than its inner skin
 
     /// Sets used_up; may be called by several threads.

@@ -43,7 +43,6 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     bodies.add<InnerSkin>();
     bodies.add<OuterSkin>();
     bodies.add<SurfaceSpeed>();
-    bodies.add<DisplacementOfPrune>();
     bodies.add<ContactSum>();
     bodies.add<HaloOf>();
     bodies.add<Force>();
@@ -71,7 +70,6 @@ void add_lists(World& world, LawName law, ListSettings settings) {
         world.table<NearSpheres>().add<PatchShare>();
         if (world.has<Planes>()) world.table<NearPlanes>().add<PatchShare>();
     }
-    if (!bodies.has<SphereInertia>()) world.add_resource<detail::BodyPairs>();
     world.add_resource(settings);
     world.add_resource(ContactLaw{law});
     world.add_resource<ListState>();

@@ -63,19 +63,6 @@ struct Candidates {
     std::vector<Row> first; ///< bodies + 1
 };
 
-/// Consecutive candidates of two bodies.
-struct BodyPair {
-    Row partner, count;
-    double gap; ///< m, least gap between their spheres when the candidates were found
-};
-/// The candidates of spheres, body by body, in scenes of clumps: bodies that are still too far apart
-/// need no test of their spheres.
-struct BodyPairs {
-    static constexpr auto name = "body_pairs";
-    std::vector<Row> first; ///< first of each body row; bodies + 1
-    std::vector<BodyPair> pairs;
-};
-
 // Each finds the candidates of one kind: pairs whose gap is below the sum of their outer skins.
 void find_sphere_pairs(World& world);
 void find_plane_pairs(World& world);

@@ -46,73 +46,26 @@ void forget_separated(World& world, Near&& near_bits) {
              [&](std::size_t k) { forget_if_separated(old[k].pair); });
 }
 
-/// Calls test(first, last) for the ranges of a body's candidates that may be near.
-template <class Pairs>
-class Ranges {
-public:
-    explicit Ranges(const World& world)
-        : first_(world.resource<detail::Candidates<Pairs>>().first) {}
-    std::size_t bodies() const { return first_.size() - 1; }
-    template <class Test>
-    void of(Row b, Test&& test) const {
-        test(first_[b], first_[b + 1]);
-    }
-
-private:
-    const std::vector<Row>& first_;
-};
-
-/// The same for spheres of clumps: leaves out bodies that are still too far apart.
-class RangesOfClumps {
-public:
-    explicit RangesOfClumps(const World& world)
-        : first_(world.resource<detail::Candidates<SpherePairs>>().first),
-          body_pairs_(world.resource<detail::BodyPairs>()),
-          gone_(world.column<Bodies, DisplacementOfPrune>()),
-          skin_(world.column<Bodies, InnerSkin>()) {}
-    std::size_t bodies() const { return first_.size() - 1; }
-    template <class Test>
-    void of(Row b, Test&& test) const {
-        Row first = first_[b];
-        for (Row k = body_pairs_.first[b]; k < body_pairs_.first[b + 1]; ++k) {
-            const detail::BodyPair& p = body_pairs_.pairs[k];
-            const double reach =
-                (1 + 1e-9) * (gone_[b] + gone_[p.partner] + skin_[b] + skin_[p.partner]);
-            if (p.gap <= reach) test(first, first + p.count);
-            first += p.count;
-        }
-    }
-
-private:
-    const std::vector<Row>& first_;
-    const detail::BodyPairs& body_pairs_;
-    std::span<const double> gone_, skin_;
-};
-
 // Lists the pairs of one kind within the inner skins, body by body, and clears the springs of the
 // others. `near_bits` returns bits for up to lane_count candidates: set where the pair is near.
-// Returns the number of pairs tested.
-template <class Pairs, class RangesOf, class Near>
-std::uint64_t list_near(World& world, const RangesOf& ranges, Near&& near_bits) {
+template <class Pairs, class Near>
+void list_near(World& world, Near&& near_bits) {
     forget_separated<Pairs>(world, near_bits);
     const auto rows = world.column<Pairs, PairRows>();
+    const auto& candidates = world.resource<detail::Candidates<Pairs>>().first;
     auto& index = world.resource<NearIndex<Pairs>>();
-    std::atomic<std::uint64_t> tested = 0;
     detail::ChunkLists<NearEntry> found;
-    found.collect(ranges.bodies(), index.owned_first, [&](std::vector<NearEntry>& list, Row b) {
-        Row here = 0;
-        ranges.of(b, [&](Row from, Row to) {
-            here += to - from;
-            for (Row first = from; first < to; first += lane_count) {
-                const unsigned count = std::min<unsigned>(lane_count, to - first);
+    found.collect(
+        candidates.size() - 1, index.owned_first, [&](std::vector<NearEntry>& list, Row b) {
+            for (Row first = candidates[b], last = candidates[b + 1]; first < last;
+                 first += lane_count) {
+                const unsigned count = std::min<unsigned>(lane_count, last - first);
                 for (unsigned now = near_bits(&rows[first], count); now != 0; now &= now - 1) {
                     const Row p = first + static_cast<Row>(__builtin_ctz(now));
                     list.push_back({rows[p].sphere, rows[p].other, p, rows[p].law});
                 }
             }
         });
-        tested.fetch_add(here, std::memory_order_relaxed);
-    });
     Table& near = world.table<typename Pairs::Near>();
     const std::size_t count = found.size(), padded = count == 0 ? 0 : count + 7;
     near.resize(padded);
@@ -124,14 +77,13 @@ std::uint64_t list_near(World& world, const RangesOf& ranges, Near&& near_bits) 
     index.awake.clear();
     index.look.clear();
     detail::divide_into_chunks(index);
-    return tested;
 }
 
 /// `gap`: lower bound (m) of the gap between an enlarged sphere and the boundary.
 template <class Pairs, class Gap>
 void list_near_boundary(World& world, Gap&& gap, double beyond = 0) {
     const auto skin = world.column<Bodies, InnerSkin>();
-    list_near<Pairs>(world, Ranges<Pairs>(world), [&](const PairRowNumbers* rows, unsigned count) {
+    list_near<Pairs>(world, [&](const PairRowNumbers* rows, unsigned count) {
         unsigned now = 0;
         for (unsigned k = 0; k < count; ++k)
             now |= (gap(rows[k]) < skin[rows[k].partner_body] + beyond ? 1u : 0u) << k;
@@ -142,18 +94,14 @@ void list_near_boundary(World& world, Gap&& gap, double beyond = 0) {
 // only the list of spheres is long enough for lanes to pay off
 void list_near_spheres(World& world) {
     const auto sphere_row = world.column<Spheres, EnlargedSphere>();
-    const auto near_bits = [&](const PairRowNumbers* rows, unsigned count) {
+    list_near<SpherePairs>(world, [&](const PairRowNumbers* rows, unsigned count) {
         const auto row = [&](int q) -> const PairRowNumbers& {
             return rows[std::min(static_cast<unsigned>(q), count - 1)];
         };
         return near_lanes([&](int q) -> const SphereRow& { return sphere_row[row(q).sphere]; },
                           [&](int q) -> const SphereRow& { return sphere_row[row(q).other]; }, 0) &
                ((1u << count) - 1);
-    };
-    world.resource<ListState>().tested =
-        world.has_resource<detail::BodyPairs>()
-            ? list_near<SpherePairs>(world, RangesOfClumps(world), near_bits)
-            : list_near<SpherePairs>(world, Ranges<SpherePairs>(world), near_bits);
+    });
 }
 
 void list_near_planes(World& world) {

@@ -9,7 +9,6 @@
 #include "components/sphere.hpp"
 #include "engine/clock.hpp"
 #include "engine/parallel.hpp"
-#include "systems/broadphase/lists.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -91,12 +90,6 @@ double change_of_skin(double making, double carrying) {
 // The skins are adapted to counts of work in units of the test of one near pair, measured on beds
 // of spheres and of clumps.
 
-double body_pairs(const World& world) {
-    return world.has_resource<BodyPairs>()
-               ? static_cast<double>(world.resource<BodyPairs>().pairs.size())
-               : 0;
-}
-
 void tune_inner_skin(const World& world, ListSettings& settings, const ListState& state) {
     const auto steps = static_cast<double>(world.resource<Clock>().step - state.last_prune);
     const auto& index = world.resource<NearIndex<SpherePairs>>();
@@ -104,9 +97,9 @@ void tune_inner_skin(const World& world, ListSettings& settings, const ListState
     std::size_t touching = 0;
     for (const std::uint8_t flags : index.touching)
         touching += static_cast<std::size_t>(std::popcount(flags));
-    const auto tested = static_cast<double>(state.tested);
+    const auto pairs = static_cast<double>(world.table<SpherePairs>().size());
     const auto spheres = static_cast<double>(world.table<Listed>().size());
-    const double making = (8 * tested + 4 * body_pairs(world) + 10 * spheres) / steps;
+    const double making = (8 * pairs + 10 * spheres) / steps;
     const double carrying =
         3 * static_cast<double>(index.size() - std::min(touching, index.size()));
     settings.inner_skin =
@@ -121,9 +114,10 @@ void tune_outer_skin(const World& world, ListSettings& settings, const ListState
     const auto prunes = static_cast<double>(state.prunes - state.prunes_at_rebuild);
     if (!settings.tune || near == 0 || prunes == 0) return;
     // what a rebuild costs per pair does not count, because the number of pairs grows with the skin
-    const double far = static_cast<double>(state.tested) - static_cast<double>(near),
-                 rebuilding = 130 * static_cast<double>(world.table<Spheres>().size()),
-                 pruning = (8 * far + 4 * body_pairs(world)) * prunes; // while they served
+    const auto pairs = static_cast<double>(world.table<SpherePairs>().size()),
+               spheres = static_cast<double>(world.table<Spheres>().size());
+    const double rebuilding = 130 * spheres, pruning = 8 * (pairs - static_cast<double>(near)) *
+                                                       prunes; // while the candidates served
     settings.outer_skin = std::clamp(settings.outer_skin * change_of_skin(rebuilding, pruning),
                                      2 * settings.inner_skin, settings.largest_skin);
 }
@@ -247,13 +241,11 @@ bool choose_inner_skins(World& world) {
     tune_inner_skin(world, settings, world.resource<ListState>());
     measure_speeds(world);
     Table& bodies = world.table<Bodies>();
-    const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>(),
-               displacement = bodies.column<DisplacementOfPrune>();
+    const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>();
     const WantedSkins wanted(world);
     const SinceRebuild since(world);
     const double incomplete = largest_of_bodies(bodies.size(), [&](Row b) {
-        displacement[b] = since[b];
-        const double left = outer[b] - displacement[b], want = wanted.inner(b);
+        const double left = outer[b] - since[b], want = wanted.inner(b);
         inner[b] = std::min(want, left);
         return left >= std::max(0.5 * want, wanted.least()) ? 0.0 : 1.0;
     });
@@ -264,11 +256,9 @@ bool choose_inner_skins(World& world) {
 void choose_skins(World& world) {
     choose_mean_skins(world, world.resource<ListSettings>());
     Table& bodies = world.table<Bodies>();
-    const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>(),
-               displacement = bodies.column<DisplacementOfPrune>();
+    const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>();
     const WantedSkins wanted(world);
     for_bodies(bodies.size(), [&](Row b) {
-        displacement[b] = 0;
         inner[b] = wanted.inner(b);
         outer[b] = std::max(wanted.outer(b), inner[b]);
     });

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
 
 namespace bris::detail {
 
@@ -115,7 +114,6 @@ private:
 struct Scene {
     std::span<const Vec3> position;
     std::span<const double> radius; ///< m, bounding radius with skin
-    std::span<const double> skin;   ///< m
     std::span<const EntityId> id;
     std::span<const std::uint32_t> motion, material;
     std::span<const SphereRun> run;
@@ -169,38 +167,25 @@ void near_spheres(const Scene& s, Row a, Row b, Cluster& found) {
     found.pad();
 }
 
-// calls visit(k) for those spheres of a cluster that touch sphere `one` of another; returns the
-// least of `gap` and their gaps
+// calls visit(k) for those spheres of a cluster that touch sphere `one` of another
 template <class Visit>
-Lane visit_touching(const Cluster& of, std::size_t one, const Cluster& cluster, Lane gap,
-                    Visit&& visit) {
+void visit_touching(const Cluster& of, std::size_t one, const Cluster& cluster, Visit&& visit) {
     const Lane x = lanes(of.number(0, one)), y = lanes(of.number(1, one)),
                z = lanes(of.number(2, one)), radius = lanes(of.number(3, one));
     for (std::size_t first = 0; first < cluster.row.size(); first += lane_count) {
         const auto load = [&](std::size_t kind) { return load_lane(&cluster.numbers[kind][first]); };
-        const Lane dx = load(0) - x, dy = load(1) - y, dz = load(2) - z, reach = load(3) + radius,
-                   squared = dx * dx + dy * dy + dz * dz;
+        const Lane dx = load(0) - x, dy = load(1) - y, dz = load(2) - z, reach = load(3) + radius;
         const std::size_t here = std::min<std::size_t>(lane_count, cluster.row.size() - first);
-        const LaneMask near = squared < reach * reach; // padding may be near: a bound only
-        unsigned touching = bits(near) & ((1u << here) - 1);
-        if (touching == 0) continue;
-        gap = near ? min(gap, sqrt(squared) - reach) : gap;
-        for (; touching != 0; touching &= touching - 1)
+        for (unsigned touching = bits(dx * dx + dy * dy + dz * dz < reach * reach) &
+                                 ((1u << here) - 1);
+             touching != 0; touching &= touching - 1)
             visit(first + static_cast<std::size_t>(__builtin_ctz(touching)));
     }
-    return gap;
 }
 
-struct OwnedBodyPair {
-    Row owner;
-    BodyPair pair;
-};
-
-/// What the rows of a chunk use one after the other.
 struct Scratch {
     std::vector<Row> partners;
     Cluster own, other;
-    std::vector<OwnedBodyPair> found;
 };
 
 void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector<Candidate>& list) {
@@ -214,31 +199,8 @@ void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector
     near_spheres(s, a, b, scratch.own);
     if (own.row.empty()) return;
     near_spheres(s, b, a, scratch.other);
-    const std::size_t before = list.size();
-    Lane gap = lanes(std::numeric_limits<double>::infinity()); // between enlarged spheres
     for (std::size_t k = 0; k < own.row.size(); ++k)
-        gap = visit_touching(own, k, other, gap,
-                             [&](std::size_t m) { add(own.row[k], other.row[m]); });
-    if (list.size() == before) return;
-    double least = gap[0];
-    for (int q = 1; q < lane_count; ++q) least = std::min(least, gap[q]);
-    scratch.found.push_back({a,
-                             {b, static_cast<Row>(list.size() - before),
-                              least + s.skin[a] + s.skin[b]}});
-}
-
-/// Makes the list of body pairs from those found by the rows of each chunk.
-void list_body_pairs(std::size_t bodies, std::vector<Scratch>& scratch, BodyPairs& to) {
-    ChunkLists<BodyPair> lists;
-    std::vector<std::size_t> next(scratch.size());
-    lists.collect(bodies, to.first, [&](std::vector<BodyPair>& list, Row a) {
-        const std::size_t chunk = a / lists.rows_per_chunk;
-        const auto& found = scratch[chunk].found;
-        for (std::size_t& k = next[chunk]; k < found.size() && found[k].owner == a; ++k)
-            list.push_back(found[k].pair);
-    });
-    to.pairs.resize(lists.size());
-    lists.lay_out([&](std::size_t index, const BodyPair& p) { to.pairs[index] = p; });
+        visit_touching(own, k, other, [&](std::size_t m) { add(own.row[k], other.row[m]); });
 }
 
 } // namespace
@@ -252,7 +214,6 @@ void find_sphere_pairs(World& world) {
     });
     const Scene s{bodies.column<Position>(),
                   radius,
-                  bodies.column<OuterSkin>(),
                   bodies.column<BodyId>(),
                   bodies.column<MotionOf>(),
                   bodies.column<MaterialOf>(),
@@ -286,7 +247,6 @@ void find_sphere_pairs(World& world) {
                   [&](Row x, Row y) { return s.id[x] < s.id[y]; });
         for (const Row b : mine.partners) pairs_of_bodies(s, a, b, mine, list);
     });
-    if (!s.single) list_body_pairs(bodies.size(), scratch, world.resource<BodyPairs>());
     replace_pairs<SpherePairs>(world, found, first);
 }
 
