@@ -71,18 +71,8 @@ struct Schedule::Plan {
 };
 
 Schedule::Schedule(StepList steps, ScheduleSettings settings)
-    : steps_(std::move(steps)), settings_(settings) { if (std::getenv("PROFILE")) settings_.timed = true; }
-#include <cstdlib>
-#include <cstdio>
-Schedule::~Schedule() {
-    if (std::getenv("PROFILE") && steps_.size()) {
-        double all = 0;
-        std::vector<std::pair<double, std::string>> v;
-        for (auto& [k, x] : seconds()) { v.push_back({x, k}); all += x; }
-        std::sort(v.rbegin(), v.rend());
-        if (all > 0.05) for (auto& [x, k] : v) std::fprintf(stderr, "%8.4f %5.1f%% %s\n", x, 100 * x / all, k.substr(0,100).c_str());
-    }
-}
+    : steps_(std::move(steps)), settings_(settings) {}
+Schedule::~Schedule() = default;
 Schedule::Schedule(Schedule&&) noexcept = default;
 Schedule& Schedule::operator=(Schedule&&) noexcept = default;
 

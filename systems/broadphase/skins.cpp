@@ -173,7 +173,7 @@ public:
 private:
     double skin(Row b, double of_pair, double most) const {
         // some more than in proportion for slow bodies, because they may become faster
-        const double share = mean_ > 0 ? (2 * speed_[b] + mean_) / (3 * mean_) : 1;
+        const double share = mean_ > 0 ? (1 * speed_[b] + 2 * mean_) / (3 * mean_) : 1;
         return std::max(std::min(share * of_pair / 2, std::max(of_pair / 2, most)), least_);
     }
     std::span<const double> speed_;
