@@ -38,9 +38,9 @@ struct ContactHalo {
 /// of overlap has between 2^54 and 2^55 units. The rounding error of a force is half a unit.
 struct ForceGrid {
     static constexpr auto name = "force_grid";
-    double force = 0;         ///< N
-    double torque = 0;        ///< N m, of bodies with spheres
-    double host_torque = 0;   ///< N m, of boundaries, whose lever arms are longer
+    double force = 0;                         ///< N
+    double torque = 0;                        ///< N m, of bodies with spheres
+    double host_torque = 0;                   ///< N m, of boundaries, whose lever arms are longer
     static constexpr double largest = 0x1p59; ///< largest force of one contact, in units
     static constexpr double largest_sum = 0x1p62; ///< of a body, in units
 };

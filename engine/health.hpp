@@ -16,6 +16,7 @@ struct Health {
 /// Set in a step in which a guard has to look more closely.
 struct Alarm {
     static constexpr auto name = "alarm";
+    static constexpr bool is_state = true; // so that nobody leaves out the systems that raise it
     bool raised = false;
 
     /// May be called by several threads.

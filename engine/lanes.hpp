@@ -185,13 +185,13 @@ void store_rows(const FourLanes& rows, int count, RowOf&& row_of) {
     }
 }
 
-/// Adds (or subtracts) row q of `first` to the four int64 numbers at row_of(q) and row q of `second`
-/// to the four after them, for the first `count` lanes in order, so that lanes may share a row.
-/// `first`, `second`: bits of int64 numbers in the layout of load_rows.
+/// Adds (or subtracts) row q of `first` to the four int64 numbers at row_of(q) and row q of
+/// `second` to the four after them, for the first `count` lanes in order, so that lanes may share a
+/// row. `first`, `second`: bits of int64 numbers in the layout of load_rows.
 template <bool subtracts, class RowOf>
 [[gnu::always_inline]] inline void add_integer_rows(const FourLanes& first, const FourLanes& second,
                                                     int count, RowOf&& row_of) {
-    const auto add = [](std::int64_t* row, auto more) __attribute__((always_inline)) {
+    const auto add = [](std::int64_t * row, auto more) __attribute__((always_inline)) {
         decltype(more) sum;
         std::memcpy(&sum, row, sizeof sum);
         sum = subtracts ? sum - more : sum + more;
@@ -204,10 +204,10 @@ template <bool subtracts, class RowOf>
 #ifdef __AVX512F__
             if (q < lanes_used)
                 add(row_of(q), reinterpret_cast<LaneMask>(__builtin_shufflevector(
-                           first[k], second[k], 0, 1, 2, 3, 8, 9, 10, 11)));
+                                   first[k], second[k], 0, 1, 2, 3, 8, 9, 10, 11)));
             if (q + 4 < lanes_used)
                 add(row_of(q + 4), reinterpret_cast<LaneMask>(__builtin_shufflevector(
-                               first[k], second[k], 4, 5, 6, 7, 12, 13, 14, 15)));
+                                       first[k], second[k], 4, 5, 6, 7, 12, 13, 14, 15)));
 #else
             if (q >= lanes_used) return;
             add(row_of(q), reinterpret_cast<IntQuad>(first[k]));

@@ -53,10 +53,11 @@ Row find_offender(const WatchedBodies& bodies, Row first, Row last, const Limits
 std::string contact_message(const PairNames& who, const ForceRow& contact, double radius,
                             double limit, double largest_force) {
     if (contact.overlap > limit * radius)
-        return fmt::format("overlap of bodies {} and {}: expected less than {:g} of the mean radius "
-                           "({:.4g} m), found {:.4g} of it ({:.4g} m)",
-                           who.owner, who.partner, limit, limit * radius, contact.overlap / radius,
-                           contact.overlap);
+        return fmt::format(
+            "overlap of bodies {} and {}: expected less than {:g} of the mean radius "
+            "({:.4g} m), found {:.4g} of it ({:.4g} m)",
+            who.owner, who.partner, limit, limit * radius, contact.overlap / radius,
+            contact.overlap);
     return fmt::format("contact force of bodies {} and {}: expected a number up to {:.4g} N, found "
                        "{:.4g} N at an overlap of {:.4g} m",
                        who.owner, who.partner, largest_force,
@@ -79,8 +80,8 @@ void guard_motion(WatchedBodies bodies, const Limits& limits, const Clock& clock
     alarm.raised = false;
     if (b == no_row || health.bad) return; // a contact beyond its limits is the cause
     const bool free = bodies.column<MotionOf>()[b] == static_cast<std::uint32_t>(Motion::free);
-    const double most = limits.overlap * (free ? bodies.column<BoundingRadius>()[b]
-                                               : census.smallest_free_radius);
+    const double most =
+        limits.overlap * (free ? bodies.column<BoundingRadius>()[b] : census.smallest_free_radius);
     const Vec3& x = bodies.column<Position>()[b];
     const double speed = bodies.column<Velocity>()[b].norm(),
                  omega = bodies.column<AngularVelocity>()[b].norm();

@@ -40,9 +40,9 @@ std::string contact_message(const PairNames& who, const ForceRow& contact, doubl
 /// system per kind of pair.
 template <class Pairs>
 void guard_contacts(Rows<typename Pairs::Near, const NearPair, const PairForce> near,
-                   Rows<Pairs, const PairKey, const PairRows> pairs,
-                   Rows<Spheres, const LocalBall> spheres, const NearIndex<Pairs>& index,
-                   const Limits& limits, const ForceGrid& grid, Health& health) {
+                    Rows<Pairs, const PairKey, const PairRows> pairs,
+                    Rows<Spheres, const LocalBall> spheres, const NearIndex<Pairs>& index,
+                    const Limits& limits, const ForceGrid& grid, Health& health) {
     const Ball* ball = spheres.template column<LocalBall>();
     for (const Row row : index.beyond_limit) {
         if (row == no_row || health.bad) continue;

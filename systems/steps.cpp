@@ -25,8 +25,7 @@ System damping_of(bool energy_budget) {
 /// Analyses read the records of contact forces, as readers outside the step do.
 void note_observation(World& world) {
     world.resource<Observation>().due =
-        world.resource<Clock>().observed ||
-        (world.has_resource<Replay>() && fusion_is_due(world));
+        world.resource<Clock>().observed || (world.has_resource<Replay>() && fusion_is_due(world));
 }
 
 bool sleep_or_lists_are_due(const World& world) {

@@ -75,8 +75,9 @@ private:
     static StiffnessLanes stiffness_of(const ContactLanes& c, const CoefficientLanes& k,
                                        const LawStep& step) {
         const StiffnessLanes s = Normal::stiffness(c, k);
-        return step.shared ? StiffnessLanes{c.share * s.force, c.share * s.normal, c.share * s.shear}
-                           : s;
+        return step.shared
+                   ? StiffnessLanes{c.share * s.force, c.share * s.normal, c.share * s.shear}
+                   : s;
     }
 
     /// Replaces the forces of the contacts that have ended by their corrections, and clears their
@@ -88,21 +89,21 @@ private:
         const Lane dashpot = Damping::coefficients(last.before, k, stiffness).normal,
                    elastic = last.template elastic<Normal>(k),
                    // the shares of a patch are those of touching pairs: its end is predicted
-                   force = step.shared ? lanes(0)
-                                       : last.template force<Normal>(stiffness.force, elastic,
-                                                                     dashpot, step.least_force),
+            force = step.shared ? lanes(0)
+                                : last.template force<Normal>(stiffness.force, elastic, dashpot,
+                                                              step.least_force),
                    separation = 0.5 * step.dt * c.inverse_mass * force - c.closing;
         const auto replace = [&](Lane& value, Lane by) { value = ended ? by : value; };
         replace(f.normal, force);
         replace(f.x, force * c.nx);
         replace(f.y, force * c.ny);
         replace(f.z, force * c.nz);
-        replace(f.work.viscous,
-                step.shared ? lanes(0)
-                            : step.dt * separation * (elastic - stiffness.force - force));
-        for (Lane* none : {&f.torque_x, &f.torque_y, &f.torque_z, &f.work.friction, &f.work.rolling,
-                           &spring.x, &spring.y, &spring.z, &spring.stiffness, &roll.x, &roll.y,
-                           &roll.z, &roll.twist})
+        replace(f.work.viscous, step.shared
+                                    ? lanes(0)
+                                    : step.dt * separation * (elastic - stiffness.force - force));
+        for (Lane* none :
+             {&f.torque_x, &f.torque_y, &f.torque_z, &f.work.friction, &f.work.rolling, &spring.x,
+              &spring.y, &spring.z, &spring.stiffness, &roll.x, &roll.y, &roll.z, &roll.twist})
             replace(*none, lanes(0));
     }
 

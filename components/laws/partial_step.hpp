@@ -8,7 +8,8 @@ namespace bris {
 /// step before to half a step after its instant; a contact that begins or ends in that interval
 /// acts for a part of it only. The impulse given is that of this part, at the speed of the step.
 /// The impulse of a contact of zero overlap is subtracted, so that the energy that the leapfrog
-/// conserves in a contact (m v- v+ / 2 + U for a linear spring) equals that of the flight before it.
+/// conserves in a contact (m v- v+ / 2 + U for a linear spring) equals that of the flight before
+/// it.
 ///
 /// The end of a contact is either predicted here from the speed of the last step, or corrected
 /// afterwards (CorrectionOfEnd). A prediction may fail, because the force of the step changes the

@@ -97,8 +97,8 @@ Impact impact(LawName law, double degrees, double friction, bool pair, double dt
         simulation.advance(1);
         const auto after = dissipated(simulation.world());
         const auto [by_friction, by_dashpots, by_rolling] = after;
-        found.least = std::min({found.least, (by_friction - before[0]) / start,
-                                by_dashpots / start, (by_rolling - before[2]) / start});
+        found.least = std::min({found.least, (by_friction - before[0]) / start, by_dashpots / start,
+                                (by_rolling - before[2]) / start});
     }
     simulation.advance(2);
     found.closure = std::abs(budget_of(simulation.world()).total() / start - 1);
@@ -144,7 +144,8 @@ void add_impacts(StressRows& rows, std::size_t which, const StressSettings& s) {
                                              high ? "3 and 10" : "0 to 1", law_titles[which]);
         rows.push_back(
             {"S6", what + ": dissipated work",
-             "friction and rolling: not negative in any step; dashpots: not negative at any time, as "
+             "friction and rolling: not negative in any step; dashpots: not negative at any time, "
+             "as "
              "the last step of a contact is corrected (rounding: 1e-14 of the energy)",
              fmt::format("minimum {:.1e} of the energy", std::min(coarse.least, fine.least)),
              std::min(coarse.least, fine.least) >= -1e-14});

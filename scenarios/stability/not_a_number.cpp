@@ -74,9 +74,8 @@ void attack(const Tumble& scene, std::size_t column, std::uint64_t draw, Outcome
     ++o.tries;
     o.discarded += message.empty() && all_finite(simulation.world()) ? 1u : 0u;
     o.caught += message.empty() ? 0u : 1u;
-    o.named +=
-        message.find("body") != std::string::npos && message.find("step") != std::string::npos ? 1u
-                                                                                               : 0u;
+    const auto says = [&](const char* word) { return message.find(word) != std::string::npos; };
+    o.named += (says("body ") || says("bodies ")) && says("step") ? 1u : 0u;
     simulation.restore(good);
     simulation.advance(block);
     o.recovered += fingerprint(simulation.snapshot()) == expected ? 1u : 0u;

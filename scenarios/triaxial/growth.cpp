@@ -21,7 +21,8 @@ void note_overlaps(const World& world, std::span<double> largest) {
     const BodyContacts<Pairs> contacts(world);
     const auto force = world.column<typename Pairs::Near, PairForce>();
     for (Row b = 0; b < largest.size(); ++b)
-        contacts.visit(b, [&](Row k, bool) { largest[b] = std::max(largest[b], force[k].overlap); });
+        contacts.visit(b,
+                       [&](Row k, bool) { largest[b] = std::max(largest[b], force[k].overlap); });
 }
 
 } // namespace

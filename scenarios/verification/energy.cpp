@@ -69,10 +69,11 @@ void verify_cooling(Checks& checks) {
         s.law = law;
         double sum = 0;
         for (s.seed = 1; s.seed <= runs; ++s.seed) sum += run_experiment(s).r_squared;
-        checks.at_least(fmt::format("{}, restitution 0.9: R^2 of 1/sqrt(T) over time, T from 1/2 to "
-                                    "1/20, mean of {} runs",
-                                    is_hertz(law) ? "Hertz" : "linear", runs),
-                        "", 0.9997, sum / runs);
+        checks.at_least(
+            fmt::format("{}, restitution 0.9: R^2 of 1/sqrt(T) over time, T from 1/2 to "
+                        "1/20, mean of {} runs",
+                        is_hertz(law) ? "Hertz" : "linear", runs),
+            "", 0.9997, sum / runs);
     }
 }
 

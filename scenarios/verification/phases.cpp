@@ -65,7 +65,8 @@ void verify_phases(Checks& checks) {
                         fmt::format("{}, {}, {}, e = {}", is_hertz(law) ? "Hertz" : "linear",
                                     policies[static_cast<std::size_t>(tension)],
                                     partners[static_cast<std::size_t>(partner)], e);
-                    checks.absolute(name + ", dt = t_c/50, 400 phases: largest error of restitution",
+                    checks.absolute(name +
+                                        ", dt = t_c/50, 400 phases: largest error of restitution",
                                     "", 0, worst_error(s, expected, 50, 400), 1.5e-3);
                     const double coarse = worst_error(s, expected, 100, 25),
                                  fine = worst_error(s, expected, 800, 25);

@@ -31,8 +31,7 @@ public:
         : index_(world.resource<NearIndex<Pairs>>()),
           near_(world.column<typename Pairs::Near, NearPair>()),
           pairs_(world.column<Pairs, PairRows>()),
-          target_(world.column<typename Pairs::Near, PartnerSum>()),
-          bodies_(index_.chunks.size()) {
+          target_(world.column<typename Pairs::Near, PartnerSum>()), bodies_(index_.chunks.size()) {
         for_each_chunk([&](std::size_t c, const NearChunk& here) {
             for (Row k = here.first; k < here.last; ++k)
                 if (const Row b = partner(k); !owns(here, b)) bodies_[c].push_back(b);
@@ -62,9 +61,10 @@ public:
             for (Row k = here.first; k < here.last; ++k) {
                 const Row b = partner(k);
                 const auto at = std::ranges::lower_bound(bodies_[c], b) - bodies_[c].begin();
-                target_[k] = owns(here, b) ? b
-                                           : static_cast<Row>(start[c] + static_cast<std::size_t>(at)) |
-                                                 ContactHalo::flag;
+                target_[k] = owns(here, b)
+                                 ? b
+                                 : static_cast<Row>(start[c] + static_cast<std::size_t>(at)) |
+                                       ContactHalo::flag;
             }
         });
         for (std::size_t k = index_.size(); k < target_.size(); ++k)
@@ -80,9 +80,8 @@ private:
     }
     template <class Visit>
     void for_each_chunk(Visit&& visit) {
-        for_chunks(index_.chunks.size(), 1, [&](std::size_t c, std::size_t, std::size_t) {
-            visit(c, index_.chunks[c]);
-        });
+        for_chunks(index_.chunks.size(), 1,
+                   [&](std::size_t c, std::size_t, std::size_t) { visit(c, index_.chunks[c]); });
     }
     const NearIndex<Pairs>& index_;
     std::span<const NearEntry> near_;

@@ -33,9 +33,10 @@ void for_bodies(std::size_t bodies, Body&& body) {
 template <class Value>
 double sum_over_bodies(std::size_t bodies, Value&& value) {
     std::vector<double> sums((bodies + bodies_per_chunk - 1) / bodies_per_chunk);
-    for_chunks(bodies, bodies_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
-        for (auto b = static_cast<Row>(first); b < last; ++b) sums[chunk] += value(b);
-    });
+    for_chunks(bodies, bodies_per_chunk,
+               [&](std::size_t chunk, std::size_t first, std::size_t last) {
+                   for (auto b = static_cast<Row>(first); b < last; ++b) sums[chunk] += value(b);
+               });
     double sum = 0;
     for (const double s : sums) sum += s;
     return sum;
@@ -44,10 +45,11 @@ double sum_over_bodies(std::size_t bodies, Value&& value) {
 template <class Value>
 double largest_of_bodies(std::size_t bodies, Value&& value) {
     std::vector<double> most((bodies + bodies_per_chunk - 1) / bodies_per_chunk);
-    for_chunks(bodies, bodies_per_chunk, [&](std::size_t chunk, std::size_t first, std::size_t last) {
-        for (auto b = static_cast<Row>(first); b < last; ++b)
-            most[chunk] = std::max(most[chunk], value(b));
-    });
+    for_chunks(bodies, bodies_per_chunk,
+               [&](std::size_t chunk, std::size_t first, std::size_t last) {
+                   for (auto b = static_cast<Row>(first); b < last; ++b)
+                       most[chunk] = std::max(most[chunk], value(b));
+               });
     return most.empty() ? 0 : *std::ranges::max_element(most);
 }
 
@@ -136,8 +138,7 @@ void measure_speeds(World& world) {
     };
     for_bodies(bodies.size(), [&](Row b) { measure(b, displacement[b]); });
     if (world.has<Elements>())
-        measure(world.resource<Membrane>().body_row,
-                displacement_of_membrane<PrunedRadius>(world));
+        measure(world.resource<Membrane>().body_row, displacement_of_membrane<PrunedRadius>(world));
 }
 
 /// Least skin (m) of a body: half the gap within which two bodies must be listed although they are
@@ -150,9 +151,8 @@ double least_skin(const World& world) {
         const auto velocity = bodies.column<Velocity>(),
                    omega = bodies.column<StepAngularVelocity>();
         const auto radius = bodies.column<BoundingRadius>();
-        const double fastest = largest_of_bodies(bodies.size(), [&](Row b) {
-            return velocity[b].norm() + omega[b].norm() * radius[b];
-        });
+        const double fastest = largest_of_bodies(
+            bodies.size(), [&](Row b) { return velocity[b].norm() + omega[b].norm() * radius[b]; });
         skin = std::max(skin, (1 + 1e-6) * CorrectionOfEnd::largest_gap * fastest *
                                   world.resource<Clock>().dt);
     }
@@ -229,8 +229,7 @@ double reach_beyond_skin(const World& world) {
     const LawTraits& law = traits(world.resource<ContactLaw>().law);
     if (!law.reaches) return 0;
     const auto ball = world.column<Spheres, LocalBall>();
-    const double radius =
-        largest_of_bodies(ball.size(), [&](Row k) { return ball[k].radius; });
+    const double radius = largest_of_bodies(ball.size(), [&](Row k) { return ball[k].radius; });
     // a pair at its very reach must not be lost to rounding
     return (1 + 1e-6) *
            largest_reach(world.resource<ContactLaw>().law, world.resource<Materials>(), radius);

@@ -126,9 +126,13 @@ struct Scene {
 struct Cluster {
     std::vector<Row> row;
     std::array<std::vector<double>, 4> numbers; ///< x, y, z and enlarged radius
-    void clear() {
+    void clear(std::size_t most) {
         row.clear();
-        for (auto& n : numbers) n.clear();
+        row.reserve(most);
+        for (auto& n : numbers) {
+            n.clear();
+            n.reserve(most + lane_count);
+        }
     }
     void add(Row sphere, const SphereRow& s) {
         row.push_back(sphere);
@@ -145,7 +149,7 @@ struct Cluster {
 
 // spheres of body a that reach into the bounding sphere of body b
 void near_spheres(const Scene& s, Row a, Row b, Cluster& found) {
-    found.clear();
+    found.clear(s.run[a].count);
     const Vec3& x = s.position[b];
     const SphereRow bounding{x.x(), x.y(), x.z(), s.radius[b]};
     const SphereRun& run = s.run[a];
@@ -173,11 +177,13 @@ void visit_touching(const Cluster& of, std::size_t one, const Cluster& cluster, 
     const Lane x = lanes(of.number(0, one)), y = lanes(of.number(1, one)),
                z = lanes(of.number(2, one)), radius = lanes(of.number(3, one));
     for (std::size_t first = 0; first < cluster.row.size(); first += lane_count) {
-        const auto load = [&](std::size_t kind) { return load_lane(&cluster.numbers[kind][first]); };
+        const auto load = [&](std::size_t kind) {
+            return load_lane(&cluster.numbers[kind][first]);
+        };
         const Lane dx = load(0) - x, dy = load(1) - y, dz = load(2) - z, reach = load(3) + radius;
         const std::size_t here = std::min<std::size_t>(lane_count, cluster.row.size() - first);
-        for (unsigned touching = bits(dx * dx + dy * dy + dz * dz < reach * reach) &
-                                 ((1u << here) - 1);
+        for (unsigned touching =
+                 bits(dx * dx + dy * dy + dz * dz < reach * reach) & ((1u << here) - 1);
              touching != 0; touching &= touching - 1)
             visit(first + static_cast<std::size_t>(__builtin_ctz(touching)));
     }

@@ -57,16 +57,17 @@ void locate_spheres(World& world) {
     const auto skin = bodies.column<Skin>();
     const auto ball = spheres.column<LocalBall>();
     const auto sphere_row = spheres.column<EnlargedSphere>();
-    for_chunks(bodies.size(), rows_per_chunk / 4, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (auto b = static_cast<Row>(begin); b < end; ++b) {
-            const Mat3 axes = (orientation != nullptr ? orientation[b] : Quat(Quat::Identity()))
-                                  .toRotationMatrix();
-            for (Row k = run[b].first; k < run[b].first + run[b].count; ++k) {
-                const Vec3 x = position[b] + axes * ball[k].centre;
-                sphere_row[k] = {x.x(), x.y(), x.z(), ball[k].radius + skin[b]};
+    for_chunks(
+        bodies.size(), rows_per_chunk / 4, [&](std::size_t, std::size_t begin, std::size_t end) {
+            for (auto b = static_cast<Row>(begin); b < end; ++b) {
+                const Mat3 axes = (orientation != nullptr ? orientation[b] : Quat(Quat::Identity()))
+                                      .toRotationMatrix();
+                for (Row k = run[b].first; k < run[b].first + run[b].count; ++k) {
+                    const Vec3 x = position[b] + axes * ball[k].centre;
+                    sphere_row[k] = {x.x(), x.y(), x.z(), ball[k].radius + skin[b]};
+                }
             }
-        }
-    });
+        });
 }
 template void locate_spheres<InnerSkin>(World&);
 template void locate_spheres<OuterSkin>(World&);

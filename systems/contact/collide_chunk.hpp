@@ -41,7 +41,8 @@ inline unsigned ended(const TileTarget& to, Row first, unsigned apart) {
 }
 
 /// Lists the touching pairs of near rows [first, last) that have to be evaluated, and those whose
-/// contact has just ended, or clears the springs of the latter. `flags`: of the first row. Returns their number.
+/// contact has just ended, or clears the springs of the latter. `flags`: of the first row. Returns
+/// their number.
 template <class Law, class Geometry>
 std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepers& sleepers,
                           std::uint8_t* flags, std::size_t first_group, Row first, Row last,

@@ -140,8 +140,7 @@ void hand_over_springs(const TileTarget& to, std::span<const Reached> run) {
 // near rows [first, last) are one sphere against the facets of one body
 template <class Law>
 void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index,
-                              std::size_t first, std::size_t last,
-                              detail::ScalarTile<Law>& tile) {
+                              std::size_t first, std::size_t last, detail::ScalarTile<Law>& tile) {
     std::array<Reached, usual_run> few;
     std::vector<Reached> many(last - first > usual_run ? last - first : 0);
     const std::span<Reached> run =
@@ -220,13 +219,14 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
                        NearIndex<FacetPairs>& index, ContactHalo& halo, const ForceGrid& grid,
                        const Materials& materials, const Limits& limits,
                        const Observation& observation, const Clock& clock) {
-        collide_all<Law>({{listed, bodies, index},
-                          facet_rows.template column<FacetPosition>(),
-                          pairs.template column<PairKey>(),
-                          limits.overlap},
-                         detail::target_of<Law>(near, pairs, bodies,
-                                                {halo, grid, materials, limits, observation, clock}),
-                         index);
+        collide_all<Law>(
+            {{listed, bodies, index},
+             facet_rows.template column<FacetPosition>(),
+             pairs.template column<PairKey>(),
+             limits.overlap},
+            detail::target_of<Law>(near, pairs, bodies,
+                                   {halo, grid, materials, limits, observation, clock}),
+            index);
     }
 };
 

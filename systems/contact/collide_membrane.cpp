@@ -183,7 +183,7 @@ System collide_membrane(LawName law, const StepChoices& choices) {
         if constexpr (Smooth::has_dashpots)
             return choices.energy_budget
                        ? system(name, collide<Smooth, FrictionWork, ViscousWork, RollingWork>)
-                                         : system(name, collide<Smooth>);
+                       : system(name, collide<Smooth>);
         else
             return system(name, collide<Smooth>);
     });

@@ -136,10 +136,11 @@ struct SphereGeometry {
                 0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
         }
         ForceLanes force;
-        return detail::apply_law<Law>(
-            to, rows, own.data(), count, c,
-            {{px, py, pz}, {px - xa[0], py - xa[1], pz - xa[2]}, {px - xb[0], py - xb[1], pz - xb[2]}},
-            c.overlap > (0.5 * deepest) * reach, force);
+        return detail::apply_law<Law>(to, rows, own.data(), count, c,
+                                      {{px, py, pz},
+                                       {px - xa[0], py - xa[1], pz - xa[2]},
+                                       {px - xb[0], py - xb[1], pz - xb[2]}},
+                                      c.overlap > (0.5 * deepest) * reach, force);
     }
 };
 
@@ -147,11 +148,12 @@ template <class Law, class Near, class Pairs, class Work>
 struct Collide;
 template <class Law, class... Near, class... Pairs, class... Work>
 struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
-    static void spheres(Rows<NearSpheres, const NearPair, const PartnerSum, PairForce, Near...> near,
-                        detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
-                        Rows<SpherePairs, Pairs...> pairs, NearIndex<SpherePairs>& index,
-                        ContactHalo& halo, const ForceGrid& grid, const Materials& materials,
-                        const Limits& limits, const Observation& observation, const Clock& clock) {
+    static void
+    spheres(Rows<NearSpheres, const NearPair, const PartnerSum, PairForce, Near...> near,
+            detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
+            Rows<SpherePairs, Pairs...> pairs, NearIndex<SpherePairs>& index, ContactHalo& halo,
+            const ForceGrid& grid, const Materials& materials, const Limits& limits,
+            const Observation& observation, const Clock& clock) {
         detail::collide_all<Law>(
             detail::target_of<Law>(near, pairs, bodies,
                                    {halo, grid, materials, limits, observation, clock}),

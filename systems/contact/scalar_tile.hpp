@@ -106,10 +106,10 @@ public:
             c.wz = lane(omega_at + 2);
         }
         ForceLanes force;
-        const unsigned beyond = apply_law<Law>(
-            to_, rows_.data(), own_.data(), count_, c,
-            {vector(point_at), vector(own_arm_at), vector(partner_arm_at)},
-            c.overlap > deepest_ * c.radius, force);
+        const unsigned beyond =
+            apply_law<Law>(to_, rows_.data(), own_.data(), count_, c,
+                           {vector(point_at), vector(own_arm_at), vector(partner_arm_at)},
+                           c.overlap > deepest_ * c.radius, force);
         if (beyond != 0) beyond_limit_ = rows_[static_cast<std::size_t>(__builtin_ctz(beyond))];
         reader_(rows_.data(), count_, force);
         count_ = 0;

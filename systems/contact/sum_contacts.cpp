@@ -69,17 +69,16 @@ Lane number(Lane integers) {
 }
 SumLanes load_sums(const SumRow* row, const ByRow& at) {
     const auto numbers = [&](std::int64_t SumRow::*member) {
-        return transpose(load_rows([&](int q) {
-            return reinterpret_cast<const double*>(&(row[at.valid(q)].*member));
-        }));
+        return transpose(load_rows(
+            [&](int q) { return reinterpret_cast<const double*>(&(row[at.valid(q)].*member)); }));
     };
     const FourLanes f = numbers(&SumRow::fx), t = numbers(&SumRow::tx);
     return {{number(f[0]), number(f[1]), number(f[2])}, {number(t[0]), number(t[1]), number(t[2])}};
 }
 
 Vec3Lanes scaled_or_nan(double unit, const Vec3Lanes& sum) {
-    const LaneMask fits = magnitude(sum.x) + magnitude(sum.y) + magnitude(sum.z) <=
-                          ForceGrid::largest_sum;
+    const LaneMask fits =
+        magnitude(sum.x) + magnitude(sum.y) + magnitude(sum.z) <= ForceGrid::largest_sum;
     const Lane nan = lanes(std::numeric_limits<double>::quiet_NaN());
     return select(fits, {unit * sum.x, unit * sum.y, unit * sum.z}, {nan, nan, nan});
 }

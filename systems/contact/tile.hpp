@@ -19,7 +19,7 @@ namespace bris::detail {
 /// Where the forces of pairs are added, and the units in which.
 struct SumTarget {
     SumRow *body, *halo;
-    const Row* partner; ///< by near row
+    const Row* partner;                               ///< by near row
     double per_force, per_torque, per_partner_torque; ///< units per N and N m
 
     SumTarget(SumRow* bodies, ContactHalo& halo_rows, const Row* partners, const ForceGrid& grid,
@@ -110,10 +110,10 @@ TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const BodyRo
 
 using ListedSpheres = Rows<Listed, const ListedPosition, const ListedBody>;
 template <class Law, class... Work>
-using MovingBodies =
-    std::conditional_t<Law::has_dashpots,
-                       Rows<Bodies, const RigidMotion, const CentreOf, const Kick, ContactSum, Work...>,
-                       Rows<Bodies, const RigidMotion, const CentreOf, ContactSum, Work...>>;
+using MovingBodies = std::conditional_t<
+    Law::has_dashpots,
+    Rows<Bodies, const RigidMotion, const CentreOf, const Kick, ContactSum, Work...>,
+    Rows<Bodies, const RigidMotion, const CentreOf, ContactSum, Work...>>;
 
 /// Columns that contacts read: of spheres, by slot, and of their bodies.
 struct Movers {
@@ -223,10 +223,9 @@ inline void add_work(const WorkTarget& to, const std::size_t* own, int count,
 /// `too_deep`: bits of the contacts beyond the limit of overlap. Returns these bits and those of
 /// the contacts whose force is beyond the grid.
 template <class Law>
-[[gnu::always_inline]] inline unsigned apply_law(const TileTarget& to, const Row* rows,
-                                                 const std::size_t* own, int count,
-                                                 ContactLanes& c, const Levers& at,
-                                                 LaneMask too_deep, ForceLanes& f) {
+[[gnu::always_inline]] inline unsigned
+apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int count, ContactLanes& c,
+          const Levers& at, LaneMask too_deep, ForceLanes& f) {
     if (to.share != nullptr)
         for (int q = 0; q < lane_count; ++q) c.share[q] = to.share[rows[q]];
     std::array<std::size_t, lane_count> pair;

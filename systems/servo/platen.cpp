@@ -10,7 +10,8 @@ void servo_platen(
     Rows<Planes, const HostRow> planes,
     Rows<Bodies, const Force, const PrunedAt, Position, Velocity, DisplacementBound> bodies,
     Rows<Elements, const ElementRadius> elements, Rows<NearPlanes, const NearPair> near,
-    const NearIndex<PlanePairs>& index, Platen& platen, const Membrane& membrane, const Clock& clock, Health& health) {
+    const NearIndex<PlanePairs>& index, Platen& platen, const Membrane& membrane,
+    const Clock& clock, Health& health) {
     const Row host = planes.column<HostRow>()[platen.plane];
     double area = 0;
     for (std::size_t ring = 0; ring < membrane.rings; ++ring)
@@ -20,9 +21,8 @@ void servo_platen(
     if (platen.controlled) {
         const double aim = platen.aim.next(platen.target_pressure);
         double contacts = 0;
-        index.for_touching([&](Row k) {
-            contacts += near.column<NearPair>()[k].other == platen.plane ? 1 : 0;
-        });
+        index.for_touching(
+            [&](Row k) { contacts += near.column<NearPair>()[k].other == platen.plane ? 1 : 0; });
         const double stiffness = platen.contact_stiffness * (1 + contacts);
         ServoMotion servo{platen.stiffness, platen.damping, platen.largest_step, clock.dt};
         platen.speed = servo.next(platen.speed, aim * area - push, stiffness);

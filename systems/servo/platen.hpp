@@ -22,7 +22,8 @@ void servo_platen(
     Rows<Planes, const HostRow> planes,
     Rows<Bodies, const Force, const PrunedAt, Position, Velocity, DisplacementBound> bodies,
     Rows<Elements, const ElementRadius> elements, Rows<NearPlanes, const NearPair> near,
-    const NearIndex<PlanePairs>& index, Platen& platen, const Membrane& membrane, const Clock& clock, Health& health);
+    const NearIndex<PlanePairs>& index, Platen& platen, const Membrane& membrane,
+    const Clock& clock, Health& health);
 
 /// Accumulates the half of the platen's work that belongs to its new speed.
 /// accumulate_boundary_work accumulates the other half, at the speed of the last step.

@@ -21,7 +21,7 @@ public:
           steps_(sleep.steps) {}
     Sleep::State operator[](Row b) const {
         if (motion_[b] == static_cast<std::uint32_t>(Motion::fixed)) return Sleep::State::settled;
-        return resting_[b] < steps_                      ? Sleep::State::awake
+        return resting_[b] < steps_                     ? Sleep::State::awake
                : resting_[b] < steps_ + Sleep::settling ? Sleep::State::asleep
                                                         : Sleep::State::settled;
     }

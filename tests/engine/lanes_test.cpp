@@ -95,22 +95,31 @@ TEST_SUITE("engine/lanes") {
         for (std::size_t q = 0; q < width; ++q) CHECK(n[q] == expected[q % 4]);
     }
 
-    TEST_CASE("integer rows are added in order, also where lanes share a row") {
-        FourLanes numbers;
-        for (std::size_t i = 0; i < 4; ++i) {
-            LaneMask n{};
-            for (std::size_t q = 0; q < width; ++q)
-                n[q] = static_cast<std::int64_t>(100 * q + i) - 300;
-            numbers[i] = reinterpret_cast<Lane>(n);
+    TEST_CASE("integer rows are added and subtracted, also where lanes share a row") {
+        const auto numbers = [](std::int64_t offset) {
+            FourLanes columns;
+            for (std::size_t i = 0; i < 4; ++i) {
+                LaneMask n{};
+                for (std::size_t q = 0; q < width; ++q)
+                    n[q] = static_cast<std::int64_t>(100 * q + i) + offset;
+                columns[i] = reinterpret_cast<Lane>(n);
+            }
+            return transpose(columns);
+        };
+        for (const int count : {lane_count, lane_count - 1, 1}) {
+            using Row8 = std::array<std::int64_t, 8>;
+            std::array<Row8, 2> sums{{{1, 2, 3, 4, 5, 6, 7, 8}, {9, 10, 11, 12, 13, 14, 15, 16}}};
+            const auto before = sums;
+            auto expected = sums;
+            for (int q = 0; q < count; ++q)
+                for (std::size_t i = 0; i < 8; ++i)
+                    expected[static_cast<std::size_t>(q % 2)][i] +=
+                        100 * q + static_cast<std::int64_t>(i % 4) + (i < 4 ? -300 : 7000);
+            const auto row_of = [&](int q) { return sums[static_cast<std::size_t>(q % 2)].data(); };
+            add_integer_rows<false>(numbers(-300), numbers(7000), count, row_of);
+            CHECK(sums == expected);
+            add_integer_rows<true>(numbers(-300), numbers(7000), count, row_of);
+            CHECK(sums == before);
         }
-        std::array<std::array<std::int64_t, 4>, 2> sums{{{1, 2, 3, 4}, {5, 6, 7, 8}}}, expected = sums;
-        const int count = lane_count - 1;
-        for (int q = 0; q < count; ++q)
-            for (std::size_t i = 0; i < 4; ++i)
-                expected[static_cast<std::size_t>(q % 2)][i] +=
-                    100 * q + static_cast<std::int64_t>(i) - 300;
-        add_integer_rows(transpose(numbers), count,
-                         [&](int q) { return sums[static_cast<std::size_t>(q % 2)].data(); });
-        CHECK(sums == expected);
     }
 }

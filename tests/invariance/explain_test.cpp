@@ -42,8 +42,8 @@ TEST_SUITE("invariance/explain") {
             CHECK_FALSE(has(runs, what));
         }
         for (const char* name :
-             {"collide_facets", "collide_planes", "servo_membrane", "servo_platen", "apply_gravity", "damp", "update_facets",
-              "update_planes", "guard_facets", "rotate_clumps"}) {
+             {"collide_facets", "collide_planes", "servo_membrane", "servo_platen", "apply_gravity",
+              "damp", "update_facets", "update_planes", "guard_facets", "rotate_clumps"}) {
             CAPTURE(name);
             CHECK(has(left_out, std::string("\n  ") + name + ": absent"));
         }
@@ -58,9 +58,8 @@ TEST_SUITE("invariance/explain") {
         CHECK(has(runs, "collide_facets"));
         CHECK(has(runs, "apply_gravity"));
         CHECK(has(left_out, "rotate_spheres: absent"));
-        CHECK(has(sim.schedule().explain(),
-                  "sum_contacts + apply_gravity + integrate + "
-                  "rotate_clumps + update_clump_positions"));
+        CHECK(has(sim.schedule().explain(), "sum_contacts + apply_gravity + integrate + "
+                                            "rotate_clumps + update_clump_positions"));
     }
 
     TEST_CASE("the kinds of contacts are computed one after another, since they add to one sum") {

@@ -187,8 +187,7 @@ TEST_SUITE("invariance/fingerprint") {
                                             .seed = seed}),
                                        settings);
                 sim.advance(2400);
-                CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() >
-                      8192);
+                CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() > 8192);
                 CHECK(compute_quantities(sim.world()).contacts > 100);
                 return sim.snapshot();
             };

@@ -31,11 +31,11 @@ TEST_SUITE("invariance/work") {
         sim.advance(8000);
         const ListState& lists = sim.world().resource<ListState>();
         CHECK(lists.rebuilds == 16);
-        CHECK(lists.prunes == 344);
+        CHECK(lists.prunes == 286);
         CHECK(lists.sorts == 2);
-        CHECK(sim.world().table<SpherePairs>().size() == 1629);
-        CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() == 1095);
-        CHECK(compute_quantities(sim.world()).contacts == 1064);
+        CHECK(sim.world().table<SpherePairs>().size() == 1277);
+        CHECK(sim.world().resource<NearIndex<SpherePairs>>().size() == 1010);
+        CHECK(compute_quantities(sim.world()).contacts == 1056);
     }
 
     TEST_CASE("deeply overlapping clumps in a box of facets separate in as many steps as before, "
@@ -49,11 +49,11 @@ TEST_SUITE("invariance/work") {
         Simulation sim = begin(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
         sim.advance(4000);
         const ListState& lists = sim.world().resource<ListState>();
-        CHECK(lists.rebuilds == 142);
-        CHECK(lists.prunes == 311);
-        CHECK(lists.sorts == 18);
-        CHECK(sim.world().table<SpherePairs>().size() == 624);
-        CHECK(sim.world().table<FacetPairs>().size() == 211);
-        CHECK(compute_quantities(sim.world()).contacts == 64);
+        CHECK(lists.rebuilds == 80);
+        CHECK(lists.prunes == 261);
+        CHECK(lists.sorts == 10);
+        CHECK(sim.world().table<SpherePairs>().size() == 612);
+        CHECK(sim.world().table<FacetPairs>().size() == 172);
+        CHECK(compute_quantities(sim.world()).contacts == 76);
     }
 }

@@ -41,7 +41,8 @@ TEST_SUITE("contact/sum_contacts") {
                 for (Row b = 0; b < velocity.size(); ++b)
                     if (motion[b] == static_cast<std::uint32_t>(Motion::free))
                         velocity[b] = 0.5 * Random(9, b).direction();
-                Simulation sim = begin(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
+                Simulation sim =
+                    begin(std::move(world), {.dt = 2e-5, .law = LawName::linear_viscous});
                 std::size_t contacts = 0;
                 for (int k = 0; k < 40; ++k) {
                     sim.advance(25);
@@ -50,6 +51,43 @@ TEST_SUITE("contact/sum_contacts") {
                 }
                 CHECK(contacts > 20);
             }
+    }
+
+    TEST_CASE(
+        "the momentum of colliding grains without boundaries stays constant to the round-off of "
+        "their own updates") {
+        constexpr EntityId count = 64;
+        constexpr double radius = 0.01;
+        World world = make_world(Grains::spheres);
+        const auto material = add_material(world, linear_material(1e5, 5e4, 0.5));
+        for (EntityId k = 0; k < count; ++k) {
+            const Vec3 x = 2.3 * radius * Vec3(k % 4, k / 4 % 4, k / 16);
+            add_sphere(world, x, radius * Random(3, k).uniform(0.7, 1), material);
+            // towards the middle, and to one side
+            value_of<Velocity>(world, k) =
+                10 * (Vec3::Constant(3.45 * radius) - x) + Vec3(0.3, 0, 0);
+        }
+        Simulation sim = begin(std::move(world), {.dt = 1e-5, .law = LawName::linear});
+        const auto momentum = [&] {
+            Vec3 sum = Vec3::Zero();
+            double size = 0;
+            for (EntityId k = 0; k < count; ++k) {
+                const Vec3 one = value_of<Mass>(sim, k) * value_of<Velocity>(sim, k);
+                sum += one;
+                size += one.norm();
+            }
+            return std::pair(sum, size);
+        };
+        sim.advance();
+        const auto [before, size] = momentum();
+        std::size_t contacts = 0;
+        for (int k = 0; k < 20; ++k) {
+            sim.advance(200);
+            contacts += compute_quantities(sim.world()).contacts;
+        }
+        REQUIRE(contacts > 50);
+        // 4000 updates of each velocity, each rounded to 2^-53
+        CHECK((momentum().first - before).norm() < 4000 * 0x1p-53 * size);
     }
 
     TEST_CASE("the units resolve the force of a contact at the limit of overlap to 2^-54, whatever "
@@ -94,9 +132,8 @@ TEST_SUITE("contact/sum_contacts") {
         add_sphere(world, Vec3(0, 0, 0), 0.01, material);
         add_sphere(world, Vec3(0, 0, 0.0199999), 0.01, material);
         value_of<Velocity>(world, 1) = Vec3(0, 0, -1e5);
-        Simulation sim = begin(std::move(world), {.dt = 1e-13,
-                                                  .law = LawName::linear_viscous,
-                                                  .unlimited = true});
+        Simulation sim = begin(std::move(world),
+                               {.dt = 1e-13, .law = LawName::linear_viscous, .unlimited = true});
         CHECK_THROWS_WITH_AS(sim.advance(10),
                              doctest::Contains("contact force of bodies 0 and 1: expected a number "
                                                "up to"),
