@@ -15,23 +15,19 @@ namespace bris {
 struct alignas(64) SumRow {
     std::int64_t fx, fy, fz, unused, tx, ty, tz, unused_too;
 };
-/// Forces of the contacts that the body's own chunk of near rows has found.
+/// Column of ForceSums. The row of a body has the forces that the chunk of near rows that owns it
+/// has found. What a chunk exerts on a body that it does not own has a row for each chunk and body,
+/// so that no two threads write the same row. These rows of a body form a linked list.
 struct ContactSum : Derived<SumRow> {
     static constexpr auto name = "contact_sum", unit = "";
 };
-/// First of the body's rows in ContactHalo; no_row if it has none.
-struct HaloOf : Derived<Row> {
-    static constexpr auto name = "halo", unit = "";
+/// The next row of the same body's list; no_row at its end.
+struct NextSum : Derived<Row> {
+    static constexpr auto name = "next", unit = "";
 };
-
-/// Forces that chunks of near rows exert on bodies that they do not own: a row for each chunk and
-/// body, so that no two threads write the same row. The rows of a body form a linked list.
-struct ContactHalo {
-    static constexpr auto name = "contact_halo";
-    /// Flag of a row number that refers to `rows`; otherwise it is the row of a body.
-    static constexpr Row flag = Row{1} << 31;
-    std::vector<SumRow> rows;
-    std::vector<Row> next; ///< next row of the same body; no_row at the end
+/// First row of the body's list; no_row if it is empty.
+struct SumsFromOthers : Derived<Row> {
+    static constexpr auto name = "sums_from_others", unit = "";
 };
 
 /// Units of the sums, powers of two. The scene determines them: the force of a contact at the limit

@@ -28,6 +28,12 @@ struct Listed {
     static constexpr auto name = "listed";
 };
 
+/// Sums of contact forces: a row for each body, in the order of Bodies, and then rows for the
+/// forces on bodies that another chunk of near rows owns.
+struct ForceSums {
+    static constexpr auto name = "force_sums";
+};
+
 struct NearSpheres {
     static constexpr auto name = "near_spheres";
 };

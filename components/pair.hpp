@@ -81,8 +81,7 @@ struct PatchShare : Derived<double> {
     static constexpr auto name = "share", unit = "";
 };
 
-/// Where the force on the partner of a near pair is added: the row of its body, or a row of
-/// ContactHalo with its flag.
+/// Row of ForceSums to which the force on the partner of a near pair is added.
 struct PartnerSum : Derived<Row> {
     static constexpr auto name = "partner_sum", unit = "";
 };

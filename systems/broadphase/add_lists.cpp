@@ -43,13 +43,14 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     bodies.add<InnerSkin>();
     bodies.add<OuterSkin>();
     bodies.add<SurfaceSpeed>();
-    bodies.add<ContactSum>();
-    bodies.add<HaloOf>();
+    bodies.add<SumsFromOthers>();
     bodies.add<Force>();
     bodies.add<Torque>();
     bodies.add<RigidMotion>();
     bodies.add<CentreOf>();
     if (has_dashpots(law)) bodies.add<Kick>();
+    world.table<ForceSums>().add<ContactSum>();
+    world.table<ForceSums>().add<NextSum>();
     world.table<Spheres>().add<ListedSlot>();
     world.table<Spheres>().add<EnlargedSphere>();
     Table& listed = world.table<Listed>();
@@ -73,7 +74,6 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     world.add_resource(settings);
     world.add_resource(ContactLaw{law});
     world.add_resource<ListState>();
-    world.add_resource<ContactHalo>();
     world.add_resource<ForceGrid>();
     world.add_resource<Census>();
     world.add_resource<Observation>();

@@ -45,8 +45,8 @@ public:
         for (const auto& list : bodies_) n += list.size();
         return n;
     }
-    /// Gives each outside body of each chunk a row of the halo, from row `first` on.
-    void assign_rows(std::size_t first, ContactHalo& halo, std::span<Row> halo_of) {
+    /// Gives each outside body of each chunk a row of ForceSums, from row `first` on.
+    void assign_rows(std::size_t first, std::span<Row> next, std::span<Row> list_of) {
         std::vector<std::size_t> start;
         for (const auto& list : bodies_) {
             start.push_back(first);
@@ -56,15 +56,13 @@ public:
             for (std::size_t i = 0; i < bodies_[c].size(); ++i) {
                 const auto row = static_cast<Row>(start[c] + i);
                 // pushed onto the body's list; the order does not matter, as integers are added
-                halo.next[row] = std::atomic_ref(halo_of[bodies_[c][i]]).exchange(row);
+                next[row] = std::atomic_ref(list_of[bodies_[c][i]]).exchange(row);
             }
             for (Row k = here.first; k < here.last; ++k) {
                 const Row b = partner(k);
                 const auto at = std::ranges::lower_bound(bodies_[c], b) - bodies_[c].begin();
-                target_[k] = owns(here, b)
-                                 ? b
-                                 : static_cast<Row>(start[c] + static_cast<std::size_t>(at)) |
-                                       ContactHalo::flag;
+                target_[k] =
+                    owns(here, b) ? b : static_cast<Row>(start[c] + static_cast<std::size_t>(at));
             }
         });
         for (std::size_t k = index_.size(); k < target_.size(); ++k)
@@ -123,18 +121,16 @@ template void divide_into_chunks(NearIndex<FacetPairs>&);
 template void divide_into_chunks(NearIndex<MembranePairs>&);
 
 void direct_forces(World& world) {
-    auto& halo = world.resource<ContactHalo>();
-    const auto halo_of = world.column<Bodies, HaloOf>();
-    std::ranges::fill(halo_of, no_row);
-    halo.rows.clear();
-    halo.next.clear();
+    const auto list_of = world.column<Bodies, SumsFromOthers>();
+    std::ranges::fill(list_of, no_row);
+    Table& sums = world.table<ForceSums>(); // all of them are 0 between two steps
+    sums.resize(list_of.size());
     for_each_kind_of_pair([&]<class Pairs>() {
         if (!world.has<Pairs>()) return;
         Outside<Pairs> outside(world);
-        const std::size_t first = halo.rows.size();
-        halo.rows.resize(first + outside.count());
-        halo.next.resize(first + outside.count());
-        outside.assign_rows(first, halo, halo_of);
+        const std::size_t first = sums.size();
+        sums.resize(first + outside.count());
+        outside.assign_rows(first, sums.column<NextSum>(), list_of);
     });
 }
 

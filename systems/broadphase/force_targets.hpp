@@ -12,7 +12,7 @@ template <class Pairs>
 void divide_into_chunks(NearIndex<Pairs>& index);
 
 /// Determines where the forces on the partners of all near rows are added: in the sum of the
-/// partner if the same chunk owns it, otherwise in a row of ContactHalo.
+/// partner if the same chunk owns it, otherwise in a row of its list (ForceSums).
 void direct_forces(World& world);
 
 } // namespace bris::detail

@@ -216,8 +216,8 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
                        detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                        Rows<Facets, const FacetPosition> facet_rows,
                        Rows<FacetPairs, const PairKey, Pairs...> pairs,
-                       NearIndex<FacetPairs>& index, ContactHalo& halo, const ForceGrid& grid,
-                       const Materials& materials, const Limits& limits,
+                       NearIndex<FacetPairs>& index, Rows<ForceSums, ContactSum> force_sums,
+                       const ForceGrid& grid, const Materials& materials, const Limits& limits,
                        const Observation& observation, const Clock& clock) {
         collide_all<Law>(
             {{listed, bodies, index},
@@ -225,7 +225,7 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
              pairs.template column<PairKey>(),
              limits.overlap},
             detail::target_of<Law>(near, pairs, bodies,
-                                   {halo, grid, materials, limits, observation, clock}),
+                                   {force_sums, grid, materials, limits, observation, clock}),
             index);
     }
 };

@@ -152,11 +152,12 @@ void collide(Rows<NearMembrane, const NearPair, const PartnerSum, PairForce, Foo
              Rows<Bodies, const Position> positions,
              Rows<Elements, const ElementRadius, const ElementSpeed> elements, ElementSums& sums,
              NearIndex<MembranePairs>& index, MembraneBands& bands, const Membrane& membrane,
-             ContactHalo& halo, const ForceGrid& grid, const Materials& materials,
-             const Limits& limits, const Observation& observation, const Clock& clock) {
+             Rows<ForceSums, ContactSum> force_sums, const ForceGrid& grid,
+             const Materials& materials, const Limits& limits, const Observation& observation,
+             const Clock& clock) {
     const TileTarget to =
         detail::target_of<Law>(near, Rows<MembranePairs>({}, 0, {}), bodies,
-                               {halo, grid, materials, limits, observation, clock});
+                               {force_sums, grid, materials, limits, observation, clock});
     const MembraneSurface surface(membrane, elements.column<ElementRadius>());
     lay_out_bands(surface, bands);
     sums.elements = elements.size();

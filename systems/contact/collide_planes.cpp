@@ -107,11 +107,12 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
                        detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
                        Rows<Planes, const PlanePosition> plane_rows,
                        Rows<PlanePairs, Pairs...> pairs, NearIndex<PlanePairs>& index,
-                       ContactHalo& halo, const ForceGrid& grid, const Materials& materials,
-                       const Limits& limits, const Observation& observation, const Clock& clock) {
+                       Rows<ForceSums, ContactSum> force_sums, const ForceGrid& grid,
+                       const Materials& materials, const Limits& limits,
+                       const Observation& observation, const Clock& clock) {
         detail::collide_all<Law>(
             detail::target_of<Law>(near, pairs, bodies,
-                                   {halo, grid, materials, limits, observation, clock}),
+                                   {force_sums, grid, materials, limits, observation, clock}),
             PlaneGeometry{
                 {listed, bodies, index}, plane_rows.column<PlanePosition>(), limits.overlap},
             index);

@@ -151,12 +151,13 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
     static void
     spheres(Rows<NearSpheres, const NearPair, const PartnerSum, PairForce, Near...> near,
             detail::ListedSpheres listed, detail::MovingBodies<Law, Work...> bodies,
-            Rows<SpherePairs, Pairs...> pairs, NearIndex<SpherePairs>& index, ContactHalo& halo,
-            const ForceGrid& grid, const Materials& materials, const Limits& limits,
-            const Observation& observation, const Clock& clock) {
+            Rows<SpherePairs, Pairs...> pairs, NearIndex<SpherePairs>& index,
+            Rows<ForceSums, ContactSum> force_sums, const ForceGrid& grid,
+            const Materials& materials, const Limits& limits, const Observation& observation,
+            const Clock& clock) {
         detail::collide_all<Law>(
             detail::target_of<Law>(near, pairs, bodies,
-                                   {halo, grid, materials, limits, observation, clock}),
+                                   {force_sums, grid, materials, limits, observation, clock}),
             SphereGeometry{{listed, bodies, index}, limits.overlap}, index);
     }
 };

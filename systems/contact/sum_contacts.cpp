@@ -37,19 +37,23 @@ void add(SumRow& sum, const SumRow& more) {
     sum.tz += more.tz;
 }
 
-/// Calls take(row) for the rows of a body in ContactHalo, and clears them.
+using SumRows = Rows<ForceSums, const NextSum, ContactSum>;
+
+/// Calls take(row) for the rows of a body's list, and clears them.
 template <class Take>
-void take_halo(Row first, ContactHalo& halo, Take&& take) {
-    for (Row k = first; k != no_row; k = halo.next[k]) {
-        take(halo.rows[k]);
-        halo.rows[k] = {};
+void take_list(Row first, const SumRows& sums, Take&& take) {
+    SumRow* row = sums.column<ContactSum>();
+    const Row* next = sums.column<NextSum>();
+    for (Row k = first; k != no_row; k = next[k]) {
+        take(row[k]);
+        row[k] = {};
     }
 }
 
 /// Force and torque on a boundary, which may have more contacts than 64 bits can add.
-void sum_host(Row first, ContactHalo& halo, const ForceGrid& grid, Vec3& force, Vec3& torque) {
+void sum_host(Row first, const SumRows& sums, const ForceGrid& grid, Vec3& force, Vec3& torque) {
     std::array<WideInteger, 6> sum{};
-    take_halo(first, halo, [&](const SumRow& r) {
+    take_list(first, sums, [&](const SumRow& r) {
         const std::array<std::int64_t, 6> more{r.fx, r.fy, r.fz, r.tx, r.ty, r.tz};
         for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += more[i];
     });
@@ -105,27 +109,27 @@ void choose_force_grid(const Materials& materials, const ContactLaw& law, const 
     grid.host_torque = grid.torque * longer_arms;
 }
 
-void sum_contacts(Rows<Bodies, const HaloOf, const SpheresOf, ContactSum, Force, Torque> bodies,
-                  ContactHalo& halo, const ForceGrid& grid) {
-    const Row* first_of_halo = bodies.column<HaloOf>();
+void sum_contacts(Rows<Bodies, const SumsFromOthers, const SpheresOf, Force, Torque> bodies,
+                  Rows<ForceSums, const NextSum, ContactSum> sums, const ForceGrid& grid) {
+    const Row* list = bodies.column<SumsFromOthers>();
     const SphereRun* spheres = bodies.column<SpheresOf>();
-    SumRow* sum = bodies.column<ContactSum>();
+    SumRow* sum = sums.column<ContactSum>();
     Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         for (int q = 0; q < rows.count; ++q) {
             const Row b = rows.first + static_cast<Row>(q);
-            if (first_of_halo[b] != no_row && spheres[b].count > 0)
-                take_halo(first_of_halo[b], halo, [&](const SumRow& r) { add(sum[b], r); });
+            if (list[b] != no_row && spheres[b].count > 0)
+                take_list(list[b], sums, [&](const SumRow& r) { add(sum[b], r); });
         }
         const ByRow at(rows);
-        const SumLanes sums = load_sums(sum, at);
-        store(force, rows, scaled_or_nan(grid.force, sums.force));
-        store(torque, rows, scaled_or_nan(grid.torque, sums.torque));
+        const SumLanes total = load_sums(sum, at);
+        store(force, rows, scaled_or_nan(grid.force, total.force));
+        store(torque, rows, scaled_or_nan(grid.torque, total.torque));
         for (int q = 0; q < rows.count; ++q) {
             const Row b = at(q);
             sum[b] = {};
-            if (first_of_halo[b] != no_row && spheres[b].count == 0)
-                sum_host(first_of_halo[b], halo, grid, force[b], torque[b]);
+            if (list[b] != no_row && spheres[b].count == 0)
+                sum_host(list[b], sums, grid, force[b], torque[b]);
         }
     });
 }

@@ -18,7 +18,7 @@ void choose_force_grid(const Materials& materials, const ContactLaw& law, const 
 /// Converts the sums of contact forces, and their torques about the centre of mass, to N and N m,
 /// and clears the sums for the next step. Bodies whose sum is beyond the grid get NaN, at which the
 /// guard stops the run.
-void sum_contacts(Rows<Bodies, const HaloOf, const SpheresOf, ContactSum, Force, Torque> bodies,
-                  ContactHalo& halo, const ForceGrid& grid);
+void sum_contacts(Rows<Bodies, const SumsFromOthers, const SpheresOf, Force, Torque> bodies,
+                  Rows<ForceSums, const NextSum, ContactSum> sums, const ForceGrid& grid);
 
 } // namespace bris

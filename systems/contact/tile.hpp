@@ -18,19 +18,14 @@ namespace bris::detail {
 
 /// Where the forces of pairs are added, and the units in which.
 struct SumTarget {
-    SumRow *body, *halo;
-    const Row* partner;                               ///< by near row
+    SumRow* sum;
+    const Row* partner;                               ///< row of the partner's sum, by near row
     double per_force, per_torque, per_partner_torque; ///< units per N and N m
 
-    SumTarget(SumRow* bodies, ContactHalo& halo_rows, const Row* partners, const ForceGrid& grid,
-              bool with_boundary)
-        : body(bodies), halo(halo_rows.rows.data()), partner(partners), per_force(1 / grid.force),
-          per_torque(1 / grid.torque),
+    SumTarget(SumRow* sums, const Row* partners, const ForceGrid& grid, bool with_boundary)
+        : sum(sums), partner(partners), per_force(1 / grid.force), per_torque(1 / grid.torque),
           per_partner_torque(1 / (with_boundary ? grid.host_torque : grid.torque)) {}
-    SumRow& of_partner(Row near_row) const {
-        const Row at = partner[near_row];
-        return (at & ContactHalo::flag) != 0 ? halo[at & ~ContactHalo::flag] : body[at];
-    }
+    SumRow& of_partner(Row near_row) const { return sum[partner[near_row]]; }
 };
 
 /// Columns (J, by body) in which owners accumulate the work that their pairs dissipate. Null: there
@@ -78,7 +73,7 @@ auto* column_or_null(const Rows<K, Cs...>& rows) {
 
 /// Resources that the systems of all kinds of pairs share.
 struct ContactScene {
-    ContactHalo& halo;
+    Rows<ForceSums, ContactSum> sums;
     const ForceGrid& grid;
     const Materials& materials;
     const Limits& limits;
@@ -102,18 +97,18 @@ TileTarget target_of(const NearRows& near, const PairRowsOf& pairs, const BodyRo
             scene.materials.own_pairs.data(),
             laws.size() == 1,
             scene.observation.due,
-            {bodies.template column<ContactSum>(), scene.halo, near.template column<PartnerSum>(),
-             scene.grid, !std::is_same_v<typename NearRows::TableKind, NearSpheres>},
+            {scene.sums.column<ContactSum>(), near.template column<PartnerSum>(), scene.grid,
+             !std::is_same_v<typename NearRows::TableKind, NearSpheres>},
             work,
             {scene.materials.policy, scene.clock.dt, work.friction != nullptr}};
 }
 
 using ListedSpheres = Rows<Listed, const ListedPosition, const ListedBody>;
 template <class Law, class... Work>
-using MovingBodies = std::conditional_t<
-    Law::has_dashpots,
-    Rows<Bodies, const RigidMotion, const CentreOf, const Kick, ContactSum, Work...>,
-    Rows<Bodies, const RigidMotion, const CentreOf, ContactSum, Work...>>;
+using MovingBodies =
+    std::conditional_t<Law::has_dashpots,
+                       Rows<Bodies, const RigidMotion, const CentreOf, const Kick, Work...>,
+                       Rows<Bodies, const RigidMotion, const CentreOf, Work...>>;
 
 /// Columns that contacts read: of spheres, by slot, and of their bodies.
 struct Movers {
@@ -194,7 +189,7 @@ struct Levers {
     };
     const FourLanes forces = rows_of(units);
     add_integer_rows<false>(forces, rows_of(own_torque), count,
-                            [&](int q) { return &to.body[own[q]].fx; });
+                            [&](int q) { return &to.sum[own[q]].fx; });
     add_integer_rows<true>(forces, rows_of(partner_torque), count,
                            [&](int q) { return &to.of_partner(rows[q]).fx; });
     return ~bits(fits) & all_lanes;
