@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 #include <memory>
 
@@ -50,6 +51,15 @@ void for_chunks(std::size_t n, std::size_t grain, Body&& body) {
             c.body(chunk, first, first + c.grain < c.n ? first + c.grain : c.n);
         },
         &context);
+}
+
+/// Calls body(row) for n rows, in any order and on any thread. A body must write only what belongs
+/// to its row.
+template <class Body>
+void for_rows(std::size_t n, Body&& body) {
+    for_chunks(n, 1024, [&](std::size_t, std::size_t first, std::size_t last) {
+        for (std::size_t row = first; row < last; ++row) body(static_cast<std::uint32_t>(row));
+    });
 }
 
 } // namespace bris

@@ -84,23 +84,23 @@ private:
     /// springs.
     static void end(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step,
                     LaneMask ended, ForceLanes& f, SpringLanes& spring, RollLanes& roll) {
-        const CorrectionOfEnd last(c, step.dt);
-        const StiffnessLanes stiffness = stiffness_of(last.before, k, step);
-        const Lane dashpot = Damping::coefficients(last.before, k, stiffness).normal,
-                   elastic = last.template elastic<Normal>(k),
-                   // the shares of a patch are those of touching pairs: its end is predicted
-            force = step.shared ? lanes(0)
-                                : last.template force<Normal>(stiffness.force, elastic, dashpot,
-                                                              step.least_force),
-                   separation = 0.5 * step.dt * c.inverse_mass * force - c.closing;
+        Lane force = lanes(0), viscous = lanes(0);
+        if (!step.shared) { // shares are those of touching pairs: the end of a patch is predicted
+            const CorrectionOfEnd last(c, step.dt);
+            const StiffnessLanes stiffness = stiffness_of(last.before, k, step);
+            const Lane dashpot = Damping::coefficients(last.before, k, stiffness).normal,
+                       elastic = last.template elastic<Normal>(k);
+            force =
+                last.template force<Normal>(stiffness.force, elastic, dashpot, step.least_force);
+            const Lane separation = 0.5 * step.dt * c.inverse_mass * force - c.closing;
+            viscous = step.dt * separation * (elastic - stiffness.force - force);
+        }
         const auto replace = [&](Lane& value, Lane by) { value = ended ? by : value; };
         replace(f.normal, force);
         replace(f.x, force * c.nx);
         replace(f.y, force * c.ny);
         replace(f.z, force * c.nz);
-        replace(f.work.viscous, step.shared
-                                    ? lanes(0)
-                                    : step.dt * separation * (elastic - stiffness.force - force));
+        replace(f.work.viscous, viscous);
         for (Lane* none :
              {&f.torque_x, &f.torque_y, &f.torque_z, &f.work.friction, &f.work.rolling, &spring.x,
               &spring.y, &spring.z, &spring.stiffness, &roll.x, &roll.y, &roll.z, &roll.twist})

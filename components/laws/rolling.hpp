@@ -76,7 +76,6 @@ private:
         return CoulombSpring::sliding_work(ks, kept, old, trial, now) +
                (friction > 0.0 ? change : lanes(0));
     }
-    static Lane magnitude(Lane a) { return a < 0.0 ? -a : a; }
 };
 
 } // namespace bris

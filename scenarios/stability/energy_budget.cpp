@@ -144,9 +144,8 @@ void add_impacts(StressRows& rows, std::size_t which, const StressSettings& s) {
                                              high ? "3 and 10" : "0 to 1", law_titles[which]);
         rows.push_back(
             {"S6", what + ": dissipated work",
-             "friction and rolling: not negative in any step; dashpots: not negative at any time, "
-             "as "
-             "the last step of a contact is corrected (rounding: 1e-14 of the energy)",
+             "friction and rolling: not negative in any step; dashpots: not negative at any "
+             "time, as the last step of a contact is corrected (rounding: 1e-14 of the energy)",
              fmt::format("minimum {:.1e} of the energy", std::min(coarse.least, fine.least)),
              std::min(coarse.least, fine.least) >= -1e-14});
         const double order = std::log2(coarse.closure / fine.closure) / 2;

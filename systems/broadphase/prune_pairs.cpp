@@ -16,14 +16,6 @@ namespace bris {
 
 namespace {
 
-/// Calls body(row) for all rows of a table, in parallel.
-template <class Body>
-void for_rows(std::size_t rows, Body&& body) {
-    for_chunks(rows, 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t row = begin; row < end; ++row) body(row);
-    });
-}
-
 /// Clears the springs of pairs that are no longer near. Of old candidates, only those that were
 /// near can have any.
 template <class Pairs, class Near>
@@ -33,7 +25,7 @@ void forget_separated(World& world, Near&& near_bits) {
     const auto rows = pairs.column<PairRows>();
     const auto spring = pairs.column<Spring>();
     RollRow* roll = pairs.has<Roll>() ? pairs.column<Roll>().data() : nullptr;
-    const auto forget_if_separated = [&](std::size_t pair) {
+    const auto forget_if_separated = [&](Row pair) {
         if (!Spring::keep(spring[pair]) || near_bits(&rows[pair], 1u) != 0) return;
         spring[pair] = {};
         if (roll != nullptr) roll[pair] = {};
@@ -43,7 +35,7 @@ void forget_separated(World& world, Near&& near_bits) {
         return for_rows(rows.size(), forget_if_separated);
     const auto old = world.column<typename Pairs::Near, NearPair>();
     for_rows(world.resource<NearIndex<Pairs>>().size(),
-             [&](std::size_t k) { forget_if_separated(old[k].pair); });
+             [&](Row k) { forget_if_separated(old[k].pair); });
 }
 
 // Lists the pairs of one kind within the inner skins, body by body, and clears the springs of the
@@ -99,7 +91,7 @@ void list_near_spheres(World& world) {
             return rows[std::min(static_cast<unsigned>(q), count - 1)];
         };
         return near_lanes([&](int q) -> const SphereRow& { return sphere_row[row(q).sphere]; },
-                          [&](int q) -> const SphereRow& { return sphere_row[row(q).other]; }, 0) &
+                          [&](int q) -> const SphereRow& { return sphere_row[row(q).other]; }) &
                ((1u << count) - 1);
     });
 }
@@ -167,8 +159,7 @@ void list_single_spheres(World& world) {
     listed.resize(runs.size());
     const auto listed_ball = listed.column<ListedBall>();
     const auto listed_body = listed.column<ListedBody>();
-    for_rows(runs.size(), [&](std::size_t row) {
-        const auto b = static_cast<Row>(row);
+    for_rows(runs.size(), [&](Row b) {
         runs[b].first_listed = b;
         runs[b].listed = runs[b].count;
         listed_body[b] = b;
@@ -186,7 +177,7 @@ void mark_spheres(World& world, std::span<Row> slot) {
     const auto mark = [&](Row sphere) {
         std::atomic_ref(slot[sphere]).store(0, std::memory_order_relaxed);
     };
-    for_rows(world.resource<NearIndex<Pairs>>().size(), [&](std::size_t k) {
+    for_rows(world.resource<NearIndex<Pairs>>().size(), [&](Row k) {
         mark(entry[k].owner);
         if (std::is_same_v<Pairs, SpherePairs>) mark(entry[k].other);
     });
@@ -196,7 +187,7 @@ void mark_spheres(World& world, std::span<Row> slot) {
 void list_spheres(World& world) {
     if (world.table<Bodies>().has<SphereInertia>()) return list_single_spheres(world);
     const auto slot = world.column<Spheres, ListedSlot>();
-    for_rows(slot.size(), [&](std::size_t k) { slot[k] = no_row; });
+    for_rows(slot.size(), [&](Row k) { slot[k] = no_row; });
     for_each_kind_of_pair([&]<class Pairs>() { mark_spheres<Pairs>(world, slot); });
 
     const auto runs = world.column<Bodies, SpheresOf>();
@@ -215,10 +206,10 @@ void list_spheres(World& world) {
         listed_ball[index] = ball[sphere];
         slot[sphere] = static_cast<Row>(index);
     });
-    for_rows(runs.size(), [&](std::size_t b) {
+    for_rows(runs.size(), [&](Row b) {
         runs[b].first_listed = first[b];
         runs[b].listed = first[b + 1] - first[b];
-        for (Row k = first[b]; k < first[b + 1]; ++k) listed_body[k] = static_cast<Row>(b);
+        for (Row k = first[b]; k < first[b + 1]; ++k) listed_body[k] = b;
     });
 }
 
@@ -228,21 +219,9 @@ void use_slots(World& world) {
     if (!world.has<Pairs>()) return;
     const auto slot = world.column<Spheres, ListedSlot>();
     const auto entry = world.column<typename Pairs::Near, NearPair>();
-    for_rows(entry.size(), [&](std::size_t k) {
+    for_rows(entry.size(), [&](Row k) {
         entry[k].owner = slot[entry[k].owner];
         if (std::is_same_v<Pairs, SpherePairs>) entry[k].other = slot[entry[k].other];
-    });
-}
-
-void note_poses(World& world) {
-    Table& bodies = world.table<Bodies>();
-    const auto position = bodies.column<Position>();
-    const auto pruned = bodies.column<PrunedAt>();
-    const auto displacement = bodies.column<DisplacementBound>();
-    const Quat* q = bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr;
-    for_rows(bodies.size(), [&](std::size_t b) {
-        pruned[b] = {position[b], q != nullptr ? q[b] : Quat(Quat::Identity())};
-        displacement[b] = 0;
     });
 }
 
@@ -258,7 +237,9 @@ void prune_pairs(World& world) {
     detail::direct_forces(world);
     list_spheres(world);
     for_each_kind_of_pair([&]<class Pairs>() { use_slots<Pairs>(world); });
-    note_poses(world);
+    detail::note_poses<PrunedAt>(world);
+    const auto displacement = world.column<Bodies, DisplacementBound>();
+    for_rows(displacement.size(), [&](Row b) { displacement[b] = 0; });
     auto& state = world.resource<ListState>();
     state.used_up = false;
     state.last_prune = world.resource<Clock>().step;

@@ -3,7 +3,6 @@
 #include "components/material.hpp"
 #include "components/membrane.hpp"
 #include "engine/ordering.hpp"
-#include "engine/parallel.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/broadphase/skins.hpp"
 #include "systems/broadphase/sphere_rows.hpp"
@@ -56,20 +55,6 @@ void take_census(World& world) {
     world.resource<Census>() = std::move(census);
 }
 
-void note_poses(World& world) {
-    Table& bodies = world.table<Bodies>();
-    const auto rebuilt = bodies.column<RebuiltAt>();
-    const auto position = bodies.column<Position>();
-    const Quat* q = bodies.has<Orientation>() ? bodies.column<Orientation>().data() : nullptr;
-    for_chunks(bodies.size(), 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b)
-            rebuilt[b] = {position[b], q != nullptr ? q[b] : Quat(Quat::Identity())};
-    });
-    if (world.has<Elements>())
-        std::ranges::copy(world.column<Elements, ElementRadius>(),
-                          world.column<Elements, RebuiltRadius>().begin());
-}
-
 } // namespace
 
 bool lists_are_due(const World& world) {
@@ -101,7 +86,10 @@ void rebuild_pairs(World& world) {
         ++state.sorts;
     }
     take_census(world);
-    note_poses(world);
+    detail::note_poses<RebuiltAt>(world);
+    if (world.has<Elements>())
+        std::ranges::copy(world.column<Elements, ElementRadius>(),
+                          world.column<Elements, RebuiltRadius>().begin());
     detail::choose_skins(world);
     detail::locate_spheres<OuterSkin>(world);
     detail::find_sphere_pairs(world);

@@ -9,8 +9,10 @@
 #include "components/sphere.hpp"
 #include "engine/clock.hpp"
 #include "engine/parallel.hpp"
+#include "systems/broadphase/sphere_rows.hpp"
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cmath>
 #include <span>
@@ -20,14 +22,6 @@ namespace bris::detail {
 namespace {
 
 constexpr std::size_t bodies_per_chunk = 1024;
-
-/// Calls body(row) for all bodies, in parallel.
-template <class Body>
-void for_bodies(std::size_t bodies, Body&& body) {
-    for_chunks(bodies, bodies_per_chunk, [&](std::size_t, std::size_t first, std::size_t last) {
-        for (auto b = static_cast<Row>(first); b < last; ++b) body(b);
-    });
-}
 
 /// Sum of value(row) over all bodies, added in the same order on any number of threads.
 template <class Value>
@@ -136,7 +130,7 @@ void measure_speeds(World& world) {
         const double now = gone / static_cast<double>(steps);
         speed[b] = now < 1e300 ? std::max(now, 0.5 * speed[b]) : 0; // the guard stops the run
     };
-    for_bodies(bodies.size(), [&](Row b) { measure(b, displacement[b]); });
+    for_rows(bodies.size(), [&](Row b) { measure(b, displacement[b]); });
     if (world.has<Elements>())
         measure(world.resource<Membrane>().body_row, displacement_of_membrane<PrunedRadius>(world));
 }
@@ -173,7 +167,7 @@ public:
 private:
     double skin(Row b, double of_pair, double most) const {
         // some more than in proportion for slow bodies, because they may become faster
-        const double share = mean_ > 0 ? (1 * speed_[b] + 2 * mean_) / (3 * mean_) : 1;
+        const double share = mean_ > 0 ? (speed_[b] + 2 * mean_) / (3 * mean_) : 1;
         return std::max(std::min(share * of_pair / 2, std::max(of_pair / 2, most)), least_);
     }
     std::span<const double> speed_;
@@ -186,26 +180,22 @@ private:
 class SinceRebuild {
 public:
     explicit SinceRebuild(const World& world)
-        : position_(world.column<Bodies, Position>()), from_(world.column<Bodies, RebuiltAt>()),
-          radius_(world.column<Bodies, BoundingRadius>()),
-          orientation_(world.table<Bodies>().has<Orientation>()
-                           ? world.column<Bodies, Orientation>().data()
-                           : nullptr) {
+        : now_(world), from_(world.column<Bodies, RebuiltAt>()),
+          radius_(world.column<Bodies, BoundingRadius>()) {
         if (!world.has<Elements>()) return;
         membrane_ = world.resource<Membrane>().body_row;
         of_membrane_ = displacement_of_membrane<RebuiltRadius>(world);
     }
     double operator[](Row b) const {
         if (b == membrane_) return of_membrane_;
-        const Quat q = orientation_ == nullptr ? Quat(Quat::Identity()) : orientation_[b];
-        return displacement_bound(position_[b], q, from_[b], radius_[b]);
+        const Pose now = now_[b];
+        return displacement_bound(now.position, now.orientation, from_[b], radius_[b]);
     }
 
 private:
-    std::span<const Vec3> position_;
+    Poses now_;
     std::span<const Pose> from_;
     std::span<const double> radius_;
-    const Quat* orientation_;
     Row membrane_ = no_row;
     double of_membrane_ = 0;
 };
@@ -243,13 +233,14 @@ bool choose_inner_skins(World& world) {
     const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>();
     const WantedSkins wanted(world);
     const SinceRebuild since(world);
-    const double incomplete = largest_of_bodies(bodies.size(), [&](Row b) {
+    std::atomic<bool> complete = true;
+    for_rows(bodies.size(), [&](Row b) {
         const double left = outer[b] - since[b], want = wanted.inner(b);
         inner[b] = std::min(want, left);
-        return left >= std::max(0.5 * want, wanted.least()) ? 0.0 : 1.0;
+        if (!(left >= std::max(0.5 * want, wanted.least()))) complete = false;
     });
-    if (incomplete != 0) tune_outer_skin(world, settings, world.resource<ListState>());
-    return incomplete == 0;
+    if (!complete) tune_outer_skin(world, settings, world.resource<ListState>());
+    return complete;
 }
 
 void choose_skins(World& world) {
@@ -257,7 +248,7 @@ void choose_skins(World& world) {
     Table& bodies = world.table<Bodies>();
     const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>();
     const WantedSkins wanted(world);
-    for_bodies(bodies.size(), [&](Row b) {
+    for_rows(bodies.size(), [&](Row b) {
         inner[b] = wanted.inner(b);
         outer[b] = std::max(wanted.outer(b), inner[b]);
     });

@@ -160,8 +160,7 @@ void near_spheres(const Scene& s, Row a, Row b, Cluster& found) {
             near_lanes([&](int) -> const SphereRow& { return bounding; },
                        [&](int q) -> const SphereRow& {
                            return sphere_row[first + std::min(static_cast<Row>(q), here - 1)];
-                       },
-                       0);
+                       });
         for (unsigned remaining = near & ((1u << here) - 1); remaining != 0;
              remaining &= remaining - 1) {
             const Row k = first + static_cast<Row>(__builtin_ctz(remaining));
@@ -214,10 +213,8 @@ void pairs_of_bodies(const Scene& s, Row a, Row b, Scratch& scratch, std::vector
 void find_sphere_pairs(World& world) {
     Table& bodies = world.table<Bodies>();
     std::vector<double> radius(bodies.size()); // with skins
-    for_chunks(radius.size(), 1024, [&](std::size_t, std::size_t begin, std::size_t end) {
-        for (std::size_t b = begin; b < end; ++b)
-            radius[b] = bodies.column<BoundingRadius>()[b] + bodies.column<OuterSkin>()[b];
-    });
+    const auto bounding = bodies.column<BoundingRadius>(), skin = bodies.column<OuterSkin>();
+    for_rows(radius.size(), [&](Row b) { radius[b] = bounding[b] + skin[b]; });
     const Scene s{bodies.column<Position>(),
                   radius,
                   bodies.column<BodyId>(),

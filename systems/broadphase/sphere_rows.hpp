@@ -1,8 +1,31 @@
 #pragma once
 
+#include "components/body.hpp"
+#include "components/kinds.hpp"
 #include "engine/world.hpp"
 
 namespace bris::detail {
+
+/// Poses of all bodies; without a column of orientations all are the identity.
+class Poses {
+public:
+    explicit Poses(const World& world)
+        : position_(world.column<Bodies, Position>()),
+          orientation_(world.table<Bodies>().has<Orientation>()
+                           ? world.column<Bodies, Orientation>().data()
+                           : nullptr) {}
+    Pose operator[](Row b) const {
+        return {position_[b], orientation_ != nullptr ? orientation_[b] : Quat(Quat::Identity())};
+    }
+
+private:
+    std::span<const Vec3> position_;
+    const Quat* orientation_;
+};
+
+/// Writes the poses of all bodies into a column. Column: PrunedAt or RebuiltAt.
+template <class Column>
+void note_poses(World& world);
 
 /// Finds the spheres of each body and the rows of the bodies that boundaries belong to. The spheres
 /// of a body are contiguous, in the order of the bodies' rows.

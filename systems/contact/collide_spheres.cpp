@@ -20,7 +20,7 @@ struct SphereGeometry {
     unsigned touching(const NearEntry* near) const {
         return near_lanes(
             [&](int q) -> const SphereRow& { return movers.sphere_row[near[q].owner]; },
-            [&](int q) -> const SphereRow& { return movers.sphere_row[near[q].other]; }, 0);
+            [&](int q) -> const SphereRow& { return movers.sphere_row[near[q].other]; });
     }
     double gap(const NearEntry& near) const {
         const SphereRow &a = movers.sphere_row[near.owner], &b = movers.sphere_row[near.other];
