@@ -167,7 +167,8 @@ Summary Test::summary() const {
     summary.add("confining_pressure_Pa", settings_.confining_pressure);
     summary.add(describe(properties_of(s.points, settings_.confining_pressure)));
     summary.add("core_porosity", s.core_porosity);
-    summary.add("core_porosity_after_compaction", s.prepared_porosity);
+    summary.add("core_porosity_after_preparation", s.prepared_porosity);
+    summary.add("core_porosity_as_poured", s.poured_porosity);
     summary.add("global_porosity", s.global_porosity);
     summary.add("height_m", s.height);
     summary.add("diameter_m", 2 * shared_.scene.specimen.radius);

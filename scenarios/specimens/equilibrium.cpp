@@ -8,7 +8,7 @@
 namespace bris {
 
 bool carries_load(const Balance& balance) {
-    return balance.contacts > 0 && balance.contacts >= balance.free_bodies;
+    return balance.contacts > 0 && balance.contacts >= balance.free_bodies - balance.idle_bodies;
 }
 
 std::uint64_t find_equilibrium(Simulation& simulation, const EquilibriumSettings& settings) {

@@ -24,7 +24,7 @@ struct SensorRoom {
 /// in the centre) or 3 (without those beside the membrane).
 std::size_t smart_rock_count(const SensorRoom& room);
 
-/// Places ten sensor rocks at the interfaces of four lifts: at a quarter of the height one in the
+/// Places ten sensor rocks at three heights: at a quarter of the height one in the
 /// centre and one beside the membrane; at one half and three quarters of the height one in the
 /// centre and three beside the membrane, 120 degrees apart. `count`: 10, 7 or 3 (smart_rock_count).
 /// The orientations are drawn from the seed.

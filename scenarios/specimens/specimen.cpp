@@ -50,11 +50,13 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
     specimen.rock_material =
         materials.add({"rock", s.density, s.clump_stiffness, s.clump_stiffness, s.friction});
     specimen.platen_material =
-        materials.add({"platen", 0, s.wall_stiffness, s.wall_stiffness, s.friction});
+        materials.add({"platen", 0, s.wall_stiffness, s.wall_stiffness,
+                       s.platen_friction < 0 ? s.friction : s.platen_friction});
     specimen.membrane_material =
         materials.add({"membrane", 0, s.wall_stiffness, s.wall_stiffness, 0});
     specimen.sensor_material = add_shell(materials, s, specimen.rock_material);
     specimen.sensor_friction = s.sensor_friction;
+    specimen.platen_friction = s.platen_friction;
     specimen.smart_rock_poses.assign(poses.begin(), poses.end());
     specimen.seed = s.seed;
     specimen.clumps.assign(clumps.begin(), clumps.end());

@@ -19,10 +19,11 @@ struct SpecimenSettings {
     double friction = 0.7;            ///< Coulomb coefficient, rock on rock and rock on platen
     double clump_stiffness = 0.63e8;  ///< N/m, normal and shear, of one partner
     double wall_stiffness = 1e8;      ///< N/m
-    double looseness = 1.2;           ///< height of the lifts when made, relative to the wanted one
-    double smartrock_size = 0.038;    ///< m, sieve size
-    double sensor_density = 0;        ///< kg/m3, of the sensor rocks; 0: as the rocks
-    double sensor_friction = -1;      ///< of the shells of the sensor rocks; below 0: as the rocks
+    double looseness = 1.3;        ///< height of the mould when filled, relative to the wanted one
+    double smartrock_size = 0.038; ///< m, sieve size
+    double sensor_density = 0;     ///< kg/m3, of the sensor rocks; 0: as the rocks
+    double sensor_friction = -1;   ///< of the shells of the sensor rocks; below 0: as the rocks
+    double platen_friction = -1;   ///< of the platens; below 0: as the rocks
     std::uint64_t seed = 1;
 };
 
@@ -34,7 +35,7 @@ struct Specimen {
     std::uint32_t rock_material = 0, platen_material = 0, membrane_material = 0;
     /// Material of the sensor rocks: that of the rocks, or a separate one of their shells.
     std::uint32_t sensor_material = 0;
-    double sensor_friction = -1; ///< below 0: that of the rocks
+    double sensor_friction = -1, platen_friction = -1; ///< below 0: that of the rocks
     std::vector<SmartRockPose> smart_rock_poses;
     std::uint64_t seed = 1;
     double height = 0, looseness = 1;

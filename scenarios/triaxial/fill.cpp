@@ -29,33 +29,23 @@ constexpr std::uint64_t growth_block = 20; // steps at one size
 constexpr std::uint64_t patience = 20000;
 constexpr std::uint64_t placing_stream = 2001;
 
-std::span<const EntityId> rocks_of_lift(const Specimen& specimen, std::uint64_t lift,
-                                        unsigned lifts) {
-    const std::size_t n = specimen.rocks.size(), first = n * lift / lifts,
-                      last = n * (lift + 1) / lifts;
-    return std::span(specimen.rocks).subspan(first, last - first);
-}
-
-/// Places the rocks of a lift at random positions between two heights, with their bounding spheres,
-/// at `scale`, clear of each other and of the held sensor rocks.
-void place_lift(World& world, std::span<const EntityId> lift, double low, double high,
-                double scale) {
+/// Places the rocks at random positions below the height `lid` (m), with their bounding spheres, at
+/// `scale`, clear of each other and of the held sensor rocks.
+void place_rocks(World& world, double lid, double scale) {
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto& specimen = world.resource<Specimen>();
     const double wall = membrane_radius(world);
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
     const auto radius = world.column<Bodies, BoundingRadius>();
-    const auto run = world.column<Bodies, SpheresOf>();
     struct Filled {
         Vec3 position;
         double radius;
     };
     std::vector<Filled> filled;
-    // held sensor rocks and earlier lifts are already there
-    for (Row b = 0; b < motion.size(); ++b)
-        if (run[b].count > 0 && position[b].z() > 0) filled.push_back({position[b], radius[b]});
-    std::vector<EntityId> order(lift.begin(), lift.end());
+    for (const EntityId id : specimen.smart_rocks)
+        filled.push_back({position[rows[id]], radius[rows[id]]});
+    std::vector<EntityId> order = specimen.rocks; // largest first
     std::sort(order.begin(), order.end(), [&](EntityId a, EntityId b) {
         return radius[rows[a]] != radius[rows[b]] ? radius[rows[a]] > radius[rows[b]] : a < b;
     });
@@ -68,7 +58,7 @@ void place_lift(World& world, std::span<const EntityId> lift, double low, double
             const double away = (wall - size) * std::sqrt(random.uniform()),
                          angle = 2 * pi * random.uniform();
             const Vec3 x(away * std::cos(angle), away * std::sin(angle),
-                         random.uniform(low + size, high - size));
+                         random.uniform(size, lid - size));
             if (std::any_of(filled.begin(), filled.end(), [&](const Filled& p) {
                     return (p.position - x).squaredNorm() < (size + p.radius) * (size + p.radius);
                 }))
@@ -83,69 +73,59 @@ void place_lift(World& world, std::span<const EntityId> lift, double low, double
 
 } // namespace
 
-// Rocks of a lift grow in place between the lifts below and the top platen, without friction, since
-// pouring alone does not reach the porosity.
-void TriaxialTest::start_lift() {
+void TriaxialTest::start_filling() {
     World& world = simulation_.world();
-    auto& state = world.resource<TriaxialState>();
     const auto& specimen = world.resource<Specimen>();
-    const double height = specimen.looseness * specimen.height;
-    if (state.lift == 0) {
-        set_friction(world, settings_.compaction_friction);
-        world.resource<Gravity>().value.setZero();
-        world.resource<LocalDamping>().fraction = settings_.damping;
-        forget_lists(world); // bodies know the rows of their spheres from here on
-    }
-    const double lid = height * static_cast<double>(state.lift + 1) / settings_.lifts;
-    const auto lift = rocks_of_lift(specimen, state.lift, settings_.lifts);
-    place_lift(world, lift, height * static_cast<double>(state.lift) / settings_.lifts, lid,
-               first_scale);
+    set_friction(world, 0);
+    world.resource<Gravity>().value.setZero();
+    world.resource<LocalDamping>().fraction = settings_.damping;
+    forget_lists(world); // bodies know the rows of their spheres from here on
+    const double lid = specimen.looseness * specimen.height;
+    const auto position = world.column<Bodies, Position>();
+    for (std::size_t k = 0; k < specimen.smart_rocks.size(); ++k)
+        position[row_of_body(world, specimen.smart_rocks[k])] =
+            specimen.smart_rock_poses[k].position.cwiseProduct(Vec3(1, 1, specimen.looseness));
+    place_rocks(world, lid, first_scale);
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
-    for (const EntityId id : lift) world.column<Bodies, Growth>()[rows[id]] = first_scale;
-    resize_rocks(world, lift);
-    world.column<Bodies, Position>()[row_of_body(world, specimen.top)] = Vec3(0, 0, lid);
+    for (const EntityId id : specimen.rocks) world.column<Bodies, Growth>()[rows[id]] = first_scale;
+    resize_rocks(world, specimen.rocks);
+    stop_rocks(world); // which move if the specimen is poured anew
+    position[row_of_body(world, specimen.top)] = Vec3(0, 0, lid);
+    world.resource<Platen>().controlled = false;
     world.resource<Platen>().speed = 0;
-    state.phase_steps = 0;
     rescale();
 }
 
-// Every block ends by scaling the masses for the next one, which then begins from State alone: a
-// resumed run, which has no contacts before its first step, would scale them differently.
+// Rocks grow in place around the held sensor rocks, without friction, in a mould so tall that they
+// carry no load at full size. Every block ends by scaling the masses for the next one, which then
+// begins from State alone: a resumed run, which has no contacts before its first step, would scale
+// them differently.
 void TriaxialTest::fill() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
-    if (state.lift == 0 && state.phase_steps == 0) start_lift();
+    if (state.phase_steps == 0) start_filling();
     run(growth_block);
     const bool grown =
-        grow_rocks(world, rocks_of_lift(world.resource<Specimen>(), state.lift, settings_.lifts),
-                   largest_overlaps(world), 1 + growth_per_step * growth_block,
+        grow_rocks(world, world.resource<Specimen>().rocks, largest_overlaps(world),
+                   1 + growth_per_step * growth_block,
                    squeezing_limit * static_cast<double>(1 + state.phase_steps / patience));
     if (!grown && state.phase_steps > 10 * settings_.longest_stage)
-        throw SimulationError(
-            fmt::format("filling: lift {} of {} has no room for its rocks after {} steps; "
-                        "try more rocks or a higher initial porosity",
-                        state.lift + 1, settings_.lifts, state.phase_steps));
-    if (grown) {
-        run(200);
-        state.phase_steps = 0;
-        if (++state.lift < settings_.lifts) return start_lift();
-        start_compaction();
-    }
+        throw SimulationError(fmt::format("filling: the mould has no room for its rocks after {} "
+                                          "steps; try more rocks (--bodies)",
+                                          state.phase_steps));
+    if (grown) return start_compression();
     rescale();
 }
 
 PhaseProgress TriaxialTest::filling_progress() const {
     const World& world = std::as_const(simulation_).world();
-    const std::uint64_t lift = state().lift;
-    const auto rocks = rocks_of_lift(world.resource<Specimen>(), lift, settings_.lifts);
+    const auto& rocks = world.resource<Specimen>().rocks;
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     double size = 0; // mean, relative to full size
     for (const EntityId id : rocks) size += world.column<Bodies, Growth>()[rows[id]];
     size /= static_cast<double>(rocks.size());
-    const double grown = (size - first_scale) / (1 - first_scale);
-    return {"filling", (static_cast<double>(lift) + grown) / settings_.lifts,
-            fmt::format("lift {} of {}, rocks at {:.0f} % of their size", lift + 1, settings_.lifts,
-                        std::floor(100 * size))};
+    return {"filling", (size - first_scale) / (1 - first_scale),
+            fmt::format("rocks at {:.0f} % of their size", std::floor(100 * size))};
 }
 
 } // namespace bris

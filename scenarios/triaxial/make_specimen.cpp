@@ -14,16 +14,17 @@ std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all)
     constexpr std::array names{"seed",
                                "bodies",
                                "grading",
+                               "preparation",
                                "porosity",
                                "porosity_tolerance",
-                               "initial_porosity",
-                               "compaction_friction",
-                               "compaction_pressure_Pa",
-                               "vibration",
-                               "longest_compaction",
+                               "preparation_friction",
+                               "preparation_pressure_Pa",
+                               "longest_preparation",
                                "sensor_shape",
                                "sensor_density_kg_per_m3",
                                "sensor_friction",
+                               "platen_friction",
+                               "taps",
                                "sensor_poses",
                                "recordings",
                                "servo_per_element",
@@ -36,6 +37,11 @@ std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all)
     std::vector<NamedValue> some;
     std::ranges::copy_if(all, std::back_inserter(some),
                          [&](const NamedValue& v) { return std::ranges::count(names, v.key) > 0; });
+    // a specimen for which no friction was given is made with that of its test
+    for (NamedValue& v : some)
+        if (v.key == "preparation_friction")
+            if (const auto* given = std::get_if<double>(&v.value); given && *given < 0)
+                v.value = std::ranges::find(all, "friction", &NamedValue::key)->value;
     return some;
 }
 

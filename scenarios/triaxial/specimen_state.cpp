@@ -5,8 +5,12 @@
 #include "components/material.hpp"
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
+#include "engine/clock.hpp"
+#include "engine/ordering.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/servo/membrane.hpp"
+
+#include <algorithm>
 
 namespace bris {
 
@@ -28,13 +32,28 @@ CylinderRegion core(const World& world) {
     return {0.6 * wall, 0.25 * top, 0.75 * top};
 }
 
+double mean_size(const World& world) {
+    const Table& bodies = world.table<Bodies>();
+    const auto mass = bodies.column<Mass>();
+    const auto& materials = world.resource<Materials>();
+    const auto material = bodies.column<MaterialOf>();
+    double all = 0, size = 0;
+    for (const Row r : rows_by_id(bodies.column<BodyId>())) {
+        if (!(mass[r] > 0)) continue;
+        all += mass[r];
+        size += mass[r] * std::cbrt(6 * mass[r] / (pi * materials.list[material[r]].density));
+    }
+    return size / all;
+}
+
 void set_friction(World& world, double friction) {
     auto& materials = world.resource<Materials>();
     const auto& specimen = world.resource<Specimen>();
     materials.list[specimen.sensor_material].friction =
         specimen.sensor_friction < 0 ? friction : specimen.sensor_friction;
     materials.list[specimen.rock_material].friction = friction;
-    materials.list[specimen.platen_material].friction = friction;
+    materials.list[specimen.platen_material].friction =
+        specimen.platen_friction < 0 ? friction : specimen.platen_friction;
     materials.mix();
 }
 
@@ -70,6 +89,38 @@ std::vector<SensorDrift> sensor_drift(const World& world) {
                            specimen.smart_rock_poses[i].orientation)});
     }
     return all;
+}
+
+void stop_rocks(World& world) {
+    const auto stop = [&]<class Column>() {
+        for (auto& value : world.column<Bodies, Column>()) value.setZero();
+    };
+    stop.template operator()<Velocity>();
+    stop.template operator()<AngularMomentum>();
+    stop.template operator()<AngularVelocity>();
+    stop.template operator()<StepAngularVelocity>();
+}
+
+void lead_sensor_rocks(World& world, std::uint64_t steps) {
+    constexpr double most_force = 10; // contact force over pressure times cross-section
+    const auto& platen = world.resource<Platen>();
+    const auto& specimen = world.resource<Specimen>();
+    const auto& materials = world.resource<Materials>();
+    const double stiffness =
+        materials.linear_pairs[materials.pair(specimen.rock_material, specimen.sensor_material)].kn;
+    const double farthest = 2 * static_cast<double>(steps) * platen.largest_step;
+    for (const SensorDrift& d : sensor_drift(world)) {
+        const Row r = row_of_body(world, d.body);
+        const double radius = world.column<Bodies, BoundingRadius>()[r];
+        const Vec3 force = world.column<Bodies, Force>()[r];
+        const double limit = most_force * platen.target_pressure * pi * radius * radius,
+                     share = force.norm() / limit; // 0 without a limit
+        Vec3 way = std::max(0.0, 1 - share) * (d.given - d.now);
+        if (share > 1) way += 0.5 * (1 - 1 / share) / stiffness * force;
+        way *= std::min(1.0, farthest / std::max(way.norm(), 1e-300));
+        world.column<Bodies, DriveVelocity>()[r] =
+            way / (static_cast<double>(steps) * world.resource<Clock>().dt);
+    }
 }
 
 } // namespace bris

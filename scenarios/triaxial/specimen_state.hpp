@@ -20,9 +20,12 @@ double specimen_volume(const World& world);
 /// height.
 CylinderRegion core(const World& world);
 
-/// Sets the friction coefficient between rocks and between rock and platen. Sensor rocks whose
-/// shells have a friction coefficient of their own keep it; in a contact the lower coefficient of
-/// the two partners acts (Materials::mix).
+/// Mean size (m, of a sphere of the same volume) of the rocks, weighted by mass.
+double mean_size(const World& world);
+
+/// Sets the friction coefficient between rocks and between rock and platen. Platens, and shells of
+/// sensor rocks, that have a friction coefficient of their own keep it; in a contact the lower
+/// coefficient of the two partners acts (Materials::mix).
 void set_friction(World& world, double friction);
 /// Sets the friction coefficient, and the normal and shear contact stiffness of one partner (N/m)
 /// of rocks and sensor rocks; updates the contact stiffness that the servos use.
@@ -39,5 +42,13 @@ struct SensorDrift {
     double rotation; ///< rad
 };
 std::vector<SensorDrift> sensor_drift(const World& world);
+
+/// Sets the velocities of all bodies to zero.
+void stop_rocks(World& world);
+
+/// Drives the held sensor rocks with the platen: within `steps` they approach the positions that
+/// correspond to its present height. A sensor rock on which the contact force exceeds ten times the
+/// target pressure of the platen on its cross-section gives way.
+void lead_sensor_rocks(World& world, std::uint64_t steps);
 
 } // namespace bris

@@ -19,8 +19,8 @@
 namespace bris {
 
 void TriaxialState::save(Archive& archive) const {
-    const std::array<std::uint64_t, 4> counts{static_cast<std::uint64_t>(phase), lift, stage,
-                                              phase_steps};
+    const std::array<std::uint64_t, 5> counts{static_cast<std::uint64_t>(phase), stage, phase_steps,
+                                              taps, rounds};
     archive.put("triaxial/counts", std::span<const std::uint64_t>(counts));
     put_fields(archive, "triaxial/numbers", fields(*this));
     save_points(archive, "triaxial", points);
@@ -29,9 +29,10 @@ void TriaxialState::save(Archive& archive) const {
 void TriaxialState::load(const Archive& archive) {
     const auto counts = archive.get<std::uint64_t>("triaxial/counts");
     phase = static_cast<TriaxialPhase>(counts.at(0));
-    lift = counts.at(1);
-    stage = counts.at(2);
-    phase_steps = counts.at(3);
+    stage = counts.at(1);
+    phase_steps = counts.at(2);
+    taps = counts.at(3);
+    rounds = counts.at(4);
     get_fields(archive, "triaxial/numbers", fields(*this));
     points = load_points(archive, "triaxial");
 }
@@ -78,8 +79,14 @@ bool TriaxialTest::advance() {
     case TriaxialPhase::fill:
         fill();
         break;
-    case TriaxialPhase::compact:
-        compact();
+    case TriaxialPhase::compress:
+        compress();
+        break;
+    case TriaxialPhase::vibrate:
+        vibrate();
+        break;
+    case TriaxialPhase::tap:
+        tap();
         break;
     case TriaxialPhase::consolidate:
         consolidate();
@@ -97,7 +104,7 @@ bool TriaxialTest::is_in_equilibrium() {
     const World& world = std::as_const(simulation_).world();
     const Balance balance = compute_balance(world);
     unbalanced_ratio_ = balance.unbalanced_ratio;
-    pressure_error_ = 0;
+    pressure_error_ = stress_mismatch_ = 0;
     const auto consider = [&](double pressure) {
         const double error = std::abs(pressure / settings_.confining_pressure - 1);
         if (!(error <= pressure_error_)) pressure_error_ = error; // also if it is not a number
@@ -109,10 +116,27 @@ bool TriaxialTest::is_in_equilibrium() {
     if (!(balance.unbalanced_ratio <= settings_.tolerance)) return false;
     if (!(pressure_error_ <= settings_.pressure_tolerance)) return false;
     // small unbalanced forces on many rocks add up to a larger stress mismatch in a large specimen
-    return compute_stresses(world).mismatch() <= settings_.pressure_tolerance;
+    stress_mismatch_ = compute_stresses(world).mismatch();
+    return stress_mismatch_ <= settings_.pressure_tolerance;
 }
 
-// the lengths of compaction and consolidation are not known in advance
+/// Found and largest accepted values of what is_in_equilibrium has checked last.
+std::string TriaxialTest::equilibrium_status() const {
+    std::string text = fmt::format(
+        "unbalanced force ratio {:.1e} (target {:.0e}), pressure error {:.1f} % (target {:g} %)",
+        unbalanced_ratio_, settings_.tolerance, 100 * pressure_error_,
+        100 * settings_.pressure_tolerance);
+    if (stress_mismatch_ > settings_.pressure_tolerance)
+        text += fmt::format(", stresses of boundaries and contacts apart by {:.1f} % (target {:g} "
+                            "%)",
+                            100 * stress_mismatch_, 100 * settings_.pressure_tolerance);
+    const Balance balance = compute_balance(std::as_const(simulation_).world());
+    if (!carries_load(balance))
+        text += fmt::format(", {} contacts of {} rocks", balance.contacts, balance.free_bodies);
+    return text;
+}
+
+// the lengths of preparation and consolidation are not known in advance
 PhaseProgress TriaxialTest::progress() const {
     const TriaxialState& s = state();
     const double unknown = -1, stages = settings_.final_axial_strain / settings_.stage_strain;
@@ -120,8 +144,10 @@ PhaseProgress TriaxialTest::progress() const {
     switch (s.phase) {
     case TriaxialPhase::fill:
         return filling_progress();
-    case TriaxialPhase::compact:
-        return {"compaction", unknown, compaction_status()};
+    case TriaxialPhase::compress:
+    case TriaxialPhase::vibrate:
+    case TriaxialPhase::tap:
+        return {"preparation", unknown, preparation_status()};
     case TriaxialPhase::consolidate:
         return {at + "consolidation", unknown, consolidation_status()};
     case TriaxialPhase::shear:

@@ -19,25 +19,27 @@ struct TriaxialSettings {
     double confining_pressure = 55e3;
     double stage_strain = 1e-4;
     double final_axial_strain = 0.08;
-    double porosity = 0.32; ///< of the core
+    std::string preparation = "laboratory"; ///< or "report"
+    double porosity = 0;                    ///< of the core; 0: that of the preparation
     double porosity_tolerance = 0.005;
+    double core_porosity() const {
+        return porosity > 0 ? porosity : preparation == "report" ? 0.32 : 0.38;
+    }
     /// Friction coefficient between rocks and between rock and platen, from consolidation on.
     double friction = 0.7;
-    double compaction_friction = 0.0;
-    double compaction_pressure = 1e6; ///< of the top platen on the vibrated rocks
-    /// Displacement of a rock per step during compaction, as a fraction of its bounding radius.
-    double vibration = 2.5e-4;
+    /// Of the rocks while the specimen is made; below 0: that of the test.
+    double preparation_friction = -1;
+    unsigned taps = 4;                ///< at least; 0: none
+    double preparation_pressure = 0;  ///< of the top platen; 0: follows from the stiffness
     double tolerance = 1e-3;          ///< unbalanced force ratio of an equilibrium
     double pressure_tolerance = 0.01; ///< relative, of the pressure of each ring
-    double damping = 0.7;             ///< local damping, except during compaction
-    unsigned lifts = 4;
+    double damping = 0.7;             ///< local damping, except during vibration
     /// Steps over which the platen moves in a stage: a multiple of ramp_parts.
     unsigned move_steps = 60;
     /// Steps after which an equilibrium has stalled; a specimen that slips takes 20 000.
     unsigned longest_stage = 100000;
-    /// Steps after which compaction has failed to reach the porosity; most seeds take 30 000 to
-    /// 100 000, a few twice that.
-    unsigned longest_compaction = 400000;
+    /// Steps of compression, of vibration or of taps after which the preparation has failed.
+    unsigned longest_preparation = 400000;
     double safety = 0.9; ///< time step as a fraction of the stable step
     /// Scale masses from consolidation on; otherwise masses are true and the time step follows the
     /// contacts.
@@ -45,7 +47,7 @@ struct TriaxialSettings {
     bool gravity = false; ///< from consolidation on; while the specimen is made there is none
 };
 
-enum class TriaxialPhase : std::uint32_t { fill, compact, consolidate, shear, done };
+enum class TriaxialPhase : std::uint32_t { fill, compress, vibrate, tap, consolidate, shear, done };
 
 /// The state of a test, sufficient to resume from any block of steps.
 struct TriaxialState {
@@ -53,14 +55,19 @@ struct TriaxialState {
     static constexpr bool is_state = true;
 
     TriaxialPhase phase = TriaxialPhase::fill;
-    std::uint64_t lift = 0, stage = 0;
-    std::uint64_t phase_steps = 0; ///< since the phase, lift or stage began
+    std::uint64_t stage = 0;
+    std::uint64_t phase_steps = 0; ///< since the phase or stage began
     double height = 0;             ///< m, at the start of shearing
     double volume = 0;             ///< m3, inside membrane and platens, at the start of shearing
     /// m, largest displacement of a sensor rock from its given position, at the start of shearing.
     double drift = 0;
     double core_porosity = 0, global_porosity = 0; ///< at the start of shearing
-    double prepared_porosity = 0;                  ///< of the core, at the end of compaction
+    double prepared_porosity = 0; ///< of the core, last measured during preparation
+    /// Of the core: as poured, and that at which compression ends and taps begin.
+    double poured_porosity = 0, porosity_before_taps = 0;
+    double densest_porosity = 1;        ///< during vibration
+    double preparation_friction = 0;    ///< now, during compression
+    std::uint64_t taps = 0, rounds = 0; ///< taps of this round, rounds of compression and taps
     /// rad, largest rotation of a sensor rock from its given attitude, at the start of shearing.
     double rotation = 0;
     /// One point at the start of shearing, and one at the end of each stage.
@@ -68,14 +75,17 @@ struct TriaxialState {
 
     static auto fields(auto& self) {
         return std::tie(self.height, self.volume, self.drift, self.rotation, self.core_porosity,
-                        self.global_porosity, self.prepared_porosity);
+                        self.global_porosity, self.prepared_porosity, self.poured_porosity,
+                        self.porosity_before_taps, self.preparation_friction,
+                        self.densest_porosity);
     }
     void save(Archive& archive) const;
     void load(const Archive& archive);
 };
 
 /// Runs a triaxial test block by block, so that it can be observed, saved and stopped after any
-/// block. The members are defined by phase in fill.cpp, compact.cpp, consolidate.cpp and shear.cpp.
+/// block. The members are defined by phase in fill.cpp, compress.cpp, vibrate.cpp, tap.cpp,
+/// consolidate.cpp and shear.cpp.
 class TriaxialTest {
 public:
     TriaxialTest(Simulation& simulation, TriaxialSettings settings);
@@ -84,7 +94,7 @@ public:
     /// SimulationError when an equilibrium stalls or nothing carries load.
     bool advance();
 
-    /// Skips filling and compaction: the rocks already stand in the mould, free, at full size and
+    /// Skips the preparation: the rocks already stand in the mould, free, at full size and
     /// at rest.
     void begin_compacted();
 
@@ -96,10 +106,18 @@ public:
     PhaseProgress progress() const;
 
 private:
-    void start_lift();
+    void start_filling();
     void fill();
-    void start_compaction();
-    void compact();
+    double preparation_friction() const;
+    void start_compression();
+    void continue_compression();
+    void compress();
+    void start_vibration();
+    void vibrate();
+    void start_taps();
+    void tap();
+    void measure_porosity();
+    bool rests_under_platen(double unbalanced_ratio) const;
     void start_consolidation();
     void consolidate();
     void start_shear();
@@ -110,14 +128,15 @@ private:
     void keep_stable();
     bool is_in_equilibrium();
     PhaseProgress filling_progress() const;
-    std::string compaction_status() const;
+    std::string preparation_status() const;
     std::string consolidation_status() const;
+    std::string equilibrium_status() const;
     TriaxialPoint compute_point() const;
 
     Simulation& simulation_;
     TriaxialSettings settings_;
     // of the last check of equilibrium, for the progress line
-    double unbalanced_ratio_ = 1, pressure_error_ = 1;
+    double unbalanced_ratio_ = 1, pressure_error_ = 1, stress_mismatch_ = 0;
 };
 
 } // namespace bris

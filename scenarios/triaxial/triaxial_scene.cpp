@@ -18,12 +18,14 @@ namespace bris {
 
 namespace {
 
-/// Porosity that the walls add in a specimen of fewer than the usual 400 rocks: it is proportional
-/// to the size of the rocks over that of the specimen. 0.06 was measured from the porosities of
-/// core and whole specimen with 400 and 4 000 rocks.
+/// Porosity of the whole specimen minus that of its core: the walls add it in proportion to the
+/// size of the rocks over that of the specimen. 0.035 was measured with 400 rocks.
 double wall_porosity(std::size_t rocks) {
-    return 0.06 * std::max(0.0, std::cbrt(400.0 / static_cast<double>(rocks)) - 1);
+    return 0.035 * std::cbrt(400.0 / static_cast<double>(rocks));
 }
+
+/// Porosity of the mould in which rocks grow to full size: well above that of poured rocks.
+constexpr double filled_porosity = 0.55;
 
 std::vector<Clump> sensor_shapes(const Triaxial& t, const std::vector<Clump>& library) {
     std::vector<Clump> shapes;
@@ -45,6 +47,31 @@ std::size_t share_of(std::size_t k, std::size_t sensors, std::size_t shapes) {
 
 double largest_radius(const std::vector<Clump>& shapes) {
     return std::ranges::max_element(shapes, {}, &Clump::bounding_radius)->bounding_radius;
+}
+
+double largest_rock(const TriaxialScene& s) {
+    return std::max(std::ranges::max(s.sample.rocks, {}, &RockChoice::sieve).sieve,
+                    s.specimen.smartrock_size);
+}
+
+/// Throws InputError if the mould is too narrow for its largest rock.
+void require_wide(const Triaxial& t, const TriaxialScene& s, std::uint64_t seed) {
+    const auto ratio_in = [](const TriaxialScene& scene) {
+        return 2 * scene.specimen.radius / largest_rock(scene);
+    };
+    const double found = ratio_in(s);
+    if (found >= t.least_diameter) return;
+    Triaxial enough = t; // more rocks reach a larger rock, so that their number is found by trial
+    for (double ratio = found; ratio < t.least_diameter;) {
+        const double factor = std::pow(t.least_diameter / ratio, 3);
+        enough.bodies = 10 * static_cast<unsigned>(std::ceil(0.101 * enough.bodies * factor));
+        enough.least_diameter = 0;
+        ratio = ratio_in(make_scene(enough, seed));
+    }
+    throw InputError(fmt::format(
+        "--bodies: expected a specimen at least {:g} times as wide as its largest rock of {:.1f} "
+        "mm (--least-diameter), found {:.2f} times with {} rocks; grading {} needs {} rocks",
+        t.least_diameter, 1e3 * largest_rock(s), found, t.bodies, t.grading, enough.bodies));
 }
 
 } // namespace
@@ -86,8 +113,9 @@ TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
         for (std::size_t k = 0; k < s.smart_rocks.size(); ++k)
             solids += static_cast<double>(share_of(k, sensors, s.smart_rocks.size())) *
                       s.smart_rocks[k].volume;
-        s.specimen.radius =
-            radius_for(solids, t.initial_porosity + wall_porosity(t.bodies), s.specimen.sectors);
+        const double porosity = std::min(t.test.core_porosity() + wall_porosity(t.bodies), 0.9);
+        s.specimen.radius = radius_for(solids, porosity, s.specimen.sectors);
+        s.specimen.looseness = std::max(1.0, (1 - porosity) / (1 - filled_porosity));
         s.specimen.height = 4 * s.specimen.radius;
         return SensorRoom{s.specimen.radius, s.specimen.height, largest_radius(s.smart_rocks)};
     };
@@ -99,6 +127,7 @@ TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
         const std::size_t sensors = smart_rock_count(room_for(10));
         s.poses = smart_rock_poses(room_for(sensors), seed, sensors);
     }
+    require_wide(t, s, seed);
     return s;
 }
 

@@ -20,7 +20,7 @@ struct Triaxial {
     std::string grading = "arema_4";
     SpecimenSettings specimen;
     TriaxialSettings test;
-    double initial_porosity = 0.37;
+    double least_diameter = 2.7; ///< of the mould, over the size of its largest rock
     std::string sensor_shape = "rock_01";
     std::filesystem::path sensor_poses;
     /// Poses of the sensor rocks by a folder of recordings, unless sensor_poses gives others.
@@ -46,39 +46,46 @@ struct Triaxial {
                "pressure is the same at all heights (the weight of 400 rocks is 5 kPa at the "
                "bottom).");
         option.group("Specimen");
-        option("bodies", bodies, "", "Number of rocks, sensor rocks included.", within(60, 1e6));
+        option("bodies", bodies, "", "Number of rocks, sensor rocks included.", within(20, 1e6));
+        option("least_diameter", least_diameter, "",
+               "Smallest diameter of the specimen over the size of its largest rock; fewer rocks "
+               "are refused. Laboratories ask for 6.",
+               within(1, 100));
         option("grading", grading, "", "Grading of the rocks, a file of assets/gradings.",
                {"arema_24", "arema_25", "arema_3", "arema_4a", "arema_4", "arema_5", "arema_57"});
+        option(
+            "preparation", test.preparation, "",
+            "Density of the specimen, unless --porosity gives it: laboratory, a core porosity of "
+            "0.38, with a response like that of ballast in laboratories; report, 0.32, that of "
+            "the SmartRock report, taken as that of the core.",
+            {"laboratory", "report"});
         option("porosity", test.porosity, "",
-               "Porosity of the core (0.6 of the radius, middle half of the height) to which the "
-               "specimen is compacted.",
-               within(0.2, 0.6));
+               "Porosity of the core (0.6 of the radius, middle half of the height) at which the "
+               "specimen is prepared; 0: that of --preparation.",
+               within(0, 0.6));
         option("porosity_tolerance", test.porosity_tolerance, "",
                "Largest difference from the porosity at which it counts as reached.",
                within(1e-4, 0.1));
-        option("initial_porosity", initial_porosity, "",
-               "Porosity of the whole specimen from which the size of the mould is computed (below "
-               "400 rocks a little is added for the walls).",
-               within(0.2, 0.7));
-        option("compaction_friction", test.compaction_friction, "",
-               "Friction coefficient between rocks and between rock and platen while the specimen "
-               "is made.",
+        option("preparation_friction", test.preparation_friction, "",
+               "Friction coefficient of the rocks while the specimen is made; below 0: --friction.",
+               within(-1, 100));
+        option("taps", test.taps, "",
+               "Smallest number of taps with which the preparation ends; 0: none. Taps replace the "
+               "contacts that form during compression and make the specimen softer.",
                within(0, 100));
-        option("compaction_pressure", test.compaction_pressure, "Pa",
-               "Pressure of the top platen while the specimen is compacted.", above(0, 1e9));
-        option("vibration", test.vibration, "",
-               "Displacement of a rock per step while the specimen is compacted, as a fraction of "
-               "its bounding radius.",
-               within(1e-6, 1e-3));
-        option("longest_compaction", test.longest_compaction, "",
-               "Number of steps after which compaction fails if the porosity is not reached.",
+        option("preparation_pressure", test.preparation_pressure, "Pa",
+               "Pressure of the top platen while the specimen is made; 0: follows from the contact "
+               "stiffness.",
+               within(0, 1e9));
+        option("longest_preparation", test.longest_preparation, "",
+               "Number of steps after which the preparation fails if the porosity is not reached.",
                within(1, 1e9));
         option("sensor_shape", sensor_shape, "",
                "Shape of the sensor rocks: a clump of assets/clumps, or several that the sensor "
                "rocks take in turn, as rock_01,rock_02,rock_03,cube.");
         option("sensor_poses", sensor_poses, "",
-               "CSV file with the poses of the sensor rocks. Without it there are ten between the "
-               "lifts, or 7 or 3 in a small specimen.");
+               "CSV file with the poses of the sensor rocks. Without it there are ten at three "
+               "heights, or 7 or 3 in a small specimen.");
         option("servo_per_element", specimen.per_element, "",
                "Control the pressure of each membrane element separately instead of that of each "
                "ring.");
@@ -92,6 +99,9 @@ struct Triaxial {
         option("sensor_friction", specimen.sensor_friction, "",
                "Coulomb friction coefficient of the shells of the sensor rocks; between a shell "
                "and a rock the lower coefficient acts. Below 0: that of the rocks.",
+               within(-1, 100));
+        option("platen_friction", specimen.platen_friction, "",
+               "Coulomb friction coefficient of the platens. Below 0: that of the rocks.",
                within(-1, 100));
         option("clump_stiffness", specimen.clump_stiffness, "N/m",
                "Normal and shear contact stiffness of a rock, as one of two partners.",

@@ -109,7 +109,7 @@ Simulation Bench::begin(const Settings& settings, std::uint64_t seed) const {
     const std::string& library = settings.word("library");
     auto clumps = read_clumps(library_folder(work_, library));
     std::erase_if(clumps, [](const Clump& c) { return c.name == "cube"; });
-    World world = make_world_of(clumps, porosity_of(library) + 0.06, seed);
+    World world = make_world_of(clumps, porosity_of(library) + 0.04, seed);
     const auto patch =
         settings.word("patch") == "shared" ? PatchStiffness::shared : PatchStiffness::per_sphere;
     world.resource<Materials>().policy.patch = patch;
@@ -139,8 +139,7 @@ const Archive& Bench::specimen(const std::string& library, std::uint64_t seed) {
                                              {"rocks", rocks},
                                              {"porosity", how.porosity},
                                              {"stiffness_N_per_m", stiffness},
-                                             {"compaction_pressure_Pa", how.compaction_pressure},
-                                             {"vibration", how.vibration}};
+                                             {"taps", how.taps}};
     if (std::filesystem::exists(file)) {
         Checkpoint kept = read_checkpoint(file);
         require_same_run("checkpoint", file, kept, "time_vs_error", provenance, {});

@@ -24,11 +24,11 @@ const auto nobody_watches = [](const PhaseProgress&) {};
 Triaxial small() {
     Triaxial t;
     t.bodies = 60;
+    t.least_diameter = 1;
     t.test.porosity = 0.42;
     t.test.porosity_tolerance = 0.04;
     t.test.confining_pressure = 55e3;
     t.test.final_axial_strain = 2e-4;
-    t.initial_porosity = 0.42;
     return t;
 }
 

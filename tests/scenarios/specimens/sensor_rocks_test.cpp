@@ -33,7 +33,7 @@ bool has(const std::string& text, const std::string& part) {
 } // namespace
 
 TEST_SUITE("specimens/sensor_rocks") {
-    TEST_CASE("ten sensor rocks at the interfaces of the lifts touch neither each other nor the "
+    TEST_CASE("ten sensor rocks at three heights touch neither each other nor the "
               "membrane") {
         const auto poses = smart_rock_poses(room, 1, smart_rock_count(room));
         REQUIRE(poses.size() == 10);

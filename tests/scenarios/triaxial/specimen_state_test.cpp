@@ -17,6 +17,7 @@ namespace {
 Triaxial small(double density = 0, double friction = -1) {
     Triaxial t;
     t.bodies = 150;
+    t.least_diameter = 1;
     t.specimen.sensor_density = density;
     t.specimen.sensor_friction = friction;
     return t;

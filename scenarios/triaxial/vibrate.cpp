@@ -24,13 +24,13 @@ namespace {
 constexpr double growth_per_step = 2e-4; // relative, of exchanged rocks
 // overlap over bounding radius at which a rock stops growing until it has room
 constexpr double squeezing_limit = 1e-2;
-constexpr std::uint64_t compaction_block = 50; // steps between resets of the energy and exchanges
-constexpr std::uint64_t porosity_steps = 250;  // between measurements of porosity
+constexpr std::uint64_t vibration_block = 50; // steps between resets of the energy and exchanges
+constexpr std::uint64_t porosity_steps = 250; // between measurements of porosity
 // steps with exchanges, followed by as many without, in which rocks grow to full size
 constexpr std::uint64_t exchange_steps = 2000;
-// increase of the core porosity from the compaction pressure to the confining pressure of a test
-constexpr double swelling = 0.002;
-constexpr double compacted_within = 0.5; // of the tolerance of the porosity
+// increase of the core porosity by vibration, as far as it can be known before the first taps
+constexpr double swelling = 0.015;
+constexpr double vibration = 2.5e-4; // displacement of a rock in a step, over its bounding radius
 constexpr std::uint64_t vibration_stream = 3001, exchange_stream = 4001;
 
 template <class... Columns>
@@ -72,8 +72,8 @@ void exchange_rocks(World& world, std::span<const double> squeezed, std::uint64_
     }
 }
 
-/// Speed (m/s) of vibrated rocks: `vibration` times their mean bounding radius in a step.
-double vibration_speed(const World& world, double vibration) {
+/// Speed (m/s) of vibrated rocks.
+double vibration_speed(const World& world) {
     const auto& rocks = world.resource<Specimen>().rocks;
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     double radius = 0;
@@ -84,7 +84,7 @@ double vibration_speed(const World& world, double vibration) {
 /// Scales the motion of the rocks to the kinetic energy that corresponds to `speed` in each of
 /// their six degrees of freedom. Velocities keep their directions and ratios: velocities drawn anew
 /// would act as a drag on the specimen as a whole.
-void vibrate(World& world, double speed) {
+void agitate(World& world, double speed) {
     const auto& rocks = world.resource<Specimen>().rocks;
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto velocity = world.column<Bodies, Velocity>();
@@ -105,37 +105,21 @@ void vibrate(World& world, double speed) {
     show_velocities(world);
 }
 
-/// Drives the held sensor rocks down with the platen: within `steps` they reach the positions that
-/// correspond to its present height.
-void lead_sensor_rocks(World& world, std::uint64_t steps) {
-    const double time = static_cast<double>(steps) * world.resource<Clock>().dt;
-    for (const SensorDrift& d : sensor_drift(world))
-        world.column<Bodies, DriveVelocity>()[row_of_body(world, d.body)] =
-            (d.given - d.now) / time;
-}
-
 } // namespace
 
-void TriaxialTest::start_compaction() {
+void TriaxialTest::start_vibration() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
-    auto& platen = world.resource<Platen>();
     const auto& specimen = world.resource<Specimen>();
-    const auto& materials = world.resource<Materials>();
-    platen.controlled = true;
-    platen.target_pressure = settings_.compaction_pressure;
-    platen.contact_stiffness =
-        materials.linear_pairs[materials.pair(specimen.rock_material, specimen.platen_material)].kn;
-    platen.largest_step = 2e-5 * specimen.height;
-    world.resource<LocalDamping>().fraction = 0; // vibrate sets the energy block by block
-    Random random(specimen.seed, vibration_stream);
-    const double speed = vibration_speed(world, settings_.vibration);
+    world.resource<LocalDamping>().fraction = 0; // agitate sets the energy block by block
+    Random random(specimen.seed + state.rounds, vibration_stream);
+    const double speed = vibration_speed(world);
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     for (const EntityId id : specimen.rocks)
         world.column<Bodies, Velocity>()[rows[id]] = speed * random.normal() * random.direction();
     show_velocities(world);
-    state.prepared_porosity = 1;
-    state.phase = TriaxialPhase::compact;
+    if (state.rounds == 0) state.porosity_before_taps += swelling;
+    state.phase = TriaxialPhase::vibrate;
     state.phase_steps = 0;
 }
 
@@ -143,47 +127,32 @@ void TriaxialTest::start_compaction() {
 // vibrated without friction until the core is dense enough. Vibration alone jams above the porosity
 // that a table reaches in minutes, during which rocks find gaps of their size. Exchanges of rocks
 // stand in for that, alternating with periods in which the exchanged rocks grow to full size.
-void TriaxialTest::compact() {
+void TriaxialTest::vibrate() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
     const auto& rocks = world.resource<Specimen>().rocks;
-    vibrate(world, vibration_speed(world, settings_.vibration));
-    lead_sensor_rocks(world, compaction_block);
-    run(compaction_block);
+    agitate(world, vibration_speed(world));
+    run(vibration_block);
     rescale();
+    lead_sensor_rocks(world, vibration_block); // in the next block: only now are forces known
     const bool measured = state.phase_steps % porosity_steps == 0;
-    if (measured) state.prepared_porosity = porosity(world, core(world), 120);
-    // after an exchange some rocks are below full size, so a porosity counts only when none is
-    const bool wanted = std::abs(state.prepared_porosity + swelling - settings_.porosity) <=
-                        compacted_within * settings_.porosity_tolerance;
+    if (measured) measure_porosity();
+    const bool dense = state.prepared_porosity <= state.porosity_before_taps;
     const bool exchanging = state.phase_steps / exchange_steps % 2 == 0;
     const auto squeezed = largest_overlaps(world);
-    if (exchanging) exchange_rocks(world, squeezed, state.phase_steps, rocks.size() / 20, wanted);
+    if (exchanging) exchange_rocks(world, squeezed, state.phase_steps, rocks.size() / 20, dense);
+    // after an exchange some rocks are below full size, so a porosity counts only when none is
     const bool full =
-        grow_rocks(world, rocks, squeezed, 1 + growth_per_step * compaction_block, squeezing_limit);
-    if (measured && wanted && full) return start_consolidation();
-    if (state.phase_steps < settings_.longest_compaction) return;
-    throw SimulationError(
-        fmt::format("compaction: expected a core porosity of {:.3f} +/- {:.3f}, found {:.4f} at "
-                    "a platen pressure of {:.0f} kPa "
-                    "after {} steps; try a lower compaction friction or a higher porosity",
-                    settings_.porosity, settings_.porosity_tolerance, state.prepared_porosity,
-                    world.resource<Platen>().pressure / 1e3, state.phase_steps));
-}
-
-std::string TriaxialTest::compaction_status() const {
-    const World& world = std::as_const(simulation_).world();
-    const auto rows = rows_by_id(world.column<Bodies, BodyId>());
-    const auto growth = world.column<Bodies, Growth>();
-    const auto small = std::ranges::count_if(world.resource<Specimen>().rocks,
-                                             [&](EntityId id) { return growth[rows[id]] < 1; });
-    const double found = state().prepared_porosity;
-    return fmt::format(
-        "core porosity {} (target {:.3f} +- {:.4f}, for {:.3f} in the test), {} rocks still "
-        "growing, step {} of at most {}",
-        found < 1 ? fmt::format("{:.3f}", found) : "unknown", settings_.porosity - swelling,
-        compacted_within * settings_.porosity_tolerance, settings_.porosity, small,
-        state().phase_steps, settings_.longest_compaction);
+        grow_rocks(world, rocks, squeezed, 1 + growth_per_step * vibration_block, squeezing_limit);
+    if (full) state.densest_porosity = std::min(state.densest_porosity, state.prepared_porosity);
+    if (measured && dense && full) return start_taps();
+    if (state.phase_steps < settings_.longest_preparation) return;
+    throw SimulationError(fmt::format(
+        "preparation: expected a core porosity of {:.3f} +- {:.3f}, found {:.3f} as the densest in "
+        "{} steps of vibration; choose --porosity of at least {:.3f} or a larger "
+        "--longest-preparation",
+        settings_.core_porosity(), settings_.porosity_tolerance, state.densest_porosity,
+        state.phase_steps, state.densest_porosity));
 }
 
 } // namespace bris
