@@ -202,6 +202,22 @@ TEST_SUITE("contact/laws") {
         CHECK(work_of_unloading(ShearHistory::incremental) < 0);
     }
 
+    TEST_CASE("spring and dashpot of a contact that sticks never exceed Coulomb's limit together") {
+        Contact<LinearViscous> contact;
+        contact.k.shear_rate = lanes(5e5); // 500 N at 1 cm/s and 0.1 kg
+        const double limit = 0.5 * 1e9 * 1e-6;
+        for (int n = 1; n <= 5; ++n) { // the spring alone takes 80 N more in each step
+            const ForceLanes f = contact.step(1e-6, Vec3(0.006, 0.008, 0));
+            CHECK(f.normal[0] == about(1e9 * 1e-6).epsilon(1e-12));
+            CHECK(std::hypot(f.x[0], f.y[0]) == about(limit).epsilon(1e-12));
+            CHECK(std::hypot(contact.spring.x[0], contact.spring.y[0]) ==
+                  about(n * 0.01 * contact.dt).epsilon(1e-12));
+        }
+        // across the spring the dashpot has less room than the limit
+        const ForceLanes f = contact.step(1e-6, Vec3(-0.008, 0.006, 0));
+        CHECK(std::hypot(f.x[0], f.y[0]) == about(limit).epsilon(1e-12));
+    }
+
     TEST_CASE("rolling and twisting have their own limits and histories") {
         Contact<LinearRolling> contact;
         ForceLanes f{};

@@ -175,4 +175,46 @@ TEST_SUITE("physics/free_motion") {
         // remainder is rounding of the two lever arms
         CHECK(value_of<AngularVelocity>(sim, body).norm() * 0.01 < 1e-9);
     }
+
+    TEST_CASE("a clump of one sphere bounces, slides and spins as a single sphere does") {
+        const auto simulate = [](Grains grains) {
+            World world = make_world(grains);
+            Material m = linear_material(1e5, 8e4, 0.4);
+            m.normal_damping = m.shear_damping = 800;
+            const auto material = add_material(world, m);
+            add_floor(world, material);
+            const double radius = 0.01, volume = 4 * pi / 3 * radius * radius * radius;
+            const Clump one{.name = "one",
+                            .balls = {{Vec3::Zero(), radius}},
+                            .volume = volume,
+                            .inertia = Vec3::Constant(0.4 * volume * radius * radius),
+                            .bounding_radius = radius,
+                            .sieve = 2 * radius};
+            const Vec3 position(0, 0, 1.01 * radius);
+            const EntityId body = grains == Grains::spheres
+                                      ? add_sphere(world, position, radius, material)
+                                      : add_clump(world, one, 0, position,
+                                                  exponential_map(Vec3(0.5, 0.2, -1)), material);
+            value_of<Velocity>(world, body) = Vec3(0.3, -0.1, -0.5);
+            set_angular_velocity(world, body, Vec3(20, 30, -15));
+            world.add_resource<Gravity>();
+            world.add_resource(LocalDamping{0.1});
+            return std::pair(begin(std::move(world), {.dt = 5e-6, .law = LawName::linear_viscous}),
+                             body);
+        };
+        auto [sphere, a] = simulate(Grains::spheres);
+        auto [clump, b] = simulate(Grains::clumps);
+        std::size_t touched = 0;
+        for (int k = 0; k < 60; ++k) {
+            sphere.advance(10);
+            clump.advance(10);
+            touched += touching_pairs<PlanePairs>(sphere.world()).size();
+            const Vec3 spin = value_of<AngularVelocity>(sphere, a);
+            CHECK((value_of<Position>(sphere, a) - value_of<Position>(clump, b)).norm() < 1e-12);
+            CHECK((value_of<Velocity>(sphere, a) - value_of<Velocity>(clump, b)).norm() < 1e-10);
+            CHECK((spin - value_of<AngularVelocity>(clump, b)).norm() < 1e-10 * spin.norm());
+        }
+        CHECK(touched > 5);
+        CHECK(value_of<Velocity>(sphere, a).z() > 0); // it has rebounded
+    }
 }

@@ -34,6 +34,26 @@ void disturb(InertialFilter& f, Random& random) {
     f.bias_of_rate -= e.segment<3>(15);
 }
 
+/// The filter with the error `e` added to its state and biases.
+InertialFilter moved(InertialFilter f, const Vector& e) {
+    f.state.position += e.segment<3>(0);
+    f.state.velocity += e.segment<3>(3);
+    f.state.orientation = exponential_map(e.segment<3>(6)) * f.state.orientation;
+    f.state.angular_velocity += e.segment<3>(9);
+    f.bias_of_force += e.segment<3>(12);
+    f.bias_of_rate += e.segment<3>(15);
+    return f;
+}
+
+Vector difference(const InertialFilter& a, const InertialFilter& b) {
+    Vector e(InertialFilter::size);
+    e << a.state.position - b.state.position, a.state.velocity - b.state.velocity,
+        attitude_error(a.state.orientation, b.state.orientation),
+        a.state.angular_velocity - b.state.angular_velocity, a.bias_of_force - b.bias_of_force,
+        a.bias_of_rate - b.bias_of_rate;
+    return e;
+}
+
 /// Normalised estimation error squared (NEES) after every kind of observation of a body that
 /// tumbles under white-noise acceleration. The filter assumes `noise_factor` times the true noise.
 double error_of_tumbling(double noise_factor, std::uint64_t run) {
@@ -190,6 +210,44 @@ TEST_SUITE("engine/estimation/inertial_filter") {
         CHECK(attitude_error(truth, f.state.orientation).norm() < 1e-4);
     }
 
+    TEST_CASE("integrating a sample changes the covariance as it changes small errors of the "
+              "state and the biases") {
+        InertialFilter f;
+        f.gravity = earth;
+        f.begin(0.01, 0.02, 0.03, 0.04, 0.05, 0.06);
+        f.state = {Vec3(1, 2, 3), Vec3(0.3, -0.2, 0.1), exponential_map(Vec3(0.4, -0.7, 0.2)),
+                   Vec3(0.5, 1, -2)};
+        const InertialSample sample{Vec3(3, -1, 9), Vec3(0.4, -0.8, 1.1)};
+        constexpr double dt = 0.05, small = 1e-5;
+        Matrix transition(InertialFilter::size, InertialFilter::size);
+        for (int k = 0; k < InertialFilter::size; ++k) {
+            const Vector e = small * Vector::Unit(InertialFilter::size, k);
+            InertialFilter more = moved(f, e), less = moved(f, -e);
+            more.advance(dt, sample, {});
+            less.advance(dt, sample, {});
+            transition.col(k) = difference(more, less) / (2 * small);
+        }
+        const Matrix expected = transition * f.covariance() * transition.transpose();
+        f.advance(dt, sample, {});
+        const Matrix found = f.covariance();
+        for (int i = 0; i < InertialFilter::size; ++i)
+            for (int k = 0; k < InertialFilter::size; ++k)
+                CHECK(std::abs(found(i, k) - expected(i, k)) <
+                      1e-6 * std::sqrt(expected(i, i) * expected(k, k)));
+    }
+
+    TEST_CASE("the biases become uncertain as the random walk of each demands") {
+        InertialFilter f;
+        f.begin(0, 0, 0, 0, 0, 0);
+        const InertialNoise noise{.force_bias_walk = 1e-3, .rate_bias_walk = 2e-5};
+        for (int k = 0; k < 100; ++k) f.age_biases(0.1, noise);
+        for (int k = 0; k < 3; ++k) {
+            CHECK(f.covariance()(12 + k, 12 + k) == about(1e-6 * 10).epsilon(1e-12));
+            CHECK(f.covariance()(15 + k, 15 + k) == about(4e-10 * 10).epsilon(1e-12));
+        }
+        CHECK(f.covariance().topLeftCorner<12, 12>().norm() == 0);
+    }
+
     TEST_CASE(
         "without other observations the position variance grows with the third power of time") {
         // 100 micro-g per root hertz: 0.57 mm after 1 s, 18 mm after 10 s
@@ -250,6 +308,20 @@ TEST_SUITE("engine/estimation/inertial_filter") {
         CHECK(f.covariance() == before);
         CHECK_FALSE(f.observe_position(Vec3(std::nan(""), 0, 0), one).accepted);
         CHECK(f.observe_position(Vec3(1e-3, 0, 0), 1e-6 * one).accepted);
+    }
+
+    TEST_CASE("a gate accepts observations up to its normalised distance and no farther") {
+        const double gate = chi_squared_quantile(0.99, 3);
+        // the innovation has the variance of the state and that of the observation
+        const auto at = [&](double squared_distance) {
+            return Vec3(0, std::sqrt(squared_distance * 2e-6), 0);
+        };
+        InertialFilter f = exact_filter();
+        f.gate = gate;
+        CHECK_FALSE(f.observe_position(at(1.01 * gate), 1e-6 * one).accepted);
+        const Verdict near = f.observe_position(at(0.99 * gate), 1e-6 * one);
+        CHECK(near.accepted);
+        CHECK(near.squared_distance == about(0.99 * gate).epsilon(1e-9));
     }
 
     TEST_CASE("a forecast replaces the state, and its uncertainty is added") {

@@ -85,6 +85,69 @@ TEST_SUITE("engine/signal/imu") {
         CHECK(std::sqrt(walked) == about(1e-3 * std::sqrt(samples / model.rate)).epsilon(0.05));
     }
 
+    TEST_CASE("a device at rest without noise reads its biases, which walk from sample to sample") {
+        ImuModel model;
+        model.force_bias = 0.02;
+        model.rate_bias = 0.003;
+        model.noise = {.force_bias_walk = 1e-3, .rate_bias_walk = 1e-4};
+        double force_squares = 0, rate_squares = 0, walked = 0;
+        constexpr int devices = 2000, samples = 20;
+        for (std::uint64_t id = 0; id < devices; ++id) {
+            Imu imu(model, Vec3::Zero(), 7, id);
+            const Vec3 force_at_first = imu.force_bias(), rate_at_first = imu.rate_bias();
+            ImuSample s;
+            for (int k = 0; k < samples; ++k) {
+                s = imu.sample(k / model.rate, {});
+                REQUIRE(s.force == imu.force_bias());
+                REQUIRE(s.rate == imu.rate_bias());
+            }
+            force_squares += force_at_first.squaredNorm() / (3 * devices);
+            rate_squares += rate_at_first.squaredNorm() / (3 * devices);
+            walked += (s.force - force_at_first).squaredNorm() / (3 * devices);
+        }
+        CHECK(std::sqrt(force_squares) == about(0.02).epsilon(0.05));
+        CHECK(std::sqrt(rate_squares) == about(0.003).epsilon(0.05));
+        CHECK(std::sqrt(walked) == about(1e-3 * std::sqrt(samples / model.rate)).epsilon(0.05));
+    }
+
+    TEST_CASE("the biases of a moving device add to what it would read without them") {
+        const TrueMotion motion{.orientation = exponential_map(Vec3(0.3, -0.2, 0.5)),
+                                .acceleration = Vec3(1, -2, 0.5),
+                                .angular_velocity = Vec3(0.4, 3, -1)};
+        ImuModel model;
+        const ImuSample exact = Imu(model, earth, 1, 1).sample(0, motion);
+        model.force_bias = 0.02;
+        model.rate_bias = 0.003;
+        Imu imu(model, earth, 1, 1);
+        const ImuSample s = imu.sample(0, motion);
+        CHECK((s.force - exact.force - imu.force_bias()).norm() < 1e-14);
+        CHECK((s.rate - exact.rate - imu.rate_bias()).norm() < 1e-14);
+        CHECK(imu.force_bias().norm() > 0);
+        CHECK(imu.rate_bias().norm() > 0);
+    }
+
+    TEST_CASE("scale factors and axes of devices differ from the true ones by the given "
+              "deviations") {
+        ImuModel model;
+        model.scale_error = 0.01;
+        model.misalignment = 0.003;
+        double scale = 0, tilt = 0, rate_scale = 0, rate_tilt = 0;
+        constexpr int devices = 2000;
+        for (std::uint64_t id = 0; id < devices; ++id) {
+            Imu imu(model, Vec3::Zero(), 9, id);
+            const ImuSample s =
+                imu.sample(0, {.acceleration = Vec3(2, 0, 0), .angular_velocity = Vec3(0, 0, 3)});
+            scale += std::pow(s.force.x() / 2 - 1, 2) / devices;
+            tilt += s.force.tail<2>().squaredNorm() / 4 / (2 * devices);
+            rate_scale += std::pow(s.rate.z() / 3 - 1, 2) / devices;
+            rate_tilt += s.rate.head<2>().squaredNorm() / 9 / (2 * devices);
+        }
+        CHECK(std::sqrt(scale) == about(0.01).epsilon(0.05));
+        CHECK(std::sqrt(tilt) == about(0.003).epsilon(0.05));
+        CHECK(std::sqrt(rate_scale) == about(0.01).epsilon(0.05));
+        CHECK(std::sqrt(rate_tilt) == about(0.003).epsilon(0.05));
+    }
+
     TEST_CASE("a sample is rounded to the resolution and limited to the range, and saturation is "
               "flagged") {
         ImuModel model;

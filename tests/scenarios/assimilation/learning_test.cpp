@@ -1,4 +1,5 @@
 #include "engine/errors.hpp"
+#include "engine/estimation/parameter_estimate.hpp"
 #include "engine/random.hpp"
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/learning.hpp"
@@ -105,6 +106,21 @@ TEST_SUITE("assimilation/learning") {
         REQUIRE(a.size() == b.size());
         for (std::size_t k = 0; k < a.size(); ++k)
             CHECK((a[k].estimate.mean == b[k].estimate.mean) == (a[k].strain <= 5e-3));
+    }
+
+    TEST_CASE("a measurement at the end of a window is assimilated in that window only") {
+        const Learning learning;
+        const Gaussian prior = prior_of({0.5, 1}, learning);
+        Ensemble members{draw_members(prior, 8), {}};
+        for (const RockParameters& b : members.parameters)
+            members.runs.push_back(simple_run(b, 0.01, members.runs.size()));
+        const double end = window_ends(learning, 0.01).front();
+        MeasuredTest measured = measured_test(simple_run({0.6, 1}, 0.01, 50).points);
+        for (std::size_t k = 0; k < measured.q.size(); ++k)
+            if (std::abs(measured.strain[k] - end) > 1e-9) measured.q[k] = std::nan("");
+        const auto estimates = learn(prior, members, measured, learning, 0.01);
+        REQUIRE(estimates.size() == 1);
+        CHECK(estimates[0].strain == end);
     }
 
     TEST_CASE("outliers of q are left out and counted, and do not change the estimate") {
@@ -389,5 +405,92 @@ TEST_SUITE("assimilation/learning") {
         REQUIRE(schedule.size() == 1);
         CHECK(schedule[0].strain == 2e-3);
         CHECK(schedule[0].rocks.friction == about(0.6));
+    }
+
+    TEST_CASE(
+        "the second generation is drawn twice as wide as the estimate, and neither wider than "
+        "the prior nor narrower than a third of it") {
+        Gaussian prior(2);
+        prior.root.diagonal() << 0.3, 0.4;
+        const auto deviations_around = [&](double friction, double stiffness) {
+            Gaussian estimate(2);
+            estimate.mean << -0.2, 0.5;
+            estimate.root.diagonal() << friction, stiffness;
+            const Gaussian around = spread_around(prior, {{1e-3, estimate, 0}});
+            CHECK(around.mean == estimate.mean);
+            return around.root;
+        };
+        const Matrix inside = deviations_around(0.1, 0.15), beyond = deviations_around(0.01, 0.35);
+        CHECK(inside(0, 0) == about(0.2).epsilon(1e-12));
+        CHECK(inside(1, 1) == about(0.3).epsilon(1e-12));
+        CHECK(beyond(0, 0) == about(0.3 * 0.3).epsilon(1e-12));
+        CHECK(beyond(1, 1) == about(0.4).epsilon(1e-12));
+    }
+
+    TEST_CASE("four sensor rocks with the same motion count as one with half of the noise") {
+        Learning learning;
+        learning.by_force = false;
+        const Gaussian prior = prior_of({0.5, 1}, learning);
+        const auto learned = [&](std::size_t sensors, double noise) {
+            const auto run_of = [&](const RockParameters& rocks, std::uint64_t seed) {
+                ModelRun run = widening_run(rocks, seed);
+                run.sensors = sensors;
+                run.start.resize(sensors, run.start[0]);
+                for (auto& stage : run.displacement) stage.resize(sensors, stage[0]);
+                for (auto& stage : run.rotation) stage.resize(sensors, stage[0]);
+                return run;
+            };
+            Ensemble members{draw_members(prior, 8), {}};
+            for (const RockParameters& b : members.parameters)
+                members.runs.push_back(run_of(b, members.runs.size()));
+            const ModelRun truth = run_of({0.7, 1}, 50);
+            MeasuredTest measured = measured_test(truth.points);
+            measured.trajectories =
+                recorded_trajectories(truth, sensor_rocks(truth), 1e-3, 0, 0, 1);
+            measured.displacement_noise = noise;
+            return learn(prior, members, measured, learning, 0.01).back().estimate;
+        };
+        const Gaussian one = learned(1, 1e-4), four = learned(4, 2e-4);
+        CHECK((one.mean - four.mean).norm() < 1e-9);
+        CHECK((one.root - four.root).norm() < 1e-9);
+        CHECK((one.root - learned(4, 1e-4).root).norm() > 0.01 * one.root.norm());
+    }
+
+    TEST_CASE("measurements have less weight by as much as members are farther from the estimates "
+              "of the others than these claim") {
+        const Learning learning;
+        const Gaussian wide = prior_of({0.5, 1}, learning);
+        Gaussian prior = wide; // too narrow for the members, whose estimates are therefore too sure
+        prior.root *= 0.5;
+        Ensemble members{draw_members(wide, 7), {}};
+        for (const RockParameters& b : members.parameters)
+            members.runs.push_back(simple_run(b, 0.01, members.runs.size()));
+        const auto learned = [&](const Ensemble& ensemble, const ModelRun& truth) {
+            MeasuredTest measured = measured_test(truth.points);
+            for (std::size_t k = 0; k < measured.q.size(); ++k)
+                if (std::abs(measured.strain[k] - 0.01) > 1e-9) measured.q[k] = std::nan("");
+            return learn(prior, ensemble, measured, learning, 0.01).back().estimate;
+        };
+        double sum = 0;
+        Vector forecast(7);
+        for (std::size_t j = 0; j < 7; ++j) {
+            Ensemble others = members; // six, too few for a weight other than 1
+            others.parameters.erase(others.parameters.begin() + static_cast<std::ptrdiff_t>(j));
+            others.runs.erase(others.runs.begin() + static_cast<std::ptrdiff_t>(j));
+            sum += squared_distance(learned(others, members.runs[j]),
+                                    logarithms_of(members.parameters[j]));
+            forecast[static_cast<Eigen::Index>(j)] =
+                std::log(members.runs[j].points.back().deviatoric_stress);
+        }
+        const double weight = 2 * 7 / sum; // two parameters
+        REQUIRE(weight < 0.8);
+        const ModelRun truth = simple_run({0.6, 1.1}, 0.01, 50);
+        ParameterEstimate expected(prior, logarithms_of(members.parameters), 1, weight);
+        expected.observe(0, forecast,
+                         {std::log(truth.points.back().deviatoric_stress), learning.force_noise, 0,
+                          std::log(0.01)});
+        const Gaussian found = learned(members, truth);
+        CHECK((found.mean - expected.parameters().mean).norm() < 1e-9);
+        CHECK((found.covariance() - expected.parameters().covariance()).norm() < 1e-9);
     }
 }

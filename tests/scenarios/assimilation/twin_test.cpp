@@ -1,4 +1,5 @@
 #include "engine/signal/attitude.hpp"
+#include "engine/signal/imu.hpp"
 #include "scenarios/assimilation/twin.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/assimilation/steady_run.hpp"
@@ -53,5 +54,32 @@ TEST_SUITE("assimilation/twin") {
         }
         // the bias, a thousandth of g; the noise of a mean over 12 s is a thirtieth of that
         CHECK(before == about(1e-3).epsilon(0.05));
+    }
+
+    TEST_CASE("the recorded rates of a sensor rock that turns about a fixed axis add up to its "
+              "rotation") {
+        const ModelRun truth = steady_run();
+        const RecordingSettings settings{.imu = "ideal"};
+        const auto recordings = record_sensors(truth, settings, 1);
+        REQUIRE(recordings.size() == 3);
+        const double period = settings.interval / 1e-4 * settings.stage_time;
+        for (std::size_t s = 0; s < 3; ++s) {
+            Vec3 turned = Vec3::Zero(); // in the axes of the rock, in which the axis is fixed too
+            for (const Vec3& rate : recordings[s].rate) turned += period * rate;
+            const Vec3 expected = truth.start[s].orientation.conjugate() * truth.rotation[100][s];
+            CHECK((turned - expected).norm() < 1e-12);
+        }
+    }
+
+    TEST_CASE("a recording states the noise and the biases of its class of devices") {
+        const ImuModel model = imu_preset("cheap");
+        for (const Recording& r : record_sensors(steady_run(), {.imu = "cheap"}, 1)) {
+            CHECK(r.info.force_noise == model.noise.force);
+            CHECK(r.info.rate_noise == model.noise.rate);
+            CHECK(r.info.force_bias == model.force_bias);
+            CHECK(r.info.rate_bias == model.rate_bias);
+            CHECK(r.info.force_range == model.force_range);
+            CHECK(r.info.rate_range == model.rate_range);
+        }
     }
 }

@@ -320,4 +320,24 @@ TEST_SUITE("recordings/recording") {
             doctest::Contains("a.csv:2: flags: expected a non-negative whole number, found -1"),
             InputError);
     }
+
+    TEST_CASE("one of anything is the same amount in each of its units") {
+        const auto in_units = [](const std::string& name,
+                                 const std::vector<std::pair<std::string, double>>& amounts) {
+            const auto& columns = recording_columns();
+            const auto column = std::ranges::find(columns, name, &KnownColumn::name);
+            REQUIRE(column != columns.end());
+            for (const auto& [unit, amount] : amounts) {
+                CAPTURE(unit);
+                const auto found = std::ranges::find(column->units, unit, &ColumnUnit::name);
+                REQUIRE(found != column->units.end());
+                CHECK(found->scale * amount + found->offset == about(1).epsilon(1e-12));
+            }
+        };
+        in_units("t", {{"s", 1}, {"ms", 1e3}, {"us", 1e6}, {"ns", 1e9}, {"min", 1.0 / 60}});
+        in_units("strain", {{"1", 1}, {"%", 100}});
+        in_units("phase", {{"cycles", 1}, {"deg", 360}, {"rad", 2 * pi}});
+        in_units("ay", {{"m/s2", 1}, {"g", 1 / 9.80665}, {"mg", 1e3 / 9.80665}});
+        in_units("gz", {{"rad/s", 1}, {"mrad/s", 1e3}, {"deg/s", 180 / pi}});
+    }
 }

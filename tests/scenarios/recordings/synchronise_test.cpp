@@ -126,6 +126,28 @@ TEST_SUITE("recordings/synchronise") {
                          "the axial strain grows by 0.25 %, expected at most 0.1 %"));
     }
 
+    TEST_CASE("a clock that is ahead of the machine's by one interval is set back by its offset") {
+        const Recorded r;
+        r.give_machine("t", time_at);
+        r.change("recordings.csv", "strain", "", 0);
+        auto infos = r.infos;
+        for (SensorInfo& info : infos) info.clock_offset = 12.02; // s; a sample every 12 s
+        const RecordedTest test =
+            read_recorded_test(r.folder.path(), 55e3, infos, {.interval = 0.99e-3});
+        CHECK(test.refused() == 0);
+        for (std::size_t s = 0; s < 3; ++s) {
+            const SensorTrajectory &found = test.trajectories[s],
+                                   &expected = r.by_strain.trajectories[s];
+            REQUIRE(found.strain.size() == 9);
+            for (std::size_t k = 0; k < 9; ++k) {
+                CHECK(found.strain[k] == about(expected.strain[k]).epsilon(2e-3));
+                // the first sample of the test is now the last one before it
+                const Vec3 since = expected.displacement[k + 1] - expected.displacement[0];
+                CHECK((found.displacement[k] - since).norm() < 1e-12);
+            }
+        }
+    }
+
     TEST_CASE("recordings without strain, phase or a clock of the machine are refused with the "
               "reason, and the test continues without them") {
         const Recorded r;

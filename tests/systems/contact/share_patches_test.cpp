@@ -84,4 +84,25 @@ TEST_SUITE("contact/share_patches") {
         CHECK(many.restitution == about(one.restitution).epsilon(0.07));
         CHECK(many.largest_overlap == about(one.largest_overlap).epsilon(0.1));
     }
+
+    TEST_CASE("patches on two planes have separate shares: each plane carries a clump as alone") {
+        World world = make_world(Grains::clumps);
+        world.resource<Materials>().policy.patch = PatchStiffness::shared;
+        const auto grain = add_material(world, linear_material(1e5));
+        const EntityId host = add_boundary(world, Vec3::Zero(), grain);
+        add_plane(world, host, Vec3::Zero(), Vec3::UnitZ());
+        add_plane(world, host, Vec3::Zero(), Vec3::UnitY());
+        const double overlap = 1e-5;
+        (void)add_clump(world, scaled(row_of_balls(5), 0.01), 0,
+                        Vec3(0, 0.01 - 2 * overlap, 0.01 - overlap), Quat::Identity(), grain);
+        Simulation sim = begin(std::move(world), {.dt = 1e-9});
+        sim.advance();
+        Vec3 force = Vec3::Zero();
+        for (const TouchingPair& pair : touching_pairs<PlanePairs>(sim.world())) {
+            CHECK(pair.share == about(0.2).epsilon(1e-6));
+            force += Vec3(pair.force.fx, pair.force.fy, pair.force.fz);
+        }
+        CHECK(force.y() == about(2e5 * overlap).epsilon(1e-6));
+        CHECK(force.z() == about(1e5 * overlap).epsilon(1e-6));
+    }
 }

@@ -1,4 +1,5 @@
 #include "systems/contact/stable_step.hpp"
+#include "tests/about.hpp"
 #include "tests/support.hpp"
 
 #include <doctest/doctest.h>
@@ -149,6 +150,26 @@ TEST_SUITE("contact/stable_step") {
                          ratio > 0 ? 2 / std::sqrt(7.0) * std::sqrt(mass / (ratio * kn)) : 1.0);
             CHECK(stable_step_of_first_contact(sim.world()) <= limit * (1 + 1e-9));
             CHECK(stable_step_of_first_contact(sim.world()) >= 0.4 * limit);
+        }
+    }
+
+    TEST_CASE("the stiffness of a body is the sum over its contacts, for rotation with the squares "
+              "of their lever arms") {
+        for (const double ks : {0.0, 0.3 * kn}) {
+            CAPTURE(ks);
+            World world = make_world(Grains::clumps);
+            const auto material = add_material(world, linear_material(kn, ks, 1));
+            add_floor(world, material);
+            const std::vector<Ball> feet{{Vec3(-0.03, 0, 0), radius}, {Vec3(0.03, 0, 0), radius}};
+            const EntityId body = add_clump(world, make_clump("feet", feet), 0,
+                                            Vec3(0, 0, radius - 1e-7), Quat::Identity(), material);
+            Simulation sim = begin(std::move(world), {.dt = 1e-12});
+            sim.advance();
+            const BodyStiffness found = body_stiffness(sim.world())[row_of_body(sim.world(), body)];
+            const double along = 0.03 * 0.03, down = radius * radius;
+            CHECK(found.translation == about(2 * kn).epsilon(1e-9));
+            CHECK(found.rotation ==
+                  about(2 * kn * along + 2 * ks * (along + down)).epsilon(1e-4)); // the overlap
         }
     }
 }

@@ -90,6 +90,59 @@ TEST_SUITE("contact/sum_contacts") {
         CHECK((momentum().first - before).norm() < 4000 * 0x1p-53 * size);
     }
 
+    TEST_CASE("rough grains without boundaries keep their angular momentum, also across the chunks "
+              "in which contacts are computed") {
+        constexpr EntityId count = 512;
+        constexpr double radius = 0.01;
+        World world = make_world(Grains::spheres);
+        const auto material = add_material(world, linear_material(1e5, 5e4, 0.5));
+        for (EntityId k = 0; k < count; ++k) {
+            const Vec3 x = 2.05 * radius * Vec3(k % 8, k / 8 % 8, k / 64);
+            add_sphere(world, x, radius * Random(3, k).uniform(0.9, 1), material);
+            value_of<Velocity>(world, k) = 15 * (Vec3::Constant(7.2 * radius) - x);
+            set_angular_velocity(world, k, 50 * Random(4, k).direction());
+        }
+        Simulation sim =
+            begin(std::move(world), {.dt = 1e-5, .law = LawName::linear, .threads = 2});
+        const auto momentum = [&] {
+            Vec3 sum = Vec3::Zero();
+            double size = 0;
+            for (EntityId k = 0; k < count; ++k) {
+                const Vec3 orbit = value_of<Position>(sim, k).cross(value_of<Mass>(sim, k) *
+                                                                    value_of<Velocity>(sim, k)),
+                           spin = value_of<AngularMomentum>(sim, k);
+                sum += orbit + spin;
+                size += orbit.norm() + spin.norm();
+            }
+            return std::pair(sum, size);
+        };
+        sim.advance();
+        const auto [before, size] = momentum();
+        std::size_t contacts = 0, chunks = 0;
+        for (int k = 0; k < 20; ++k) {
+            sim.advance(50);
+            contacts += compute_quantities(sim.world()).contacts;
+            chunks = std::max(chunks, sim.world().resource<NearIndex<SpherePairs>>().chunks.size());
+        }
+        REQUIRE(contacts > 1000);
+        REQUIRE(chunks > 1);
+        CHECK((momentum().first - before).norm() < 1000 * 0x1p-53 * size);
+    }
+
+    TEST_CASE("a sphere on a floor exerts its force on the floor at the point of contact") {
+        constexpr double radius = 0.01, overlap = 1e-5, kn = 1e5;
+        World world = make_world(Grains::spheres);
+        const auto material = add_material(world, linear_material(kn));
+        const EntityId floor = add_floor(world, material);
+        add_sphere(world, Vec3(0.3, -0.2, radius - overlap), radius, material);
+        Simulation sim = begin(std::move(world), {.dt = 1e-9, .law = LawName::linear_frictionless});
+        sim.advance();
+        const Vec3 force = value_of<Force>(sim, floor), torque = value_of<Torque>(sim, floor);
+        CHECK(force.z() == about(-kn * overlap).epsilon(1e-9));
+        CHECK((torque - Vec3(0.3, -0.2, 0).cross(force)).norm() < 1e-9 * force.norm());
+        CHECK(torque.norm() > 0.3 * force.norm());
+    }
+
     TEST_CASE("the units resolve the force of a contact at the limit of overlap to 2^-54, whatever "
               "the material and size") {
         for (const double stiffness : {1e2, 1e5, 1e9})
