@@ -33,7 +33,7 @@ namespace bris {
 namespace {
 
 struct Live {
-    Triaxial triaxial;
+    Triaxial triaxial{.test = {.preparation = "report"}}; // as the example's specimen
     std::filesystem::path recordings = assets_folder() / "smartrock";
     std::filesystem::path stream = assets_folder() / "smartrock" / "55kPa";
     RockParameters model{0.5, 1};

@@ -33,7 +33,7 @@ namespace bris {
 namespace {
 
 struct Smart {
-    Triaxial triaxial;
+    Triaxial triaxial{.test = {.preparation = "report"}}; // as the example's specimen
     std::filesystem::path recordings = assets_folder() / "smartrock";
     RockParameters model{0.5, 1};
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};

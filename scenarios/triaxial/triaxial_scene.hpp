@@ -18,11 +18,11 @@ struct Triaxial {
     unsigned bodies = 400;
     std::vector<double> confining_pressure{55e3, 110e3, 165e3};
     std::string grading = "arema_4";
-    SpecimenSettings specimen;
+    SpecimenSettings specimen = {};
     TriaxialSettings test;
     double least_diameter = 2.7; ///< of the mould, over the size of its largest rock
     std::string sensor_shape = "rock_01";
-    std::filesystem::path sensor_poses;
+    std::filesystem::path sensor_poses = {};
     /// Poses of the sensor rocks by a folder of recordings, unless sensor_poses gives others.
     std::vector<GivenPose> recorded_poses = {};
     unsigned frame_stages = 10;
@@ -128,7 +128,7 @@ struct TriaxialScene {
     std::vector<Clump> smart_rocks; ///< shapes of the sensor rocks, taken in turn
     Grading grading;
     RockSample sample;
-    SpecimenSettings specimen;
+    SpecimenSettings specimen = {};
     std::vector<SmartRockPose> poses;
 };
 
