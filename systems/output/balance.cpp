@@ -1,37 +1,54 @@
 #include "systems/output/balance.hpp"
 
 #include "components/body.hpp"
-#include "components/body_contacts.hpp"
+#include "components/force_sums.hpp"
 #include "components/kinds.hpp"
 #include "components/pair.hpp"
+#include "components/sphere.hpp"
 #include "engine/ordering.hpp"
 #include "systems/output/outer_force.hpp"
 
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
 namespace bris {
 
 namespace {
 
+/// Contact forces on a body in units of the ForceGrid: integers, as in a step, so that their order
+/// does not change a bit. Unsigned, because they may wrap around before the guard stops the run.
 struct Sum {
-    Vec3 resultant = Vec3::Zero();
-    double total = 0;
-    std::size_t contacts = 0;
+    std::uint64_t x = 0, y = 0, z = 0, total = 0, contacts = 0;
+    void add(const Vec3& units) {
+        const auto integer = [](double u) { return static_cast<std::uint64_t>(std::llrint(u)); };
+        x += integer(units.x());
+        y += integer(units.y());
+        z += integer(units.z());
+        total += integer(units.norm());
+        ++contacts;
+    }
+    Vec3 resultant() const {
+        const auto number = [](std::uint64_t u) {
+            return static_cast<double>(static_cast<std::int64_t>(u));
+        };
+        return {number(x), number(y), number(z)};
+    }
 };
 
 template <class Pairs>
-void add_pairs(const World& world, std::vector<Sum>& sums, Balance& balance) {
+void add_pairs(const World& world, double per_force, std::vector<Sum>& sums, Balance& balance) {
     if (!world.has<Pairs>()) return;
-    const BodyContacts<Pairs> contacts(world);
+    const auto near = world.column<typename Pairs::Near, NearPair>();
     const auto force = world.column<typename Pairs::Near, PairForce>();
-    for (Row b = 0; b < sums.size(); ++b)
-        contacts.visit(b, [&](Row k, bool as_partner) {
-            const Vec3 f(force[k].fx, force[k].fy, force[k].fz);
-            sums[b].resultant += as_partner ? -f : f;
-            sums[b].total += f.norm();
-            ++sums[b].contacts;
-            if (!as_partner) ++balance.contacts;
-        });
+    const auto rows = world.column<Pairs, PairRows>();
+    const auto body = world.column<Listed, ListedBody>();
+    world.resource<NearIndex<Pairs>>().for_touching([&](Row k) {
+        const Vec3 units = per_force * Vec3(force[k].fx, force[k].fy, force[k].fz);
+        sums[body[near[k].owner]].add(units);
+        sums[rows[near[k].pair].partner_body].add(-units);
+        ++balance.contacts;
+    });
 }
 
 } // namespace
@@ -39,7 +56,10 @@ void add_pairs(const World& world, std::vector<Sum>& sums, Balance& balance) {
 Balance compute_balance(const World& world) {
     Balance balance;
     std::vector<Sum> sums(world.table<Bodies>().size());
-    for_each_kind_of_pair([&]<class Pairs>() { add_pairs<Pairs>(world, sums, balance); });
+    const double unit = world.resource<ForceGrid>().force; // 0 before the first step
+    for_each_kind_of_pair([&]<class Pairs>() {
+        add_pairs<Pairs>(world, unit > 0 ? 1 / unit : 0, sums, balance);
+    });
     const auto motion = world.column<Bodies, MotionOf>();
     const OuterForces outer(world);
     double unbalanced = 0, total = 0;
@@ -48,8 +68,8 @@ Balance compute_balance(const World& world) {
         ++balance.free_bodies;
         if (sums[b].contacts == 0) ++balance.idle_bodies;
         const Vec3 more = outer(b);
-        unbalanced += (sums[b].resultant + more).norm();
-        total += sums[b].total + more.norm();
+        unbalanced += (unit * sums[b].resultant() + more).norm();
+        total += unit * static_cast<double>(sums[b].total) + more.norm();
     }
     if (total > 0) balance.unbalanced_ratio = unbalanced / total;
     return balance;

@@ -31,11 +31,19 @@ using namespace bris;
 struct Bench {
     unsigned spheres = 2000, rounds = 9;
     std::uint64_t steps = 400;
+    unsigned timing_threads = 1;
+    bool one_pass = true;
+    std::string variant;
 
     void describe(auto& option) {
         option("spheres", spheres, "", "Number of spheres in the bed.", within(100, 1e6));
         option("rounds", rounds, "", "Number of timed blocks of each variant.", within(1, 1000));
         option("steps", steps, "", "Number of time steps in a block.", within(1, 1e9));
+        option("timing_threads", timing_threads, "", "Number of threads that are timed.",
+               within(1, 4096));
+        option("one_pass", one_pass, "",
+               "Run systems that work row by row in one pass over the rows.");
+        option("variant", variant, "", "Part of the name of the variants to run; all if empty.");
     }
 };
 
@@ -48,7 +56,8 @@ enum class Also {
     frames,
     porosity,
     membrane,
-    servo
+    servo,
+    servo_and_sensors
 };
 
 struct Variant {
@@ -73,6 +82,8 @@ constexpr Variant variants[] = {
     {"membrane of 8 x 12 and platen, held", "dashpots", LawName::linear_viscous, Also::membrane},
     {"the same, driven by servos", "membrane of 8 x 12 and platen, held", LawName::linear_viscous,
      Also::servo},
+    {"the same, with ten sensors", "the same, driven by servos", LawName::linear_viscous,
+     Also::servo_and_sensors},
 };
 
 /// Material of the bed, with the additional constants that the law needs.
@@ -166,12 +177,13 @@ struct Case {
     std::vector<double> wall = {}; ///< s, of each block
 };
 
-void add_ten_sensors(World& world, const Bench& s) {
+void add_ten_sensors(World& world) {
     std::vector<EntityId> hosts;
+    const auto spheres = static_cast<EntityId>(world.table<Spheres>().size());
     std::vector<std::vector<TimedMeasurement>> samples(10);
     const double dt = world.resource<Clock>().dt;
     for (EntityId k = 0; k < 10; ++k) {
-        hosts.push_back(k * (s.spheres / 10));
+        hosts.push_back(k * (spheres / 10));
         for (unsigned n = 1; n < 50000; ++n) {
             Measured m;
             m.velocity = Vec3::Zero();
@@ -181,22 +193,26 @@ void add_ten_sensors(World& world, const Bench& s) {
     add_sensors(world, hosts, std::move(samples), {});
 }
 
-Case make_case(const Bench& s, const Variant& v, const std::vector<Vec3>& positions) {
+Case make_case(const Bench& s, const Common& common, const Variant& v,
+               const std::vector<Vec3>& positions) {
     World world = bed_under(s, v.law);
     const double half = world.resource<Limits>().high.x();
     for (std::size_t k = 0; k < positions.size(); ++k)
         world.column<Bodies, Position>()[k] = positions[k];
-    const bool in_membrane = v.also == Also::membrane || v.also == Also::servo;
+    const bool in_membrane = v.also == Also::membrane || v.also == Also::servo ||
+                             v.also == Also::servo_and_sensors;
     if (in_membrane) world = bed_in_membrane(v, half, positions);
     if (v.also == Also::facets) add_facet_floor(world, -half, half, 8, 0);
     if (v.also == Also::damping) world.add_resource(LocalDamping{0.1});
     add_lists(world, v.law);
     if (v.also == Also::energy_budget) add_energy_budget(world);
-    if (v.also == Also::sensors) add_ten_sensors(world, s);
+    if (v.also == Also::sensors || v.also == Also::servo_and_sensors) add_ten_sensors(world);
     const auto spheres = static_cast<double>(world.table<Spheres>().size());
     Case c{v,
-           std::make_unique<Simulation>(std::move(world),
-                                        steps(v.law, v.also == Also::energy_budget), 1),
+           std::make_unique<Simulation>(
+               std::move(world), steps(v.law, v.also == Also::energy_budget), s.timing_threads,
+               ScheduleSettings{
+                   .serial = common.serial, .fused = s.one_pass, .least_rows = 0}),
            nullptr, spheres};
     c.simulation->advance(
         std::max<std::uint64_t>(s.steps, 12000)); // until it is at rest, with warm caches and lists
@@ -264,7 +280,9 @@ void report(const Bench& s, const Common& common, std::vector<Case>& cases) {
 void run(const Bench& s, const Common& common) {
     const std::vector<Vec3> positions = settled(s);
     std::vector<Case> cases;
-    for (const Variant& v : variants) cases.push_back(make_case(s, v, positions));
+    for (const Variant& v : variants)
+        if (std::string_view(v.name).find(s.variant) != std::string_view::npos)
+            cases.push_back(make_case(s, common, v, positions));
     for (unsigned round = 0; round < s.rounds; ++round)
         for (Case& c : cases) run_block(s, c);
     report(s, common, cases);

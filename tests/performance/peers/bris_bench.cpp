@@ -31,7 +31,8 @@ using namespace bris;
 struct Bench {
     std::string scene = "settle", law = "linear";
     std::filesystem::path bed, positions;
-    bool make = false, profile = false, sleep = false, one_pass = true, huge_pages = true;
+    bool make = false, profile = false, sleep = false, one_pass = true, huge_pages = true,
+         serial = false;
     double skin = 0, outer = 3, widest_ratio = ListSettings{}.widest_ratio;
     unsigned sort_every = ListSettings{}.sort_every;
     std::uint64_t least_rows = ScheduleSettings{}.least_rows;
@@ -70,6 +71,8 @@ struct Bench {
                "Largest ratio of radii in one grid of the neighbour search.", above(1));
         option("one_pass", one_pass, "",
                "Run systems that work row by row in one pass over the rows.");
+        option("serial", serial, "",
+               "Run the systems one after another instead of as a task graph.");
         option("least_rows", least_rows, "",
                "Number of rows of all tables from which on several threads are used.");
         option("huge_pages", huge_pages, "", "Allow huge pages for large columns.");
@@ -138,7 +141,10 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     add_lists(scene_world, law, lists_of(s, bed));
     if (s.sleep) add_sleep(scene_world, {});
     Simulation simulation(std::move(scene_world), steps(law), threads,
-                          {.fused = s.one_pass, .timed = s.profile, .least_rows = s.least_rows});
+                          {.serial = s.serial,
+                           .fused = s.one_pass,
+                           .timed = s.profile,
+                           .least_rows = s.least_rows});
     const World& world = simulation.world();
 
     Outcome o;
