@@ -1,5 +1,8 @@
 #include "engine/column.hpp"
 
+#include "engine/parallel.hpp"
+
+#include <algorithm>
 #include <atomic>
 #include <cstdlib>
 #include <cstring>
@@ -12,6 +15,7 @@ namespace bris {
 namespace {
 
 constexpr std::size_t huge_page = std::size_t{1} << 21, page = 4096, line = 64;
+constexpr std::size_t bytes_per_chunk = std::size_t{1} << 17; // of what several threads copy or clear
 
 // A system reads many columns at the same row. Blocks that all begin at the same offset within a
 // page would share the few lines of a cache set, and a load would wait for stores to other columns
@@ -61,16 +65,25 @@ void Column::reserve(std::size_t rows) {
 
 void Column::resize(std::size_t rows) {
     reserve(rows);
-    if (rows > size_)
-        std::memset(bytes() + size_ * type_.value_size, 0, (rows - size_) * type_.value_size);
+    if (rows > size_) {
+        std::byte* fresh = bytes() + size_ * type_.value_size;
+        for_chunks((rows - size_) * type_.value_size, bytes_per_chunk,
+                   [&](std::size_t, std::size_t first, std::size_t last) {
+                       std::memset(fresh + first, 0, last - first);
+                   });
+    }
     size_ = rows;
 }
 
 void Column::permute(std::span<const Row> new_to_old) {
     const std::size_t width = type_.value_size;
     Block moved(capacity_ * width);
-    for (std::size_t row = 0; row < size_; ++row)
-        std::memcpy(moved.data + row * width, bytes() + new_to_old[row] * width, width);
+    for_chunks(size_, std::max<std::size_t>(bytes_per_chunk / width, 1),
+               [&](std::size_t, std::size_t first, std::size_t last) {
+                   for (std::size_t row = first; row < last; ++row)
+                       std::memcpy(moved.data + row * width, bytes() + new_to_old[row] * width,
+                                   width);
+               });
     block_ = std::move(moved);
 }
 

@@ -219,7 +219,8 @@ void Schedule::run(World& world) {
         return;
     }
 #ifndef BRIS_STD_THREADS
-    if (!plan.chain && !settings_.serial && team_size() > 1) {
+    if (!plan.chain && !settings_.serial && team_size() > 1 &&
+        world.rows() <= settings_.most_graph_rows) {
         if (!plan.graph) {
             // built inside the simulation's arena, because a flow graph runs where it was created
             plan.graph = std::make_unique<tbb::flow::graph>();

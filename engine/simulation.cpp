@@ -10,16 +10,6 @@
 
 namespace bris {
 
-namespace {
-
-std::size_t rows_of(const World& world) {
-    std::size_t rows = 0;
-    for (const auto& table : world.tables()) rows += table.table->size();
-    return rows;
-}
-
-} // namespace
-
 Simulation::Simulation(World world, StepList steps, unsigned threads, ScheduleSettings settings)
     : world_(std::make_unique<World>(std::move(world))),
       threads_(std::make_unique<Threads>(threads)), alone_(std::make_unique<Threads>(1)),
@@ -32,7 +22,7 @@ void Simulation::advance(std::uint64_t steps) {
     const Health& health = world_->resource<Health>();
     const auto began = this_instant();
     const std::uint64_t before = clock.step;
-    (rows_of(*world_) < least_rows_ ? alone_ : threads_)->run([&] {
+    (world_->rows() < least_rows_ ? alone_ : threads_)->run([&] {
         for (std::uint64_t k = 0; k < steps && !health.bad; ++k) {
             clock.observed = k + 1 == steps;
             schedule_.run(*world_);

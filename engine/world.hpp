@@ -78,6 +78,12 @@ public:
         std::unique_ptr<Table> table;
     };
     const std::vector<Named>& tables() const { return tables_; }
+    /// Number of rows of all tables.
+    std::size_t rows() const {
+        std::size_t sum = 0;
+        for (const Named& named : tables_) sum += named.table->size();
+        return sum;
+    }
 
     struct HeldBase {
         explicit HeldBase(std::type_index t) : type(t) {}

@@ -3,6 +3,9 @@
 #include "systems/broadphase/chunk_lists.hpp"
 #include "systems/broadphase/lists.hpp"
 
+#include <span>
+#include <vector>
+
 namespace bris::detail {
 
 /// History of a pair table (Spring or Roll) by name, kept while the table is rebuilt.
@@ -15,14 +18,17 @@ public:
         const auto names = table.column<PairKey>();
         const auto values = table.column<History>();
         first_.assign(bodies + 1, 0);
-        for (std::size_t r = 0; r < table.size(); ++r)
-            if (History::keep(values[r])) ++first_[names[r].owner + 1];
+        for_owners(names, [&](EntityId owner, std::size_t begin, std::size_t end) {
+            for (std::size_t r = begin; r < end; ++r)
+                if (History::keep(values[r])) ++first_[owner + 1];
+        });
         for (std::size_t b = 0; b < bodies; ++b) first_[b + 1] += first_[b];
         kept_.resize(first_.back());
-        std::vector<Row> next(first_.begin(), first_.end());
-        // the pairs of one owner are contiguous and sorted, so each owner's run stays sorted
-        for (std::size_t r = 0; r < table.size(); ++r)
-            if (History::keep(values[r])) kept_[next[names[r].owner]++] = {names[r], values[r]};
+        for_owners(names, [&](EntityId owner, std::size_t begin, std::size_t end) {
+            Row next = first_[owner];
+            for (std::size_t r = begin; r < end; ++r)
+                if (History::keep(values[r])) kept_[next++] = {names[r], values[r]};
+        });
     }
 
     /// History of the pair of that name, or zero. `cursor` starts at first(owner); each call
@@ -40,6 +46,22 @@ private:
         PairNames names;
         typename History::Value value;
     };
+    /// Calls body(owner, begin, end) for the rows of each owner, which are contiguous and sorted, in
+    /// parallel.
+    template <class Body>
+    static void for_owners(std::span<const PairNames> names, Body&& body) {
+        for_chunks(names.size(), 4096, [&](std::size_t, std::size_t first, std::size_t last) {
+            // an owner belongs to the chunk in which its rows begin
+            while (first > 0 && first < last && names[first].owner == names[first - 1].owner)
+                ++first;
+            while (first < last) {
+                std::size_t end = first + 1;
+                while (end < names.size() && names[end].owner == names[first].owner) ++end;
+                body(names[first].owner, first, end);
+                first = end;
+            }
+        });
+    }
     std::vector<Row> first_; // by owner's id
     std::vector<Entry> kept_;
 };

@@ -35,7 +35,8 @@ struct Bench {
          serial = false;
     double skin = 0, outer = 3, widest_ratio = ListSettings{}.widest_ratio;
     unsigned sort_every = ListSettings{}.sort_every;
-    std::uint64_t least_rows = ScheduleSettings{}.least_rows;
+    std::uint64_t least_rows = ScheduleSettings{}.least_rows,
+                  most_graph_rows = ScheduleSettings{}.most_graph_rows;
     unsigned spheres = 2000, threads = 1, worlds = 1;
     double step = 0, low = -1e9, high = 1e9, speed = 0, strain = 0;
     std::uint64_t check_steps = 200, steps = 1000;
@@ -75,6 +76,8 @@ struct Bench {
                "Run the systems one after another instead of as a task graph.");
         option("least_rows", least_rows, "",
                "Number of rows of all tables from which on several threads are used.");
+        option("most_graph_rows", most_graph_rows, "",
+               "Number of rows of all tables up to which the task graph is used.");
         option("huge_pages", huge_pages, "", "Allow huge pages for large columns.");
         option("worlds", worlds, "",
                "Number of copies of the scene. Several copies run at once, each on one thread, and "
@@ -144,7 +147,8 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
                           {.serial = s.serial,
                            .fused = s.one_pass,
                            .timed = s.profile,
-                           .least_rows = s.least_rows});
+                           .least_rows = s.least_rows,
+                           .most_graph_rows = s.most_graph_rows});
     const World& world = simulation.world();
 
     Outcome o;
