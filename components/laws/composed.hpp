@@ -32,19 +32,22 @@ struct Law {
     /// (CorrectionOfEnd). The tangential spring records that the pair touched.
     static constexpr bool corrects_end = has_history && has_dashpots;
 
-    /// Computes the force and torque on the owner and advances the springs by one step. With
-    /// corrects_end, pairs that have separated in the last step are included; their overlap is
-    /// negative.
+    /// Computes the force and torque on the owner and advances the springs by one step. Pairs that
+    /// have separated in the last step are included with corrects_end, or if the energy budget
+    /// needs the work that their springs lose; their overlap is negative.
     static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k,
                             const RollingLanes& rolling, const LawStep& step, SpringLanes& spring,
                             RollLanes& roll) {
         ContactLanes closed = c; // rounding may leave touching surfaces with a negative overlap
         closed.overlap = max(c.overlap, lanes(0));
-        if constexpr (corrects_end) {
+        if constexpr (has_history) {
             const LaneMask ended = (c.overlap <= 0.0) & (spring.stiffness > 0.0);
-            if (bits(ended) != 0) {
+            if ((corrects_end || step.accumulate_work) && bits(ended) != 0) {
+                const WorkLanes lost = work_of_separation(c, k, rolling, step, spring, roll);
                 ForceLanes f = force_of_touching(closed, k, rolling, step, spring, roll);
-                end(c, k, step, ended, f, spring, roll);
+                if constexpr (corrects_end) end(c, k, step, ended, f, spring, roll);
+                f.work.friction = ended ? lost.friction : f.work.friction;
+                f.work.rolling = ended ? lost.rolling : f.work.rolling;
                 return f;
             }
         }
@@ -80,6 +83,20 @@ private:
                    : s;
     }
 
+    /// Work that the springs of contacts lose that have ended in the last step.
+    static WorkLanes work_of_separation(const ContactLanes& c, const CoefficientLanes& k,
+                                        const RollingLanes& rolling, const LawStep& step,
+                                        const SpringLanes& spring, const RollLanes& roll) {
+        WorkLanes lost;
+        if (!step.accumulate_work) return lost;
+        const bool varying = Normal::varying || step.shared;
+        const Lane stiffness = varying ? spring.stiffness : k.ks;
+        lost.friction = Tangential::work_of_separation(c, step, stiffness, spring);
+        if constexpr (has_rolling)
+            lost.rolling = Rolling::work_of_separation(c, rolling, step, stiffness, roll);
+        return lost;
+    }
+
     /// Replaces the forces of the contacts that have ended by their corrections, and clears their
     /// springs.
     static void end(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step,
@@ -101,9 +118,8 @@ private:
         replace(f.y, force * c.ny);
         replace(f.z, force * c.nz);
         replace(f.work.viscous, viscous);
-        for (Lane* none :
-             {&f.torque_x, &f.torque_y, &f.torque_z, &f.work.friction, &f.work.rolling, &spring.x,
-              &spring.y, &spring.z, &spring.stiffness, &roll.x, &roll.y, &roll.z, &roll.twist})
+        for (Lane* none : {&f.torque_x, &f.torque_y, &f.torque_z, &spring.x, &spring.y, &spring.z,
+                           &spring.stiffness, &roll.x, &roll.y, &roll.z, &roll.twist})
             replace(*none, lanes(0));
     }
 
