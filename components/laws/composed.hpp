@@ -38,23 +38,45 @@ struct Law {
     static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k,
                             const RollingLanes& rolling, const LawStep& step, SpringLanes& spring,
                             RollLanes& roll) {
-        ContactLanes closed = c; // rounding may leave touching surfaces with a negative overlap
-        closed.overlap = max(c.overlap, lanes(0));
-        if constexpr (has_history) {
-            const LaneMask ended = (c.overlap <= 0.0) & (spring.stiffness > 0.0);
-            if ((corrects_end || step.accumulate_work) && bits(ended) != 0) {
+        if constexpr (corrects_end) {
+            const LaneMask ended = ended_ones(c, spring);
+            if (bits(ended) != 0) {
                 const WorkLanes lost = work_of_separation(c, k, rolling, step, spring, roll);
-                ForceLanes f = force_of_touching(closed, k, rolling, step, spring, roll);
-                if constexpr (corrects_end) end(c, k, step, ended, f, spring, roll);
-                f.work.friction = ended ? lost.friction : f.work.friction;
-                f.work.rolling = ended ? lost.rolling : f.work.rolling;
+                ForceLanes f = force_of_touching(closed(c), k, rolling, step, spring, roll);
+                end(c, k, step, ended, f, spring, roll);
+                replace_work(f, ended, lost);
                 return f;
             }
+        } else if constexpr (has_history) { // no force acts on contacts that have ended
+            LaneMask ended{};
+            if (step.accumulate_work) ended = ended_ones(c, spring);
+            WorkLanes lost;
+            if (bits(ended) != 0) lost = work_of_separation(c, k, rolling, step, spring, roll);
+            ForceLanes f = force_of_touching(closed(c), k, rolling, step, spring, roll);
+            if (bits(ended) != 0) replace_work(f, ended, lost);
+            return f;
         }
-        return force_of_touching(closed, k, rolling, step, spring, roll);
+        return force_of_touching(closed(c), k, rolling, step, spring, roll);
     }
 
 private:
+    /// The contacts without negative overlaps, which rounding may leave where surfaces touch.
+    static ContactLanes closed(const ContactLanes& c) {
+        ContactLanes touching = c;
+        touching.overlap = max(c.overlap, lanes(0));
+        return touching;
+    }
+
+    /// Contacts that have ended in the last step.
+    static LaneMask ended_ones(const ContactLanes& c, const SpringLanes& spring) {
+        return (c.overlap <= 0.0) & (spring.stiffness > 0.0);
+    }
+
+    static void replace_work(ForceLanes& f, LaneMask ended, const WorkLanes& lost) {
+        f.work.friction = ended ? lost.friction : f.work.friction;
+        f.work.rolling = ended ? lost.rolling : f.work.rolling;
+    }
+
     static ForceLanes force_of_touching(const ContactLanes& c, const CoefficientLanes& k,
                                         const RollingLanes& rolling, const LawStep& step,
                                         SpringLanes& spring, RollLanes& roll) {
@@ -83,10 +105,11 @@ private:
                    : s;
     }
 
-    /// Work that the springs of contacts lose that have ended in the last step.
-    static WorkLanes work_of_separation(const ContactLanes& c, const CoefficientLanes& k,
-                                        const RollingLanes& rolling, const LawStep& step,
-                                        const SpringLanes& spring, const RollLanes& roll) {
+    /// Work that the springs of contacts lose that have ended in the last step. Called rarely: a
+    /// function of its own, with copies, so that the springs may stay in registers elsewhere.
+    [[gnu::noinline]] static WorkLanes work_of_separation(ContactLanes c, CoefficientLanes k,
+                                                          RollingLanes rolling, LawStep step,
+                                                          SpringLanes spring, RollLanes roll) {
         WorkLanes lost;
         if (!step.accumulate_work) return lost;
         const bool varying = Normal::varying || step.shared;

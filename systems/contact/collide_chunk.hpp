@@ -70,7 +70,7 @@ std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepe
         now = sleepers.asked(group, row, now);
         if constexpr (Law::corrects_end && !Law::has_reach)
             now |= ended(to, row, apart); // the law clears their springs
-        else if (Law::has_history && !Law::has_reach && to.work.friction != nullptr)
+        else if (apart != 0 && Law::has_history && !Law::has_reach && to.work.friction != nullptr)
             now |= separate(to, row, apart, separated);
         else
             forget(to, row, apart);

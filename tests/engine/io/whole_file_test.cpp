@@ -14,7 +14,7 @@ TEST_SUITE("engine/io/whole_file") {
     TEST_CASE("what is written is read, and replaces an older file") {
         const TemporaryDirectory folder;
         const auto file = folder / "a/b";
-        for (const std::string text : {std::string("x\0y\n", 4), std::string()}) {
+        for (const std::string& text : {std::string("x\0y\n", 4), std::string()}) {
             write_whole(file, text);
             CHECK(read_whole(file) == text);
         }
