@@ -2,8 +2,9 @@
 
 namespace bris {
 
-/// Makes SIGINT and SIGTERM request an orderly stop instead of ending the process. A second SIGINT
-/// ends the process at once with exit code 130.
+/// Makes SIGINT, SIGTERM and SIGXCPU (the limit of processor time is reached) request an orderly
+/// stop instead of ending the process. A second SIGINT ends the process at once with exit code 130.
+/// A write beyond the limit of file sizes (SIGXFSZ) fails as one on a full disk does.
 void catch_interrupts();
 
 /// Whether the user has asked to stop. Any thread may call it; it costs one atomic load.

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/exit_codes.hpp"
+#include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +10,6 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
 #include <numeric>
 #include <sstream>
@@ -272,10 +272,8 @@ std::string Options::nearest(const std::string& name) const {
 }
 
 void Options::read_config(const std::filesystem::path& file) {
-    std::ifstream in(file);
+    std::istringstream in(read_whole(file));
     std::string line;
-    if (!in || !std::filesystem::is_regular_file(file))
-        throw OutputError(fmt::format("cannot read config file '{}'", file.string()));
     std::map<std::string, int> seen;
     for (int number = 1; std::getline(in, line); ++number) {
         const std::string at = fmt::format("{}:{}", file.string(), number);
@@ -299,7 +297,6 @@ void Options::read_config(const std::filesystem::path& file) {
         std::visit(Assign{at + ": " + name, text, option->unit, option->range, option->choices},
                    option->target);
     }
-    if (in.bad()) throw OutputError(fmt::format("cannot read config file '{}'", file.string()));
 }
 
 void Options::assign_flag(const Option& option, const Values& values) const {

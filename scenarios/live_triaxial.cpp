@@ -116,9 +116,11 @@ std::filesystem::path prepare_stream(const Live& s, const Common& common) {
         std::filesystem::rename(log, kept);
     }
     if (goes_on && !std::filesystem::equivalent(common.resume, common.out) &&
-        std::filesystem::exists(common.resume / log_name))
+        std::filesystem::exists(common.resume / log_name)) {
+        require_regular_file(common.resume / log_name);
         std::filesystem::copy_file(common.resume / log_name, log,
                                    std::filesystem::copy_options::overwrite_existing);
+    }
     if (!is_replay) return s.stream;
     write_whole(common.out / "replay.ndjson", text);
     return common.out / "replay.ndjson";

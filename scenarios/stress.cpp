@@ -15,6 +15,7 @@ using namespace bris;
 struct Stress {
     std::string only;
     bool full = false, list = false;
+    double soak_minutes = 30;
 
     void describe(auto& option) {
         option("case", only, "", "Run one case only, for example S6. Empty: run all cases.");
@@ -22,6 +23,9 @@ struct Stress {
         option("full", full, "",
                "Run long runs and many random draws, which take minutes to hours instead of "
                "seconds.");
+        option("soak_minutes", soak_minutes, "",
+               "Minutes for which the case S29 loads and runs scenes with --full.",
+               within(0.1, 1e5));
     }
 };
 
@@ -50,7 +54,7 @@ void run(const Stress& stress, const Common& common) {
         for (const StressCase& c : cases) fmt::print("{:4} {}\n", c.id, c.title);
         return;
     }
-    const StressSettings settings{stress.full, common.threads, common.seed};
+    const StressSettings settings{stress.full, common.threads, common.seed, stress.soak_minutes};
     StressRows all;
     Summary summary;
     std::vector<std::string> names;

@@ -32,26 +32,51 @@ struct Law {
     /// (CorrectionOfEnd). The tangential spring records that the pair touched.
     static constexpr bool corrects_end = has_history && has_dashpots;
 
-    /// Computes the force and torque on the owner and advances the springs by one step. With
-    /// corrects_end, pairs that have separated in the last step are included; their overlap is
-    /// negative.
+    /// Computes the force and torque on the owner and advances the springs by one step. Pairs that
+    /// have separated in the last step are included with corrects_end, or if the energy budget
+    /// needs the work that their springs lose; their overlap is negative.
     static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k,
                             const RollingLanes& rolling, const LawStep& step, SpringLanes& spring,
                             RollLanes& roll) {
-        ContactLanes closed = c; // rounding may leave touching surfaces with a negative overlap
-        closed.overlap = max(c.overlap, lanes(0));
         if constexpr (corrects_end) {
-            const LaneMask ended = (c.overlap <= 0.0) & (spring.stiffness > 0.0);
+            const LaneMask ended = ended_ones(c, spring);
             if (bits(ended) != 0) {
-                ForceLanes f = force_of_touching(closed, k, rolling, step, spring, roll);
+                const WorkLanes lost = work_of_separation(c, k, rolling, step, spring, roll);
+                ForceLanes f = force_of_touching(closed(c), k, rolling, step, spring, roll);
                 end(c, k, step, ended, f, spring, roll);
+                replace_work(f, ended, lost);
                 return f;
             }
+        } else if constexpr (has_history) { // no force acts on contacts that have ended
+            LaneMask ended{};
+            if (step.accumulate_work) ended = ended_ones(c, spring);
+            WorkLanes lost;
+            if (bits(ended) != 0) lost = work_of_separation(c, k, rolling, step, spring, roll);
+            ForceLanes f = force_of_touching(closed(c), k, rolling, step, spring, roll);
+            if (bits(ended) != 0) replace_work(f, ended, lost);
+            return f;
         }
-        return force_of_touching(closed, k, rolling, step, spring, roll);
+        return force_of_touching(closed(c), k, rolling, step, spring, roll);
     }
 
 private:
+    /// The contacts without negative overlaps, which rounding may leave where surfaces touch.
+    static ContactLanes closed(const ContactLanes& c) {
+        ContactLanes touching = c;
+        touching.overlap = max(c.overlap, lanes(0));
+        return touching;
+    }
+
+    /// Contacts that have ended in the last step.
+    static LaneMask ended_ones(const ContactLanes& c, const SpringLanes& spring) {
+        return (c.overlap <= 0.0) & (spring.stiffness > 0.0);
+    }
+
+    static void replace_work(ForceLanes& f, LaneMask ended, const WorkLanes& lost) {
+        f.work.friction = ended ? lost.friction : f.work.friction;
+        f.work.rolling = ended ? lost.rolling : f.work.rolling;
+    }
+
     static ForceLanes force_of_touching(const ContactLanes& c, const CoefficientLanes& k,
                                         const RollingLanes& rolling, const LawStep& step,
                                         SpringLanes& spring, RollLanes& roll) {
@@ -80,6 +105,21 @@ private:
                    : s;
     }
 
+    /// Work that the springs of contacts lose that have ended in the last step. Called rarely: a
+    /// function of its own, with copies, so that the springs may stay in registers elsewhere.
+    [[gnu::noinline]] static WorkLanes work_of_separation(ContactLanes c, CoefficientLanes k,
+                                                          RollingLanes rolling, LawStep step,
+                                                          SpringLanes spring, RollLanes roll) {
+        WorkLanes lost;
+        if (!step.accumulate_work) return lost;
+        const bool varying = Normal::varying || step.shared;
+        const Lane stiffness = varying ? spring.stiffness : k.ks;
+        lost.friction = Tangential::work_of_separation(c, step, stiffness, spring);
+        if constexpr (has_rolling)
+            lost.rolling = Rolling::work_of_separation(c, rolling, step, stiffness, roll);
+        return lost;
+    }
+
     /// Replaces the forces of the contacts that have ended by their corrections, and clears their
     /// springs.
     static void end(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step,
@@ -101,9 +141,8 @@ private:
         replace(f.y, force * c.ny);
         replace(f.z, force * c.nz);
         replace(f.work.viscous, viscous);
-        for (Lane* none :
-             {&f.torque_x, &f.torque_y, &f.torque_z, &f.work.friction, &f.work.rolling, &spring.x,
-              &spring.y, &spring.z, &spring.stiffness, &roll.x, &roll.y, &roll.z, &roll.twist})
+        for (Lane* none : {&f.torque_x, &f.torque_y, &f.torque_z, &spring.x, &spring.y, &spring.z,
+                           &spring.stiffness, &roll.x, &roll.y, &roll.z, &roll.twist})
             replace(*none, lanes(0));
     }
 

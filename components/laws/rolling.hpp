@@ -56,25 +56,34 @@ struct RollingSprings {
         f.torque_y = radius * (c.nz * fx - c.nx * fz + ft * c.ny);
         f.torque_z = radius * (c.nx * fy - c.ny * fx + ft * c.nz);
         if (step.accumulate_work) {
-            f.work.rolling = taken(ks, kept, old, trial, now, k.rolling_friction) +
-                             taken(ks, kept, old_twist, trial_twist, twist, k.twisting_friction) +
-                             step.dt * (rolling_dashpot * (vx * vx + vy * vy + vz * vz) +
-                                        twist_dashpot * vt * vt);
-            const LaneMask parts = -c.closing * step.dt > c.overlap;
-            f.work.rolling +=
-                parts
-                    ? 0.5 * ks * (now.x * now.x + now.y * now.y + now.z * now.z + twist.x * twist.x)
-                    : lanes(0);
+            const SpringLanes gone{step.dt * vx, step.dt * vy, step.dt * vz, Lane{}},
+                twisted_by{step.dt * vt, Lane{}, Lane{}, Lane{}};
+            f.work.rolling =
+                CoulombSpring::work_of_step(old.stiffness, ks, kept, old, gone, trial, now) +
+                CoulombSpring::work_of_step(old.stiffness, ks, kept, old_twist, twisted_by,
+                                            trial_twist, twist) +
+                step.dt *
+                    (rolling_dashpot * (vx * vx + vy * vy + vz * vz) + twist_dashpot * vt * vt);
         }
         roll = {now.x, now.y, now.z, twist.x};
     }
 
-private:
-    static Lane taken(Lane ks, Lane kept, const SpringLanes& old, const SpringLanes& trial,
-                      const SpringLanes& now, Lane friction) {
-        const Lane change = CoulombSpring::work_of_change(ks, kept, old, trial);
-        return CoulombSpring::sliding_work(ks, kept, old, trial, now) +
-               (friction > 0.0 ? change : lanes(0));
+    /// Work (J) of a contact that has ended in the last step, as CoulombSpring::work_of_separation.
+    /// `shear_stiffness`: N/m, one step ago.
+    static Lane work_of_separation(const ContactLanes& c, const RollingLanes& k,
+                                   const LawStep& step, Lane shear_stiffness,
+                                   const RollLanes& roll) {
+        Lane x = roll.x, y = roll.y, z = roll.z;
+        turn_with_pair(c, step.dt, x, y, z);
+        const Lane along = x * (c.wy * c.nz - c.wz * c.ny) + y * (c.wz * c.nx - c.wx * c.nz) +
+                           z * (c.wx * c.ny - c.wy * c.nx),
+                   twisting = roll.twist * (c.wx * c.nx + c.wy * c.ny + c.wz * c.nz);
+        const auto released = [&](Lane stretch2, Lane rate) {
+            return max(stretch2 + step.dt * c.radius * rate, lanes(0));
+        };
+        return 0.5 * k.stiffness_ratio * shear_stiffness *
+               (released(x * x + y * y + z * z, along) +
+                released(roll.twist * roll.twist, twisting));
     }
 };
 

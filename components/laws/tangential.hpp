@@ -62,6 +62,7 @@ struct CoulombSpring {
                    dz = share * (c.uz - un * c.nz);
 
         SpringLanes old = spring;
+        const Lane spring_before = spring.stiffness;
         turn_with_pair(c, step.dt, old.x, old.y, old.z);
         Lane kept = lanes(1), moved = lanes(1);
         const bool varying = Normal::varying || step.shared;
@@ -109,13 +110,9 @@ struct CoulombSpring {
             viscous = step.dt * dashpot * speed2;
         }
         if (step.accumulate_work) {
-            f.work.friction = sliding_work(stiffness.shear, kept, old, trial, spring);
-            // a pair that separates in the next step loses the energy of its stretch
-            const LaneMask parts = -c.closing * step.dt > c.overlap;
-            f.work.friction += parts ? 0.5 * stiffness.shear * squared(spring) : lanes(0);
-            if (varying)
-                f.work.friction +=
-                    k.friction > 0.0 ? work_of_change(stiffness.shear, kept, old, trial) : lanes(0);
+            f.work.friction =
+                work_of_step(varying ? spring_before : stiffness.shear, stiffness.shear, kept, old,
+                             {dx, dy, dz, Lane{}}, trial, spring);
             f.work.viscous += viscous;
         }
         f.x += gx;
@@ -125,26 +122,42 @@ struct CoulombSpring {
 
     static Lane squared(const SpringLanes& s) { return s.x * s.x + s.y * s.y + s.z * s.z; }
 
-    /// Work (J) of sliding: the sliding distance times the mean of the spring's force before and
-    /// after the step, or times the force after it if the force reversed within the step. Never
-    /// negative.
-    static Lane sliding_work(Lane k, Lane kept, const SpringLanes& old, const SpringLanes& trial,
-                             const SpringLanes& now) {
-        const Lane sx = trial.x - now.x, sy = trial.y - now.y, sz = trial.z - now.z;
-        const Lane before = kept * (old.x * sx + old.y * sy + old.z * sz),
-                   after = now.x * sx + now.y * sy + now.z * sz;
-        return k * max(after, lanes(0)) + (before > -after ? 0.5 * k * (before - after) : lanes(0));
+    static Lane product(const SpringLanes& a, const SpringLanes& b) {
+        return a.x * b.x + a.y * b.y + a.z * b.z;
     }
 
-    /// Energy (J) that the spring loses when its stiffness changes: at constant force while it
-    /// grows, at constant stretch while it shrinks. Negative for a history that is not passive.
-    static Lane work_of_change(Lane k, Lane kept, const SpringLanes& old,
-                               const SpringLanes& trial) {
-        const Lane was = squared(old), is = squared(trial), mean = 0.5 * (old.stiffness + k);
-        const Lane by_stretch = 0.25 * (old.stiffness - k) * (was + is);
-        const Lane by_force = 0.5 * k * is * (k / mean - 1.0) +
-                              0.5 * old.stiffness * was * (1.0 - old.stiffness / mean);
-        return mean > 0.0 ? (kept == 1.0 ? by_stretch : by_force) : lanes(0);
+    /// Work (J) that a spring takes from the motion in a step and does not store: by sliding, and
+    /// by a change of its stiffness. The leapfrog moves the bodies by `gone` (m) between two
+    /// instants, and the kicks before and after do the work of the mean of the forces at both
+    /// (trapezoidal rule, exact for the leapfrog). `k_old`, `old`: stiffness and stretch before the
+    /// step; `k`, `now`: after it; `trial`: the stretch without Coulomb's limit; `kept`: share of
+    /// the old stretch kept when the stiffness changed. If the force reversed within the step, the
+    /// trapezoidal rule fails, and the work is at least the force after it times the sliding
+    /// distance. Never negative but for a history that is not passive (ShearHistory).
+    static Lane work_of_step(Lane k_old, Lane k, Lane kept, const SpringLanes& old,
+                             const SpringLanes& gone, const SpringLanes& trial,
+                             const SpringLanes& now) {
+        const Lane work = 0.5 * (k_old * (product(old, gone) + squared(old)) +
+                                 k * (product(now, gone) - squared(now)));
+        const SpringLanes slip{trial.x - now.x, trial.y - now.y, trial.z - now.z, Lane{}};
+        const Lane after = product(now, slip);
+        const LaneMask reversed = kept * product(old, slip) < -after,
+                       passive = (kept < 1.0) | ((kept == 1.0) & (k <= k_old));
+        const Lane least = max(reversed ? k * after : lanes(0), lanes(0));
+        return passive ? max(work, least) : work;
+    }
+
+    /// Work (J) of a contact that has ended in the last step: the energy of its spring and the work
+    /// that the spring's last force does on the bodies in that step, which the leapfrog gives them
+    /// half a step before and half a step after its instant (trapezoidal rule). Never negative.
+    /// `stiffness`: of the spring one step ago.
+    static Lane work_of_separation(const ContactLanes& c, const LawStep& step, Lane stiffness,
+                                   SpringLanes old) {
+        turn_with_pair(c, step.dt, old.x, old.y, old.z);
+        const Lane un = c.ux * c.nx + c.uy * c.ny + c.uz * c.nz;
+        const Lane along =
+            old.x * (c.ux - un * c.nx) + old.y * (c.uy - un * c.ny) + old.z * (c.uz - un * c.nz);
+        return 0.5 * stiffness * max(squared(old) + step.dt * along, lanes(0));
     }
 };
 

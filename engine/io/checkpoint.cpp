@@ -82,11 +82,11 @@ std::uint64_t hash_of(std::FILE* file, std::uint64_t size, const fs::path& path)
 std::uint64_t size_of(std::FILE* file, const fs::path& path) {
     struct stat status {};
     if (fstat(fileno(file), &status) != 0) fail("read", path, errno);
-    if (S_ISDIR(status.st_mode)) fail("read", path, EISDIR);
     return static_cast<std::uint64_t>(status.st_size);
 }
 
 void check_seal(const fs::path& path) {
+    require_regular_file(path);
     const File file(std::fopen(path.c_str(), "rb"));
     if (!file) fail("read", path, errno);
     const std::uint64_t size = size_of(file.get(), path);

@@ -1,15 +1,20 @@
 #include "engine/io/hdf5.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
 #include <hdf5.h>
 
 #include <algorithm>
+#include <cstring>
+#include <fcntl.h>
 #include <mutex>
 #include <numeric>
 #include <stdexcept>
 #include <sys/file.h>
+#include <sys/stat.h>
+#include <unistd.h>
 #include <utility>
 
 namespace bris {
@@ -22,7 +27,14 @@ constexpr std::size_t most_bytes = std::size_t{1} << 38; // 256 GiB in one datas
 /// its errors unless told otherwise.
 class Alone {
 public:
-    Alone() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
+    Alone() : lock_(mutex()) {
+        // The library must not clean up when the process ends, because it crashes there after a
+        // failed write (disk full); every file is closed by its owner. This holds only if it is the
+        // first call into the library: any other call initialises it, and so registers the cleanup.
+        static const herr_t without_cleanup = H5dont_atexit();
+        static_cast<void>(without_cleanup);
+        H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
+    }
 
 private:
     static std::recursive_mutex& mutex() {
@@ -31,10 +43,6 @@ private:
     }
     std::lock_guard<std::recursive_mutex> lock_;
 };
-
-/// Called before the first file: the library must not clean up when the process ends, because it
-/// crashes there after a failed write (disk full). Every file is closed by its owner.
-void begin() { H5dont_atexit(); }
 
 /// Description of the innermost error of the failed call.
 std::string reason() {
@@ -52,14 +60,35 @@ std::string reason() {
     return text.empty() ? "unknown reason" : text;
 }
 
+/// The descriptor of an open file; negative: unknown.
+int descriptor_of(hid_t file) {
+    void* descriptor = nullptr;
+    const bool known =
+        H5Fget_vfd_handle(file, H5P_DEFAULT, &descriptor) >= 0 && descriptor != nullptr;
+    return known ? *static_cast<int*>(descriptor) : -1;
+}
+
 /// The library locks a file that is being written exclusively. With a shared lock, others may read
 /// what was flushed, and nobody else can write. This is best effort: a reader may find a
 /// half-written file during a flush and must read it again, and if the lock is not available at
 /// once, or locks do not exist, everything stays as it is.
 void let_others_read(hid_t file) {
-    void* descriptor = nullptr;
-    if (H5Fget_vfd_handle(file, H5P_DEFAULT, &descriptor) >= 0 && descriptor != nullptr)
-        (void)flock(*static_cast<int*>(descriptor), LOCK_SH | LOCK_NB);
+    if (const int descriptor = descriptor_of(file); descriptor >= 0)
+        (void)flock(descriptor, LOCK_SH | LOCK_NB);
+}
+
+/// Takes the space on the disk that a file will need, before a flush: a flush that fails halfway
+/// destroys what is complete, and a file that is shorter than its head says, because the process
+/// was killed in the middle, cannot be opened at all. Returns 0 or the number of the error.
+int reserve(hid_t file) {
+    const int descriptor = descriptor_of(file);
+    haddr_t end = 0;
+    struct stat status {};
+    if (descriptor < 0 || H5Fget_eoa(file, &end) < 0 || fstat(descriptor, &status) != 0) return 0;
+    const auto size = static_cast<haddr_t>(status.st_size);
+    return size >= end
+               ? 0
+               : posix_fallocate(descriptor, status.st_size, static_cast<off_t>(end - size));
 }
 
 /// A handle that is closed when it goes out of scope.
@@ -113,25 +142,35 @@ hid_t with_parents() {
 
 } // namespace
 
-Hdf5File::Hdf5File(std::filesystem::path path, std::int64_t file)
-    : path_(std::move(path)), file_(file) {}
+Hdf5File::Hdf5File(std::filesystem::path path, std::int64_t file, bool writes)
+    : path_(std::move(path)), file_(file), writes_(writes) {}
 
 Hdf5File::Hdf5File(Hdf5File&& other) noexcept
-    : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)) {}
+    : path_(std::move(other.path_)), file_(std::exchange(other.file_, -1)), writes_(other.writes_),
+      failed_(other.failed_) {}
 
 Hdf5File& Hdf5File::operator=(Hdf5File&& other) noexcept {
     std::swap(path_, other.path_);
     std::swap(file_, other.file_);
+    std::swap(writes_, other.writes_);
+    std::swap(failed_, other.failed_);
     return *this;
 }
 
 Hdf5File::~Hdf5File() {
     const Alone alone;
-    if (file_ >= 0) H5Fclose(file_);
+    // To close a file is to write what is in the buffers of the library: after a failure this would
+    // destroy what is complete. The file then stays open until the process ends.
+    if (is_open()) H5Fclose(file_);
 }
 
 void Hdf5File::fail(const std::string& doing, const std::string& object) const {
-    const std::string why = reason();
+    fail(doing, object, reason());
+}
+
+void Hdf5File::fail(const std::string& doing, const std::string& object,
+                    const std::string& why) const {
+    failed_ = writes_;
     throw OutputError(object.empty() ? fmt::format("cannot {} '{}': {}", doing, path_.string(), why)
                                      : fmt::format("cannot {} {} in '{}': {}", doing, object,
                                                    path_.string(), why));
@@ -139,41 +178,44 @@ void Hdf5File::fail(const std::string& doing, const std::string& object) const {
 
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
     const Alone alone;
-    begin();
     std::error_code error;
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
-    Hdf5File file(path, H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT));
+    Hdf5File file(path, H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), true);
     if (file.file_ < 0) file.fail("create", "");
     let_others_read(file.file_);
     return file;
 }
 
 Hdf5File Hdf5File::open(const std::filesystem::path& path) {
+    require_regular_file(path);
     const Alone alone;
-    begin();
-    Hdf5File file(path, H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT));
+    Hdf5File file(path, H5Fopen(path.c_str(), H5F_ACC_RDONLY, H5P_DEFAULT), false);
     if (file.file_ < 0) file.fail("open", "");
     return file;
 }
 
 Hdf5File Hdf5File::open_to_write(const std::filesystem::path& path) {
+    require_regular_file(path);
     const Alone alone;
-    begin();
-    Hdf5File file(path, H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT));
+    Hdf5File file(path, H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), true);
     if (file.file_ < 0) file.fail("open", "");
     return file;
 }
 
 void Hdf5File::close() {
     const Alone alone;
-    if (file_ < 0) return;
-    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fail("write", "");
+    if (!is_open()) return;
+    flush();
     if (H5Fclose(std::exchange(file_, -1)) < 0) fail("close", "");
 }
 
 void Hdf5File::flush() {
     const Alone alone;
-    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) < 0) fail("write", "");
+    if (const int error = reserve(file_); error != 0) fail("write", "", std::strerror(error));
+    if (H5Fflush(file_, H5F_SCOPE_GLOBAL) >= 0) return;
+    const std::string why = reason();
+    H5Fflush(file_, H5F_SCOPE_GLOBAL); // what was complete is lost unless the flush is completed
+    fail("write", "", why);
 }
 
 bool Hdf5File::has(const std::string& object) const {

@@ -16,8 +16,9 @@ concept Hdf5Number = std::same_as<T, double> || std::same_as<T, float> ||
 
 /// An HDF5 file. Objects are named by their path, as "/VTKHDF/Steps/Values"; missing parent groups
 /// are created on writing. Every member throws OutputError with the file, the object and the
-/// operation that failed, also for files that are truncated, damaged or not HDF5. Different threads
-/// may use different files; calls into the library are serialised.
+/// operation that failed, also for files that are truncated, damaged or not HDF5. After a failure
+/// to write, the file stays as the last flush() left it: nothing more is written, and closing it
+/// does nothing. Different threads may use different files; calls into the library are serialised.
 class Hdf5File {
 public:
     using Shape = std::vector<std::uint64_t>;
@@ -32,7 +33,7 @@ public:
     /// Closes the file. An error is lost here, so writers call close().
     ~Hdf5File();
     void close();
-    bool is_open() const { return file_ >= 0; }
+    bool is_open() const { return file_ >= 0 && !failed_; } ///< false after a failure to write
     void flush(); ///< passes all data to the operating system
 
     const std::filesystem::path& path() const { return path_; }
@@ -113,8 +114,10 @@ private:
     }
     static std::int64_t type_of(Kind kind); ///< the library's handle
 
-    Hdf5File(std::filesystem::path path, std::int64_t file);
+    Hdf5File(std::filesystem::path path, std::int64_t file, bool writes);
     [[noreturn]] void fail(const std::string& doing, const std::string& object) const;
+    [[noreturn]] void fail(const std::string& doing, const std::string& object,
+                           const std::string& why) const;
     void write(const std::string& dataset, Kind kind, const void* values, std::size_t count,
                const Shape& shape);
     void make_growing(const std::string& dataset, Kind kind, const Shape& row,
@@ -130,6 +133,8 @@ private:
 
     std::filesystem::path path_;
     std::int64_t file_ = -1; ///< the library's handle; negative when closed
+    bool writes_ = false;
+    mutable bool failed_ = false; ///< a call has failed on a file that is being written
 };
 
 /// A shape as text for messages: "7 x 3", "a scalar".

@@ -24,16 +24,39 @@ using File = std::unique_ptr<std::FILE, Close>;
     throw OutputError(fmt::format("cannot {} '{}': {}", verb, path.string(), std::strerror(error)));
 }
 
+const char* kind_of(std::filesystem::file_type type) {
+    using enum std::filesystem::file_type;
+    switch (type) {
+    case directory:
+        return "a folder";
+    case fifo:
+        return "a pipe";
+    case socket:
+        return "a socket";
+    default:
+        return "a device";
+    }
+}
+
 } // namespace
 
+void require_regular_file(const std::filesystem::path& path) {
+    std::error_code error; // a file that is not there is reported by whoever opens it
+    const auto type = std::filesystem::status(path, error).type();
+    using enum std::filesystem::file_type;
+    if (type != regular && type != not_found && type != none && type != unknown)
+        throw OutputError(fmt::format("cannot read '{}': expected a file, found {}", path.string(),
+                                      kind_of(type)));
+}
+
 std::string read_whole(const std::filesystem::path& path) {
+    require_regular_file(path);
     const File file(std::fopen(path.c_str(), "rb"));
     if (!file) fail("read", path, errno);
     std::string content;
     char block[1 << 14];
     while (const std::size_t n = std::fread(block, 1, sizeof block, file.get()))
         content.append(block, n);
-    // opening a directory succeeds, reading it fails
     if (std::ferror(file.get())) fail("read", path, errno);
     return content;
 }

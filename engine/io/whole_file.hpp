@@ -6,6 +6,11 @@
 
 namespace bris {
 
+/// Throws OutputError if `path` is there and is something else than a file: a folder, a pipe (whose
+/// opening would wait for a writer), a socket or a device. Every reader of a file calls it before
+/// it opens one; only LineSource reads pipes.
+void require_regular_file(const std::filesystem::path& path);
+
 /// The content of a file. Throws OutputError if it cannot be read.
 std::string read_whole(const std::filesystem::path& path);
 

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
+#include "engine/io/whole_file.hpp"
 #include "scenarios/rocks/mass_properties.hpp"
 
 #include <fmt/format.h>
@@ -9,8 +10,8 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <map>
+#include <sstream>
 
 namespace bris {
 namespace {
@@ -22,8 +23,7 @@ struct Stored {
 
 /// Reads the comment lines of the form "# name = number".
 std::map<std::string, Stored> read_stored(const std::filesystem::path& path) {
-    std::ifstream file(path);
-    if (!file) throw OutputError(path.string() + ": cannot be read");
+    std::istringstream file(read_whole(path));
     std::map<std::string, Stored> stored;
     std::string text;
     for (int line = 1; std::getline(file, text); ++line) {

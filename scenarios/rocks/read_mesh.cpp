@@ -1,6 +1,7 @@
 #include "scenarios/rocks/read_mesh.hpp"
 
 #include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
 
@@ -9,8 +10,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <map>
 #include <sstream>
@@ -34,12 +33,6 @@ struct RawMesh {
         return fmt::format("{}:{}{}", path.string(), binary ? " triangle " : "", lines[triangle]);
     }
 };
-
-std::string contents(const std::filesystem::path& path) {
-    std::ifstream file(path, std::ios::binary);
-    if (!file) throw OutputError(path.string() + ": cannot be read");
-    return {std::istreambuf_iterator<char>(file), {}};
-}
 
 /// Merges corners that are closer than 1e-6 of the extent and returns the index of each corner in
 /// the remaining list. Each corner is compared with those in the 27 grid cells around it.
@@ -173,7 +166,7 @@ RawMesh read_text_stl(const std::filesystem::path& path, const std::string& byte
 } // namespace
 
 Polyhedron read_stl(const std::filesystem::path& path) {
-    const std::string bytes = contents(path);
+    const std::string bytes = read_whole(path);
     std::uint32_t announced = 0;
     if (bytes.size() >= 84) std::memcpy(&announced, bytes.data() + 80, sizeof announced);
     const bool binary = bytes.size() >= 84 && bytes.size() == 84 + 50 * std::size_t{announced};
@@ -182,7 +175,7 @@ Polyhedron read_stl(const std::filesystem::path& path) {
 
 Polyhedron read_obj(const std::filesystem::path& path) {
     RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .lines = {}};
-    std::istringstream text(contents(path));
+    std::istringstream text(read_whole(path));
     std::string line, word;
     for (std::size_t number = 1; std::getline(text, line); ++number) {
         const auto refuse = [&](const std::string& what) {

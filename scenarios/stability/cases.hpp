@@ -21,9 +21,11 @@ StressRows stress_restitution(const StressSettings& s);         // S13
 StressRows stress_unit_scaling(const StressSettings& s);        // S14
 StressRows stress_frames(const StressSettings& s);              // S15
 StressRows stress_momentum(const StressSettings& s);            // S16
+StressRows stress_sleeping(const StressSettings& s);            // S18
 StressRows stress_absurd_parameters(const StressSettings& s);   // S20
 StressRows stress_not_a_number(const StressSettings& s);        // S22
 StressRows stress_lists(const StressSettings& s);               // S25
 StressRows stress_clump_dynamics(const StressSettings& s);      // S27
+StressRows stress_soak(const StressSettings& s);                // S29
 
 } // namespace bris

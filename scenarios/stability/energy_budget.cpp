@@ -70,15 +70,16 @@ struct Impact {
     double closure = 0; ///< error of the budget relative to the initial energy
 };
 
-/// A spinning sphere hits a plane or another sphere at an angle (degrees) from the normal.
-Impact impact(LawName law, double degrees, double friction, bool pair, double dt) {
+/// A spinning sphere hits a plane or another sphere at an angle (degrees) from the normal. `phase`:
+/// fraction of a step from an instant to the first touch.
+Impact impact(LawName law, double degrees, double friction, bool pair, double dt, double phase) {
     constexpr double radius = 0.01, speed = 1;
     World world = make_world(Grains::spheres);
     const auto material = world.resource<Materials>().add(grain(friction));
     const double angle = degrees * pi / 180;
     const EntityId ball = add_sphere(world, Vec3::Zero(), radius, material);
     const Vec3 velocity = speed * Vec3(std::sin(angle), 0, -std::cos(angle));
-    value_of<Position>(world, ball) = Vec3(0, 0, radius) - 3.3 * dt * velocity;
+    value_of<Position>(world, ball) = Vec3(0, 0, radius) - (3 + phase) * dt * velocity;
     value_of<Velocity>(world, ball) = velocity;
     set_angular_velocity(world, ball, Vec3(3, -5, 7));
     if (pair)
@@ -111,35 +112,43 @@ struct Scan {
     std::string where;
 };
 
+/// Which impacts are computed.
+struct Impacts {
+    std::vector<double> frictions, angles{89}, phases{0.3};
+    Impacts(bool high, bool full) {
+        frictions = high   ? std::vector<double>{3, 10}
+                    : full ? std::vector<double>{0, 0.01, 0.1, 0.5, 1}
+                           : std::vector<double>{0, 0.1, 1};
+        for (double degrees = 0; degrees < 89; degrees += full ? 3 : 20) angles.push_back(degrees);
+        if (full) phases = {0.05, 0.3, 0.55, 0.8, 0.95};
+    }
+};
+
 /// Impacts from 0 to 89 degrees at a fraction `share` of the critical step 2/omega of the linear
 /// spring. Hertz contacts have about the same stiffness here.
-Scan scan(LawName law, const std::vector<double>& frictions, double every, double share) {
+Scan scan(LawName law, const Impacts& impacts, double share) {
     const double dt = share * 2 * std::sqrt(2600 * 4 * pi / 3 * 1e-6 / 1e6);
-    std::vector<double> angles{89};
-    for (double degrees = 0; degrees < 89; degrees += every) angles.push_back(degrees);
     Scan all;
-    for (const double friction : frictions)
-        for (const double degrees : angles)
-            for (const bool pair : {false, true}) {
-                const Impact i = impact(law, degrees, friction, pair, dt);
-                ++all.count;
-                all.least = std::min(all.least, i.least);
-                if (!(i.closure > all.closure)) continue;
-                all.closure = i.closure;
-                all.where = fmt::format("{} degrees, friction {}, {}", degrees, friction,
-                                        pair ? "pair" : "plane");
-            }
+    for (const double friction : impacts.frictions)
+        for (const double degrees : impacts.angles)
+            for (const double phase : impacts.phases)
+                for (const bool pair : {false, true}) {
+                    const Impact i = impact(law, degrees, friction, pair, dt, phase);
+                    ++all.count;
+                    all.least = std::min(all.least, i.least);
+                    if (!(i.closure > all.closure)) continue;
+                    all.closure = i.closure;
+                    all.where = fmt::format("{} degrees, friction {}, {}", degrees, friction,
+                                            pair ? "pair" : "plane");
+                }
     return all;
 }
 
 void add_impacts(StressRows& rows, std::size_t which, const StressSettings& s) {
-    const double every = s.full ? 3 : 20;
     for (const bool high : {false, true}) {
-        const std::vector<double> frictions = high     ? std::vector<double>{3, 10}
-                                              : s.full ? std::vector<double>{0, 0.01, 0.1, 0.5, 1}
-                                                       : std::vector<double>{0, 0.1, 1};
-        const Scan coarse = scan(laws[which], frictions, every, 0.1),
-                   fine = scan(laws[which], frictions, every, 0.025);
+        const Impacts impacts(high, s.full);
+        const Scan coarse = scan(laws[which], impacts, 0.1),
+                   fine = scan(laws[which], impacts, 0.025);
         const std::string what = fmt::format("{} oblique impacts, friction {}, {}", coarse.count,
                                              high ? "3 and 10" : "0 to 1", law_titles[which]);
         rows.push_back(
@@ -210,12 +219,13 @@ void add_bed(StressRows& rows, std::size_t which, Grains grains, bool shear_dash
                     fmt::format("{} fall and come to rest on a moving floor, {}{}",
                                 grains == Grains::spheres ? "spheres" : "clumps", law_titles[which],
                                 shear_dashpot ? ", also in shear" : ""),
-                    // runs with different steps soon diverge: each closure scatters by a factor of
-                    // a few, the order by one
-                    "closure < 1e-3 at 0.1 of the stable step, order 2 (0.5 to 3)",
+                    // runs with different steps soon diverge, and errors of either sign cancel:
+                    // each closure scatters by a factor of a few and may be small by chance, so the
+                    // order has a lower bound only
+                    "closure < 1e-3 at 0.1 of the stable step, order above 0.5",
                     fmt::format("{:.1e}, {:.1e}, {:.1e} at 0.4, 0.2, 0.1; order {:.2f}", closure[0],
                                 closure[1], closure[2], order),
-                    closure[2] < 1e-3 && order > 0.5 && order < 3});
+                    closure[2] < 1e-3 && order > 0.5});
 }
 
 } // namespace

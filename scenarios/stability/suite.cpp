@@ -28,10 +28,12 @@ constexpr std::array cases{
     StressCase{"S14", "independence of units", stress_unit_scaling},
     StressCase{"S15", "independence of the reference frame", stress_frames},
     StressCase{"S16", "conservation of momentum", stress_momentum},
+    StressCase{"S18", "sleeping grains", stress_sleeping},
     StressCase{"S20", "absurd parameters", stress_absurd_parameters},
     StressCase{"S22", "NaN in the state", stress_not_a_number},
     StressCase{"S25", "rebuilt neighbour lists", stress_lists},
     StressCase{"S27", "clumps as rigid bodies", stress_clump_dynamics},
+    StressCase{"S29", "memory and open files over many scenes", stress_soak},
 };
 
 } // namespace

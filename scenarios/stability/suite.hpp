@@ -12,7 +12,8 @@ namespace bris {
 struct StressSettings {
     bool full = false; ///< long runs and many random draws, instead of sizes that take seconds
     unsigned threads = 2;
-    std::uint64_t seed = 1; ///< of every random scene
+    std::uint64_t seed = 1;   ///< of every random scene
+    double soak_minutes = 30; ///< length of S29 at full size
 };
 
 /// One test of a case and its result.

@@ -40,13 +40,21 @@ inline unsigned ended(const TileTarget& to, Row first, unsigned apart) {
     return found;
 }
 
+/// The same where the law does not clear their springs.
+inline unsigned separate(const TileTarget& to, Row first, unsigned apart, Separated& separated) {
+    const unsigned found = ended(to, first, apart);
+    for (unsigned left = found; left != 0; left &= left - 1)
+        separated.add(to.near[first + static_cast<Row>(__builtin_ctz(left))].pair);
+    return found;
+}
+
 /// Lists the touching pairs of near rows [first, last) that have to be evaluated, and those whose
 /// contact has just ended, or clears the springs of the latter. `flags`: of the first row. Returns
 /// their number.
 template <class Law, class Geometry>
 std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepers& sleepers,
-                          std::uint8_t* flags, std::size_t first_group, Row first, Row last,
-                          Row* touching) {
+                          Separated& separated, std::uint8_t* flags, std::size_t first_group,
+                          Row first, Row last, Row* touching) {
     std::size_t count = 0;
     for (Row row = first; row < last; row += 8) {
         const std::size_t group = first_group + (row - first) / 8;
@@ -62,6 +70,8 @@ std::size_t list_touching(const TileTarget& to, const Geometry& geometry, Sleepe
         now = sleepers.asked(group, row, now);
         if constexpr (Law::corrects_end && !Law::has_reach)
             now |= ended(to, row, apart); // the law clears their springs
+        else if (apart != 0 && Law::has_history && !Law::has_reach && to.work.friction != nullptr)
+            now |= separate(to, row, apart, separated);
         else
             forget(to, row, apart);
         for (; now != 0; now &= now - 1)
@@ -87,11 +97,12 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
         return flags.empty() ? nullptr : flags.data() + here.first_flags;
     };
     Sleepers sleepers(to, flags_of(index.awake), flags_of(index.look));
+    Separated separated;
     const bool far = index.size() > near_rows_in_cache;
     for (Row first = here.first; first < here.last; first += near_rows_per_block) {
         const Row last = std::min<Row>(first + near_rows_per_block, here.last);
         const std::size_t count =
-            list_touching<Law>(to, geometry, sleepers, flags_of(index.touching),
+            list_touching<Law>(to, geometry, sleepers, separated, flags_of(index.touching),
                                (first - here.first) / 8, first, last, touching.data());
         if (count == 0) continue;
         for (std::size_t k = 0; k < 8; ++k) touching[count + k] = touching[count - 1];
@@ -104,6 +115,7 @@ void collide_chunk(const TileTarget& to, const Geometry& geometry, NearIndex<Pai
                 index.beyond_limit[chunk] =
                     touching[k + static_cast<std::size_t>(__builtin_ctz(beyond))];
         }
+        separated.clear_springs(to);
         sleepers.put_springs_back();
     }
 }

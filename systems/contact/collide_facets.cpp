@@ -140,7 +140,8 @@ void hand_over_springs(const TileTarget& to, std::span<const Reached> run) {
 // near rows [first, last) are one sphere against the facets of one body
 template <class Law>
 void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs>& index,
-                              std::size_t first, std::size_t last, detail::ScalarTile<Law>& tile) {
+                              std::size_t first, std::size_t last, detail::ScalarTile<Law>& tile,
+                              detail::Separated& separated) {
     std::array<Reached, usual_run> few;
     std::vector<Reached> many(last - first > usual_run ? last - first : 0);
     const std::span<Reached> run =
@@ -169,13 +170,17 @@ void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex
         if (touches) {
             add(*next);
         } else if (touched) {
-            if constexpr (Law::corrects_end && !Law::has_reach) {
-                if (!Spring::keep(to.spring[to.near[row].pair])) continue;
-                const SphereRow& p = s.movers.sphere_row[to.near[row].owner];
-                const Nearest n = detail::nearest_on_mesh_facet(facet, Vec3(p.x, p.y, p.z));
-                if (n.distance > radius) {
-                    add(n); // the law clears its spring
-                    continue;
+            if constexpr (Law::has_history && !Law::has_reach) {
+                const Row pair = to.near[row].pair;
+                if ((Law::corrects_end || to.work.friction != nullptr) &&
+                    Spring::keep(to.spring[pair])) {
+                    const SphereRow& p = s.movers.sphere_row[to.near[row].owner];
+                    const Nearest n = detail::nearest_on_mesh_facet(facet, Vec3(p.x, p.y, p.z));
+                    if (n.distance > radius) {
+                        add(n);
+                        if (!Law::corrects_end) separated.add(pair); // else the law clears it
+                        continue;
+                    }
                 }
             }
             detail::forget(to, row, 1);
@@ -188,6 +193,7 @@ void collide_chunk(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs
                    std::size_t chunk) {
     const NearChunk& here = index.chunks[chunk];
     detail::ScalarTile<Law> tile(to, s.movers, s.deepest, index.beyond_limit[chunk]);
+    detail::Separated separated;
     const auto same_run = [&](std::size_t a, std::size_t b) {
         const PairNames &x = s.names[to.near[a].pair], &y = s.names[to.near[b].pair];
         return x.owner == y.owner && x.partner == y.partner && x.sphere == y.sphere;
@@ -195,10 +201,11 @@ void collide_chunk(const Surfaces& s, const TileTarget& to, NearIndex<FacetPairs
     for (std::size_t row = here.first; row < here.last;) {
         std::size_t after = row + 1;
         while (after < here.last && same_run(row, after)) ++after;
-        collide_sphere_with_body<Law>(s, to, index, row, after, tile);
+        collide_sphere_with_body<Law>(s, to, index, row, after, tile, separated);
         row = after;
     }
     tile.flush();
+    separated.clear_springs(to);
 }
 
 template <class Law>

@@ -324,4 +324,21 @@ inline void forget(const TileTarget& to, Row first, unsigned apart) {
     }
 }
 
+/// Pairs that have separated in the last step and are evaluated once more, only for the work that
+/// their springs lose. Their springs are cleared afterwards.
+class Separated {
+public:
+    void add(Row pair) { pairs_.push_back(pair); }
+    void clear_springs(const TileTarget& to) {
+        for (const Row pair : pairs_) {
+            to.spring[pair] = {};
+            if (to.roll != nullptr) to.roll[pair] = {};
+        }
+        pairs_.clear();
+    }
+
+private:
+    std::vector<Row> pairs_; ///< allocates only with an energy budget
+};
+
 } // namespace bris::detail

@@ -5,49 +5,18 @@
 
 #include <doctest/doctest.h>
 
-#include <algorithm>
-#include <array>
-#include <string>
 #include <string_view>
 
 using namespace bris;
 
 namespace {
 
-bool mentions(const StressRow& row, const char* text) {
-    return row.what.find(text) != std::string::npos;
-}
-
-// Rows whose criterion the engine does not meet yet. The suite prints by how much it misses them.
-bool is_known_shortcoming(const StressRow& row) {
-    if (row.id == "S6") // grazing impacts, or friction above 1, at 0.1 of the critical step
-        return std::ranges::any_of(std::array{"friction 0 to 1, linear: closure",
-                                              "friction 3 and 10, linear: closure",
-                                              "friction 0 to 1, Hertz-Mindlin: closure",
-                                              "friction 0 to 1, Hertz-Mindlin, dashpots: closure",
-                                              "friction 0 to 1, Hertz-Mindlin, rolling: closure"},
-                                   [&](const char* text) { return mentions(row, text); });
-    // walls that touch stiff grains are heavy: their last oscillations, up to 1 % of the pressure,
-    // decay slowly
-    return row.id == "S7" && (mentions(row, "stiffness 1e+08 N/m: pressure") ||
-                              mentions(row, "stiffness 1e+09 N/m: pressure") ||
-                              mentions(row, "stiffness 1e+10 N/m: pressure"));
-}
-
 void check(std::string_view id, bool full) {
     const StressRows rows = run_case(stress_case(id), {.full = full});
     CHECK(!rows.empty());
-    for (const StressRow& row : rows) {
-        const bool is_known = is_known_shortcoming(row);
-        // this check fails when the engine has improved: then the row must be required as all
-        // others
-        if (is_known)
-            CHECK_MESSAGE(!row.pass, row.id, " ", row.what,
-                          " passes now: remove it from the list of known shortcomings");
-        else
-            CHECK_MESSAGE(row.pass, row.id, " ", row.what, ": expected ", row.criterion, ", found ",
-                          row.found);
-    }
+    for (const StressRow& row : rows)
+        CHECK_MESSAGE(row.pass, row.id, " ", row.what, ": expected ", row.criterion, ", found ",
+                      row.found);
 }
 
 } // namespace
@@ -88,6 +57,9 @@ TEST_SUITE("stability") {
         check("S15", false);
     }
     TEST_CASE("S16: momentum and angular momentum are conserved") { check("S16", false); }
+    TEST_CASE("S18: a bed settles with sleeping grains as without, and no sleeping grain floats") {
+        check("S18", false);
+    }
     TEST_CASE("S20: absurd parameters are refused by name") { check("S20", false); }
     TEST_CASE("S22: a NaN is detected, and the state before it can be continued") {
         check("S22", false);
@@ -97,8 +69,12 @@ TEST_SUITE("stability") {
     }
     TEST_CASE("S27: clumps move as the rigid bodies that they represent") { check("S27", false); }
 
+    TEST_CASE("S29: scenes that are loaded and run again and again leave nothing behind") {
+        check("S29", false);
+    }
+
     TEST_CASE("every case has a unique id, and an unknown id is refused with the list of ids") {
-        CHECK(stress_cases().size() == 18);
+        CHECK(stress_cases().size() == 20);
         for (const StressCase& c : stress_cases()) CHECK(&stress_case(c.id) == &c);
         CHECK_THROWS_WITH_AS(stress_case("S99"), doctest::Contains("expected one of S1, S4"),
                              std::exception);
@@ -121,8 +97,10 @@ TEST_SUITE("slow") {
     TEST_CASE("S14 at full size") { check("S14", true); }
     TEST_CASE("S15 at full size") { check("S15", true); }
     TEST_CASE("S16 at full size") { check("S16", true); }
+    TEST_CASE("S18 at full size") { check("S18", true); }
     TEST_CASE("S20 at full size") { check("S20", true); }
     TEST_CASE("S22 at full size") { check("S22", true); }
     TEST_CASE("S25 at full size") { check("S25", true); }
     TEST_CASE("S27 at full size") { check("S27", true); }
+    TEST_CASE("S29 at full size") { check("S29", true); } // 30 minutes
 }

@@ -1,0 +1,193 @@
+#include "tests/fuzz/readers.hpp"
+
+#include "engine/io/checkpoint.hpp"
+#include "engine/io/column_map.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/io/json_numbers.hpp"
+#include "engine/io/whole_file.hpp"
+#include "engine/options.hpp"
+#include "scenarios/recordings/record_stream.hpp"
+#include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/recordings/recording.hpp"
+#include "scenarios/rocks/clump_library.hpp"
+#include "scenarios/rocks/grading.hpp"
+#include "scenarios/rocks/read_mesh.hpp"
+#include "scenarios/specimens/sensor_rocks.hpp"
+
+#include <array>
+#include <cstring>
+#include <sstream>
+
+namespace bris {
+
+namespace {
+
+namespace fs = std::filesystem;
+using Texts = std::vector<std::string>;
+
+/// The first lines of a file: short inputs are read quickly, and go wrong in the same ways.
+std::string head(const fs::path& file, int lines) {
+    const std::string text = read_whole(file);
+    std::size_t end = 0;
+    while (lines-- > 0 && end < text.size()) end = std::min(text.find('\n', end), text.size()) + 1;
+    return text.substr(0, end);
+}
+
+Texts recordings(const fs::path& assets, const fs::path&) {
+    return {head(assets / "smartrock/55kPa/recordings.csv", 9),
+            "t,id,ax,ay,az,gx,gy,gz,flags,seq\n0,1,0,0,9.8,0,0,0,0,0\n1,1,0,-,9.8,0,0,0,1,1\n"};
+}
+
+/// Metadata of the sensors 1 and 2, which the recordings above have.
+const std::vector<SensorInfo>& sensors() {
+    static const std::vector<SensorInfo> both = [] {
+        std::vector<SensorInfo> made(2);
+        made[0].id = 1;
+        made[1].id = 2;
+        return made;
+    }();
+    return both;
+}
+
+Texts column_maps(const fs::path&, const fs::path&) {
+    return {"delimiter = semicolon\ndecimal = comma\nheader_line = 3\nfirst_line = 5\n"
+            "t = \"Time [ms]\", ms\nid = Nr\nax = -AccY, mg\nay = AccX, g\naz = AccZ, m/s2\n",
+            "# a comment\ncomment = %\ndelimiter = tab\nt = Time, s\nid = device\n"
+            "temp = T, C\ngx = wx, deg/s\ngy = wy, deg/s\ngz = wz, deg/s\n"};
+}
+
+Texts streams(const fs::path& assets, const fs::path&) {
+    return {R"({"t": 1.5, "id": 3, "ax": -9.81e0, "ux": null})"
+            "\n"
+            R"({"axial_strain": "0.001", "deviatoric_stress_Pa": 12e3})"
+            "\n# a comment\nt,id,ax,ay,az\n1,2,3,-,5\n",
+            head(assets / "smartrock/55kPa/test.csv", 5)};
+}
+
+void read_stream(const fs::path& file) {
+    std::istringstream lines(read_whole(file));
+    RecordParser parser;
+    LineSource::Line line{0, {}, {}, true};
+    while (std::getline(lines, line.text)) {
+        ++line.number;
+        if (line.text.size() <= LineSource::longest) (void)parser.parse(line);
+    }
+}
+
+struct Settings {
+    double number = 1;
+    unsigned count = 2;
+    bool is_on = false;
+    std::string text = "x";
+    std::vector<double> list{1, 2};
+
+    void describe(Options& option) {
+        option("number", number, "m", "A number.", above(0, 10));
+        option("count", count, "", "A count.", within(0, 100));
+        option("is_on", is_on, "", "A switch.");
+        option("text", text, "", "A text.");
+        option("list", list, "Pa", "Numbers.", above(0, 1e9));
+    }
+    fs::path config;
+};
+
+void read_config(const fs::path& file) {
+    Settings settings;
+    Options options;
+    settings.describe(options);
+    options("config", settings.config, "", "File of options.");
+    (void)options.parse({"--config", file.string()});
+}
+
+Texts configurations(const fs::path&, const fs::path&) {
+    return {"# a comment\nnumber = 2.5\ncount = 7\nis-on = true\ntext = \"a b\" # text\n"
+            "list = 1e3, 2e3,3e3\n",
+            "number=0.1\nis_on=false\n"};
+}
+
+Texts stl_files(const fs::path&, const fs::path&) {
+    std::string ascii = "solid rock\n";
+    std::string binary(80, ' ');
+    constexpr std::array<std::array<float, 3>, 4> corners{
+        {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    constexpr std::array<std::array<std::size_t, 3>, 4> faces{
+        {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+    const std::uint32_t count = 4;
+    binary.append(reinterpret_cast<const char*>(&count), 4);
+    for (const auto& face : faces) {
+        ascii += "facet normal 0 0 0\nouter loop\n";
+        binary.append(12, '\0');
+        for (const std::size_t corner : face) {
+            ascii += "vertex";
+            for (const float x : corners[corner]) ascii += " " + std::to_string(x);
+            ascii += "\n";
+            binary.append(reinterpret_cast<const char*>(corners[corner].data()), 12);
+        }
+        ascii += "endloop\nendfacet\n";
+        binary.append(2, '\0');
+    }
+    return {ascii + "endsolid rock\n", binary};
+}
+
+Texts obj_files(const fs::path&, const fs::path&) {
+    return {"# a rock\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 1\nf 1 3 2\nf 1//1 2//1 4//1\n"
+            "f 1 4 3\nf -3 -2 -1\n"};
+}
+
+Texts checkpoints(const fs::path&, const fs::path& folder) {
+    Checkpoint checkpoint{"settle", 7, {{"seed", std::string("1")}}, {}};
+    const std::array<double, 6> numbers{1, 2, 3, 4, 5, 6};
+    checkpoint.state.put("bodies/position", std::span<const double>(numbers));
+    write_checkpoint(folder / "valid.ckpt.h5", checkpoint);
+    return {read_whole(folder / "valid.ckpt.h5")};
+}
+
+constexpr std::array readers{
+    FuzzedReader{"csv", ".csv",
+                 [](const fs::path& assets, const fs::path&) -> Texts {
+                     return {head(assets / "smartrock/55kPa/test.csv", 6),
+                             "\xef\xbb\xbf# units\na,\"b, c\",d\n1,-,+2e3\r\n,5,nan\n"};
+                 },
+                 [](const fs::path& file) { (void)read_csv(file); }},
+    FuzzedReader{"column_map", ".txt", column_maps,
+                 [](const fs::path& file) { (void)read_column_map(file, recording_columns()); }},
+    FuzzedReader{"recordings", ".csv", recordings,
+                 [](const fs::path& file) { (void)read_recordings(file, sensors()); }},
+    FuzzedReader{"sensor", ".txt",
+                 [](const fs::path& assets, const fs::path&) -> Texts {
+                     return {read_whole(assets / "smartrock/rock_01.txt")};
+                 },
+                 [](const fs::path& file) { (void)read_sensor_info(file); }},
+    FuzzedReader{"sensor_poses", ".csv",
+                 [](const fs::path&, const fs::path&) -> Texts {
+                     return {"x_over_radius,y_over_radius,z_over_height,qw,qx,qy,qz\n"
+                             "0,0,0.25,1,0,0,0\n0.1,-0.2,0.5,0.5,0.5,0.5,0.5\n"};
+                 },
+                 [](const fs::path& file) { (void)read_sensor_poses(file); }},
+    FuzzedReader{"json", ".json",
+                 [](const fs::path&, const fs::path&) -> Texts {
+                     return {R"({"a": 1, "b": -2.5e3, "c": "4", "d": null})", "{}"};
+                 },
+                 [](const fs::path& file) { (void)json_numbers(read_whole(file)); }},
+    FuzzedReader{"stream", ".ndjson", streams, read_stream},
+    FuzzedReader{"config", ".toml", configurations, read_config},
+    FuzzedReader{"grading", ".csv",
+                 [](const fs::path& assets, const fs::path&) -> Texts {
+                     return {read_whole(assets / "gradings/arema_4.csv")};
+                 },
+                 [](const fs::path& file) { (void)read_grading(file); }},
+    FuzzedReader{"clump", ".csv",
+                 [](const fs::path& assets, const fs::path&) -> Texts {
+                     return {read_whole(assets / "clumps/rock_01.csv")};
+                 },
+                 [](const fs::path& file) { (void)read_clump(file); }},
+    FuzzedReader{"stl", ".stl", stl_files, [](const fs::path& file) { (void)read_mesh(file); }},
+    FuzzedReader{"obj", ".obj", obj_files, [](const fs::path& file) { (void)read_mesh(file); }},
+    FuzzedReader{"checkpoint", ".h5", checkpoints,
+                 [](const fs::path& file) { (void)read_checkpoint(file); }}};
+
+} // namespace
+
+std::span<const FuzzedReader> fuzzed_readers() { return readers; }
+
+} // namespace bris
