@@ -15,6 +15,9 @@ namespace bris {
 
 namespace {
 
+/// Rocks reach into boundaries by their overlap; the voxels behind them are not shown.
+constexpr double least_shown = 0.01;
+
 /// A field whose values are value(number) where `shown` is not 0.
 template <class Value>
 VoxelField field_of(const VoxelBlocks& blocks, const VoxelField& shown, Value&& value) {
@@ -155,7 +158,7 @@ FieldSet fields_of(const World& world, const FieldSetSettings& settings) {
     const auto voids = [&](std::uint32_t n) { return container ? solid.voids()[n] : 0.0; };
     set.shown = VoxelField(set.blocks);
     for (std::uint32_t n = 0; n < set.blocks.voxels(); ++n)
-        set.shown[n] = solid.solid()[n] > 0 || voids(n) > 0 ? 1 : 0;
+        set.shown[n] = solid.solid()[n] + voids(n) > least_shown ? 1 : 0;
     if (container) set.void_volume = set.blocks.lattice().volume() * solid.voids().sum();
     set.fields.push_back(
         {"density", "1", "Fraction of the volume that rocks fill.", {solid.solid()}});

@@ -1,7 +1,7 @@
 // Time and error of the solid fraction by voxel size and lines per voxel: rocks of 30 spheres at
-// random in a cylinder, overlaps included. One CSV line for each size: processor time of a new field
-// (median), the error of the total against the union on lines 0.2 mm apart, the estimate of that
-// error, and the root mean square error of single voxels against a field with 24 x 24 lines.
+// random in a cylinder, overlaps included. One CSV line for each size: processor time of a new
+// field (median), the error of the total against the union on lines 0.2 mm apart, the estimate of
+// that error, and the root mean square error of single voxels against a field with 24 x 24 lines.
 #include "engine/assets.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/parallel.hpp"
@@ -45,12 +45,11 @@ World make_rocks(unsigned count, std::uint64_t seed, double& radius) {
         read_grading(assets_folder() / "gradings" / "arema_4.csv"), clumps, count, seed);
     radius = std::cbrt(sample.solid_volume / 0.6 / (4 * pi));
     World world = make_world(Grains::clumps);
-    const auto material =
-        world.resource<Materials>().add(linear_material(1e7, 1e7, 0.5, 2650));
+    const auto material = world.resource<Materials>().add(linear_material(1e7, 1e7, 0.5, 2650));
     for (std::size_t k = 0; k < sample.rocks.size(); ++k) {
         Random random(seed, k);
-        const double away = radius * std::sqrt(random.uniform()),
-                     angle = random.uniform(0, 2 * pi), z = random.uniform(0, 4 * radius);
+        const double away = radius * std::sqrt(random.uniform()), angle = random.uniform(0, 2 * pi),
+                     z = random.uniform(0, 4 * radius);
         const Clump& shape = clumps[sample.rocks[k].clump];
         add_clump(world, scaled(shape, sample.rocks[k].sieve / shape.sieve), 0,
                   Vec3(away * std::cos(angle), away * std::sin(angle), z), random.rotation(),
