@@ -108,6 +108,34 @@ void Materials::mix() {
             rolling_pairs.push_back(rolling);
             restitution.push_back(rebound);
         }
+    mix_weakened();
+}
+
+void Materials::weaken(std::vector<WeakenedPair> pairs) {
+    weakened_ = std::move(pairs);
+    const std::size_t unweakened = pairs_of_materials();
+    linear_pairs.resize(unweakened);
+    hertz_pairs.resize(unweakened);
+    rolling_pairs.resize(unweakened);
+    own_pairs.resize(unweakened);
+    mix_weakened();
+}
+
+// normal and tangential stiffness have one factor, so the ratios of the dashpots remain
+void Materials::mix_weakened() {
+    const auto weakened = [](LawRow row, const WeakenedPair& w) {
+        row.friction =
+            std::max(row.friction * w.friction, std::min(row.friction, w.least_friction));
+        row.kn *= w.stiffness;
+        row.ks *= w.stiffness;
+        return row;
+    };
+    for (const WeakenedPair& w : weakened_) {
+        linear_pairs.push_back(weakened(linear_pairs[w.pair], w));
+        hertz_pairs.push_back(weakened(hertz_pairs[w.pair], w));
+        rolling_pairs.push_back(RollingRow(rolling_pairs[w.pair]));
+        own_pairs.push_back(OwnRow(own_pairs[w.pair]));
+    }
 }
 
 void Materials::save(Archive& archive) const {
@@ -165,6 +193,7 @@ void Materials::load(const Archive& archive) {
                               {value(1), value(2), value(3), value(4)}});
     }
     load_own(archive);
+    weakened_.clear();
     mix();
 }
 

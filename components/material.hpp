@@ -110,6 +110,14 @@ struct alignas(32) RollingRow {
     double rolling_friction, twisting_friction, stiffness_ratio, damping_ratio;
 };
 
+/// Contacts of two bodies that fines weaken: factors of the coefficients that their materials have.
+struct WeakenedPair {
+    std::uint32_t pair = 0;    ///< row of the pair of materials
+    double friction = 1;       ///< factor of the friction coefficient, in [0, 1]
+    double least_friction = 0; ///< lower limit of the product, unless the materials have less
+    double stiffness = 1;      ///< factor of normal and tangential stiffness, in (0, 1]
+};
+
 /// The materials of a scene and the tables of their pairs. Coefficients may change between phases,
 /// so they are State.
 struct Materials {
@@ -119,7 +127,8 @@ struct Materials {
     std::vector<Material> list;
     ContactPolicy policy;
 
-    // Tables of list.size() squared rows; `pair` gives the row.
+    // Tables of list.size() squared rows, of which `pair` gives the row, and after them a row for
+    // each weakened pair of bodies.
     std::vector<LawRow> linear_pairs;
     std::vector<LawRow> hertz_pairs;
     std::vector<RollingRow> rolling_pairs;
@@ -130,7 +139,13 @@ struct Materials {
     std::uint32_t pair(std::uint32_t a, std::uint32_t b) const {
         return a * static_cast<std::uint32_t>(list.size()) + b;
     }
+    /// Number of rows that belong to pairs of materials.
+    std::size_t pairs_of_materials() const { return list.size() * list.size(); }
     const std::vector<LawRow>& pairs(LawName law) const { return traits(law).rows(*this); }
+    /// Replaces the weakened pairs; the k-th gets the row pairs_of_materials() + k. Derived: not
+    /// saved, and forgotten when the materials are loaded.
+    void weaken(std::vector<WeakenedPair> pairs);
+    const std::vector<WeakenedPair>& weakened() const { return weakened_; }
     /// Sets the properties of one pair, in both orders, and discards those set before.
     void set_pair(std::uint32_t a, std::uint32_t b, const PairProperties& properties);
     /// Sets the coefficients that only `law` reads (LawTraits::of_pairs, in that order) for one
@@ -158,9 +173,11 @@ private:
     };
     void save_own(Archive& archive) const;
     void load_own(const Archive& archive);
+    void mix_weakened();
 
     std::vector<Override> overrides_;
     std::vector<Own> own_;
+    std::vector<WeakenedPair> weakened_;
 };
 
 /// Ratio of critical damping that gives the restitution e in (0, 1]: -ln e / sqrt(pi^2 + ln^2 e),

@@ -7,9 +7,11 @@
 #include "engine/resume.hpp"
 #include "engine/run.hpp"
 #include "engine/summary.hpp"
+#include "scenarios/specimens/fouling_options.hpp"
 #include "scenarios/triaxial/make_specimen.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "scenarios/triaxial/triaxial_scene.hpp"
+#include "systems/fields/field_set.hpp"
 #include "systems/output/frames.hpp"
 #include "systems/output/picture.hpp"
 
@@ -20,6 +22,16 @@
 namespace bris {
 
 namespace {
+
+/// A triaxial test, possibly with fines in the voids.
+struct FouledTriaxial : Triaxial {
+    FoulingOptions fouling = {};
+
+    void describe(auto& option) {
+        Triaxial::describe(option);
+        fouling.describe(option);
+    }
+};
 
 TriaxialSettings settings_at(const Triaxial& t, double pressure) {
     TriaxialSettings settings = t.test;
@@ -44,7 +56,7 @@ constexpr auto test_file = "triaxial.ckpt.h5";
 
 /// Data that all tests of a run share.
 struct Shared {
-    const Triaxial& settings;
+    const FouledTriaxial& settings;
     const Common& common;
     const TriaxialScene& scene;
     Progress& progress;
@@ -74,12 +86,7 @@ public:
                progress_slot(shared.progress, static_cast<unsigned>(number))) {}
 
     /// Begins with the specimen, or resumes from the checkpoint of this test if there is one.
-    void begin(const std::filesystem::path& checkpoint) {
-        if (checkpoint.empty())
-            simulation_.restore(shared_.specimen.state);
-        else
-            run_.resume(checkpoint);
-    }
+    void begin(const std::filesystem::path& checkpoint);
     void run();
 
     const TriaxialState& state() const { return test_.state(); }
@@ -106,6 +113,23 @@ private:
     std::vector<View> views_;
     std::size_t first_point_ = 0, recorded_ = 0;
 };
+
+void Test::begin(const std::filesystem::path& checkpoint) {
+    const FoulingOptions& fouling = shared_.settings.fouling;
+    const auto add_fields = [&] {
+        if (!fouling.any()) return;
+        add_fouling(simulation_.world(), fouling);
+        simulation_.prepare();
+    };
+    if (checkpoint.empty()) { // the specimen is made without fines
+        simulation_.restore(shared_.specimen.state);
+        add_fields();
+        if (fouling.any()) fill_with_fines(simulation_.world(), fouling, common_.seed);
+    } else {
+        add_fields();
+        run_.resume(checkpoint);
+    }
+}
 
 void Test::run() {
     first_point_ = recorded_ = state().points.size();
@@ -158,6 +182,13 @@ void Test::finish() {
                 {{label_of(settings_.confining_pressure), &test_.state().points}});
     if (!views_.empty())
         draw_picture(file("specimen", ".png"), views_, {.azimuth = 0.3, .elevation = 0.15}, 900);
+    if (shared_.settings.fouling.any()) {
+        const World& world = std::as_const(simulation_).world();
+        const FieldSet set = fields_of(world, {});
+        write_fields(set, common_.out, "fields", world.resource<Clock>().time(), common_.settings);
+        draw_slice(set, {"porosity", "fouling", "saturation", "mean_stress"},
+                   common_.out / "fields.png");
+    }
     write_results(common_, summary());
 }
 
@@ -178,6 +209,8 @@ Summary Test::summary() const {
     summary.add("sensor_rock_rotation_deg", s.rotation * 180 / pi);
     summary.add("coordination_number", s.points.back().coordination);
     summary.add("stages", s.stage);
+    if (shared_.settings.fouling.any())
+        add_fouling_results(summary, std::as_const(simulation_).world());
     run_.describe(summary);
     if (const MadeSpecimen& made = shared_.specimen; made.count.steps > 0) { // not resumed
         summary.add("preparation_steps", made.steps);
@@ -267,11 +300,12 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
     report_results(shared.common, all);
 }
 
-void run(const Triaxial& t, const Common& common) {
+void run(const FouledTriaxial& t, const Common& common) {
     require_memory_for(t,
                        std::min(common.threads, static_cast<unsigned>(t.confining_pressure.size())),
                        common.memory_limit);
     check_test(t);
+    check_fouling(t.fouling);
     const std::size_t tests = t.confining_pressure.size();
     const Resume from(common.resume, tests);
     from.require_same_settings(t, common);
@@ -297,14 +331,20 @@ void run(const Triaxial& t, const Common& common) {
     write_all(shared, done);
 }
 
-std::string explain(const Triaxial& t, const Common& common) { return explain_triaxial(t, common); }
+std::string explain(const FouledTriaxial& t, const Common& common) {
+    if (!t.fouling.any()) return explain_triaxial(t, common);
+    Simulation simulation = make_simulation(make_scene(t, common.seed), 1, common.serial);
+    add_fouling(simulation.world(), t.fouling);
+    simulation.prepare();
+    return simulation.schedule().explain();
+}
 
 } // namespace
 
 } // namespace bris
 
 int main(int argc, char** argv) {
-    return bris::run_scenario<bris::Triaxial>(
+    return bris::run_scenario<bris::FouledTriaxial>(
         argc, argv,
         {"triaxial",
          "Drained triaxial compression of railway ballast in a servo-controlled membrane."},

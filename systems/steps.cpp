@@ -4,6 +4,7 @@
 #include "systems/contact/collide.hpp"
 #include "systems/contact/share_patches.hpp"
 #include "systems/contact/sum_contacts.hpp"
+#include "systems/fields/weaken_contacts.hpp"
 #include "systems/fusion/correct.hpp"
 #include "systems/fusion/fuse.hpp"
 #include "systems/fusion/nudging.hpp"
@@ -28,6 +29,12 @@ void note_observation(World& world) {
         world.resource<Clock>().observed || (world.has_resource<Replay>() && fusion_is_due(world));
 }
 
+/// Contacts are weakened anew when fines, or the candidate pairs, have changed.
+bool fines_or_lists_are_due(const World& world) {
+    return world.has_resource<Fouling>() &&
+           (weakening_is_due(world) || fouling_is_due(world) || lists_are_due(world));
+}
+
 bool sleep_or_lists_are_due(const World& world) {
     return lists_are_due(world) || sleep_is_due(world);
 }
@@ -39,6 +46,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
     const StepChoices choices{energy_budget, patch};
     return {
         system("note_observation", note_observation),
+        when(fouling_is_due, system("update_fouling", update_fouling)),
         // when lists are due: new lists, then all positions that contacts read
         when(due, system("rebuild_pairs", rebuild_pairs)),
         when(due, system("prune_pairs", prune_pairs)),
@@ -50,6 +58,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         when(moved, system("update_facets again", update_facets)),
         when(moved, system("note_positions", note_positions)),
         when(sleep_or_lists_are_due, system("review_sleep", review_sleep)),
+        when(fines_or_lists_are_due, system("weaken_contacts", weaken_contacts)),
         // contacts
         system("choose_force_grid", choose_force_grid),
         system("share_sphere_patches", share_sphere_patches),

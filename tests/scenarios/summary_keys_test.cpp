@@ -34,7 +34,8 @@ Keys keys_of_sources() {
     constexpr auto plain = R"re(\badd\("(\w+)",)re", listed = R"re(\{"(\w+)", [\w:]+[.(])re";
     for (const char* path :
          {"engine/run.cpp", "systems/output/quantities.cpp", "scenarios/settle.cpp",
-          "scenarios/triaxial.cpp", "scenarios/smart_triaxial.cpp"})
+          "scenarios/triaxial.cpp", "scenarios/specimens/fouling_options.cpp",
+          "scenarios/smart_triaxial.cpp"})
         collect(keys, source(path), plain);
     for (const char* path : {"engine/version.cpp", "scenarios/triaxial/triaxial_results.cpp",
                              "scenarios/assimilation/learning_results.cpp"})
