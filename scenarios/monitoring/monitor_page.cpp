@@ -118,18 +118,25 @@ void add_history(HtmlPage& page, const MonitorReport& report) {
     if (first > 0) page.paragraph(fmt::format("The first {} passages are in history.csv.", first));
 }
 
+std::vector<double> times_since_first(const ChartPoints& points) {
+    std::vector<double> times;
+    for (const double t : points.times) times.push_back(t - points.times.front());
+    return times;
+}
+
 Plot level_plot(const SensorResult& result, const MonitorSettings& settings) {
     Plot plot{.title = "Moving average and cumulative sums of the level",
-              .x_label = "time (s)",
+              .x_label = "time since the train came (s)",
               .y_label = "standard deviations"};
+    const std::vector<double> times = times_since_first(result.points);
     Ewma average(settings.ewma_weight, settings.ewma_width);
     Cusum sums(settings.cusum_allowance, settings.cusum_limit);
     Curve ewma{"moving average (limit " + fmt::format("{:.2f})", average.limit())},
         above{"sum above"}, below{"sum below (limit " + fmt::format("{:g})", settings.cusum_limit)};
-    for (std::size_t k = 0; k < result.points.times.size(); ++k) {
+    for (std::size_t k = 0; k < times.size(); ++k) {
         (void)average.add(result.points.deviations[k]);
         (void)sums.add(result.points.deviations[k]);
-        for (Curve* curve : {&ewma, &above, &below}) curve->x.push_back(result.points.times[k]);
+        for (Curve* curve : {&ewma, &above, &below}) curve->x.push_back(times[k]);
         ewma.y.push_back(average.value());
         above.y.push_back(sums.above());
         below.y.push_back(-sums.below());
@@ -194,16 +201,16 @@ Plot spectrum_plot(const SensorResult& result, const SensorBaseline& baseline,
 Plot chart_plot(const SensorResult& result, double width) {
     Plot plot{.title = fmt::format("Sensor {}: {} of the points outside the limits", result.id,
                                    per_cent(result.outlier_share)),
-              .x_label = "time (s)",
+              .x_label = "time since the train came (s)",
               .y_label = "standard deviations of the baseline"};
     const ChartPoints& p = result.points;
-    plot.curves.push_back({"mean of residuals", p.times, p.means, Curve::Style::points});
+    const std::vector<double> times = times_since_first(p);
+    plot.curves.push_back({"mean of residuals", times, p.means, Curve::Style::points});
     plot.curves.push_back(
-        {"logarithm of their deviation", p.times, p.deviations, Curve::Style::points});
-    if (p.times.empty()) return plot;
-    const double begin = p.times.front(), end = p.times.back();
-    plot.curves.push_back({"limits", {begin, end}, {width, width}, Curve::Style::dashed});
-    plot.curves.push_back({"", {begin, end}, {-width, -width}, Curve::Style::dashed});
+        {"logarithm of their deviation", times, p.deviations, Curve::Style::points});
+    if (times.empty()) return plot;
+    plot.curves.push_back({"limits", {0, times.back()}, {width, width}, Curve::Style::dashed});
+    plot.curves.push_back({"", {0, times.back()}, {-width, -width}, Curve::Style::dashed});
     return plot;
 }
 

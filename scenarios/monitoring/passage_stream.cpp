@@ -96,7 +96,7 @@ void PassageStream::take_record(StreamRecord record) {
         return note("no time", fmt::format("line {}: sensor {}: t: expected a number, found {}",
                                            record.line, id, t));
     const double time = t - info->clock_offset;
-    if (!origin_) origin_ = begin_ = time;
+    if (!origin_) origin_ = begin_ = time - settings_.late; // earlier records may follow
     if (time < begin_)
         return note("late", fmt::format("line {}: sensor {}: t = {:.10g} s is before the present "
                                         "window",

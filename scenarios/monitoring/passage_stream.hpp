@@ -22,7 +22,8 @@ struct PassageStreamSettings {
 /// Records of SmartRocks that arrive as lines (RecordParser), cut into windows of recorded time by
 /// t less the clock_offset of the metadata. Records may arrive late, out of order and twice; those
 /// of a window that was closed, and lines that cannot be used, are counted and reported. A window
-/// closes when the median sensor has passed its end. {"end": 1} ends the stream.
+/// closes when the median sensor has passed its end; the first one begins `late` before the first
+/// record. {"end": 1} ends the stream.
 class PassageStream {
 public:
     /// Throws OutputError if the source cannot be opened, InputError without a sensor.
@@ -50,7 +51,7 @@ private:
     std::map<unsigned, Samples> samples_;
     std::map<unsigned, double> last_; // latest time of each sensor heard in the window
     std::map<std::string, std::pair<std::uint64_t, std::string>> notes_;
-    std::optional<double> origin_; // time of the first record
+    std::optional<double> origin_; // beginning of the first window
     double begin_ = 0;             // of the window
     std::uint64_t taken_ = 0;
     bool over_ = false;

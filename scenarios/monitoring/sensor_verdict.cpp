@@ -45,6 +45,10 @@ std::string reason_against(const Recording& r, const Vibration& v, const Vibrati
     if (v.rate != baseline.rate)
         return fmt::format("sampling rate: expected {:g} Hz as in the baseline, found {:g}",
                            baseline.rate, v.rate);
+    if (v.measured_rate > 1.02 * v.rate)
+        return fmt::format("sampling rate: expected {:g} Hz as in the metadata, found {:.4g} by "
+                           "the times",
+                           v.rate, v.measured_rate);
     if (v.missing > s.largest_missing)
         return fmt::format("gaps: expected at most {:g} % of the samples missing, found {:.1f} %",
                            100 * s.largest_missing, 100 * v.missing);

@@ -123,6 +123,10 @@ SensorInfo info_of(const SyntheticVibration& s, const ImuModel& model, std::uint
     return info;
 }
 
+std::size_t samples_in(const SyntheticVibration& s) {
+    return static_cast<std::size_t>(std::lround((s.duration + 2 * s.lead) * s.rate));
+}
+
 Recording recording_of(const SyntheticVibration& s, const SyntheticState& state, std::uint64_t seed,
                        unsigned passage, unsigned sensor) {
     ImuModel model = imu_preset(s.device);
@@ -133,7 +137,7 @@ Recording recording_of(const SyntheticVibration& s, const SyntheticState& state,
     Imu device(model, gravity, seed, stream_of(passage, sensor, 104));
     Motion motion(s, state, seed, passage, sensor);
     const Quat start = r.info.attitude();
-    const auto samples = static_cast<std::size_t>(std::lround((s.duration + 2 * s.lead) * s.rate));
+    const std::size_t samples = samples_in(s);
     Quat before = start;
     Vec3 rate_before = Vec3::Zero();
     for (std::size_t k = 0; k < samples; ++k) {
@@ -173,6 +177,17 @@ Passage synthetic_passage(const SyntheticVibration& settings, const SyntheticSta
     for (unsigned sensor = 1; sensor <= settings.sensors; ++sensor)
         p.recordings.push_back(recording_of(settings, state, seed, passage, sensor));
     return p;
+}
+
+std::vector<double> synthetic_vertical(const SyntheticVibration& settings,
+                                       const SyntheticState& state, std::uint64_t seed,
+                                       unsigned passage, unsigned sensor) {
+    Motion motion(settings, state, seed, passage, sensor);
+    std::vector<double> series;
+    const auto samples = samples_in(settings);
+    for (std::size_t k = 0; k < samples; ++k)
+        series.push_back(motion.next(static_cast<double>(k) / settings.rate).acceleration.z());
+    return series;
 }
 
 } // namespace bris

@@ -45,4 +45,10 @@ struct SyntheticVibration {
 Passage synthetic_passage(const SyntheticVibration& settings, const SyntheticState& state,
                           std::uint64_t seed, unsigned passage, const std::string& name);
 
+/// The true vertical acceleration (m/s2) of one sensor in such a passage, at the rate of the
+/// settings, with the rest before and after it.
+std::vector<double> synthetic_vertical(const SyntheticVibration& settings,
+                                       const SyntheticState& state, std::uint64_t seed,
+                                       unsigned passage, unsigned sensor);
+
 } // namespace bris

@@ -54,6 +54,7 @@ Vibration vibration_of(const Recording& r, const std::string& quantity, double r
     }
     v.duration = r.time.back() - r.time.front();
     v.missing = std::max(0.0, 1 - static_cast<double>(r.size() - 1) / (v.duration * v.rate));
+    v.measured_rate = static_cast<double>(r.size() - 1) / v.duration;
     const double range = by_force ? r.info.force_range : r.info.rate_range;
     v.saturated =
         static_cast<double>(std::ranges::count_if(

@@ -15,6 +15,7 @@ struct Vibration {
     double rate = 0;                            ///< Hz
     double duration = 0;                        ///< s, from the first sample to the last
     double missing = 0;                         ///< share of the samples due in that time
+    double measured_rate = 0;                   ///< Hz, by the number of samples and the duration
     double saturated = 0;                       ///< share of the samples at the end of the range
     double rms = 0;                             ///< root of the mean square about the mean
     std::string impossible_because = {};        ///< why there is no series; empty: there is one

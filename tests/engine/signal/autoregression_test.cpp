@@ -79,7 +79,7 @@ TEST_SUITE("engine/signal/autoregression") {
         std::vector<double> x;
         for (const double n : lynx) x.push_back(std::log10(n));
         REQUIRE(x.size() == 114);
-        CHECK(yule_walker(one(x), 0).front().mean == doctest::Approx(2.9036638).epsilon(1e-8));
+        CHECK(std::abs(yule_walker(one(x), 0).front().mean - 2.9036638) < 6e-8);
         check_coefficients(least_squares_ar(one(x), 2), {1.384238, -0.747776}, 6e-7);
         check_coefficients(yule_walker(one(x), 2).back(), {1.350438, -0.720031}, 6e-7);
     }
