@@ -16,6 +16,7 @@ constexpr std::string_view style =
     ".scroll{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem}"
     "th,td{padding:.25rem .6rem;text-align:left;vertical-align:top;border-bottom:1px solid "
     "var(--grid)}"
+    "td:last-child{min-width:14rem}"
     ".box{padding:.8rem 1rem;border-left:.5rem solid;border-radius:.25rem;margin:1rem 0}"
     ".box b{font-size:1.15rem}.good{border-color:#009e73;background:var(--good)}"
     ".bad{border-color:#d55e00;background:var(--bad)}"

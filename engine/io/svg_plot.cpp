@@ -16,7 +16,7 @@ constexpr std::size_t colours = 7;
 
 /// One axis: the range of numbers and the positions of the ticks.
 struct Axis {
-    double low = 0, high = 1;
+    double low = 0, high = 1; // numbers at its ends
     bool logarithmic = false;
     double from = 0, to = 1; // pixels
 
@@ -50,6 +50,20 @@ Axis axis_of(const Plot& plot, std::vector<double> Curve::*values, bool logarith
         axis.high += half;
     }
     return axis;
+}
+
+/// Leaves some room above and below the curves.
+void widen(Axis& axis) {
+    constexpr double room = 0.05;
+    if (axis.logarithmic) {
+        const double factor = std::pow(axis.high / axis.low, room);
+        axis.low /= factor;
+        axis.high *= factor;
+    } else {
+        const double more = room * (axis.high - axis.low);
+        axis.low -= more;
+        axis.high += more;
+    }
 }
 
 std::vector<double> ticks_of(const Axis& axis) {
@@ -180,6 +194,7 @@ std::string escaped_for_html(std::string_view text) {
 std::string svg_plot(const Plot& plot) {
     Axis x = axis_of(plot, &Curve::x, plot.x_logarithmic),
          y = axis_of(plot, &Curve::y, plot.y_logarithmic);
+    widen(y);
     x.from = left;
     x.to = width - right;
     y.from = height - below;

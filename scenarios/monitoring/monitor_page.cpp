@@ -124,25 +124,32 @@ std::vector<double> times_since_first(const ChartPoints& points) {
     return times;
 }
 
-Plot level_plot(const SensorResult& result, const MonitorSettings& settings) {
-    Plot plot{.title = "Moving average and cumulative sums of the level",
-              .x_label = "time since the train came (s)",
-              .y_label = "standard deviations"};
+/// The moving average, and the cumulative sums, of the standardised level.
+std::vector<Plot> level_plots(const SensorResult& result, const MonitorSettings& settings) {
     const std::vector<double> times = times_since_first(result.points);
     Ewma average(settings.ewma_weight, settings.ewma_width);
     Cusum sums(settings.cusum_allowance, settings.cusum_limit);
-    Curve ewma{"moving average (limit " + fmt::format("{:.2f})", average.limit())},
-        above{"sum above"}, below{"sum below (limit " + fmt::format("{:g})", settings.cusum_limit)};
-    for (std::size_t k = 0; k < times.size(); ++k) {
-        (void)average.add(result.points.deviations[k]);
-        (void)sums.add(result.points.deviations[k]);
-        for (Curve* curve : {&ewma, &above, &below}) curve->x.push_back(times[k]);
+    Curve ewma{"moving average", times, {}}, above{"above", times, {}}, below{"below", times, {}};
+    for (const double z : result.points.deviations) {
+        (void)average.add(z);
+        (void)sums.add(z);
         ewma.y.push_back(average.value());
         above.y.push_back(sums.above());
         below.y.push_back(-sums.below());
     }
-    plot.curves = {ewma, above, below};
-    return plot;
+    const auto plot = [&](const char* title, std::vector<Curve> curves, double limit) {
+        for (const double sign : {1.0, -1.0})
+            curves.push_back({sign > 0 ? "limits" : "",
+                              {0, times.back()},
+                              {sign * limit, sign * limit},
+                              Curve::Style::dashed});
+        return Plot{.title = title,
+                    .x_label = "time since the train came (s)",
+                    .y_label = "standard deviations",
+                    .curves = std::move(curves)};
+    };
+    return {plot("Moving average of the level", {ewma}, average.limit()),
+            plot("Cumulative sums of the level", {above, below}, settings.cusum_limit)};
 }
 
 void add_sensor(HtmlPage& page, const MonitorReport& report, unsigned id) {
@@ -160,7 +167,7 @@ void add_sensor(HtmlPage& page, const MonitorReport& report, unsigned id) {
     if (!s.points.times.empty()) {
         if (s.spectrum.segments > 0) page.plot(spectrum_plot(s, *b, report.settings.quantity));
         page.plot(chart_plot(s, report.settings.width));
-        page.plot(level_plot(s, report.settings));
+        for (const Plot& plot : level_plots(s, report.settings)) page.plot(plot);
     }
     std::vector<std::vector<std::string>> rows{{"check", "finding"}};
     for (const Finding& f : worst.passage->findings)
