@@ -73,6 +73,15 @@ double processor_time() {
     return seconds;
 }
 
+/// s, of the sensor that recorded longest.
+double recorded_time(const Passage& passage) {
+    double longest = 0;
+    for (const Recording& r : passage.recordings)
+        if (r.size() > 1 && std::isfinite(r.time.back() - r.time.front()))
+            longest = std::max(longest, r.time.back() - r.time.front());
+    return longest;
+}
+
 constexpr unsigned baseline_passages = 12;
 
 void write_example(const std::filesystem::path& folder, const Monitor& m, std::uint64_t seed) {
@@ -133,11 +142,7 @@ public:
 
 private:
     void take(const Passage& passage) {
-        double longest = 0;
-        for (const Recording& r : passage.recordings)
-            if (r.size() > 1 && std::isfinite(r.time.back() - r.time.front()))
-                longest = std::max(longest, r.time.back() - r.time.front());
-        recorded_ += longest;
+        recorded_ += recorded_time(passage);
         passages_.push_back(judge_passage(passage, baselines_, settings_));
         if (common_.quiet) return;
         const OverallVerdict v = overall_verdict({passages_.back()});
@@ -150,13 +155,20 @@ private:
         PassageStream stream(m_.stream, sensor_infos_in(metadata, "--baseline"), m_.of_stream);
         began_ = processor_time();
         while (const auto passage = stream.next()) {
+            stream_report_ = stream.report();
+            const double recorded = recorded_time(*passage);
+            if (stream.over() && !passages_.empty() && recorded < settings_.least_duration) {
+                ended_ = fmt::format("the stream ended {:.3g} s after the last window, too soon "
+                                     "for a verdict on that time\n",
+                                     recorded);
+                break;
+            }
             take(*passage);
             forget_details();
-            stream_report_ = stream.report();
             write_page(common_.out, report());
             write_history(common_.out, passages_);
         }
-        stream_report_ = stream.report();
+        stream_report_ = stream.report() + ended_;
     }
 
     /// Keeps what the page shows: the most serious result of each sensor.
@@ -189,7 +201,7 @@ private:
     const Monitor& m_;
     const Common& common_;
     MonitorSettings settings_;
-    std::string what_, baseline_, stream_report_;
+    std::string what_, baseline_, stream_report_, ended_;
     std::vector<SensorBaseline> baselines_;
     std::vector<PassageResult> passages_;
     double recorded_ = 0, began_ = 0; // s; of a stream without the time for the baseline

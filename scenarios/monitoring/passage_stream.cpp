@@ -144,6 +144,9 @@ Recording PassageStream::recording_of(const SensorInfo& info, double end) {
     const bool force = any_has(records, force_names), rate = any_has(records, rate_names),
                field = any_has(records, field_names), attitude = any_has(records, attitude_names),
                flags = any_has(records, std::array{"flags"});
+    std::vector<const DeviceChannel*> device;
+    for (const DeviceChannel& channel : device_channels())
+        if (any_has(records, std::array{channel.column})) device.push_back(&channel);
     const bool counted = !records.empty() && std::ranges::all_of(records, [](const auto* one) {
         return is_count(one->number("seq"));
     });
@@ -160,14 +163,18 @@ Recording PassageStream::recording_of(const SensorInfo& info, double end) {
             const double bits = one->has("flags") ? one->number("flags") : 0;
             r.flags.push_back(is_count(bits) ? static_cast<std::uint64_t>(bits) : 1);
         }
-        for (const DeviceChannel& channel : device_channels())
-            if (any_has(records, std::array{channel.column}))
-                (r.*channel.values)
-                    .push_back(channel.value_of_file(info, one->number(channel.column)));
+        for (const DeviceChannel* channel : device)
+            (r.*channel->values)
+                .push_back(channel->value_of_file(info, one->number(channel->column)));
     }
     all.erase(all.begin(), stop);
     reject_flagged(r);
     return r;
+}
+
+bool PassageStream::over() const {
+    return over_ &&
+           std::ranges::all_of(samples_, [](const auto& sensor) { return sensor.second.empty(); });
 }
 
 std::string PassageStream::report() const {

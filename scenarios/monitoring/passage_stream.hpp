@@ -32,6 +32,8 @@ public:
     /// The next window with records, with a recording for each sensor; nothing: the stream has
     /// ended. Throws Interrupted.
     std::optional<Passage> next();
+    /// Whether the stream has ended and all its windows were taken.
+    bool over() const;
     /// Number of lines, and of those that were not used with the first reason of each kind.
     std::string report() const;
 
