@@ -73,8 +73,8 @@ bool may_include_system(const std::string& file, const std::string& target) {
 
 /// The folders of scenarios/ in order. Each may include those before it; the executables may
 /// include all.
-constexpr std::array rooms{"rocks", "specimens",    "recordings",   "triaxial",
-                           "bulk",  "assimilation", "verification", "stability"};
+constexpr std::array rooms{"rocks",        "specimens",    "recordings", "triaxial",   "bulk",
+                           "assimilation", "verification", "stability",  "monitoring", "network"};
 
 bool may_include_room(const std::string& file, const std::string& target) {
     const auto order = [](const std::string& path) {
@@ -113,7 +113,7 @@ bool is_at_home(const std::string& file, const Library& library) {
 }
 
 bool may_include_library(const std::string& file, const std::string& target) {
-    static const std::array<Library, 6> libraries{{
+    static const std::array<Library, 7> libraries{{
         {{"tbb/", "oneapi/"},
          {"engine/parallel.hpp", "engine/parallel.cpp", "engine/schedule.cpp"}},
         {{"hdf5", "H5"}, {"engine/io/hdf5.cpp"}},
@@ -121,7 +121,9 @@ bool may_include_library(const std::string& file, const std::string& target) {
         {{"openvdb/"}, {"systems/fields/*.cpp", "scenarios/rocks/fill_clump.cpp"}},
         {{"nlohmann/"}, {"engine/summary.cpp", "engine/io/json_numbers.cpp"}},
         {{"boost/"},
-         {"engine/estimation/chi_squared.cpp", "engine/estimation/moderated_variance.cpp"}},
+         {"engine/estimation/chi_squared.cpp", "engine/estimation/detection.cpp",
+          "engine/estimation/moderated_variance.cpp"}},
+        {{"unsupported/"}, {"engine/signal/fft.cpp"}},
     }};
     return std::none_of(libraries.begin(), libraries.end(), [&](const Library& library) {
         return std::any_of(library.beginnings.begin(), library.beginnings.end(),

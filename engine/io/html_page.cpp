@@ -1,0 +1,80 @@
+#include "engine/io/html_page.hpp"
+
+#include "engine/io/svg_plot.hpp"
+#include "engine/io/whole_file.hpp"
+
+#include <fmt/format.h>
+
+namespace bris {
+
+namespace {
+
+constexpr std::string_view style =
+    "body{margin:0 auto;padding:1rem;max-width:60rem;font:16px/1.5 system-ui,sans-serif;"
+    "color:var(--text);background:var(--page);overflow-wrap:break-word}"
+    "h1{font-size:1.5rem;line-height:1.2}h2{font-size:1.2rem;margin-top:2rem}"
+    ".scroll{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem}"
+    "th,td{padding:.25rem .6rem;text-align:left;vertical-align:top;border-bottom:1px solid "
+    "var(--grid)}"
+    "td:last-child{min-width:14rem}"
+    ".box{padding:.8rem 1rem;border-left:.5rem solid;border-radius:.25rem;margin:1rem 0}"
+    ".box b{font-size:1.15rem}.good{border-color:#009e73;background:var(--good)}"
+    ".bad{border-color:#d55e00;background:var(--bad)}"
+    ".unknown{border-color:#8a8a8a;background:var(--unknown)}"
+    "details{margin:.6rem 0}summary{cursor:pointer;font-weight:600}"
+    ":root{color-scheme:light dark;--page:#fff;--good:#e2f5ee;--bad:#fdebdf;--unknown:#efefef}"
+    "@media(prefers-color-scheme:dark){:root{--page:#161616;--good:#10382d;--bad:#47260f;"
+    "--unknown:#2b2b2b}}";
+
+} // namespace
+
+HtmlPage::HtmlPage(const std::string& title) : title_(escaped_for_html(title)) {
+    body_ = fmt::format("<h1>{}</h1>\n", title_);
+}
+
+void HtmlPage::heading(const std::string& text) {
+    body_ += fmt::format("<h2>{}</h2>\n", escaped_for_html(text));
+}
+
+void HtmlPage::paragraph(const std::string& text) {
+    body_ += fmt::format("<p>{}</p>\n", escaped_for_html(text));
+}
+
+void HtmlPage::verdict(const std::string& kind, const std::string& word, const std::string& text) {
+    body_ += fmt::format("<div class=\"box {}\"><b>{}</b><br>{}</div>\n", escaped_for_html(kind),
+                         escaped_for_html(word), escaped_for_html(text));
+}
+
+void HtmlPage::table(const std::vector<std::vector<std::string>>& rows,
+                     const std::vector<std::string>& kinds) {
+    body_ += "<div class=\"scroll\"><table>\n";
+    for (std::size_t r = 0; r < rows.size(); ++r) {
+        const bool has_kind = r > 0 && r - 1 < kinds.size() && !kinds[r - 1].empty();
+        body_ += has_kind ? fmt::format("<tr class=\"{}\">", escaped_for_html(kinds[r - 1]))
+                          : std::string("<tr>");
+        const char* const cell = r == 0 ? "th" : "td";
+        for (const std::string& text : rows[r])
+            body_ += fmt::format("<{}>{}</{}>", cell, escaped_for_html(text), cell);
+        body_ += "</tr>\n";
+    }
+    body_ += "</table></div>\n";
+}
+
+void HtmlPage::plot(const Plot& plot) { body_ += svg_plot(plot); }
+
+void HtmlPage::begin_details(const std::string& summary) {
+    body_ += fmt::format("<details><summary>{}</summary>\n", escaped_for_html(summary));
+}
+
+void HtmlPage::end_details() { body_ += "</details>\n"; }
+
+std::string HtmlPage::text() const {
+    return fmt::format("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">\n"
+                       "<meta name=\"viewport\" content=\"width=device-width,initial-scale=1\">\n"
+                       "<title>{}</title>\n<style>{}{}</style></head>\n<body>\n{}</body></html>\n",
+                       title_, svg_plot_style, style, body_);
+}
+
+void HtmlPage::write(const std::filesystem::path& path) const { write_whole(path, text()); }
+
+} // namespace bris

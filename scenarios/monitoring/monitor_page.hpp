@@ -1,0 +1,37 @@
+#pragma once
+
+#include "engine/io/plot.hpp"
+#include "engine/summary.hpp"
+#include "scenarios/monitoring/sensor_verdict.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// Everything that a report of the monitor is made of.
+struct MonitorReport {
+    std::string recordings, baseline; ///< what was compared, for the reader
+    const MonitorSettings& settings;
+    const std::vector<SensorBaseline>& baselines;
+    const std::vector<PassageResult>& passages;
+    std::string stream; ///< report on the stream; empty: a folder was read
+};
+
+/// Spectrum of the baseline, and of the recording with its 95 % confidence band.
+Plot spectrum_plot(const SensorResult& result, const SensorBaseline& baseline,
+                   const std::string& quantity);
+/// Points of the charts over time, with their limits.
+Plot chart_plot(const SensorResult& result, double width);
+
+/// Writes one self-contained page, monitor.html. Throws OutputError.
+void write_page(const std::filesystem::path& folder, const MonitorReport& report);
+/// Draws spectra.png and charts.png, a panel for the most serious result of each sensor.
+void draw_pictures(const std::filesystem::path& folder, const MonitorReport& report);
+/// Adds the verdicts and numbers: overall, and sensor_ID_... of the most serious result of each.
+void add_results(Summary& summary, const MonitorReport& report);
+/// A line for each sensor and passage, history.csv. Throws OutputError.
+void write_history(const std::filesystem::path& folder, const std::vector<PassageResult>& passages);
+
+} // namespace bris

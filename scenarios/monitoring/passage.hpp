@@ -1,0 +1,33 @@
+#pragma once
+
+#include "scenarios/recordings/recording.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// What all sensors recorded during one passage of a train, or in one window of a stream.
+struct Passage {
+    std::string name;
+    std::vector<Recording> recordings; ///< one for each sensor of the metadata, perhaps empty
+};
+
+/// Reads a folder of recordings: metadata rock_NN.txt, and a file recordings.csv for each passage,
+/// in the folder itself and in its subfolders, in the order of their names; or files recordings.h5,
+/// which may contain the metadata. `columns`: column map of the CSV files; empty: the format of
+/// BRIS. `option` names the folder in messages. Throws InputError with file:line, and OutputError.
+std::vector<Passage> read_passages(const std::filesystem::path& folder,
+                                   const std::filesystem::path& columns, const std::string& option);
+
+/// The metadata rock_NN.txt of a folder, in order of id; empty if there are none. Throws
+/// InputError, OutputError.
+std::vector<SensorInfo> sensor_infos_in(const std::filesystem::path& folder,
+                                        const std::string& option);
+
+/// Writes the metadata of the first passage, and NAME/recordings.csv for each. Throws OutputError.
+void write_passages(const std::filesystem::path& folder, const std::vector<Passage>& passages,
+                    const std::string& comment);
+
+} // namespace bris

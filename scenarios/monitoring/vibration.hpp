@@ -1,0 +1,41 @@
+#pragma once
+
+#include "engine/signal/roll_pitch_yaw.hpp"
+#include "scenarios/recordings/recording.hpp"
+
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// The series of one quantity from a recording, in runs of samples without gaps.
+struct Vibration {
+    std::vector<std::vector<double>> runs = {}; ///< m/s2, or rad/s
+    std::vector<double> begins = {};            ///< s, time of the first sample of each run
+    double rate = 0;                            ///< Hz
+    double duration = 0;                        ///< s, from the first sample to the last
+    double missing = 0;                         ///< share of the samples due in that time
+    double measured_rate = 0;                   ///< Hz, by the number of samples and the duration
+    double saturated = 0;                       ///< share of the samples at the end of the range
+    double rms = 0;                             ///< root of the mean square about the mean
+    std::string impossible_because = {};        ///< why there is no series; empty: there is one
+};
+
+/// "vertical": vertical acceleration, the specific force along its mean direction in the first
+/// `rest` seconds, less its mean there; "roll_rate", "pitch_rate", "yaw_rate": angular rate about
+/// the track (x), the tie (y) and the vertical (z), less its mean, in world axes by the attitude of
+/// the metadata. Runs end where a sample is missing by its time or its count. The recording must
+/// have passed quality control.
+Vibration vibration_of(const Recording& recording, const std::string& quantity, double rest);
+
+/// The part of a vibration in which a train passes: from the first to the last window of 0.25 s
+/// whose root mean square exceeds `threshold` (m/s2, or rad/s). Its rms is that of this part, 0 if
+/// there is none.
+Vibration passing_part(const Vibration& whole, double threshold);
+
+/// Root mean squares (rad) of roll, pitch and yaw about their straight lines of least squares: of
+/// the recorded attitudes, or else of the integrated angular rates less their mean (trapezium rule,
+/// from the attitude of the metadata). NaN if neither was recorded.
+RollPitchYaw rotation_rms(const Recording& recording);
+
+} // namespace bris
