@@ -200,6 +200,7 @@ Summary Test::summary() const {
     summary.add("core_porosity", s.core_porosity);
     summary.add("core_porosity_after_preparation", s.prepared_porosity);
     summary.add("core_porosity_as_poured", s.poured_porosity);
+    summary.add("trial_consolidations", s.trials);
     summary.add("global_porosity", s.global_porosity);
     summary.add("height_m", s.height);
     summary.add("diameter_m", 2 * shared_.scene.specimen.radius);

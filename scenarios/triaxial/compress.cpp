@@ -36,12 +36,8 @@ double TriaxialTest::preparation_friction() const {
     return settings_.preparation_friction < 0 ? settings_.friction : settings_.preparation_friction;
 }
 
-// The platen presses the rocks down in the rigid mould. With their friction they come to rest as
-// loose as when they are poured; then friction is reduced and they settle until they are as dense
-// as wanted.
-void TriaxialTest::start_compression() {
+void TriaxialTest::press_platen() {
     World& world = simulation_.world();
-    auto& state = world.resource<TriaxialState>();
     auto& platen = world.resource<Platen>();
     const auto& specimen = world.resource<Specimen>();
     const auto& materials = world.resource<Materials>();
@@ -56,12 +52,20 @@ void TriaxialTest::start_compression() {
                   (stiffness_over_pressure * mean_size(world));
     platen.contact_stiffness = stiffness(specimen.platen_material);
     platen.largest_step = 2e-5 * specimen.height;
+}
+
+// The platen presses the rocks down in the rigid mould. With their friction they come to rest as
+// loose as when they are poured; then friction is reduced and they settle until they are as dense
+// as wanted.
+void TriaxialTest::start_compression() {
+    auto& state = simulation_.world().resource<TriaxialState>();
+    press_platen();
     state.preparation_friction = preparation_friction();
-    if (state.rounds == 0)
-        state.porosity_before_taps =
-            settings_.core_porosity() +
-            settled_by_taps * (settings_.core_porosity() - unchanged_by_taps);
-    set_friction(world, state.preparation_friction);
+    if (state.rounds == 0) {
+        state.aim = settings_.core_porosity();
+        state.porosity_before_taps = state.aim + settled_by_taps * (state.aim - unchanged_by_taps);
+    }
+    set_friction(simulation_.world(), state.preparation_friction);
     continue_compression();
     rescale();
 }
@@ -116,7 +120,7 @@ void TriaxialTest::compress() {
                 state.poured_porosity));
     }
     if (state.preparation_friction == 0)
-        return state.prepared_porosity <= settings_.core_porosity() + settings_.porosity_tolerance
+        return state.prepared_porosity <= state.aim + settings_.porosity_tolerance
                    ? start_taps()
                    : start_vibration();
     state.preparation_friction *= friction_left;

@@ -82,9 +82,12 @@ void TriaxialTest::start_filling() {
     forget_lists(world); // bodies know the rows of their spheres from here on
     const double lid = specimen.looseness * specimen.height;
     const auto position = world.column<Bodies, Position>();
-    for (std::size_t k = 0; k < specimen.smart_rocks.size(); ++k)
-        position[row_of_body(world, specimen.smart_rocks[k])] =
+    for (std::size_t k = 0; k < specimen.smart_rocks.size(); ++k) {
+        const Row r = row_of_body(world, specimen.smart_rocks[k]);
+        position[r] =
             specimen.smart_rock_poses[k].position.cwiseProduct(Vec3(1, 1, specimen.looseness));
+        world.column<Bodies, DriveVelocity>()[r].setZero(); // led by the platen until now
+    }
     place_rocks(world, lid, first_scale);
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     for (const EntityId id : specimen.rocks) world.column<Bodies, Growth>()[rows[id]] = first_scale;

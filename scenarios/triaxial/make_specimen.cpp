@@ -1,9 +1,11 @@
 #include "scenarios/triaxial/make_specimen.hpp"
 
 #include "engine/resume.hpp"
+#include "scenarios/triaxial/trial.hpp"
 
 #include <algorithm>
 #include <array>
+#include <optional>
 
 namespace bris {
 
@@ -19,6 +21,7 @@ std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all)
                                "porosity_tolerance",
                                "preparation_friction",
                                "preparation_pressure_Pa",
+                               "trial_pressure_Pa",
                                "longest_preparation",
                                "sensor_shape",
                                "sensor_density_kg_per_m3",
@@ -71,11 +74,30 @@ MadeSpecimen make_specimen(const TriaxialScene& scene, const TriaxialSettings& s
         run.resume(of_specimen.resume);
     else if (begin)
         begin(simulation, test);
-    const auto is_made = [&] { return test.state().phase >= TriaxialPhase::consolidate; };
-    run.go({{.advance = [&](Simulation&) { return !is_made() && test.advance() && !is_made(); },
-             .progress = [&](const World&) { return test.progress(); }}});
+    StepCount of_trials;
+    std::optional<TrialConsolidation> trial; // not saved: a resumed run begins it again
+    const auto is_prepared = [&] { return test.state().phase >= TriaxialPhase::consolidate; };
+    const auto is_made = [&] { return is_prepared() && (begin || test.state().accepted); };
+    const auto advance = [&](Simulation&) {
+        if (is_made()) return false;
+        if (!is_prepared()) return test.advance() && !is_made();
+        if (!trial)
+            trial.emplace(scene, settings, simulation.snapshot(), common.threads, common.serial);
+        if (trial->advance()) return true;
+        test.judge(trial->core_porosity());
+        of_trials.steps += trial->count().steps;
+        of_trials.wall_time += trial->count().wall_time;
+        trial.reset();
+        return !is_made();
+    };
+    run.go({{.advance = advance, .progress = [&](const World&) {
+                 return trial ? trial->progress() : test.progress();
+             }}});
+    StepCount count = simulation.count();
+    count.steps += of_trials.steps;
+    count.wall_time += of_trials.wall_time;
     return {simulation.snapshot(), test.state().prepared_porosity,
-            simulation.world().resource<Clock>().step, simulation.count()};
+            simulation.world().resource<Clock>().step, count};
 }
 
 } // namespace bris

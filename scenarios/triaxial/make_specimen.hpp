@@ -15,8 +15,8 @@ constexpr auto specimen_file = "specimen.ckpt.h5";
 struct MadeSpecimen {
     Archive state;
     double core_porosity = 0;
-    std::uint64_t steps = 0; ///< since filling began
-    StepCount count;         ///< steps and wall time of this process
+    std::uint64_t steps = 0; ///< since filling began, without trial consolidations
+    StepCount count;         ///< steps and wall time of this process, with trial consolidations
 };
 
 /// Throws InputError, listing all differing settings, if --resume names a specimen that was made
@@ -24,11 +24,12 @@ struct MadeSpecimen {
 void require_same_specimen(const Common& common);
 
 /// Makes the specimen of a scene, up to the moment before the confining pressure is applied, on
-/// `common.threads` threads. If `common.resume` names a checkpoint of the specimen, or a folder
-/// with one, it continues from there. The specimen is saved as specimen.ckpt.h5 in the results
-/// folder: one specimen serves for many tests, whose settings may differ. `begin` places the rocks
-/// of a specimen that is not filled lift by lift. Throws InputError, SimulationError, Interrupted,
-/// OutputError.
+/// `common.threads` threads. A trial consolidation of a copy decides whether its core has the
+/// porosity asked for when shearing begins; otherwise it is prepared again. If `common.resume`
+/// names a checkpoint of the specimen, or a folder with one, it continues from there. The specimen
+/// is saved as specimen.ckpt.h5 in the results folder: one specimen serves for many tests, whose
+/// settings may differ. `begin` places the rocks of a specimen that is neither filled nor tried.
+/// Throws InputError, SimulationError, Interrupted, OutputError.
 MadeSpecimen make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings,
                            const Common& common, const ReportProgress& report,
                            const std::function<void(Simulation&, TriaxialTest&)>& begin = {});

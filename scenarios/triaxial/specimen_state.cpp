@@ -5,6 +5,7 @@
 #include "components/material.hpp"
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
+#include "components/sphere.hpp"
 #include "engine/clock.hpp"
 #include "engine/ordering.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -101,6 +102,29 @@ void stop_rocks(World& world) {
     stop.template operator()<StepAngularVelocity>();
 }
 
+namespace {
+
+/// The part of a displacement (m) that leaves the spheres of a held body in the mould. There are no
+/// contacts between the mould and a held body.
+Vec3 within_mould(const World& world, Row body, Vec3 way) {
+    const double wall = membrane_radius(world), top = platen_height(world);
+    const Vec3 position = world.column<Bodies, Position>()[body];
+    const Quat orientation = world.column<Bodies, Orientation>()[body];
+    const SphereRun run = world.column<Bodies, SpheresOf>()[body];
+    const auto ball = world.column<Spheres, LocalBall>();
+    for (Row k = run.first; k < run.first + run.count; ++k) {
+        const Vec3 centre = position + orientation * ball[k].centre;
+        const double radius = ball[k].radius;
+        for (const Vec3& outward : world.resource<Membrane>().outward)
+            way -= std::max(0.0, (centre + way).dot(outward) + radius - wall) * outward;
+        way.z() += std::max(0.0, radius - centre.z() - way.z());
+        way.z() -= std::max(0.0, centre.z() + way.z() + radius - top);
+    }
+    return way;
+}
+
+} // namespace
+
 void lead_sensor_rocks(World& world, std::uint64_t steps) {
     constexpr double most_force = 10; // contact force over pressure times cross-section
     const auto& platen = world.resource<Platen>();
@@ -117,6 +141,7 @@ void lead_sensor_rocks(World& world, std::uint64_t steps) {
                      share = force.norm() / limit; // 0 without a limit
         Vec3 way = std::max(0.0, 1 - share) * (d.given - d.now);
         if (share > 1) way += 0.5 * (1 - 1 / share) / stiffness * force;
+        way = within_mould(world, r, way);
         way *= std::min(1.0, farthest / std::max(way.norm(), 1e-300));
         world.column<Bodies, DriveVelocity>()[r] =
             way / (static_cast<double>(steps) * world.resource<Clock>().dt);

@@ -48,7 +48,7 @@ void stop_rocks(World& world);
 
 /// Drives the held sensor rocks with the platen: within `steps` they approach the positions that
 /// correspond to its present height. A sensor rock on which the contact force exceeds ten times the
-/// target pressure of the platen on its cross-section gives way.
+/// target pressure of the platen on its cross-section gives way, as far as the mould.
 void lead_sensor_rocks(World& world, std::uint64_t steps);
 
 } // namespace bris

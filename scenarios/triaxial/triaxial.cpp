@@ -19,8 +19,9 @@
 namespace bris {
 
 void TriaxialState::save(Archive& archive) const {
-    const std::array<std::uint64_t, 5> counts{static_cast<std::uint64_t>(phase), stage, phase_steps,
-                                              taps, rounds};
+    const std::array<std::uint64_t, 7> counts{
+        static_cast<std::uint64_t>(phase), stage, phase_steps, taps, rounds, trials,
+        accepted ? std::uint64_t{1} : 0};
     archive.put("triaxial/counts", std::span<const std::uint64_t>(counts));
     put_fields(archive, "triaxial/numbers", fields(*this));
     save_points(archive, "triaxial", points);
@@ -33,6 +34,8 @@ void TriaxialState::load(const Archive& archive) {
     phase_steps = counts.at(2);
     taps = counts.at(3);
     rounds = counts.at(4);
+    trials = counts.at(5);
+    accepted = counts.at(6) != 0;
     get_fields(archive, "triaxial/numbers", fields(*this));
     points = load_points(archive, "triaxial");
 }

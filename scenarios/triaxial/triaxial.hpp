@@ -21,7 +21,7 @@ struct TriaxialSettings {
     double final_axial_strain = 0.08;
     std::string preparation = "laboratory"; ///< or "report"
     double porosity = 0;                    ///< of the core; 0: that of the preparation
-    double porosity_tolerance = 0.005;
+    double porosity_tolerance = 0.005;      ///< at the start of shearing
     double core_porosity() const {
         return porosity > 0 ? porosity : preparation == "report" ? 0.32 : 0.38;
     }
@@ -29,8 +29,10 @@ struct TriaxialSettings {
     double friction = 0.7;
     /// Of the rocks while the specimen is made; below 0: that of the test.
     double preparation_friction = -1;
-    unsigned taps = 4;                ///< at least; 0: none
-    double preparation_pressure = 0;  ///< of the top platen; 0: follows from the stiffness
+    unsigned taps = 4;               ///< at least; 0: none
+    double preparation_pressure = 0; ///< of the top platen; 0: follows from the stiffness
+    /// From all sides, in the trial consolidation that decides on a prepared specimen.
+    double trial_pressure = 110e3;
     double tolerance = 1e-3;          ///< unbalanced force ratio of an equilibrium
     double pressure_tolerance = 0.01; ///< relative, of the pressure of each ring
     double damping = 0.7;             ///< local damping, except during vibration
@@ -68,6 +70,11 @@ struct TriaxialState {
     double densest_porosity = 1;        ///< during vibration
     double preparation_friction = 0;    ///< now, during compression
     std::uint64_t taps = 0, rounds = 0; ///< taps of this round, rounds of compression and taps
+    /// Core porosity at which the preparation aims: the one asked for, minus the change that trial
+    /// consolidations have shown.
+    double aim = 0;
+    std::uint64_t trials = 0; ///< trial consolidations so far
+    bool accepted = false;    ///< by the last of them
     /// rad, largest rotation of a sensor rock from its given attitude, at the start of shearing.
     double rotation = 0;
     /// One point at the start of shearing, and one at the end of each stage.
@@ -76,8 +83,8 @@ struct TriaxialState {
     static auto fields(auto& self) {
         return std::tie(self.height, self.volume, self.drift, self.rotation, self.core_porosity,
                         self.global_porosity, self.prepared_porosity, self.poured_porosity,
-                        self.porosity_before_taps, self.preparation_friction,
-                        self.densest_porosity);
+                        self.porosity_before_taps, self.preparation_friction, self.densest_porosity,
+                        self.aim);
     }
     void save(Archive& archive) const;
     void load(const Archive& archive);
@@ -85,7 +92,7 @@ struct TriaxialState {
 
 /// Runs a triaxial test block by block, so that it can be observed, saved and stopped after any
 /// block. The members are defined by phase in fill.cpp, compress.cpp, vibrate.cpp, tap.cpp,
-/// consolidate.cpp and shear.cpp.
+/// trial.cpp, consolidate.cpp and shear.cpp.
 class TriaxialTest {
 public:
     TriaxialTest(Simulation& simulation, TriaxialSettings settings);
@@ -98,6 +105,12 @@ public:
     /// at rest.
     void begin_compacted();
 
+    /// Of a prepared specimen whose consolidation has not begun: accepts it if the core porosity
+    /// after a trial consolidation is the one asked for; otherwise prepares it again, aiming at a
+    /// porosity that differs by as much. Throws SimulationError if that does not meet it either,
+    /// time after time.
+    void judge(double porosity_after_trial);
+
     /// Scales masses and time step anew for the present contacts; required after contact properties
     /// were changed from outside.
     void rescale();
@@ -109,6 +122,7 @@ private:
     void start_filling();
     void fill();
     double preparation_friction() const;
+    void press_platen();
     void start_compression();
     void continue_compression();
     void compress();
@@ -116,6 +130,8 @@ private:
     void vibrate();
     void start_taps();
     void tap();
+    void prepare_again(double off);
+    void return_to_mould();
     void measure_porosity();
     bool rests_under_platen(double unbalanced_ratio) const;
     void start_consolidation();

@@ -133,11 +133,12 @@ TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
 
 void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit,
                         double stages_kept) {
-    constexpr double spheres_each = 30;         // per rock of the clump library
-    constexpr double motion = 2 * sizeof(Vec3); // displacement and rotation of a rock in a stage
-    require_memory("bodies", t.bodies,
-                   bytes_of_rocks(t.bodies, spheres_each, worlds) + motion * stages_kept * t.bodies,
-                   limit);
+    constexpr double spheres_each = 30;            // per rock of the clump library
+    constexpr double motion = 2 * sizeof(Vec3);    // displacement and rotation of a rock in a stage
+    const unsigned at_once = std::max(worlds, 2U); // a specimen and the copy that is tried
+    require_memory(
+        "bodies", t.bodies,
+        bytes_of_rocks(t.bodies, spheres_each, at_once) + motion * stages_kept * t.bodies, limit);
 }
 
 Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {

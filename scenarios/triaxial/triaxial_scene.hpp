@@ -60,8 +60,8 @@ struct Triaxial {
             "the SmartRock report, taken as that of the core.",
             {"laboratory", "report"});
         option("porosity", test.porosity, "",
-               "Porosity of the core (0.6 of the radius, middle half of the height) at which the "
-               "specimen is prepared; 0: that of --preparation.",
+               "Porosity of the core (0.6 of the radius, middle half of the height) at the start "
+               "of shearing; 0: that of --preparation.",
                within(0, 0.6));
         option("porosity_tolerance", test.porosity_tolerance, "",
                "Largest difference from the porosity at which it counts as reached.",
@@ -77,6 +77,10 @@ struct Triaxial {
                "Pressure of the top platen while the specimen is made; 0: follows from the contact "
                "stiffness.",
                within(0, 1e9));
+        option("trial_pressure", test.trial_pressure, "Pa",
+               "Pressure from all sides under which the porosity of the prepared specimen is "
+               "checked on a copy; while it is missed, the specimen is prepared again.",
+               above(0, 1e9));
         option("longest_preparation", test.longest_preparation, "",
                "Number of steps after which the preparation fails if the porosity is not reached.",
                within(1, 1e9));

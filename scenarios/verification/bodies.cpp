@@ -1,5 +1,12 @@
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/sphere.hpp"
+#include "engine/assets.hpp"
+#include "scenarios/rocks/clump_library.hpp"
 #include "scenarios/rocks/mass_properties.hpp"
+#include "scenarios/specimens/scene.hpp"
 #include "scenarios/verification/cases.hpp"
+#include "scenarios/verification/surface_integral.hpp"
 #include "scenarios/verification/top.hpp"
 
 #include <fmt/format.h>
@@ -8,6 +15,33 @@
 #include <cstdint>
 
 namespace bris::detail {
+
+namespace {
+
+/// Differences, relative to its size, between the mass properties with which a clump moves and
+/// those of the spheres with which it touches others.
+struct ClumpError {
+    double mass = 0, centre = 0, inertia = 0;
+};
+
+ClumpError error_of(const Clump& clump) {
+    World world = make_world(Grains::clumps);
+    const double density = 2750;
+    const auto material = world.resource<Materials>().add(linear_material(1e6, 1e6, 0.5, density));
+    const EntityId body =
+        add_clump(world, clump, 0, Vec3::Zero(), Quat(Quat::Identity()), material);
+    std::vector<Ball> balls;
+    const auto parent = world.column<Spheres, ParentId>();
+    for (Row k = 0; k < parent.size(); ++k)
+        if (parent[k] == body) balls.push_back(world.column<Spheres, LocalBall>()[k]);
+    const MassProperties found = surface_integrals(balls, 40000);
+    const Mat3 inertia = value_of<Inertia>(world, body).asDiagonal();
+    return {std::abs(density * found.volume / value_of<Mass>(world, body) - 1),
+            found.centre.norm() / clump.sieve,
+            (density * found.inertia - inertia).norm() / inertia.norm()};
+}
+
+} // namespace
 
 void verify_top(Checks& checks) {
     // Jacobi's solution for I = (1, 2, 3), angular velocity (1, 0, 1) and identity attitude at t =
@@ -100,6 +134,18 @@ void verify_mass_properties(Checks& checks) {
         (thirty.centre - Vec3(0.022828962235314883, 0.06147086599256847, 0.017259660955615014))
             .norm(),
         1e-5);
+    ClumpError worst;
+    for (const Clump& clump : read_clumps(assets_folder() / "clumps")) {
+        const ClumpError e = error_of(clump);
+        worst = {std::max(worst.mass, e.mass), std::max(worst.centre, e.centre),
+                 std::max(worst.inertia, e.inertia)};
+    }
+    checks.absolute("clumps of the library in a scene, spheres against mass: largest error", "", 0,
+                    worst.mass, 5e-4);
+    checks.absolute("clumps of the library in a scene: centre of mass over size, largest error", "",
+                    0, worst.centre, 2e-4);
+    checks.absolute("clumps of the library in a scene: moments of inertia, largest error", "", 0,
+                    worst.inertia, 5e-4);
 }
 
 } // namespace bris::detail

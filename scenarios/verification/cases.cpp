@@ -47,7 +47,8 @@ constexpr std::array cases{
     VerificationCase{"pendulum", "compound pendulum, complete elliptic integral",
                      detail::verify_pendulum},
     VerificationCase{"mass_properties",
-                     "two spheres: closed form; thirty spheres: independent quadrature",
+                     "two spheres: closed form; thirty spheres: independent quadrature; library: "
+                     "integrals over the surface",
                      detail::verify_mass_properties},
     VerificationCase{"chains",
                      "lattice dispersion; Nesterenko's solitary wave, integrated in fine steps",

@@ -88,6 +88,12 @@ void verify_rest(Checks& checks) {
         checks.absolute(name("displacement over r"), "", 0, r.travel, 1e-9);
         checks.absolute(name("resultant force over weight"), "", 0, r.unbalanced, 1e-9);
     }
+    const TripodResult tripod = run_experiment(Tripod{});
+    checks.relative("clump at rest on three of its spheres: overlap over weight / 3 k", "", 1,
+                    tripod.overlap, 1e-9);
+    checks.absolute("clump at rest on three of its spheres: tilt", "rad", 0, tripod.tilt, 1e-9);
+    checks.relative("clump at rest on three of its spheres: force on the floor over weight", "", 1,
+                    tripod.floor_force, 1e-9);
     const PackingResult r = run_experiment(Packing{});
     checks.at_most("packing at rest: unbalanced force ratio", "", 1e-11, r.unbalanced_ratio);
     checks.absolute("packing at rest: force on the box over weight", "", 1, 1 + r.floor_force_error,

@@ -42,6 +42,37 @@ RestResult run_experiment(const SmallBetweenLarge& s) {
     return r;
 }
 
+TripodResult run_experiment(const Tripod& s) {
+    constexpr double radius = 0.01, kn = 1e6, g = 9.81;
+    Clump clump;
+    clump.volume = 1e-4;
+    clump.inertia = Vec3(0.4, 0.4, 0.5) * clump.volume * radius * radius;
+    clump.bounding_radius = (3 + s.height) * radius;
+    clump.balls.push_back({Vec3::Zero(), 1.5 * radius});
+    for (int k = 0; k < 3; ++k)
+        clump.balls.push_back(
+            {radius * Vec3(2 * std::cos(2 * pi * k / 3), 2 * std::sin(2 * pi * k / 3), -s.height),
+             radius});
+    World world = make_world(Grains::clumps);
+    Material m = linear_material(kn, 0.8 * kn, 0.5);
+    const double mass = m.density * clump.volume, omega = std::sqrt(3 * kn / mass);
+    m.normal_damping = m.shear_damping = 0.2 * omega;
+    const auto material = world.resource<Materials>().add(m);
+    const double touching = (1 + s.height) * radius;
+    const EntityId body =
+        add_clump(world, clump, 0, Vec3(0, 0, touching), Quat(Quat::Identity()), material);
+    add_floor(world, material);
+    world.add_resource<Gravity>({Vec3(0, 0, -g)});
+    Simulation sim = begin(std::move(world),
+                           {.dt = 0.05 / omega, .law = LawName::linear_viscous, .unlimited = true});
+    sim.advance(20000);
+    TripodResult r;
+    r.overlap = (touching - value_of<Position>(sim, body).z()) * 3 * kn / (mass * g);
+    r.tilt = value_of<Orientation>(sim, body).angularDistance(Quat(Quat::Identity()));
+    r.floor_force = compute_quantities(sim.world()).boundary_force_over_weight();
+    return r;
+}
+
 PackingResult run_experiment(const Packing& s) {
     constexpr double radius = 0.01, kn = 1e5;
     World world = make_world(Grains::spheres);

@@ -20,6 +20,19 @@ struct RestResult {
 };
 RestResult run_experiment(const SmallBetweenLarge& scene);
 
+/// A clump that stands on a floor on three equal spheres, its feet, at the corners of an
+/// equilateral triangle around the vertical through its centre of mass. The last sphere of the
+/// clump is a foot.
+struct Tripod {
+    double height = 2; ///< of the centre of mass above the centres of the feet, in radii of a foot
+};
+struct TripodResult {
+    double overlap = 0; ///< of the feet and the floor, in the weight over three contact stiffnesses
+    double tilt = 0;    ///< rad, from the upright attitude
+    double floor_force = 0; ///< relative to the weight
+};
+TripodResult run_experiment(const Tripod& tripod);
+
 /// A packing of spheres of several sizes at rest in a box under its weight.
 struct Packing {
     unsigned side = 3;

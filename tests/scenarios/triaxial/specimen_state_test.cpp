@@ -1,9 +1,15 @@
 #include "components/body.hpp"
+#include "components/kinds.hpp"
 #include "components/material.hpp"
+#include "components/membrane.hpp"
+#include "components/platen.hpp"
+#include "components/sphere.hpp"
+#include "engine/clock.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/triaxial/specimen_state.hpp"
 #include "scenarios/triaxial/triaxial_scene.hpp"
+#include "systems/broadphase/lists.hpp"
 #include "tests/about.hpp"
 
 #include <doctest/doctest.h>
@@ -112,5 +118,44 @@ TEST_SUITE("triaxial/specimen_state") {
         }
         t.sensor_shape = "rock_02,sphere";
         CHECK_THROWS_WITH_AS(make_scene(t, 1), doctest::Contains("found \"sphere\""), InputError);
+    }
+
+    TEST_CASE("a held sensor rock gives way to rocks that press on it, but stays in the mould") {
+        const TriaxialScene scene = make_scene(small(), 1);
+        Simulation simulation = make_simulation(scene, 1, false);
+        World& world = simulation.world();
+        forget_lists(world);
+        world.resource<Clock>().change_step(1e-6);
+        world.resource<Platen>().target_pressure = 1e5;
+        world.resource<Platen>().largest_step = 1e-4;
+        const EntityId sensor = world.resource<Specimen>().smart_rocks.back();
+        const double wall = membrane_radius(world), top = platen_height(world);
+        for (const Vec3& push :
+             {Vec3(1, 0.3, 0), Vec3(-0.2, -1, 0), Vec3(0, 0, -1), Vec3(0, 0, 1)}) {
+            const Vec3 before = value_of<Position>(world, sensor);
+            double reach = 0, low = top, high = 0;
+            for (int block = 0; block < 2000; ++block) {
+                value_of<Force>(world, sensor) = 1e6 * push;
+                lead_sensor_rocks(world, 50);
+                value_of<Position>(world, sensor) +=
+                    50 * 1e-6 * value_of<DriveVelocity>(world, sensor);
+            }
+            const auto run = value_of<SpheresOf>(world, sensor);
+            for (Row k = run.first; k < run.first + run.count; ++k) {
+                const Ball& ball = world.column<Spheres, LocalBall>()[k];
+                const Vec3 centre = value_of<Position>(world, sensor) +
+                                    value_of<Orientation>(world, sensor) * ball.centre;
+                for (const Vec3& outward : world.resource<Membrane>().outward)
+                    reach = std::max(reach, centre.dot(outward) + ball.radius);
+                low = std::min(low, centre.z() - ball.radius);
+                high = std::max(high, centre.z() + ball.radius);
+            }
+            CAPTURE(push.transpose());
+            CHECK((value_of<Position>(world, sensor) - before).norm() > 1e-3);
+            CHECK(reach < wall + 1e-4);
+            CHECK(low > -1e-4);
+            CHECK(high < top + 1e-4);
+            CHECK(std::max({reach - wall, -low, high - top}) > -1e-4); // it has come to a side
+        }
     }
 }
