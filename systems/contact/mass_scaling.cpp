@@ -16,6 +16,8 @@ namespace {
 
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
 constexpr double least_contacts = 6; // a stable rock has six or more
+/// N/m, from which on a pair is one of two rigid boundaries, which never touch.
+constexpr double rigid = 1e20;
 
 } // namespace
 
@@ -41,7 +43,7 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     // same porosity, which are half as strong again.
     double one = 0, true_mass = 0, stiffness_sum = 0;
     for (const LawRow& law : world.resource<Materials>().linear_pairs)
-        one = std::max({one, law.kn, law.ks});
+        if (law.kn < rigid) one = std::max({one, law.kn, law.ks});
     require(one > 0, "mass scaling: expected materials with a normal stiffness, found none");
     const auto radius = bodies.column<BoundingRadius>();
     for (const Row b : rows) {

@@ -47,9 +47,8 @@ Balance compute_balance(const World& world) {
         if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
         ++balance.free_bodies;
         if (sums[b].contacts == 0) ++balance.idle_bodies;
-        const Vec3 more = outer(b);
-        unbalanced += (sums[b].resultant + more).norm();
-        total += sums[b].total + more.norm();
+        unbalanced += (sums[b].resultant + outer(b)).norm();
+        total += sums[b].total + outer.magnitude(b);
     }
     if (total > 0) balance.unbalanced_ratio = unbalanced / total;
     return balance;
