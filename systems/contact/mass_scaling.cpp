@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/load.hpp"
 #include "components/material.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
@@ -34,6 +35,8 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     const auto angular_velocity = bodies.column<AngularVelocity>();
     const auto work =
         bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
+    const auto patches =
+        bodies.has<PatchesOf>() ? bodies.column<PatchesOf>() : std::span<std::uint32_t>();
     auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the order of rows
     std::erase_if(rows, [&](Row b) { return motion[b] != free_motion; });
 
@@ -61,6 +64,10 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     for (const Row b : rows) {
         double m = factor * stiffness[b].translation;
         double i = factor * stiffness[b].rotation / inertia[b].minCoeff();
+        if (!patches.empty() && patches[b] != 0) { // whose dashpots suit the true mass
+            m = std::max(m, mass[b]);
+            i = std::max(i, 1.0);
+        }
         if (only_raise) {
             m = std::max(m, inertial[b]);
             i = std::max(i, inertial_inertia[b].x() / inertia[b].x());
