@@ -15,11 +15,11 @@ namespace bris {
 struct BallastBox {
     std::string run = "I.2", model = "settlement";
     double frequency = 0, peak_load = 0, least_load = 0.1;
-    unsigned cycles = 0, steps_per_cycle = 4000;
+    unsigned cycles = 0, steps_per_cycle = 8000;
     double width = 0.2, rock_scale = 0, smallest_rock = 0.03;
     std::string material = "limestone", grading = "arema_3";
     double friction_factor = 1, stiffness_factor = 1;
-    double subgrade_modulus = 80e6, subgrade_damping = 0.2, series_compliance = 0;
+    double subgrade_modulus = 200e6, subgrade_damping = 0.2, series_compliance = 0;
     double rail_bending = 1.58e7, tie_support = 3e7;
     unsigned box_ties = 2;
     double bladder_pressure = 200e3, tie_level = 0;
@@ -115,8 +115,11 @@ void BallastBox::describe(auto& option) {
            "Factor on the stiffness of rocks while the ballast is poured and compacted.",
            within(1e-3, 1));
     option.group("Track");
-    option("subgrade_modulus", subgrade_modulus, "N/m3",
-           "Modulus of the subgrade: pressure over settlement of its plates.", within(1e6, 1e10));
+    option(
+        "subgrade_modulus", subgrade_modulus, "N/m3",
+        "Modulus of the subgrade: pressure over settlement of its plates. The default is that of a "
+        "layer of 0.30 m with 60 MPa on a rigid floor.",
+        within(1e6, 1e10));
     option("subgrade_damping", subgrade_damping, "",
            "Ratio of critical damping of the subgrade's plates.", within(0, 2));
     option("series_compliance", series_compliance, "m/N",
