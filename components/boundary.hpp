@@ -17,8 +17,9 @@ struct HostRow : Derived<Row> {
     static constexpr auto name = "host_row", unit = "";
 };
 
-/// Motion of a host's surface as a rigid body about the host's position. The geometry of a rotating
-/// host stays where it is, as that of a drum does: rotation changes only the surface velocity.
+/// Motion of a host's surface as a rigid body about the host's position. The geometry of a driven
+/// host that rotates stays where it is, as that of a drum does: rotation changes only the surface
+/// velocity. The facets of a free host turn with it.
 struct SurfaceMotion {
     Vec3 velocity, angular_velocity, centre;
     Vec3 at(const Vec3& point) const { return velocity + angular_velocity.cross(point - centre); }
@@ -61,9 +62,20 @@ struct FacetRow {
     std::array<Vec3, 4> corners;
     Vec3 normal;
     SurfaceMotion motion;
+    Row free_host; ///< row of the host if forces move it; no_row if it is driven
 };
 struct FacetPosition : Derived<FacetRow> {
     static constexpr auto name = "position", unit = "m";
 };
+
+/// Corners and normal of a facet in the world. The host has the given pose.
+inline FacetRow placed(const FacetShape& shape, const Vec3& position, const Quat& orientation) {
+    FacetRow row{};
+    for (std::size_t k = 0; k < 4; ++k) row.corners[k] = position + orientation * shape.corners[k];
+    const auto& c = shape.corners;
+    row.normal = orientation * (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+    row.free_host = no_row;
+    return row;
+}
 
 } // namespace bris

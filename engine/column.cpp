@@ -15,7 +15,8 @@ namespace bris {
 namespace {
 
 constexpr std::size_t huge_page = std::size_t{1} << 21, page = 4096, line = 64;
-constexpr std::size_t bytes_per_chunk = std::size_t{1} << 17; // of what several threads copy or clear
+constexpr std::size_t bytes_per_chunk = std::size_t{1}
+                                        << 17; // of what several threads copy or clear
 
 // A system reads many columns at the same row. Blocks that all begin at the same offset within a
 // page would share the few lines of a cache set, and a load would wait for stores to other columns

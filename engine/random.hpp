@@ -14,6 +14,10 @@ public:
     Random(std::uint64_t seed, std::uint64_t stream)
         : key_(mix(mix(seed + 0x9e3779b97f4a7c15u) ^ (stream * 0xbf58476d1ce4e5b9u + 1))) {}
 
+    /// Number of draws of 64 bits so far; `continue_at` goes on after as many.
+    std::uint64_t draws() const { return counter_; }
+    void continue_at(std::uint64_t draws) { counter_ = draws; }
+
     /// 64 uniformly distributed bits.
     std::uint64_t bits() { return mix(key_ + 0x9e3779b97f4a7c15u * ++counter_); }
     /// Uniform in [0, 1).

@@ -10,6 +10,8 @@
 #include "systems/fusion/nudging.hpp"
 #include "systems/guard.hpp"
 #include "systems/integration/motion.hpp"
+#include "systems/loads/loads.hpp"
+#include "systems/recorder/record_motion.hpp"
 #include "systems/servo/membrane.hpp"
 #include "systems/servo/platen.hpp"
 #include "systems/sleep/sleep.hpp"
@@ -56,6 +58,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         when(moved, row_local("apply_correction_velocity again", apply_correction_velocity)),
         when(moved, system("update_planes again", update_planes)),
         when(moved, system("update_facets again", update_facets)),
+        when(moved, system("update_turned_facets again", update_turned_facets)),
         when(moved, system("note_positions", note_positions)),
         when(sleep_or_lists_are_due, system("review_sleep", review_sleep)),
         when(fines_or_lists_are_due, system("weaken_contacts", weaken_contacts)),
@@ -70,11 +73,16 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         // forces on bodies, and their motion, in one pass over the rows
         row_local("sum_contacts", sum_contacts),
         row_local("apply_gravity", apply_gravity),
+        row_local("apply_loads", apply_loads),
+        row_local("push_patches", push_patches),
         row_local("accumulate_boundary_work", accumulate_boundary_work),
         row_local("accumulate_correction_work", accumulate_correction_work),
         row_local("nudge_spheres", nudge_spheres),
         row_local("nudge_clumps", nudge_clumps),
         damping_of(energy_budget),
+        row_local("accumulate_load_work", accumulate_load_work),
+        row_local("accumulate_patch_work", accumulate_patch_work),
+        row_local("record_motion", record_motion),
         row_local("integrate", integrate),
         row_local("rotate_spheres", rotate_spheres),
         row_local("rotate_clumps", rotate_clumps),
@@ -98,6 +106,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         system("accumulate_platen_work", accumulate_platen_work),
         system("update_planes", update_planes),
         system("update_facets", update_facets),
+        system("update_turned_facets", update_turned_facets),
         // assimilation of sensor recordings
         when(fusion_is_due, system("fuse_spheres", fuse_spheres)),
         when(fusion_is_due, system("fuse_clumps", fuse_clumps)),

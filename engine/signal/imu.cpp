@@ -70,10 +70,9 @@ Mat3 Imu::distortion() {
     return Mat3::Identity() + Mat3(scale.asDiagonal()) + cross_matrix(tilt);
 }
 
-Vec3 Imu::passed(Vec3& memory, const Vec3& value) const {
-    if (model_.bandwidth <= 0) return value;
-    if (sequence_ == 0) return memory = value;
-    return memory = value + std::exp(-2 * pi * model_.bandwidth / model_.rate) * (memory - value);
+Vec3 Imu::passed(const Vec3& memory, const Vec3& value, double dt) const {
+    if (model_.bandwidth <= 0 || !sensed_) return value;
+    return value + std::exp(-2 * pi * model_.bandwidth * dt) * (memory - value);
 }
 
 Vec3 Imu::digits(const Vec3& value, double range, bool& saturated) const {
@@ -85,25 +84,49 @@ Vec3 Imu::digits(const Vec3& value, double range, bool& saturated) const {
     return (held / step).array().round().matrix() * step;
 }
 
-ImuSample Imu::sample(double time, const TrueMotion& motion) {
-    const double dt = 1 / model_.rate;
+void Imu::sense(double dt, const TrueMotion& motion) {
     const Quat to_body = motion.orientation.conjugate(), to_sensor = model_.mounting.conjugate();
     const Vec3 angular_velocity = to_body * motion.angular_velocity,
                twist = to_body * motion.angular_acceleration;
     const Vec3 force = to_body * Vec3(motion.acceleration - gravity_) + twist.cross(model_.arm) +
                        angular_velocity.cross(angular_velocity.cross(model_.arm));
+    force_memory_ = passed(force_memory_, force_distortion_ * (to_sensor * force), dt);
+    rate_memory_ = passed(rate_memory_, rate_distortion_ * (to_sensor * angular_velocity), dt);
+    sensed_ = true;
+}
+
+ImuSample Imu::read(double time) {
+    const double dt = 1 / model_.rate;
     ImuSample s{.time = time * (1 + model_.clock_drift) + model_.clock_offset};
-    const Vec3 seen_force = passed(force_memory_, force_distortion_ * (to_sensor * force));
-    const Vec3 seen_rate = passed(rate_memory_, rate_distortion_ * (to_sensor * angular_velocity));
     force_bias_ += scatter(model_.noise.force_bias_walk * std::sqrt(dt));
     rate_bias_ += scatter(model_.noise.rate_bias_walk * std::sqrt(dt));
-    s.force = digits(seen_force + force_bias_ + scatter(model_.noise.force / std::sqrt(dt)),
+    s.force = digits(force_memory_ + force_bias_ + scatter(model_.noise.force / std::sqrt(dt)),
                      model_.force_range, s.saturated);
-    s.rate = digits(seen_rate + rate_bias_ + scatter(model_.noise.rate / std::sqrt(dt)),
+    s.rate = digits(rate_memory_ + rate_bias_ + scatter(model_.noise.rate / std::sqrt(dt)),
                     model_.rate_range, s.saturated);
     s.lost = random_.uniform() < model_.loss;
     s.sequence = sequence_++;
     return s;
+}
+
+void Imu::save(Archive& archive, const std::string& path) const {
+    std::vector<double> values;
+    for (const Vec3* v : {&force_bias_, &rate_bias_, &force_memory_, &rate_memory_})
+        values.insert(values.end(), v->data(), v->data() + 3);
+    archive.put(path + "/values", std::span<const double>(values));
+    const std::array<std::uint64_t, 3> counts{random_.draws(), sequence_, sensed_ ? 1u : 0u};
+    archive.put(path + "/counts", std::span<const std::uint64_t>(counts));
+}
+
+void Imu::load(const Archive& archive, const std::string& path) {
+    const auto values = archive.get<double>(path + "/values");
+    std::size_t next = 0;
+    for (Vec3* v : {&force_bias_, &rate_bias_, &force_memory_, &rate_memory_})
+        for (int k = 0; k < 3; ++k) (*v)[k] = values.at(next++);
+    const auto counts = archive.get<std::uint64_t>(path + "/counts");
+    random_.continue_at(counts.at(0));
+    sequence_ = counts.at(1);
+    sensed_ = counts.at(2) != 0;
 }
 
 } // namespace bris

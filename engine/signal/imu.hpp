@@ -1,10 +1,12 @@
 #pragma once
 
+#include "engine/archive.hpp"
 #include "engine/estimation/inertial_filter.hpp"
 #include "engine/random.hpp"
 
 #include <array>
 #include <cstdint>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -56,8 +58,21 @@ struct ImuSample {
 class Imu {
 public:
     Imu(const ImuModel& model, const Vec3& gravity, std::uint64_t seed, std::uint64_t id);
-    /// The next sample, at the true time `time` (s); called once every 1 / rate seconds.
-    ImuSample sample(double time, const TrueMotion& motion);
+    /// The next sample, at the true time `time` (s); called once every 1 / rate seconds. The low
+    /// pass acts on samples.
+    ImuSample sample(double time, const TrueMotion& motion) {
+        sense(1 / model_.rate, motion);
+        return read(time);
+    }
+    /// The two halves of `sample`. `sense` lets the low pass follow the motion for `dt` seconds,
+    /// so that it acts before sampling if it is called more often; `read` takes the next sample.
+    void sense(double dt, const TrueMotion& motion);
+    ImuSample read(double time);
+
+    const ImuModel& model() const { return model_; }
+    /// What changes from sample to sample, as arrays whose path begins with `path`.
+    void save(Archive& archive, const std::string& path) const;
+    void load(const Archive& archive, const std::string& path);
     Vec3 force_bias() const { return force_bias_; }
     Vec3 rate_bias() const { return rate_bias_; }
 
@@ -66,7 +81,7 @@ private:
         return deviation * Vec3(random_.normal(), random_.normal(), random_.normal());
     }
     Mat3 distortion();
-    Vec3 passed(Vec3& memory, const Vec3& value) const;
+    Vec3 passed(const Vec3& memory, const Vec3& value, double dt) const;
     Vec3 digits(const Vec3& value, double range, bool& saturated) const;
 
     ImuModel model_;
@@ -75,6 +90,7 @@ private:
     Mat3 force_distortion_, rate_distortion_;
     Vec3 force_bias_, rate_bias_, force_memory_ = Vec3::Zero(), rate_memory_ = Vec3::Zero();
     std::uint64_t sequence_ = 0;
+    bool sensed_ = false; ///< the low pass has a value
 };
 
 } // namespace bris

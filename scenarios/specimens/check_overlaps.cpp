@@ -35,12 +35,12 @@ double distance_from_plane(const World& world, Row plane, Row host, const Vec3& 
 }
 
 double distance_from_facet(const World& world, Row facet, Row host, const Vec3& x) {
-    const auto& local = world.column<Facets, LocalFacet>()[facet].corners;
-    FacetRow placed{};
-    for (std::size_t k = 0; k < 4; ++k)
-        placed.corners[k] = world.column<Bodies, Position>()[host] + local[k];
-    placed.normal = (local[1] - local[0]).cross(local[2] - local[0]).normalized();
-    return std::abs(detail::nearest_on_mesh_facet(placed, x).distance);
+    const Table& bodies = world.table<Bodies>();
+    const Quat turned =
+        bodies.has<Orientation>() ? bodies.column<Orientation>()[host] : Quat(Quat::Identity());
+    const FacetRow at =
+        placed(world.column<Facets, LocalFacet>()[facet], bodies.column<Position>()[host], turned);
+    return std::abs(detail::nearest_on_mesh_facet(at, x).distance);
 }
 
 double distance_from_membrane(const World& world, Row sector, const Vec3& x) {

@@ -3,6 +3,7 @@
 #include "components/membrane_surface.hpp"
 #include "systems/broadphase/carry_over.hpp"
 #include "systems/broadphase/skins.hpp"
+#include "systems/broadphase/sphere_rows.hpp"
 
 #include <algorithm>
 #include <limits>
@@ -136,18 +137,17 @@ void find_facet_pairs(World& world) {
     const auto position = bodies.column<Position>();
     const auto radius = bodies.column<BoundingRadius>(), skin = bodies.column<OuterSkin>();
     const double beyond = reach_beyond_skin(world);
+    const Poses poses(world);
     std::vector<Eigen::AlignedBox3d> boxes(facets.size());
-    for (std::size_t e = 0; e < boxes.size(); ++e)
-        for (const Vec3& corner : shape[e].corners)
-            boxes[e].extend(Eigen::Vector3d(position[host[e]] + corner));
-    std::vector<Vec3> normal(facets.size());
-    for (std::size_t e = 0; e < normal.size(); ++e) {
-        const auto& c = shape[e].corners;
-        normal[e] = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+    std::vector<FacetRow> at(facets.size());
+    for (std::size_t e = 0; e < boxes.size(); ++e) {
+        const Pose pose = poses[host[e]];
+        at[e] = placed(shape[e], pose.position, pose.orientation);
+        for (const Vec3& corner : at[e].corners) boxes[e].extend(Eigen::Vector3d(corner));
     }
     // a sphere out of reach of the facet's box or of its plane is out of reach of the facet
     const auto reaches = [&](const Vec3& x, double r, Row e) {
-        const double height = (x - position[host[e]] - shape[e].corners[0]).dot(normal[e]),
+        const double height = (x - at[e].corners[0]).dot(at[e].normal),
                      reach = r + skin[host[e]] + beyond;
         return std::abs(height) < reach &&
                boxes[e].squaredExteriorDistance(Eigen::Vector3d(x)) < reach * reach;

@@ -46,8 +46,8 @@ private:
         PairNames names;
         typename History::Value value;
     };
-    /// Calls body(owner, begin, end) for the rows of each owner, which are contiguous and sorted, in
-    /// parallel.
+    /// Calls body(owner, begin, end) for the rows of each owner, which are contiguous and sorted,
+    /// in parallel.
     template <class Body>
     static void for_owners(std::span<const PairNames> names, Body&& body) {
         for_chunks(names.size(), 4096, [&](std::size_t, std::size_t first, std::size_t last) {

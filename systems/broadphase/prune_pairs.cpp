@@ -109,7 +109,7 @@ void list_near_planes(World& world) {
 }
 
 void list_near_facets(World& world) {
-    const auto position = world.column<Bodies, Position>();
+    const detail::Poses poses(world);
     const auto sphere_row = world.column<Spheres, EnlargedSphere>();
     const auto shape = world.column<Facets, LocalFacet>();
     std::vector<Eigen::AlignedBox3d> boxes(shape.size());
@@ -123,7 +123,9 @@ void list_near_facets(World& world) {
     const double beyond = detail::reach_beyond_skin(world);
     // the distances to the facet's box and to its plane are both lower bounds
     const auto gap = [&](const PairRowNumbers& p) {
-        const Vec3 x = detail::centre_of(sphere_row[p.sphere]) - position[p.partner_body];
+        const Pose host = poses[p.partner_body]; // in whose axes the facet is given
+        const Vec3 x = host.orientation.conjugate() *
+                       (detail::centre_of(sphere_row[p.sphere]) - host.position);
         const double radius = sphere_row[p.sphere].radius,
                      height = std::abs((x - shape[p.other].corners[0]).dot(normal[p.other]));
         if (height - radius >= skin[p.partner_body] + beyond) return height - radius;

@@ -162,8 +162,9 @@ void collide_sphere_with_body(const Surfaces& s, const TileTarget& to, NearIndex
         const FacetRow& facet = s.facets[to.near[row].other];
         const SurfaceMotion& motion = facet.motion;
         const auto add = [&](const Nearest& at) {
-            tile.add(row, at.normal, at.distance,
-                     {motion.at(at.point), motion.angular_velocity, motion.centre});
+            tile.add(
+                row, at.normal, at.distance,
+                {motion.at(at.point), motion.angular_velocity, motion.centre, facet.free_host});
         };
         const bool touched = index.touching[row] != 0;
         index.touching[row] = touches ? 1 : 0;

@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/load.hpp"
 #include "components/material.hpp"
 #include "components/pair.hpp"
 
@@ -15,6 +16,8 @@ void add_energy_budget(World& world) {
     bodies.add<DampingWork>();
     bodies.add<ScalingWork>();
     bodies.add<BoundaryWork>();
+    if (bodies.has<LoadOf>()) bodies.add<LoadWork>();
+    if (bodies.has<PatchesOf>()) bodies.add<PatchWork>();
 }
 
 } // namespace bris

@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "components/load.hpp"
 #include "components/material.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
@@ -16,6 +17,8 @@ namespace {
 
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
 constexpr double least_contacts = 6; // a stable rock has six or more
+/// N/m, from which on a pair is one of two rigid boundaries, which never touch.
+constexpr double rigid = 1e20;
 
 } // namespace
 
@@ -32,6 +35,8 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     const auto angular_velocity = bodies.column<AngularVelocity>();
     const auto work =
         bodies.has<ScalingWork>() ? bodies.column<ScalingWork>() : std::span<double>();
+    const auto patches =
+        bodies.has<PatchesOf>() ? bodies.column<PatchesOf>() : std::span<std::uint32_t>();
     auto rows = rows_by_id(bodies.column<BodyId>()); // sums must not depend on the order of rows
     std::erase_if(rows, [&](Row b) { return motion[b] != free_motion; });
 
@@ -43,7 +48,8 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     double one = 0, true_mass = 0, stiffness_sum = 0;
     const auto& materials = world.resource<Materials>();
     for (std::size_t pair = 0; pair < materials.pairs_of_materials(); ++pair)
-        one = std::max({one, materials.linear_pairs[pair].kn, materials.linear_pairs[pair].ks});
+        if (const LawRow& law = materials.linear_pairs[pair]; law.kn < rigid)
+            one = std::max({one, law.kn, law.ks});
     require(one > 0, "mass scaling: expected materials with a normal stiffness, found none");
     const auto radius = bodies.column<BoundingRadius>();
     for (const Row b : rows) {
@@ -61,6 +67,10 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
     for (const Row b : rows) {
         double m = factor * stiffness[b].translation;
         double i = factor * stiffness[b].rotation / inertia[b].minCoeff();
+        if (!patches.empty() && patches[b] != 0) { // whose dashpots suit the true mass
+            m = std::max(m, mass[b]);
+            i = std::max(i, 1.0);
+        }
         if (only_raise) {
             m = std::max(m, inertial[b]);
             i = std::max(i, inertial_inertia[b].x() / inertia[b].x());

@@ -16,8 +16,9 @@ struct MassScaling {
 /// times its stable step. This is meant for quasi-static runs, since equilibria do not depend on
 /// mass. A body counts as having at least six contacts, because more may form. With dt = 0 the step
 /// is chosen so that the total mass stays the true one. With `only_raise`, scaled masses never
-/// decrease. The weight is that of the true mass. Only for laws without dashpots, whose damping
-/// would grow with the masses.
+/// decrease. The weight is that of the true mass. Bodies on springs to the ground keep at least
+/// their true mass, for which their dashpots are made. Dashpots of contacts must follow from a
+/// restitution, so that their ratio of critical damping does not depend on the masses.
 MassScaling scale_masses(World& world, double dt, double safety, bool only_raise);
 
 } // namespace bris

@@ -10,6 +10,9 @@ struct SurfaceAt {
     Vec3 velocity;         ///< m/s, at the contact point
     Vec3 angular_velocity; ///< rad/s, of the host
     Vec3 centre;           ///< m, about which torques on the host are taken
+    /// Row of a host that forces move, whose velocity is that at the contact point and whose mass
+    /// counts; no_row: the host is driven.
+    Row free_host = no_row;
 };
 
 /// Does nothing with the forces of a tile.
@@ -41,7 +44,9 @@ public:
         const double overlap = p.radius - distance, arm = p.radius - 0.5 * overlap;
         const Vec3 centre(p.x, p.y, p.z), omega(body.omega_x, body.omega_y, body.omega_z),
             point = centre - arm * normal;
-        Vec3 u = Vec3(body.vx, body.vy, body.vz) - surface.velocity, middle = centre; // of the body
+        const bool is_free = surface.free_host != no_row;
+        const Vec3 of_surface = is_free ? velocity_of(surface, point) : surface.velocity;
+        Vec3 u = Vec3(body.vx, body.vy, body.vz) - of_surface, middle = centre; // of the body
         if (movers_.centre != nullptr) {
             const CentreRow& x = movers_.centre[owner];
             middle = Vec3(x.x, x.y, x.z);
@@ -54,7 +59,9 @@ public:
         put(k, own_arm_at, point - middle);
         put(k, partner_arm_at, point - surface.centre);
         values_[overlap_at][k] = overlap;
-        values_[inverse_mass_at][k] = body.inverse_mass;
+        values_[inverse_mass_at][k] =
+            is_free ? body.inverse_mass + movers_.motion[surface.free_host].inverse_mass
+                    : body.inverse_mass;
         values_[radius_at][k] = p.radius;
         values_[closing_at][k] = -u.dot(normal);
         if constexpr (Law::has_history) {
@@ -65,7 +72,9 @@ public:
         if constexpr (Law::has_dashpots) {
             const KickRow& kick = movers_.kick[owner];
             const Vec3 more(kick.omega_x, kick.omega_y, kick.omega_z);
-            put(k, velocity_at, u + Vec3(kick.vx, kick.vy, kick.vz) + more.cross(point - middle));
+            Vec3 v = u + Vec3(kick.vx, kick.vy, kick.vz) + more.cross(point - middle);
+            if (is_free) v -= kick_of(surface, point);
+            put(k, velocity_at, v);
         }
         if constexpr (Law::has_rolling) put(k, omega_at, omega - surface.angular_velocity);
         if (count_ == lane_count) flush();
@@ -132,6 +141,18 @@ private:
         twist_at,
         fields
     };
+    /// Velocity (m/s) of a point of a free host over the last step, and its increment to the
+    /// present time.
+    Vec3 velocity_of(const SurfaceAt& surface, const Vec3& point) const {
+        const MotionRow& m = movers_.motion[surface.free_host];
+        return Vec3(m.vx, m.vy, m.vz) +
+               Vec3(m.omega_x, m.omega_y, m.omega_z).cross(point - surface.centre);
+    }
+    Vec3 kick_of(const SurfaceAt& surface, const Vec3& point) const {
+        const KickRow& m = movers_.kick[surface.free_host];
+        return Vec3(m.vx, m.vy, m.vz) +
+               Vec3(m.omega_x, m.omega_y, m.omega_z).cross(point - surface.centre);
+    }
     void put(std::size_t lane, std::size_t at, const Vec3& v) {
         for (int i = 0; i < 3; ++i) values_[at + static_cast<std::size_t>(i)][lane] = v[i];
     }

@@ -4,6 +4,7 @@
 #include "components/body_contacts.hpp"
 #include "components/elasticity.hpp"
 #include "components/kinds.hpp"
+#include "components/load.hpp"
 #include "components/material.hpp"
 #include "components/pair.hpp"
 #include "components/settings.hpp"
@@ -18,6 +19,8 @@ namespace bris {
 namespace {
 
 constexpr auto free_motion = static_cast<std::uint32_t>(Motion::free);
+/// Stiffness (N/m or Pa) from which on a pair is one of two rigid boundaries, which never touch.
+constexpr double rigid = 1e20;
 
 using Mat6 = Eigen::Matrix<double, 6, 6>;
 
@@ -145,6 +148,21 @@ double limit(double omega2, double rate) {
                       : std::numeric_limits<double>::infinity();
 }
 
+/// Calls visit(body, patch as a touch) for the springs between bodies and the ground.
+template <class Visit>
+void visit_patches(const World& world, Visit&& visit) {
+    if (!world.table<Bodies>().has<PatchesOf>()) return;
+    const auto number = world.column<Bodies, PatchesOf>();
+    const auto orientation = world.column<Bodies, Orientation>();
+    const auto& patches = world.resource<SpringPatches>();
+    for (Row b = 0; b < number.size(); ++b) {
+        if (number[b] == 0) continue;
+        for (const SpringPatch& p : patches.of_body[number[b] - 1])
+            visit(b,
+                  Touch{p.stiffness, 0, 0, p.damping, 0, orientation[b] * p.point, p.axis, false});
+    }
+}
+
 /// Smallest principal moment of inertia of a body (kg m2), including mass scaling.
 double least_inertia(const Table& bodies, Row b) {
     return bodies.has<SphereInertia>() ? bodies.column<SphereInertia>()[b]
@@ -162,13 +180,18 @@ std::vector<BodyStiffness> body_stiffness(const World& world) {
                                t.shear * t.arm.squaredNorm() + t.rolling;
         });
     });
+    visit_patches(world, [&](Row b, const Touch& t) {
+        all[b].translation += t.normal;
+        all[b].rotation += t.normal * t.arm.cross(t.direction).squaredNorm();
+    });
     return all;
 }
 
 double stable_step(const World& world) {
     const Table& bodies = world.table<Bodies>();
     std::vector<Mat6> stiffness(bodies.size(), Mat6::Zero()), damping;
-    if (has_dashpots(world.resource<ContactLaw>().law)) damping = stiffness;
+    if (has_dashpots(world.resource<ContactLaw>().law) || bodies.has<PatchesOf>())
+        damping = stiffness;
     for_each_kind_of_pair([&]<class Pairs>() {
         visit_touches<Pairs>(world, [&](Row b, const Touch& t) {
             // the partner moves too: (x + y)^2 <= 2 x^2 + 2 y^2
@@ -177,6 +200,10 @@ double stable_step(const World& world) {
             if (!damping.empty())
                 damping[b] += both * block(t, t.normal_damping, t.shear_damping, 0);
         });
+    });
+    visit_patches(world, [&](Row b, const Touch& t) {
+        stiffness[b] += block(t, t.normal, 0, 0);
+        damping[b] += block(t, t.normal_damping, 0, 0);
     });
     double step = std::numeric_limits<double>::infinity();
     for (Row b = 0; b < bodies.size(); ++b) {
@@ -205,7 +232,7 @@ double stable_step_of_first_contact(const World& world) {
         // boundaries have no mass; fixed rocks count, as they may be freed later
         if (!(true_mass[b] > 0)) continue;
         for (const LawRow& row : clean) {
-            if (!(row.kn > 0)) continue; // a pair of two boundaries
+            if (!(row.kn > 0) || row.kn >= rigid) continue; // a pair of two boundaries
             const double overlap = law.overlap_to_expect(row, mass[b], radius[b], 2 * fastest);
             const Touch t = touch_of(law, row, law.elasticity(row, overlap, radius[b]), 1 / mass[b],
                                      materials.policy.rolling_stiffness_ratio, radius[b]);

@@ -96,11 +96,22 @@ void bound_displacement_and_rotation(Rows<Bodies, const Position, const Orientat
                                          bodies,
                                      ListState& lists);
 
-/// Moves planes and facets with their hosts. A host that rotates changes only the velocity of its
-/// surfaces.
+/// Moves planes and facets with their hosts. A driven host that rotates changes only the velocity
+/// of its surfaces.
 void update_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePosition> planes,
                    Rows<Bodies, const Position, const Velocity, const AngularVelocity> bodies);
-void update_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPosition> facets,
-                   Rows<Bodies, const Position, const Velocity, const AngularVelocity> bodies);
+
+/// Facets in scenes of single spheres, whose hosts have no orientation.
+void update_facets(
+    Rows<Facets, const LocalFacet, const HostRow, FacetPosition> facets,
+    Rows<Bodies, const Position, const Velocity, const AngularVelocity, const SphereInertia>
+        bodies);
+
+/// Facets in scenes of clumps: they turn with their hosts. Free hosts are given the velocities over
+/// the last step, as grains are.
+void update_turned_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPosition> facets,
+                          Rows<Bodies, const MotionOf, const Position, const Velocity,
+                               const AngularVelocity, const StepAngularVelocity, const Orientation>
+                              bodies);
 
 } // namespace bris

@@ -207,8 +207,10 @@ void update_planes(Rows<Planes, const LocalPlane, const HostRow, PlanePosition> 
                      {velocity[host[p]], omega[host[p]], position[host[p]]}};
 }
 
-void update_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPosition> facets,
-                   Rows<Bodies, const Position, const Velocity, const AngularVelocity> bodies) {
+void update_facets(
+    Rows<Facets, const LocalFacet, const HostRow, FacetPosition> facets,
+    Rows<Bodies, const Position, const Velocity, const AngularVelocity, const SphereInertia>
+        bodies) {
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* omega = bodies.column<AngularVelocity>();
@@ -216,10 +218,30 @@ void update_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPosition> 
     const Row* host = facets.column<HostRow>();
     FacetRow* target = facets.column<FacetPosition>();
     for (Row f = facets.first(); f < facets.last(); ++f) {
-        const auto& local = shape[f].corners;
-        for (std::size_t k = 0; k < 4; ++k) target[f].corners[k] = position[host[f]] + local[k];
-        target[f].normal = (local[1] - local[0]).cross(local[2] - local[0]).normalized();
+        target[f] = placed(shape[f], position[host[f]], Quat(Quat::Identity()));
         target[f].motion = {velocity[host[f]], omega[host[f]], position[host[f]]};
+    }
+}
+
+void update_turned_facets(Rows<Facets, const LocalFacet, const HostRow, FacetPosition> facets,
+                          Rows<Bodies, const MotionOf, const Position, const Velocity,
+                               const AngularVelocity, const StepAngularVelocity, const Orientation>
+                              bodies) {
+    const auto* motion = bodies.column<MotionOf>();
+    const Vec3* position = bodies.column<Position>();
+    const Vec3* velocity = bodies.column<Velocity>();
+    const Vec3* omega = bodies.column<AngularVelocity>();
+    const Vec3* step_omega = bodies.column<StepAngularVelocity>();
+    const Quat* orientation = bodies.column<Orientation>();
+    const FacetShape* shape = facets.column<LocalFacet>();
+    const Row* host = facets.column<HostRow>();
+    FacetRow* target = facets.column<FacetPosition>();
+    for (Row f = facets.first(); f < facets.last(); ++f) {
+        const Row h = host[f];
+        const bool free = motion[h] == free_motion;
+        target[f] = placed(shape[f], position[h], orientation[h]);
+        target[f].motion = {velocity[h], free ? step_omega[h] : omega[h], position[h]};
+        if (free) target[f].free_host = h;
     }
 }
 

@@ -57,9 +57,8 @@ Balance compute_balance(const World& world) {
     Balance balance;
     std::vector<Sum> sums(world.table<Bodies>().size());
     const double unit = world.resource<ForceGrid>().force; // 0 before the first step
-    for_each_kind_of_pair([&]<class Pairs>() {
-        add_pairs<Pairs>(world, unit > 0 ? 1 / unit : 0, sums, balance);
-    });
+    for_each_kind_of_pair(
+        [&]<class Pairs>() { add_pairs<Pairs>(world, unit > 0 ? 1 / unit : 0, sums, balance); });
     const auto motion = world.column<Bodies, MotionOf>();
     const OuterForces outer(world);
     double unbalanced = 0, total = 0;
@@ -67,9 +66,8 @@ Balance compute_balance(const World& world) {
         if (motion[b] != static_cast<std::uint32_t>(Motion::free)) continue;
         ++balance.free_bodies;
         if (sums[b].contacts == 0) ++balance.idle_bodies;
-        const Vec3 more = outer(b);
-        unbalanced += (unit * sums[b].resultant() + more).norm();
-        total += unit * static_cast<double>(sums[b].total) + more.norm();
+        unbalanced += (unit * sums[b].resultant() + outer(b)).norm();
+        total += unit * static_cast<double>(sums[b].total) + outer.magnitude(b);
     }
     if (total > 0) balance.unbalanced_ratio = unbalanced / total;
     return balance;

@@ -48,11 +48,15 @@ void add_facet_corners(const World& world, const std::vector<Row>& rows,
     const auto id = world.column<Facets, FacetId>();
     const auto host = world.column<Facets, HostId>();
     const auto shape = world.column<Facets, LocalFacet>();
-    const auto position = world.column<Bodies, Position>();
+    const Table& bodies = world.table<Bodies>();
     corners.resize(4 * shape.size());
-    for (std::size_t f = 0; f < shape.size(); ++f)
-        for (std::size_t k = 0; k < 4; ++k)
-            corners[4 * id[f] + k] = position[rows[host[f]]] + shape[f].corners[k];
+    for (std::size_t f = 0; f < shape.size(); ++f) {
+        const Row h = rows[host[f]];
+        const Quat turned =
+            bodies.has<Orientation>() ? bodies.column<Orientation>()[h] : Quat(Quat::Identity());
+        const FacetRow at = placed(shape[f], bodies.column<Position>()[h], turned);
+        for (std::size_t k = 0; k < 4; ++k) corners[4 * id[f] + k] = at.corners[k];
+    }
 }
 
 // strips of the membrane between the middles of adjacent rings, and half a ring at each end

@@ -1,8 +1,10 @@
 #include "systems/output/quantities.hpp"
 
 #include "components/body.hpp"
+#include "components/load.hpp"
 #include "components/material.hpp"
 #include "components/settings.hpp"
+#include "components/sphere.hpp"
 #include "engine/ordering.hpp"
 #include "systems/output/balance.hpp"
 #include "systems/output/contacts.hpp"
@@ -65,6 +67,21 @@ void add_contacts(const World& world, Quantities& q) {
     }
 }
 
+/// Elastic energy (J) of the springs between bodies and the ground, at the present positions.
+double patch_energy(const World& world, const std::vector<Row>& rows) {
+    const Table& bodies = world.table<Bodies>();
+    if (!bodies.has<PatchesOf>()) return 0;
+    double energy = 0;
+    for (const Row b : rows) {
+        const std::uint32_t number = bodies.column<PatchesOf>()[b];
+        if (number == 0) continue;
+        for (const SpringPatch& p : world.resource<SpringPatches>().of_body[number - 1])
+            energy += p.energy(p.displacement(bodies.column<Position>()[b] +
+                                              bodies.column<Orientation>()[b] * p.point));
+    }
+    return energy;
+}
+
 } // namespace
 
 Quantities compute_quantities(const World& world) {
@@ -92,15 +109,20 @@ Quantities compute_quantities(const World& world) {
     if (free_bodies > 0)
         q.coordination = static_cast<double>(q.body_contacts + between_grains) /
                          static_cast<double>(free_bodies);
+    q.elastic_energy += patch_energy(world, rows);
     q.unbalanced_ratio = compute_balance(world).unbalanced_ratio;
     return q;
 }
 
 double mean_radius(const World& world) {
     const Table& bodies = world.table<Bodies>();
+    std::vector<char> carries(bodies.size(), 0); // by id
+    for (const EntityId parent : world.column<Spheres, ParentId>()) carries[parent] = 1;
     double sum = 0, count = 0;
     for (Row b = 0; b < bodies.size(); ++b) {
-        if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free)) continue;
+        if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free) ||
+            carries[bodies.column<BodyId>()[b]] == 0)
+            continue;
         sum += bodies.column<BoundingRadius>()[b];
         ++count;
     }

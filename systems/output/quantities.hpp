@@ -11,8 +11,8 @@ namespace bris {
 /// kinetic energy.
 struct Quantities {
     double kinetic_energy = 0; ///< J, at the time of the positions, with inertial masses
-    /// J, of normal, tangential and rolling springs, and the potential energy of forces that act
-    /// beyond touch (negative where they attract).
+    /// J, of normal, tangential and rolling springs, of springs between bodies and the ground, and
+    /// the potential energy of forces that act beyond touch (negative where they attract).
     double elastic_energy = 0;
     double coordination = 0; ///< touching partners per free body (boundaries count)
     /// Touching pairs of spheres or of sphere and boundary, without pairs that only a force beyond
@@ -37,7 +37,7 @@ struct Quantities {
 /// Computes the quantities of the world after the last step. Reads only.
 Quantities compute_quantities(const World& world);
 
-/// Mean bounding radius (m) of the free bodies; NaN where there are none.
+/// Mean bounding radius (m) of the free bodies with spheres; NaN where there are none.
 double mean_radius(const World& world);
 
 /// Adds the usual quantities of a mechanical scene to a summary: energies, contacts, coordination

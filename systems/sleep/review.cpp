@@ -1,3 +1,4 @@
+#include "components/load.hpp"
 #include "components/pair.hpp"
 #include "components/sensor.hpp"
 #include "components/settings.hpp"
@@ -137,6 +138,9 @@ void add_sleep(World& world, const Sleep& settings) {
         !world.has<Facets>() && !world.has<Elements>(),
         "sleep: expected planes as boundaries, found facets or a membrane, on which bodies cannot "
         "sleep");
+    require(!world.table<Bodies>().has<LoadOf>() && !world.table<Bodies>().has<PatchesOf>(),
+            "sleep: expected no loads and no spring-dashpot patches, found some: they do not wake "
+            "bodies");
     const auto motion = world.column<Bodies, MotionOf>();
     const auto stands = [](std::uint32_t m) {
         return m == static_cast<std::uint32_t>(Motion::free) ||

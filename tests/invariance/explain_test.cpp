@@ -43,7 +43,8 @@ TEST_SUITE("invariance/explain") {
         }
         for (const char* name :
              {"collide_facets", "collide_planes", "servo_membrane", "servo_platen", "apply_gravity",
-              "damp", "update_facets", "update_planes", "guard_facets", "rotate_clumps"}) {
+              "damp", "update_facets", "update_turned_facets", "update_planes", "guard_facets",
+              "rotate_clumps", "apply_loads", "push_patches", "record_motion"}) {
             CAPTURE(name);
             CHECK(has(left_out, std::string("\n  ") + name + ": absent"));
         }

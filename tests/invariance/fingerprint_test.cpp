@@ -1,4 +1,5 @@
 #include "engine/state.hpp"
+#include "scenarios/specimens/facet_bodies.hpp"
 #include "systems/output/porosity.hpp"
 #include "systems/output/quantities.hpp"
 #include "tests/support.hpp"
@@ -38,6 +39,39 @@ World tube_scene(Grains grains) {
     return world;
 }
 
+/// A tie with a harmonic load falls on clumps, one of which carries an inertial sensor; a plate on
+/// springs lies under them.
+World tie_scene() {
+    World world = bed({.grains = Grains::clumps, .bodies = 40, .seed = seed});
+    const Vec3 box = box_of({.grains = Grains::clumps, .bodies = 40});
+    const EntityId plate = add_block(world, Vec3(box.x() / 2, box.y() / 2, -0.0018),
+                                     Quat(Quat::Identity()), Vec3(0.03, 0.03, 0.004), 0.02, 1);
+    for (const double x : {-0.01, 0.01})
+        for (const double y : {-0.01, 0.01})
+            add_patch(world, plate,
+                      {.point = Vec3(x, y, 0),
+                       .anchor = value_of<Position>(world, plate) + Vec3(x, y, 0),
+                       .stiffness = 4e3,
+                       .damping = 2});
+    for (const Vec3& axis : {Vec3(Vec3::UnitX()), Vec3(Vec3::UnitY())})
+        add_patch(world, plate,
+                  {.anchor = value_of<Position>(world, plate),
+                   .axis = axis,
+                   .stiffness = 4e3,
+                   .damping = 2});
+    const EntityId tie =
+        add_block(world, Vec3(box.x() / 2, box.y() / 2, 0.75 * box.z()),
+                  exponential_map(Vec3(0.2, 0.1, 0)), Vec3(0.02, 0.035, 0.015), 0.02, 1);
+    value_of<Velocity>(world, tie) = Vec3(0, 0, -2);
+    add_load(world, tie,
+             {.force = Vec3(0, 0, -1),
+              .point = Vec3(0.002, 0.01, 0),
+              .history = {.mean = 1, .amplitude = 0.8, .frequency = 100}});
+    add_recorder(world, 3, imu_preset("smartrock-like"), world.resource<Gravity>().value, seed);
+    start_recording(world);
+    return world;
+}
+
 const std::vector<Scene>& scenes() {
     static const std::vector<Scene> list{
         {"spheres in a box of planes", [] { return bed({.bodies = 120, .seed = seed}); }},
@@ -52,6 +86,7 @@ const std::vector<Scene>& scenes() {
          }},
         {"spheres in a membrane", [] { return tube_scene(Grains::spheres); }},
         {"clumps in a membrane", [] { return tube_scene(Grains::clumps); }},
+        {"a tie and a plate among clumps, with loads, springs and a sensor", tie_scene},
         {"locally damped clumps in a box of facets",
          [] {
              World world = bed(

@@ -199,8 +199,8 @@ Case make_case(const Bench& s, const Common& common, const Variant& v,
     const double half = world.resource<Limits>().high.x();
     for (std::size_t k = 0; k < positions.size(); ++k)
         world.column<Bodies, Position>()[k] = positions[k];
-    const bool in_membrane = v.also == Also::membrane || v.also == Also::servo ||
-                             v.also == Also::servo_and_sensors;
+    const bool in_membrane =
+        v.also == Also::membrane || v.also == Also::servo || v.also == Also::servo_and_sensors;
     if (in_membrane) world = bed_in_membrane(v, half, positions);
     if (v.also == Also::facets) add_facet_floor(world, -half, half, 8, 0);
     if (v.also == Also::damping) world.add_resource(LocalDamping{0.1});
@@ -211,8 +211,7 @@ Case make_case(const Bench& s, const Common& common, const Variant& v,
     Case c{v,
            std::make_unique<Simulation>(
                std::move(world), steps(v.law, v.also == Also::energy_budget), s.timing_threads,
-               ScheduleSettings{
-                   .serial = common.serial, .fused = s.one_pass, .least_rows = 0}),
+               ScheduleSettings{.serial = common.serial, .fused = s.one_pass, .least_rows = 0}),
            nullptr, spheres};
     c.simulation->advance(
         std::max<std::uint64_t>(s.steps, 12000)); // until it is at rest, with warm caches and lists

@@ -1,0 +1,219 @@
+// A section of ballasted track in a box: the second experiment of H. Huang, Ballast Real-time
+// Information System, Rail Safety IDEA Project 30 (2019). Three lifts of ballast are poured and
+// compacted on a subgrade of springs, ties are laid on them and loaded in cycles beside a shoulder
+// that bladders support. Two models: `settlement` and `dynamic` (see scenarios/README.md).
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "engine/errors.hpp"
+#include "engine/io/plot.hpp"
+#include "engine/io/series.hpp"
+#include "engine/memory.hpp"
+#include "engine/run.hpp"
+#include "scenarios/ballast_box/box_run.hpp"
+#include "scenarios/ballast_box/cycles.hpp"
+#include "scenarios/recordings/recorded_motion.hpp"
+#include "scenarios/specimens/memory_estimate.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/start.hpp"
+#include "systems/contact/stable_step.hpp"
+#include "systems/output/frames.hpp"
+#include "systems/output/quantities.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace {
+
+using namespace bris;
+
+Simulation make_simulation(const BallastBox& box, const Common& common) {
+    check_box(box);
+    World world = make_box_world(box, common.seed);
+    const auto bodies = static_cast<double>(world.table<Bodies>().size());
+    require_memory("rock_scale", bodies, bytes_of_rocks(bodies, 30), common.memory_limit);
+    return start(std::move(world), {.law = LawName::linear_viscous,
+                                    .threads = common.threads,
+                                    .schedule = {.serial = common.serial}});
+}
+
+/// The rocks that lie in the box, coloured by their distance from the subgrade.
+View view_of(const World& world) {
+    const BodyFrame frame = frame_of_bodies(world);
+    const auto& sensors = world.resource<BoxBodies>().sensors;
+    View view = view_of_bodies(world, frame, [&](std::size_t index) {
+        const auto id = static_cast<std::uint32_t>(frame.ids[index]);
+        const bool sensor =
+            std::ranges::any_of(sensors, [&](const BoxSensor& s) { return s.body == id; });
+        return sensor ? Colour{200, 40, 40} : rock_colour(id);
+    });
+    std::erase_if(view.quads, [](const auto& quad) { return quad[0].z() > 2; }); // parked
+    std::erase_if(view.balls, [](const DrawnBall& ball) { return ball.centre.z() > 2; });
+    return view;
+}
+
+/// Range of an actuator's load over the resilient deflection (m), N/m, in series with what the
+/// model lacks; NaN without a rebound.
+double stiffness_of(double resilient, const BallastBox& box) {
+    if (!(resilient > 0)) return std::numeric_limits<double>::quiet_NaN();
+    return 1 / (resilient / (box.peak() - box.least()) + box.series_compliance);
+}
+
+/// Porosity of the ballast below its compacted surface, with the bladder left out.
+double bed_porosity(const World& world, const BoxSizes& s) {
+    const double surface = world.resource<BoxState>().surface,
+                 volume = s.width * (s.half_length * std::min(surface, s.bladder_low) +
+                                     s.bladder_face() * std::max(0.0, surface - s.bladder_low));
+    return 1 - world.resource<BoxBodies>().solid_volume / volume;
+}
+
+void add_cycles(Summary& summary, const BallastBox& box, const std::vector<CycleResponse>& first,
+                const std::vector<CycleResponse>& other) {
+    if (first.empty()) return;
+    const double range = box.peak() - box.least();
+    summary.add("settlement_mm", 1e3 * first.back().settlement);
+    summary.add("settlement_first_cycle_mm", 1e3 * first.front().settlement);
+    summary.add("resilient_deflection_mm", 1e3 * first.back().resilient);
+    summary.add("track_stiffness_kN_per_mm", 1e-6 * stiffness_of(first.back().resilient, box));
+    summary.add("model_compliance_um_per_kN", 1e9 * first.back().resilient / range);
+    summary.add("loop_area_last_cycle_J", first.back().loop_area);
+    summary.add("other_tie_settlement_mm", 1e3 * other.back().settlement);
+}
+
+void write_cycles(const std::filesystem::path& path, const BallastBox& box,
+                  const std::vector<CycleResponse>& first) {
+    Series table("cycles", {{"cycle", ""},
+                            {"settlement", "m"},
+                            {"resilient_deflection", "m"},
+                            {"track_stiffness", "N/m"},
+                            {"loop_area", "J"}});
+    double n = 0;
+    for (const CycleResponse& c : first)
+        table.add({++n, c.settlement, c.resilient, stiffness_of(c.resilient, box), c.loop_area});
+    table.write_csv(path);
+}
+
+void draw(const World& world, const BallastBox& box, const Series& samples,
+          const std::vector<CycleResponse>& first, const Common& common) {
+    Curve loop{.label = "tie 1"}, settlement, stiffness;
+    const auto &load = samples.column("load_1"), &deflection = samples.column("deflection_1");
+    for (std::size_t k = 0; k < load.size(); ++k) {
+        loop.x.push_back(1e3 * deflection[k]);
+        loop.y.push_back(1e-3 * load[k]);
+    }
+    for (std::size_t n = 0; n < first.size(); ++n) {
+        settlement.x.push_back(static_cast<double>(n + 1));
+        settlement.y.push_back(1e3 * first[n].settlement);
+        stiffness.x.push_back(static_cast<double>(n + 1));
+        stiffness.y.push_back(1e-6 * stiffness_of(first[n].resilient, box));
+    }
+    std::vector<Plot> panels{{.title = "Load and deflection",
+                              .x_label = "deflection of the tie (mm)",
+                              .y_label = "load on the model's tie (kN)",
+                              .curves = {loop}},
+                             {.title = "Settlement",
+                              .x_label = "cycle",
+                              .y_label = "settlement at the least load (mm)",
+                              .curves = {settlement},
+                              .x_logarithmic = first.size() >= 20},
+                             {.title = "Track stiffness",
+                              .x_label = "cycle",
+                              .y_label = "track stiffness (kN/mm)",
+                              .curves = {stiffness},
+                              .x_logarithmic = first.size() >= 20}};
+    draw_plots(common.out / "ballast_box.png", panels);
+    View view = view_of(world);
+    view.caption =
+        fmt::format("Ballast box, run {}, model {}. Red: sensor rocks.", box.run, box.model);
+    draw_picture(common.out / "box.png", {&view, 1}, {.azimuth = -1.2, .elevation = 0.15});
+}
+
+/// Writes the recordings of the sensor rocks and adds the levels of their accelerations.
+void write_sensors(Summary& summary, const World& world, const Common& common) {
+    if (!world.has_resource<InertialRecorders>()) return;
+    const auto& sensors = world.resource<BoxBodies>().sensors;
+    std::vector<Recording> recordings;
+    for (const InertialRecorder& recorder : world.resource<InertialRecorders>().list) {
+        const Row row = row_of_body(world, recorder.body);
+        const auto number = recordings.size();
+        recordings.push_back(recording_of(recorder, static_cast<unsigned>(number + 1),
+                                          world.column<Bodies, Position>()[row],
+                                          world.column<Bodies, Orientation>()[row]));
+        const Recording& r = recordings.back();
+        Vec3 mean = Vec3::Zero();
+        for (const Vec3& f : r.force) mean += f / static_cast<double>(r.size());
+        double squares = 0, peak = 0, turned = 0;
+        for (std::size_t k = 0; k < r.size(); ++k) {
+            squares += (r.force[k] - mean).squaredNorm() / static_cast<double>(r.size());
+            peak = std::max(peak, (r.force[k] - mean).norm());
+            turned += r.rate[k].squaredNorm() / static_cast<double>(r.size());
+        }
+        const auto& s = *std::ranges::find(sensors, recorder.body, &BoxSensor::body);
+        summary.add("acceleration_rms_" + s.name + "_m_per_s2", std::sqrt(squares));
+        summary.add("acceleration_peak_" + s.name + "_m_per_s2", peak);
+        summary.add("rotation_rate_rms_" + s.name + "_rad_per_s", std::sqrt(turned));
+        write_sensor_info(common.out / fmt::format("rock_{:02}.txt", number + 1), r.info);
+    }
+    write_recordings(common.out / "recordings.csv", recordings,
+                     {"Recorded by the sensor rocks of a ballast box; the pose in rock_NN.txt is "
+                      "that at the end of the run"});
+}
+
+void run(const BallastBox& box, const Common& common) {
+    Simulation simulation = make_simulation(box, common);
+    const World& world = simulation.world();
+    BoxTestRun test(simulation, box, common.seed);
+    Series samples("box", cycle_columns());
+    Run run(simulation, common, "ballast_box");
+    run.keep(samples);
+    if (!common.resume.empty()) run.resume(common.resume, {"cycles"});
+    FrameWriter frames(run.file("ballast_box", ".vtkhdf"), common.settings);
+    std::vector<Phase> phases = test.preparation();
+    phases.push_back(test.loading(run, samples, [&] { frames.add(world); }));
+    run.go(phases);
+    const auto first = cycle_responses(samples, 1), other = cycle_responses(samples, 2);
+    draw(world, box, samples, first, common);
+    samples.write_csv(common.out / "samples.csv");
+    write_cycles(common.out / "cycles.csv", box, first);
+    samples.write_track(frames.file());
+    frames.file().close();
+
+    Summary summary;
+    std::size_t rocks = 0;
+    for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
+    summary.add("rocks", rocks);
+    summary.add("cycles_done", first.size());
+    summary.add("peak_load_kN", 1e-3 * box.peak());
+    summary.add("load_share_of_model", box_sizes(box).share);
+    summary.add("truncated_mass_fraction", world.resource<BoxBodies>().truncated_fraction);
+    summary.add("ballast_surface_m", world.resource<BoxState>().surface);
+    summary.add("bed_porosity", bed_porosity(world, box_sizes(box)));
+    add_cycles(summary, box, first, other);
+    const auto &pressure = samples.column("bladder_pressure"),
+               &moved = samples.column("bladder_displacement");
+    summary.add("bladder_pressure_largest_kPa", 1e-3 * std::ranges::max(pressure));
+    summary.add("bladder_displacement_largest_mm", 1e3 * std::ranges::max(moved));
+    summary.add("subgrade_settlement_largest_mm",
+                1e3 * std::ranges::max(samples.column("subgrade_settlement")));
+    summary.add("time_step_s", world.resource<Clock>().dt);
+    summary.add("stable_step_s", stable_step(world));
+    write_sensors(summary, world, common);
+    add_quantities(summary, compute_quantities(world));
+    run.describe(summary);
+    report_results(common, summary);
+}
+
+std::string explain(const BallastBox& box, const Common& common) {
+    return make_simulation(box, common).schedule().explain();
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_scenario<BallastBox>(
+        argc, argv,
+        {"ballast_box", "A section of ballasted track under cyclic loads (runs of table 1)."}, run,
+        explain);
+}

@@ -1,0 +1,378 @@
+#include "scenarios/ballast_box/box_scene.hpp"
+
+#include "components/kinds.hpp"
+#include "components/settings.hpp"
+#include "components/sphere.hpp"
+#include "engine/assets.hpp"
+#include "engine/errors.hpp"
+#include "engine/random.hpp"
+#include "scenarios/rocks/clump_library.hpp"
+#include "scenarios/specimens/facet_bodies.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "systems/broadphase/lists.hpp"
+#include "systems/output/quantities.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+constexpr double filled_porosity = 0.42; // wanted of compacted lifts, which sets the mass
+constexpr double parked = 5;             // m, height where bodies wait
+constexpr double concrete_density = 2400;
+constexpr double guide_stiffness = 5e7, guide_damping = 2e4; // N/m, N s/m
+constexpr double sensor_size = 0.045;                        // m, sieve size of a sensor rock
+
+/// Springs that hold a body against translation along x and y and rotation about z, and, by rods of
+/// 1 m, against rotation about x and y.
+void add_guides(World& world, EntityId body, bool along_y, bool about_y) {
+    const Vec3 at = value_of<Position>(world, body);
+    const auto guide = [&](const Vec3& point, const Vec3& axis) {
+        add_patch(world, body,
+                  {.point = point,
+                   .anchor = at + point,
+                   .axis = axis,
+                   .stiffness = guide_stiffness,
+                   .damping = guide_damping});
+    };
+    for (const double end : {-1.0, 1.0}) {
+        guide(Vec3(0, end, 0), Vec3::UnitX());
+        if (along_y) guide(Vec3(0, 0, end), Vec3::UnitY());
+        if (about_y) guide(Vec3(0, 0, end), Vec3::UnitX());
+    }
+}
+
+/// Plates of the subgrade, each on four springs that carry its weight when it lies at z = 0.
+void add_subgrade(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies& bodies,
+                  std::uint32_t material) {
+    constexpr double thickness = 0.05, moving_depth = 0.15, soil_density = 1900, margin = 0.1;
+    const auto along_y = static_cast<int>(std::ceil(s.half_length / 0.3)),
+               along_x = std::max(1, static_cast<int>(std::round(s.width / 0.3)));
+    const double lx = s.width / along_x, ly = s.half_length / along_y;
+    for (int i = 0; i < along_x; ++i)
+        for (int j = 0; j < along_y; ++j) {
+            // the outer plates reach under the sides, so that no rock falls between
+            const double x0 = i == 0 ? -margin : i * lx,
+                         x1 = i + 1 == along_x ? s.width + margin : (i + 1) * lx,
+                         y0 = j == 0 ? -margin : j * ly,
+                         y1 = j + 1 == along_y ? s.half_length + margin : (j + 1) * ly;
+            const double mass = soil_density * lx * ly * moving_depth,
+                         stiffness = box.subgrade_modulus * lx * ly / 4,
+                         damping = box.subgrade_damping * std::sqrt(stiffness * mass);
+            const Vec3 centre((x0 + x1) / 2, (y0 + y1) / 2, -thickness / 2),
+                middle(i * lx + lx / 2, j * ly + ly / 2, -thickness / 2);
+            const EntityId plate = add_block(world, centre, Quat(Quat::Identity()),
+                                             Vec3(x1 - x0, y1 - y0, thickness), mass, material);
+            const double sunk = mass * 9.81 / (4 * stiffness);
+            for (const double dx : {-0.5, 0.5})
+                for (const double dy : {-0.5, 0.5})
+                    for (int axis = 0; axis < 3; ++axis) {
+                        const Vec3 corner = middle + Vec3(dx * lx, dy * ly, 0);
+                        add_patch(
+                            world, plate,
+                            {.point = corner - centre,
+                             .anchor = corner + (axis == 2 ? Vec3(0, 0, sunk) : Vec3(Vec3::Zero())),
+                             .axis = Vec3::Unit(axis),
+                             .stiffness = stiffness,
+                             .damping = damping});
+                    }
+            bodies.subgrade.push_back(plate);
+        }
+}
+
+/// A block in front of the wall, pushed against a stop by the pressure and held by guides: it is
+/// as stiff as its stop while the ballast pushes with less than the pressure, and gives way beyond.
+void add_bladder(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies& bodies,
+                 std::uint32_t material) {
+    constexpr double stop_stiffness = 1e9, mass = 100;
+    const Vec3 size(s.width + 0.2, s.bladder_depth, s.bladder_top - s.bladder_low),
+        centre(s.width / 2, s.bladder_face() + s.bladder_depth / 2,
+               (s.bladder_low + s.bladder_top) / 2);
+    const EntityId body = add_block(world, centre, Quat(Quat::Identity()), size, mass, material);
+    add_guides(world, body, false, true);
+    for (const double end : {-1.0, 1.0}) // rods along x: no rotation about y and z
+        add_patch(world, body,
+                  {.point = Vec3(end, 0, 0),
+                   .anchor = centre + Vec3(end, 0, 0),
+                   .axis = Vec3::UnitZ(),
+                   .stiffness = guide_stiffness,
+                   .damping = guide_damping});
+    for (const double end : {-1.0, 1.0}) // and about x
+        add_patch(world, body,
+                  {.point = Vec3(0, end, 0),
+                   .anchor = centre + Vec3(0, end, 0),
+                   .axis = Vec3::UnitZ(),
+                   .stiffness = guide_stiffness,
+                   .damping = guide_damping});
+    // the stop pushes along +y once the bladder is full
+    const double force = box.bladder_pressure * s.bladder_height * s.width;
+    add_patch(world, body,
+              {.anchor = centre + Vec3(0, force / stop_stiffness, 0),
+               .axis = Vec3::UnitY(),
+               .stiffness = stop_stiffness,
+               .damping = std::sqrt(stop_stiffness * mass),
+               .one_sided = true});
+    add_load(world, body, {.force = Vec3(0, -force, 0)});
+    bodies.bladder = body;
+}
+
+void add_tie_bodies(World& world, const BoxSizes& s, BoxBodies& bodies, std::uint32_t material) {
+    const double volume = tie_width * s.tie.y() * s.tie.z();
+    for (const double x : s.ties) {
+        const Vec3 centre(x, s.tie.y() / 2, parked);
+        const EntityId tie = add_block(world, centre, Quat(Quat::Identity()), s.tie,
+                                       concrete_density * volume * 2 * s.share, material);
+        add_guides(world, tie, true, s.ties.size() == 1);
+        add_load(world, tie,
+                 {.force = Vec3(0, 0, -1),
+                  .point = Vec3(0, s.rail_seat - s.tie.y() / 2, s.tie.z() / 2),
+                  .history = {.mean = 0}});
+        bodies.ties.push_back(tie);
+    }
+}
+
+void add_plate(World& world, const BoxSizes& s, BoxBodies& bodies, std::uint32_t material) {
+    const Vec3 size(s.width + 0.2, s.bladder_face() - 0.02, 0.05);
+    const double mass = 150 * s.width * size.y();
+    bodies.plate = add_block(world, Vec3(s.width / 2, size.y() / 2 + 0.005, parked + 1),
+                             Quat(Quat::Identity()), size, mass, material);
+    add_guides(world, bodies.plate, true, true);
+    add_load(world, bodies.plate, {.force = Vec3(0, 0, -1), .history = {.mean = 0}});
+}
+
+/// Area (m2) of a course: the bladder stands on the first one.
+double area_of(const BoxSizes& s, std::size_t course) {
+    return s.width * (course == 0 ? s.half_length : s.bladder_face());
+}
+
+void add_rocks(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies& bodies,
+               const std::vector<Clump>& clumps, std::uint64_t seed) {
+    const Grading grading = read_grading(assets_folder() / "gradings" / (box.grading + ".csv"));
+    std::array<double, courses.size()> wanted{};
+    double total = 0;
+    for (std::size_t c = 0; c < courses.size(); ++c)
+        total += wanted[c] = (1 - filled_porosity) * courses[c].thickness * area_of(s, c);
+    const double cubed = std::pow(box.scale(), 3);
+    std::size_t count = 1000;
+    RockSample sample;
+    for (int tries = 0; tries < 4; ++tries) { // the mean volume hardly depends on the number
+        sample = sample_rocks(grading, clumps, count, seed, box.smallest_rock);
+        count = static_cast<std::size_t>(std::max(
+            8.0, std::round(static_cast<double>(count) * total / (cubed * sample.solid_volume))));
+    }
+    bodies.truncated_fraction = sample.truncated_fraction;
+    std::size_t course = 0;
+    double filled = 0;
+    for (std::size_t k = 0; k < sample.rocks.size(); ++k) {
+        const auto& [index, sieve] = sample.rocks[k];
+        const Clump rock = scaled(clumps[index], box.scale() * sieve / clumps[index].sieve);
+        require(2.1 * rock.bounding_radius < s.width,
+                fmt::format("--width: expected more than the largest rock, {:.3f} m across, found "
+                            "{:g} m (--rock-scale {:g})",
+                            2 * rock.bounding_radius, s.width, box.scale()));
+        const Quat turned = Random(seed, 7000 + k).rotation();
+        const Vec3 waiting(0.2 * static_cast<double>(k % 40),
+                           0.2 * static_cast<double>(k / 40 % 40),
+                           parked + 3 + 0.2 * static_cast<double>(k / 1600));
+        const EntityId id =
+            add_clump(world, rock, static_cast<std::uint32_t>(index), waiting, turned, bodies.rock);
+        value_of<MotionOf>(world, id) = static_cast<std::uint32_t>(Motion::fixed);
+        if (filled >= wanted[course] && course + 1 < courses.size()) {
+            ++course;
+            filled = 0;
+        }
+        bodies.rocks[course].push_back(id);
+        filled += rock.volume;
+        bodies.solid_volume += rock.volume;
+    }
+}
+
+/// Sensor rocks where the report has them: two cubes under the rail seat, and angular ones under
+/// the middle and the end of a tie and, with two ties, between them; 5 and 25 cm below the ties.
+void add_sensors(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies& bodies,
+                 const std::vector<Clump>& all, std::uint64_t seed) {
+    struct Site {
+        const char* name;
+        double x, y;
+        const char* shape;
+    };
+    const double tie = s.ties.front();
+    std::vector<Site> sites{{"rail_seat", tie, s.rail_seat, "cube"},
+                            {"middle", tie, 0.06, "rock_01"},
+                            {"end", tie, s.tie.y() - 0.03, "rock_02"}};
+    if (s.ties.size() > 1) sites.push_back({"between", s.width / 2, s.rail_seat, "rock_03"});
+    for (const Site& site : sites)
+        for (const std::size_t course : {std::size_t{0}, std::size_t{2}}) {
+            const auto found = std::ranges::find(all, std::string(site.shape), &Clump::name);
+            require(found != all.end(), fmt::format("assets/clumps: expected the clump {}, found "
+                                                    "none of that name",
+                                                    site.shape));
+            const Clump rock = scaled(*found, sensor_size / found->sieve);
+            const auto number = static_cast<double>(bodies.sensors.size());
+            const EntityId id =
+                add_clump(world, rock, static_cast<std::uint32_t>(found - all.begin()),
+                          Vec3(0.2 * number, -1, parked + 3),
+                          Random(seed, 6000 + bodies.sensors.size()).rotation(), bodies.rock);
+            value_of<MotionOf>(world, id) = static_cast<std::uint32_t>(Motion::fixed);
+            bodies.sensors.push_back({fmt::format("{}_{}", site.name, course == 0 ? "25cm" : "5cm"),
+                                      id, Vec3(site.x, site.y, 0), course});
+            if (!box.is_dynamic()) continue;
+            ImuModel model = imu_preset(box.imu);
+            model.rate = box.sampling_rate;
+            model.bandwidth = std::min(model.bandwidth, 0.4 * model.rate);
+            add_recorder(world, id, model, Vec3(0, 0, -9.81), seed);
+        }
+}
+
+} // namespace
+
+World make_box_world(const BallastBox& box, std::uint64_t seed) {
+    const BoxSizes s = box_sizes(box);
+    std::vector<Clump> clumps = read_clumps(assets_folder() / "clumps");
+    const std::vector<Clump> all = clumps;
+    std::erase_if(clumps, [](const Clump& c) { return c.name == "cube"; });
+    World world = make_world(Grains::clumps);
+    BoxBodies bodies;
+    auto& materials = world.resource<Materials>();
+    Material rock = read_rock_material(box.material).material("rock");
+    rock.friction *= box.friction_factor;
+    rock.normal_stiffness *= box.stiffness_factor;
+    rock.shear_stiffness *= box.stiffness_factor;
+    bodies.rock = materials.add(rock);
+    Material concrete = rock, side = rigid_material(0);
+    concrete.name = "concrete";
+    concrete.normal_stiffness = concrete.shear_stiffness = 1e8;
+    concrete.friction = std::max(rock.friction, 0.6);
+    const auto hard = materials.add(concrete);
+    side.name = "mirror";
+    side.restitution = rock.restitution;
+    const auto mirror = materials.add(side);
+    bodies.hard = materials.list;
+
+    add_subgrade(world, box, s, bodies, hard);
+    const EntityId sides = add_boundary(world, Vec3::Zero(), mirror);
+    add_plane(world, sides, Vec3::Zero(), Vec3::UnitX());
+    add_plane(world, sides, Vec3(s.width, 0, 0), -Vec3::UnitX());
+    add_plane(world, sides, Vec3::Zero(), Vec3::UnitY());
+    const EntityId wall = add_boundary(world, Vec3(0, s.half_length, 0), hard);
+    add_plane(world, wall, Vec3::Zero(), -Vec3::UnitY());
+    add_bladder(world, box, s, bodies, hard);
+    add_plate(world, s, bodies, hard);
+    add_tie_bodies(world, s, bodies, hard);
+    add_sensors(world, box, s, bodies, all, seed);
+    add_rocks(world, box, s, bodies, clumps, seed);
+    value_of<Position>(world, bodies.bladder).z() += parked + 2;
+    for (const EntityId body :
+         {bodies.plate, bodies.bladder, bodies.ties.front(), bodies.ties.back()})
+        value_of<MotionOf>(world, body) = static_cast<std::uint32_t>(Motion::fixed);
+
+    auto& limits = world.resource<Limits>();
+    limits.overlap = 0.5; // rocks are soft while the bed is made
+    limits.low = Vec3(-1.5, -1.5, -0.3);
+    limits.high = Vec3(s.width + 1.5, s.half_length + 1.5, 12);
+    world.add_resource<Gravity>();
+    world.add_resource(std::move(bodies));
+    world.add_resource<BoxState>();
+    return world;
+}
+
+void set_softness(World& world, double fraction, double most_restitution) {
+    auto& materials = world.resource<Materials>();
+    const auto& full = world.resource<BoxBodies>().hard;
+    for (std::size_t k = 0; k < full.size(); ++k) {
+        const bool rigid = full[k].normal_stiffness >= 1e20;
+        materials.list[k].normal_stiffness = full[k].normal_stiffness * (rigid ? 1 : fraction);
+        materials.list[k].shear_stiffness = full[k].shear_stiffness * (rigid ? 1 : fraction);
+        materials.list[k].restitution = std::min(full[k].restitution, most_restitution);
+    }
+    materials.mix();
+}
+
+namespace {
+
+void put(World& world, EntityId body, const Vec3& position, Motion motion) {
+    value_of<Position>(world, body) = position;
+    value_of<MotionOf>(world, body) = static_cast<std::uint32_t>(motion);
+    value_of<Velocity>(world, body).setZero();
+    value_of<Acceleration>(world, body).setZero();
+    set_angular_velocity(world, body, Vec3::Zero());
+    invalidate_lists(world);
+}
+
+/// Calls visit(centre, radius, body row) for the spheres of the free rocks.
+template <class Visit>
+void visit_spheres(const World& world, Visit&& visit) {
+    const Table& bodies = world.table<Bodies>();
+    std::vector<Row> row_of(bodies.size());
+    for (Row b = 0; b < bodies.size(); ++b) row_of[bodies.column<BodyId>()[b]] = b;
+    const auto ball = world.column<Spheres, LocalBall>();
+    const auto parent = world.column<Spheres, ParentId>();
+    for (std::size_t k = 0; k < ball.size(); ++k) {
+        const Row b = row_of[parent[k]];
+        if (bodies.column<MotionOf>()[b] != static_cast<std::uint32_t>(Motion::free)) continue;
+        visit(Vec3(bodies.column<Position>()[b] + bodies.column<Orientation>()[b] * ball[k].centre),
+              ball[k].radius, b);
+    }
+}
+
+} // namespace
+
+void release(World& world, EntityId body, const Vec3& position) {
+    put(world, body, position, Motion::free);
+}
+void park(World& world, EntityId body, const Vec3& position) {
+    put(world, body, position, Motion::fixed);
+}
+
+void place_bladder(World& world, const BoxSizes& s) {
+    const EntityId bladder = world.resource<BoxBodies>().bladder;
+    const double surface =
+        surface_height(world, Vec3(0, s.bladder_face(), 0), Vec3(s.width, s.half_length, 0), 0);
+    const double raised = std::max(0.0, surface + 1e-3 - s.bladder_low);
+    for (SpringPatch& p :
+         world.resource<SpringPatches>().of_body[value_of<PatchesOf>(world, bladder) - 1])
+        p.anchor.z() += raised;
+    release(world, bladder,
+            Vec3(s.width / 2, s.bladder_face() + s.bladder_depth / 2,
+                 (s.bladder_low + s.bladder_top) / 2 + raised));
+}
+
+double surface_height(const World& world, double x, double y, double radius, double least) {
+    double height = least;
+    visit_spheres(world, [&](const Vec3& c, double r, Row) {
+        if (std::hypot(c.x() - x, c.y() - y) < radius + r) height = std::max(height, c.z() + r);
+    });
+    return height;
+}
+
+double surface_height(const World& world, const Vec3& low, const Vec3& high, double least) {
+    double height = least;
+    visit_spheres(world, [&](const Vec3& c, double r, Row) {
+        if (c.x() > low.x() - r && c.x() < high.x() + r && c.y() > low.y() - r &&
+            c.y() < high.y() + r)
+            height = std::max(height, c.z() + r);
+    });
+    return height;
+}
+
+void check_ties(const World& world, const BoxSizes& s, double level, double surface) {
+    const double limit = world.resource<Limits>().overlap;
+    for (const double x : s.ties) {
+        const Vec3 centre(x, s.tie.y() / 2, level + s.tie.z() / 2);
+        visit_spheres(world, [&](const Vec3& c, double r, Row b) {
+            const Vec3 outside = (c - centre).cwiseAbs() - 0.5 * s.tie;
+            const double inside = outside.maxCoeff(); // of a centre within the tie, below 0
+            const double distance = inside < 0 ? inside : outside.cwiseMax(0).norm();
+            require(r - distance <= limit * r,
+                    fmt::format("--tie-level: expected ties clear of the rocks, above {:.3f} m, "
+                                "found one at {:g} m that overlaps rock {} by {:.4f} m",
+                                surface, level, world.column<Bodies, BodyId>()[b], r - distance));
+        });
+    }
+}
+
+} // namespace bris

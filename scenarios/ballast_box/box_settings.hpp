@@ -1,0 +1,152 @@
+#pragma once
+
+#include "engine/options.hpp"
+#include "engine/signal/imu.hpp"
+#include "scenarios/ballast_box/table_1.hpp"
+#include "scenarios/specimens/rock_material.hpp"
+
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// Settings of a ballast box. x: along the track; y: along the ties, from their middle (y = 0) to
+/// the shoulder; z: up, from the surface of the subgrade.
+struct BallastBox {
+    std::string run = "I.2", model = "settlement";
+    double frequency = 0, peak_load = 0, least_load = 0.1;
+    unsigned cycles = 0, steps_per_cycle = 8000;
+    double width = 0.2, rock_scale = 0, smallest_rock = 0.03;
+    std::string material = "limestone", grading = "arema_3";
+    double friction_factor = 1, stiffness_factor = 1;
+    double subgrade_modulus = 200e6, subgrade_damping = 0.2, series_compliance = 0;
+    double rail_bending = 1.58e7, tie_support = 3e7;
+    unsigned box_ties = 2;
+    double bladder_pressure = 200e3, tie_level = 0;
+    double compaction_pressure = 50e3, fill_softness = 0.25, step_fraction = 0.5;
+    std::string imu = "smartrock-like";
+    double sampling_rate = 500;
+
+    void describe(auto& option);
+
+    bool is_dynamic() const { return model == "dynamic"; }
+    // settings with the default of 0 that a run or a model determines
+    double peak() const { return peak_load > 0 ? peak_load : box_test(run).peak_load; }
+    double least() const { return least_load * peak(); }
+    double load_frequency() const {
+        return frequency > 0 ? frequency : box_test(run).frequencies.back();
+    }
+    unsigned load_cycles() const { return cycles > 0 ? cycles : (is_dynamic() ? 1 : 5); }
+    double scale() const { return rock_scale > 0 ? rock_scale : (is_dynamic() ? 1.5 : 1.3); }
+};
+
+/// Throws InputError for settings that do not fit together.
+void check_box(const BallastBox& box);
+
+inline constexpr double tie_width = 0.27; // m
+
+/// Sizes of the box, its ties and its bladder, m. Those of the box are the report's; those of the
+/// ties are usual for concrete ties.
+struct BoxSizes {
+    double width = 0;             ///< along x: a slice, or two bays
+    std::vector<double> ties;     ///< x of each tie
+    double half_length = 1.68;    ///< of the box along y
+    double depth = 0.36;          ///< of the ballast, as filled
+    Vec3 tie = Vec3::Zero();      ///< of the half tie that is modelled
+    double rail_seat = 0.7525;    ///< y
+    double bladder_depth = 0.30;  ///< along y
+    double bladder_low = 0.16;    ///< z of its lower side
+    double bladder_height = 0.20; ///< on which the pressure acts
+    double bladder_top = 0.56;    ///< z of its upper side, so that no rock falls over it
+    double bladder_face() const { return half_length - bladder_depth; } ///< y
+    /// Share of a whole tie's load that the model's half tie carries.
+    double share = 0.5;
+};
+BoxSizes box_sizes(const BallastBox& box);
+
+/// A course of ballast: its thickness (m) and whether it completes a lift, which is then compacted.
+struct Course {
+    double thickness;
+    bool compacted;
+};
+/// The three lifts of 0.12 m. The upper one is poured in two courses, so that sensor rocks come to
+/// lie 5 cm below the ties.
+inline constexpr std::array<Course, 4> courses{
+    {{0.12, true}, {0.12, true}, {0.07, false}, {0.05, true}}};
+
+void BallastBox::describe(auto& option) {
+    option.group("Test");
+    option("run", run, "",
+           "Run of table 1 of the report: I.1 to I.4 (clean) or II.1 to II.4 (fouled).");
+    option("model", model, "",
+           "settlement: a slice under half a tie, quasi-static with scaled masses. dynamic: two "
+           "half ties that are loaded 180 degrees apart, with true masses.",
+           {"settlement", "dynamic"});
+    option("frequency", frequency, "Hz",
+           "Frequency of the load in the dynamic model. 0: the highest one of the run.",
+           within(0, 10));
+    option("peak_load", peak_load, "N",
+           "Peak load of each actuator, up to 490 kN. 0: that of the run.", within(0, 1e7));
+    option("least_load", least_load, "", "Least load of each actuator over the peak load.",
+           within(0, 0.9));
+    option("cycles", cycles, "", "Load cycles. 0: 5 in the settlement model, 1 in the dynamic one.",
+           within(0, 1e6));
+    option("steps_per_cycle", steps_per_cycle, "", "Time steps of a cycle in the settlement model.",
+           within(200, 1e6));
+    option.group("Ballast");
+    option("width", width, "m", "Width of the slice of the settlement model along the track.",
+           within(0.1, 0.61));
+    option("rock_scale", rock_scale, "",
+           "Factor on all sizes of rocks. 0: 1.3 in the settlement model, 1.5 in the dynamic one.",
+           within(0, 4));
+    option("smallest_rock", smallest_rock, "m",
+           "Sieve size below which the grading is truncated, before scaling.", within(0.01, 0.06));
+    option("material", material, "",
+           "Rock of the ballast: granite, limestone (assets/materials) or the path of a file.");
+    option("grading", grading, "", "Grading of the ballast (assets/gradings).");
+    option("friction_factor", friction_factor, "",
+           "Factor on the friction between rocks, uniform in the box.", above(0, 1));
+    option("stiffness_factor", stiffness_factor, "",
+           "Factor on the contact stiffness of rocks, uniform in the box.", above(0, 1));
+    option("compaction_pressure", compaction_pressure, "Pa",
+           "Mean pressure of the plate that compacts a lift; it oscillates by 60 % at 30 Hz.",
+           within(1e3, 1e6));
+    option("fill_softness", fill_softness, "",
+           "Factor on the stiffness of rocks while the ballast is poured and compacted.",
+           within(1e-3, 1));
+    option.group("Track");
+    option(
+        "subgrade_modulus", subgrade_modulus, "N/m3",
+        "Modulus of the subgrade: pressure over settlement of its plates. The default is that of a "
+        "layer of 0.30 m with 60 MPa on a rigid floor.",
+        within(1e6, 1e10));
+    option("subgrade_damping", subgrade_damping, "",
+           "Ratio of critical damping of the subgrade's plates.", within(0, 2));
+    option("series_compliance", series_compliance, "m/N",
+           "Compliance of frame, pads and rails between an actuator and its tie, which is added to "
+           "that of the model.",
+           within(0, 1e-6));
+    option("rail_bending", rail_bending, "N m2", "Bending stiffness E I of both rails together.",
+           within(1e4, 1e9));
+    option("tie_support", tie_support, "N/m",
+           "Support of a tie when the rails distribute the loads.", within(1e5, 1e10));
+    option("box_ties", box_ties, "",
+           "Ties that carry the rails in the dynamic model: 2 (those of the model; each actuator "
+           "stands above one of them) or 4 (as in the box; the model's are the middle ones).",
+           within(2, 4));
+    option("bladder_pressure", bladder_pressure, "Pa",
+           "Pressure in the bladder beside the shoulder while it is inflated.", within(0, 1e6));
+    option("tie_level", tie_level, "m",
+           "Height of the lower side of the ties when they are placed. 0: on the ballast.",
+           within(0, 1));
+    option.group("Simulation");
+    option("step_fraction", step_fraction, "",
+           "Time step over the stable step of the contacts, when the dynamic loading begins.",
+           within(0.01, 0.9));
+    option("imu", imu, "", "Inertial sensors of the sensor rocks (dynamic model).",
+           {"ideal", "lab-grade", "smartrock-like", "cheap"});
+    option("sampling_rate", sampling_rate, "Hz", "Sampling rate of the inertial sensors.",
+           within(10, 5000));
+}
+
+} // namespace bris

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "engine/io/series.hpp"
+
+#include <vector>
+
+namespace bris {
+
+/// Columns of the samples that a loading takes.
+std::vector<RunFile::Column> cycle_columns();
+
+/// Response of one tie in one load cycle.
+struct CycleResponse {
+    double settlement = 0; ///< m, at the end of the cycle, since the loading began
+    double resilient = 0;  ///< m, from the lowest position to the end of the cycle
+    double loop_area = 0;  ///< J, work that the load has done on the tie over the cycle
+    /// N/m, range of the load over the range of the deflection.
+    double stiffness = 0;
+};
+
+/// The complete cycles of a series, of the tie whose load is least at the ends of the cycles
+/// (number 1) or of the other one (number 2, whose cycles end at its peak load: the resilient
+/// deflection is then the negative one).
+std::vector<CycleResponse> cycle_responses(const Series& samples, int tie);
+
+} // namespace bris

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/recorder.hpp"
+#include "engine/clock.hpp"
+#include "engine/rows.hpp"
+#include "engine/signal/imu.hpp"
+
+#include <vector>
+
+namespace bris {
+
+/// An inertial sensor on a body of the running simulation, with what it has recorded.
+struct InertialRecorder {
+    EntityId body;
+    Imu imu;
+    std::vector<ImuSample> samples;
+};
+
+/// The inertial recorders of a scene. They record while `running`.
+struct InertialRecorders {
+    static constexpr auto name = "inertial_recorders";
+    static constexpr bool is_state = true;
+    bool running = false;
+    double start = 0; ///< s, of the first sample
+    std::vector<InertialRecorder> list;
+
+    void save(Archive& archive) const;
+    void load(const Archive& archive);
+};
+
+/// Lets the inertial recorders follow their bodies for this step, and takes the samples that are
+/// due: sample n in the step whose time is nearest to start + n / rate, with the time of that step.
+/// Force and Torque must be complete: they give the accelerations at the time of the positions. The
+/// sensor's low pass acts at every step, so before sampling. Each row writes its own recorder only.
+void record_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, const Torque,
+                        const InertialMass, const InertialInertia, const Orientation,
+                        const AngularVelocity, const Velocity, const DriveVelocity>
+                       bodies,
+                   InertialRecorders& recorders, const Clock& clock);
+
+} // namespace bris

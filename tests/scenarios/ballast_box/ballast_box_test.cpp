@@ -1,0 +1,177 @@
+#include "engine/errors.hpp"
+#include "scenarios/ballast_box/box_scene.hpp"
+#include "scenarios/ballast_box/cycles.hpp"
+#include "scenarios/ballast_box/rail.hpp"
+#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/facet_bodies.hpp"
+#include "tests/about.hpp"
+#include "tests/support.hpp"
+
+#include <doctest/doctest.h>
+
+#include <numeric>
+
+using namespace bris;
+using namespace bris::testing;
+
+TEST_SUITE("ballast_box") {
+    TEST_CASE("table 1 has twelve runs of eight groups, and clean ones come before fouled ones") {
+        std::size_t runs = 0;
+        double seconds = 0;
+        for (const BoxTest& test : table_1()) {
+            runs += test.frequencies.size();
+            for (const double f : test.frequencies) seconds += 1000 / f;
+        }
+        CHECK(table_1().size() == 8);
+        CHECK(runs == 12);
+        CHECK(seconds == about(2 * 9500)); // of 1000 cycles each
+        CHECK(box_test("I.1").peak_load == 160e3);
+        CHECK(box_test("II.4").peak_load == 290e3);
+        CHECK_FALSE(box_test("I.4").confined);
+        CHECK(refusal_of([] { (void)box_test("III.1"); }).starts_with("--run: expected a run"));
+    }
+
+    TEST_CASE("loads beyond the actuators, and fouled runs without a change of the ballast, are "
+              "refused") {
+        BallastBox box;
+        box.peak_load = 500e3;
+        CHECK(refusal_of([&] { check_box(box); }) ==
+              "--peak-load: expected at most the 490 kN of an actuator, found 500 kN");
+        box.peak_load = 490e3;
+        CHECK(refusal_of([&] { check_box(box); }).empty());
+        box.run = "II.2";
+        CHECK(refusal_of([&] { check_box(box); }).starts_with("--run: II.2 is a run on fouled"));
+        box.friction_factor = 0.8;
+        CHECK(refusal_of([&] { check_box(box); }).empty());
+    }
+
+    TEST_CASE("statics determine the reactions of two ties, and symmetry those of three") {
+        const std::vector<double> two{0, 0.61};
+        for (const double load : {0.0, 0.2, 0.61, 0.9}) {
+            const auto r = rail_reactions(two, 3e7, 1.6e7, load);
+            CHECK(std::abs(r[1] - load / 0.61) < 1e-9);
+            CHECK(r[0] + r[1] == about(1).epsilon(1e-12));
+        }
+        const std::vector<double> three{-0.61, 0, 0.61};
+        const auto r = rail_reactions(three, 3e7, 1.6e7, 0);
+        // the beam bends by (1 - R_0) s^3 / (6 EI) between the middle tie and the outer ones
+        const double soft = 3e7 * 0.61 * 0.61 * 0.61 / (6 * 1.6e7);
+        CHECK(r[0] == about(r[2]).epsilon(1e-9));
+        CHECK(r[1] - r[0] == about(soft * (1 - r[1])).epsilon(1e-9));
+        CHECK(refusal_of([] {
+                  (void)rail_reactions(std::vector{1.0, 0.5}, 1, 1, 0);
+              }).starts_with("rail: expected"));
+    }
+
+    TEST_CASE("a long rail on many ties follows the beam on a Winkler foundation") {
+        // reactions k w(x), w = P beta / (2 u) exp(-beta x) (cos beta x + sin beta x), u = k / s
+        constexpr double spacing = 0.1, support = 2e6, bending = 8e6;
+        std::vector<double> at;
+        for (int k = -150; k <= 150; ++k) at.push_back(spacing * k);
+        const auto r = rail_reactions(at, support, bending, 0);
+        const double beta = std::pow(support / spacing / (4 * bending), 0.25);
+        for (const std::size_t k : {std::size_t{150}, std::size_t{155}, std::size_t{165}}) {
+            const double x = std::abs(at[k]), exact = spacing * beta / 2 * std::exp(-beta * x) *
+                                                      (std::cos(beta * x) + std::sin(beta * x));
+            CHECK(std::abs(r[k] - exact) < 2e-4 * r[150]); // (beta s)^4: discrete supports
+        }
+        CHECK(std::accumulate(r.begin(), r.end(), 0.0) == about(1).epsilon(1e-9));
+    }
+
+    TEST_CASE("cycles are evaluated at their least load: settlement, rebound, stiffness and loop") {
+        // loading along one line, unloading along a steeper one, so each cycle leaves 1 mm
+        Series samples("box", cycle_columns());
+        constexpr int n = 50;
+        for (int k = 1; k <= 3 * n; ++k) {
+            const double phase = static_cast<double>(k % n) / n;
+            const int cycle = (k - 1) / n;
+            const double up = phase > 0 && phase <= 0.5 ? 2 * phase : 0,
+                         down = phase > 0.5 ? 2 * (1 - phase) : 0;
+            const double load = phase == 0 ? 0 : up + down,
+                         deflection = 1e-3 * cycle +
+                                      (phase > 0 && phase <= 0.5 ? 5e-3 * up : 1e-3 + 4e-3 * down);
+            samples.add(
+                {static_cast<double>(k) / n, 0, 100e3 * load, 0, deflection, 0, 0, 0, 0, 0});
+        }
+        const auto cycles = cycle_responses(samples, 1);
+        REQUIRE(cycles.size() == 3);
+        for (std::size_t c = 0; c < 3; ++c) {
+            CHECK(cycles[c].settlement == about(1e-3 * static_cast<double>(c + 1)));
+            CHECK(cycles[c].resilient == about(4e-3));
+            CHECK(cycles[c].stiffness == about(100e3 / 4e-3));
+        }
+        // area between the lines: 100 kN (5 - 4) mm / 2
+        CHECK(cycles[1].loop_area == about(50).epsilon(1e-6));
+    }
+
+    TEST_CASE("a bladder is stiff while it is full and gives way beyond its pressure") {
+        constexpr double pressure = 200e3, area = 0.2 * 0.3, stop = 1e9, mass = 100;
+        for (const double push : {0.5, 1.5}) { // of pressure times area, by a rock
+            World world = make_world(Grains::clumps);
+            Material material = linear_material(1e8, 0, 0, 2600);
+            const auto number = add_material(world, material);
+            const EntityId bladder = add_block(world, Vec3(0, 0.15, 0), Quat(Quat::Identity()),
+                                               Vec3(0.3, 0.3, 0.2), mass, number);
+            const double force = pressure * area;
+            add_patch(world, bladder,
+                      {.anchor = Vec3(0, 0.15 + force / stop, 0),
+                       .axis = Vec3::UnitY(),
+                       .stiffness = stop,
+                       .damping = std::sqrt(stop * mass),
+                       .one_sided = true});
+            add_load(world, bladder, {.force = Vec3(0, -force, 0)});
+            const EntityId rock = add_sphere(world, Vec3(0, -0.03, 0), 0.03, number);
+            add_load(world, rock,
+                     {.force = Vec3(0, 1, 0),
+                      .history = {.times = {0, 0.02}, .values = {0, push * force}}});
+            Simulation sim = begin(std::move(world), {.dt = 1e-6, .unlimited = true});
+            sim.advance(30'000);
+            const double moved = value_of<Position>(sim, bladder).y() - 0.15;
+            CAPTURE(push);
+            if (push < 1) {
+                CHECK(moved == about(push * force / stop).epsilon(1e-2));
+                CHECK(moved < 1e-4);
+            } else {
+                CHECK(moved > 1e-4); // (push - 1) force drives it back
+            }
+        }
+    }
+
+    TEST_CASE("the two halves of a rock and its mirror image move as the rock at a mirror side") {
+        // two equal spheres that meet head on obliquely, and one of them at a mirror side
+        const auto rebound = [](bool mirror) {
+            World world = make_world(Grains::clumps);
+            Material m = linear_material(1e6, 8e5, 0.5, 2600);
+            m.restitution = 0.6;
+            const auto rock = add_material(world, m);
+            Material side = rigid_material(0);
+            side.restitution = 0.6;
+            const auto rigid = add_material(world, side);
+            const Clump shape = scaled(small_rock(), 0.05);
+            const Quat turned = exponential_map(Vec3(0.4, -0.2, 0.7));
+            const EntityId a = add_clump(world, shape, 0, Vec3(0.0508, 0, 0), turned, rock);
+            value_of<Velocity>(world, a) = Vec3(-1, 0.3, 0.1);
+            if (mirror) {
+                const EntityId host = add_boundary(world, Vec3::Zero(), rigid);
+                add_plane(world, host, Vec3::Zero(), Vec3::UnitX());
+            } else {
+                Clump reflected = shape;
+                for (Ball& ball : reflected.balls) ball.centre = -ball.centre;
+                // the mirror image in x of a shape is its inversion turned by half a turn about x
+                const Quat half(0, 1, 0, 0);
+                const EntityId b =
+                    add_clump(world, reflected, 0, Vec3(-0.0508, 0, 0), half * turned, rock);
+                value_of<Velocity>(world, b) = Vec3(1, 0.3, 0.1);
+            }
+            Simulation sim = begin(std::move(world),
+                                   {.dt = 1e-6, .law = LawName::linear_viscous, .unlimited = true});
+            sim.advance(30'000);
+            return std::pair(value_of<Velocity>(sim, a), value_of<AngularVelocity>(sim, a));
+        };
+        const auto [v, w] = rebound(true);
+        const auto [v_pair, w_pair] = rebound(false);
+        CHECK(v.x() > 0.05);
+        CHECK((v - v_pair).norm() < 1e-9);
+        CHECK((w - w_pair).norm() < 1e-7);
+    }
+}
