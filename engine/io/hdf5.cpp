@@ -7,6 +7,7 @@
 #include <hdf5.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <fcntl.h>
 #include <mutex>
@@ -89,6 +90,21 @@ int reserve(hid_t file) {
     return size >= end
                ? 0
                : posix_fallocate(descriptor, status.st_size, static_cast<off_t>(end - size));
+}
+
+/// Removes what `reserve` took beyond the end of a closed file, which its head states.
+/// `descriptor`: of the file; it is closed.
+void cut_to_size(int descriptor) {
+    std::array<std::uint8_t, 48> head{};
+    constexpr std::size_t version_at = 8, width_at = 13, end_at = 40; // of the format's version 0
+    const bool is_read = pread(descriptor, head.data(), head.size(), 0) == ssize_t{head.size()};
+    std::uint64_t end = 0;
+    std::memcpy(&end, head.data() + end_at, sizeof end);
+    struct stat status {};
+    if (is_read && head[version_at] == 0 && head[width_at] == sizeof end &&
+        fstat(descriptor, &status) == 0 && static_cast<std::uint64_t>(status.st_size) > end)
+        (void)!ftruncate(descriptor, static_cast<off_t>(end)); // without it nothing is wrong
+    ::close(descriptor);
 }
 
 /// A handle that is closed when it goes out of scope.
@@ -206,7 +222,10 @@ void Hdf5File::close() {
     const Alone alone;
     if (!is_open()) return;
     flush();
-    if (H5Fclose(std::exchange(file_, -1)) < 0) fail("close", "");
+    const int descriptor = writes_ ? dup(descriptor_of(file_)) : -1;
+    const bool closed = H5Fclose(std::exchange(file_, -1)) >= 0;
+    if (descriptor >= 0) cut_to_size(descriptor);
+    if (!closed) fail("close", "");
 }
 
 void Hdf5File::flush() {
