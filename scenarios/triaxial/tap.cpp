@@ -13,6 +13,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace bris {
@@ -22,14 +23,17 @@ namespace {
 constexpr std::uint64_t tap_block = 50; // steps between checks of rest
 constexpr double at_rest = 5e-3;        // unbalanced force ratio
 constexpr double energy_of_tap = 1.5;   // over pressure times volume of the rocks
-constexpr std::uint64_t more_taps = 8;  // at most, to meet the porosity
-constexpr double met_within = 0.3;      // of the tolerance of the porosity
+// Largest overlap of two rocks if all energy of one is stored in a contact, over the bounding
+// radius of the smallest rock: in a wide grading the largest rocks would squeeze the smallest ones.
+constexpr double overlap_of_tap = 0.3;
+constexpr std::uint64_t more_taps = 8; // at most, to meet the porosity
+constexpr double met_within = 0.3;     // of the tolerance of the porosity
 constexpr std::uint64_t most_rounds = 6;
 constexpr std::uint64_t tap_stream = std::uint64_t{1} << 33;
 
 /// Gives all rocks random velocities and angular velocities. `energy`: mean kinetic energy of a
 /// rock over its volume (Pa), about; the same for all sizes, so that no small rock is shot into
-/// others.
+/// others, but limited by overlap_of_tap.
 void kick(World& world, double energy, std::uint64_t draw) {
     const auto& specimen = world.resource<Specimen>();
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
@@ -38,11 +42,19 @@ void kick(World& world, double energy, std::uint64_t draw) {
     const auto mass = world.column<Bodies, Mass>();
     const auto inertial_mass = world.column<Bodies, InertialMass>();
     const auto inertia = world.column<Bodies, InertialInertia>();
-    const double density = world.resource<Materials>().list[specimen.rock_material].density;
+    const auto& materials = world.resource<Materials>();
+    const double density = materials.list[specimen.rock_material].density;
+    const auto radius = world.column<Bodies, BoundingRadius>();
+    double smallest = radius[rows[specimen.rocks.front()]];
+    for (const EntityId id : specimen.rocks) smallest = std::min(smallest, radius[rows[id]]);
+    const double overlap = overlap_of_tap * smallest;
+    const double stiffness =
+        materials.linear_pairs[materials.pair(specimen.rock_material, specimen.rock_material)].kn;
     for (const EntityId id : specimen.rocks) {
         const Row r = rows[id];
         Random random(specimen.seed + draw, tap_stream + id);
-        const double of_freedom = energy * mass[r] / density / 6;
+        const double of_freedom =
+            std::min(energy * mass[r] / density, 0.5 * stiffness * overlap * overlap) / 6;
         for (int a = 0; a < 3; ++a) {
             velocity[r][a] = std::sqrt(2 * of_freedom / inertial_mass[r]) * random.normal();
             momentum[r][a] = std::sqrt(2 * of_freedom * inertia[r].x()) * random.normal();
