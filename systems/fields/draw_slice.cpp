@@ -76,6 +76,7 @@ bool draw_slice(const FieldSet& set, const std::vector<std::string>& names,
                        static_cast<unsigned>(std::clamp(110 + 210 * tall / wide, 200.0, 800.0));
     const std::string commands = fmt::format(
         "{}set multiplot layout {},{}\nset size ratio -1\nunset key\nset autoscale noextend\n"
+        "set format cb '%.3g'\nset rmargin 9\n"
         "set palette defined (0 '#2c3e70', 0.35 '#3a8f8f', 0.7 '#e0c050', 1 '#b03020')\n"
         "set xlabel 'x (mm)'\nset ylabel 'z (mm)'\nset xtics {} \nset cbtics autofreq\n{}unset "
         "multiplot\n",
