@@ -136,12 +136,14 @@ void measure_speeds(World& world) {
 }
 
 /// Least skin (m) of a body: half the gap within which two bodies must be listed although they are
-/// apart, for the correction of a contact that has just ended or by the reach of the law.
+/// apart, for the correction or the energy budget of a contact that has just ended, or by the reach
+/// of the law.
 double least_skin(const World& world) {
     const LawTraits& law = traits(world.resource<ContactLaw>().law);
     const Table& bodies = world.table<Bodies>();
     double skin = 0.5 * reach_beyond_skin(world);
-    if (law.springs && law.dashpots) {
+    const bool ends_count = law.dashpots || bodies.has<FrictionWork>(); // also for the energy budget
+    if (law.springs && ends_count) {
         const auto velocity = bodies.column<Velocity>(),
                    omega = bodies.column<StepAngularVelocity>();
         const auto radius = bodies.column<BoundingRadius>();
