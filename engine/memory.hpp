@@ -11,7 +11,7 @@ std::uint64_t machine_memory();
 
 /// Bytes of data that a process reserves before a scene exists, much of which it never touches, and
 /// bytes per thread.
-inline constexpr double bytes_of_process = 1.3e8, bytes_of_thread = 4e6;
+inline constexpr double bytes_of_process = 1.4e8, bytes_of_thread = 4e6;
 
 /// Makes every allocation fail that would take the data of the process beyond `bytes`; 0: no limit.
 /// Throws InputError if the limit cannot be set or is too small for `threads` threads to start.

@@ -52,10 +52,10 @@ TEST_SUITE("engine/memory") {
             CHECK(exit_code_of_settle(std::string("--spheres 10 --threads 1 --memory ") + limit) ==
                   2);
         }
-        CHECK(exit_code_of_settle("--spheres 500 --threads 1 --memory 0.13") == 0);
-        CHECK(exit_code_of_settle("--spheres 500 --threads 4 --memory 0.14") == 0);
-        CHECK(exit_code_of_settle("--spheres 16000 --threads 1 --memory 0.18") == 2); // 0.181 GiB
-        CHECK(exit_code_of_settle("--spheres 16000 --threads 1 --memory 0.182") == 0);
+        CHECK(exit_code_of_settle("--spheres 500 --threads 1 --memory 0.137") == 0);
+        CHECK(exit_code_of_settle("--spheres 500 --threads 4 --memory 0.15") == 0);
+        CHECK(exit_code_of_settle("--spheres 16000 --threads 1 --memory 0.189") == 2); // 0.190 GiB
+        CHECK(exit_code_of_settle("--spheres 16000 --threads 1 --memory 0.191") == 0);
     }
 
     TEST_CASE("a limit beyond the memory of the machine is replaced by it") {
