@@ -142,7 +142,8 @@ double least_skin(const World& world) {
     const LawTraits& law = traits(world.resource<ContactLaw>().law);
     const Table& bodies = world.table<Bodies>();
     double skin = 0.5 * reach_beyond_skin(world);
-    const bool ends_count = law.dashpots || bodies.has<FrictionWork>(); // also for the energy budget
+    const bool ends_count =
+        law.dashpots || bodies.has<FrictionWork>(); // also for the energy budget
     if (law.springs && ends_count) {
         const auto velocity = bodies.column<Velocity>(),
                    omega = bodies.column<StepAngularVelocity>();
