@@ -157,7 +157,8 @@ private:
         while (const auto passage = stream.next()) {
             stream_report_ = stream.report();
             const double recorded = recorded_time(*passage);
-            if (stream.over() && !passages_.empty() && recorded < settings_.least_duration) {
+            if (stream.over() && !passages_.empty() &&
+                recorded < settings_.least_duration + m_.of_stream.late) {
                 ended_ = fmt::format("the stream ended {:.3g} s after the last window, too soon "
                                      "for a verdict on that time\n",
                                      recorded);
