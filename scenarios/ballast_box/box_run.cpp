@@ -270,7 +270,7 @@ Phase BoxTestRun::seat() const {
                     const double surface = surface_height(world, Vec3(x - half.x(), 0, 0),
                                                           Vec3(x + half.x(), sizes_.tie.y(), 0), 0);
                     const double level = box_.tie_level > 0 ? box_.tie_level : surface + 1e-5;
-                    check_ties(world, sizes_, level, surface);
+                    check_tie(world, sizes_, x, level, surface);
                     Vec3 at = value_of<Position>(world, ties[k]);
                     at.z() = level + half.z();
                     release(world, ties[k], at);

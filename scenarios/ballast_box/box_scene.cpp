@@ -359,20 +359,18 @@ double surface_height(const World& world, const Vec3& low, const Vec3& high, dou
     return height;
 }
 
-void check_ties(const World& world, const BoxSizes& s, double level, double surface) {
+void check_tie(const World& world, const BoxSizes& s, double x, double level, double surface) {
     const double limit = world.resource<Limits>().overlap;
-    for (const double x : s.ties) {
-        const Vec3 centre(x, s.tie.y() / 2, level + s.tie.z() / 2);
-        visit_spheres(world, [&](const Vec3& c, double r, Row b) {
-            const Vec3 outside = (c - centre).cwiseAbs() - 0.5 * s.tie;
-            const double inside = outside.maxCoeff(); // of a centre within the tie, below 0
-            const double distance = inside < 0 ? inside : outside.cwiseMax(0).norm();
-            require(r - distance <= limit * r,
-                    fmt::format("--tie-level: expected ties clear of the rocks, above {:.3f} m, "
-                                "found one at {:g} m that overlaps rock {} by {:.4f} m",
-                                surface, level, world.column<Bodies, BodyId>()[b], r - distance));
-        });
-    }
+    const Vec3 centre(x, s.tie.y() / 2, level + s.tie.z() / 2);
+    visit_spheres(world, [&](const Vec3& c, double r, Row b) {
+        const Vec3 outside = (c - centre).cwiseAbs() - 0.5 * s.tie;
+        const double inside = outside.maxCoeff(); // of a centre within the tie, below 0
+        const double distance = inside < 0 ? inside : outside.cwiseMax(0).norm();
+        require(r - distance <= limit * r,
+                fmt::format("--tie-level: expected ties clear of the rocks, above {:.3f} m, "
+                            "found one at {:g} m that overlaps rock {} by {:.4f} m",
+                            surface, level, world.column<Bodies, BodyId>()[b], r - distance));
+    });
 }
 
 } // namespace bris

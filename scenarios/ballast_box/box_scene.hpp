@@ -69,8 +69,8 @@ double surface_height(const World& world, double x, double y, double radius, dou
 /// The same within a rectangle.
 double surface_height(const World& world, const Vec3& low, const Vec3& high, double least);
 
-/// Throws InputError, naming --tie-level, if a tie would overlap a rock by more than the limit of
-/// overlap with its lower side at `level` (m).
-void check_ties(const World& world, const BoxSizes& sizes, double level, double surface);
+/// Throws InputError, naming --tie-level, if the tie at `x` (m) would overlap a rock by more than
+/// the limit of overlap with its lower side at `level` (m). `surface`: m, named in the message.
+void check_tie(const World& world, const BoxSizes& sizes, double x, double level, double surface);
 
 } // namespace bris
