@@ -24,7 +24,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uint64_t format_version = 3;
+constexpr std::uint64_t format_version = 4;
 
 struct Seal {
     std::array<char, 8> mark{'B', 'R', 'I', 'S', 'c', 'k', 'p', '\n'};
