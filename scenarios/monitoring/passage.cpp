@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/column_map.hpp"
+#include "scenarios/recordings/naming.hpp"
 
 #include <fmt/format.h>
 
@@ -12,17 +13,6 @@ namespace bris {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// Calls `read`, and names the option in the message of an error.
-auto naming(const std::string& option, auto&& read) {
-    try {
-        return read();
-    } catch (const InputError& e) {
-        throw InputError(fmt::format("{}: {}", option, e.what()));
-    } catch (const OutputError& e) {
-        throw OutputError(fmt::format("{}: {}", option, e.what()));
-    }
-}
 
 /// The folder itself and its subfolders in order of their names, those with recordings.
 std::vector<fs::path> folders_with_recordings(const fs::path& folder, const std::string& option) {

@@ -4,6 +4,7 @@
 #include "engine/io/column_map.hpp"
 #include "scenarios/recordings/bench_hdf5.hpp"
 #include "scenarios/recordings/machine_quality_control.hpp"
+#include "scenarios/recordings/naming.hpp"
 
 #include <fmt/format.h>
 
@@ -72,17 +73,6 @@ std::vector<Recording> with_poses(std::vector<Recording> recordings,
     for (std::size_t k = 0; k < recordings.size(); ++k)
         recordings[k].info.set_placed(poses[k].position.cwiseQuotient(size), poses[k].orientation);
     return recordings;
-}
-
-/// Calls `read`, and names the option that gives the file in the message of an error.
-auto naming(const std::string& option, auto&& read) {
-    try {
-        return read();
-    } catch (const InputError& e) {
-        throw InputError(fmt::format("{}: {}", option, e.what()));
-    } catch (const OutputError& e) {
-        throw OutputError(fmt::format("{}: {}", option, e.what()));
-    }
 }
 
 /// Reads a CSV file, whose form a column map may describe; `option` gives the map.
