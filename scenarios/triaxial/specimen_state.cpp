@@ -127,11 +127,15 @@ Vec3 within_mould(const World& world, Row body, Vec3 way) {
 
 void lead_sensor_rocks(World& world, std::uint64_t steps) {
     constexpr double most_force = 10; // contact force over pressure times cross-section
+    // A sensor rock between its place and rocks that press on it would move to and fro for ever,
+    // and the rocks around it would not come to rest: half a step back after each reversal.
+    constexpr double shrink = 0.5, grow = 1.2, least_step = 0.01;
     const auto& platen = world.resource<Platen>();
     const auto& specimen = world.resource<Specimen>();
     const auto& materials = world.resource<Materials>();
     const double stiffness =
         materials.linear_pairs[materials.pair(specimen.rock_material, specimen.sensor_material)].kn;
+    const double time = static_cast<double>(steps) * world.resource<Clock>().dt;
     const double farthest = 2 * static_cast<double>(steps) * platen.largest_step;
     for (const SensorDrift& d : sensor_drift(world)) {
         const Row r = row_of_body(world, d.body);
@@ -142,9 +146,12 @@ void lead_sensor_rocks(World& world, std::uint64_t steps) {
         Vec3 way = std::max(0.0, 1 - share) * (d.given - d.now);
         if (share > 1) way += 0.5 * (1 - 1 / share) / stiffness * force;
         way = within_mould(world, r, way);
-        way *= std::min(1.0, farthest / std::max(way.norm(), 1e-300));
-        world.column<Bodies, DriveVelocity>()[r] =
-            way / (static_cast<double>(steps) * world.resource<Clock>().dt);
+        Vec3& velocity = world.column<Bodies, DriveVelocity>()[r];
+        const double last = time * velocity.norm();
+        const double longest = std::clamp((way.dot(velocity) < 0 ? shrink : grow) * last,
+                                          least_step * farthest, farthest);
+        way *= std::min(1.0, longest / std::max(way.norm(), 1e-300));
+        velocity = way / time;
     }
 }
 

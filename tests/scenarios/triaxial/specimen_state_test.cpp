@@ -158,4 +158,40 @@ TEST_SUITE("triaxial/specimen_state") {
             CHECK(std::max({reach - wall, -low, high - top}) > -1e-4); // it has come to a side
         }
     }
+
+    TEST_CASE("a held sensor rock comes to rest between its place and rocks that resist") {
+        const TriaxialScene scene = make_scene(small(), 1);
+        Simulation simulation = make_simulation(scene, 1, false);
+        World& world = simulation.world();
+        forget_lists(world);
+        world.resource<Clock>().change_step(1e-6);
+        world.resource<Platen>().target_pressure = 1e5;
+        world.resource<Platen>().largest_step = 1e-5;
+        const EntityId sensor = world.resource<Specimen>().smart_rocks.back();
+        Vec3& position = value_of<Position>(world, sensor);
+        const Vec3 place = position, towards = -Vec3(place.x(), place.y(), 0).normalized();
+        position += 0.004 * towards;
+        const double radius = value_of<BoundingRadius>(world, sensor);
+        const double limit = 10 * 1e5 * pi * radius * radius; // as lead_sensor_rocks
+        for (const double stiffness : {1e8, 1e9}) {
+            // the rocks stand 2 mm before the place, and resist as a spring
+            const auto resist = [&] {
+                return std::max(0.0, stiffness * (0.002 - (position - place).dot(towards)));
+            };
+            double moved = 0;
+            for (int block = 0; block < 600; ++block) {
+                value_of<Force>(world, sensor) = resist() * towards;
+                lead_sensor_rocks(world, 50);
+                const Vec3 way = 50 * 1e-6 * value_of<DriveVelocity>(world, sensor);
+                position += way;
+                moved = block < 500 ? 0 : std::max(moved, way.norm());
+            }
+            CAPTURE(stiffness);
+            CAPTURE(resist() / limit);
+            // within twice the least step, which is 1 % of the largest one of 1 mm
+            CHECK(moved < 2e-5);
+            CHECK(resist() > 0);
+            CHECK(std::abs(resist() - limit) <= 2.2e-5 * stiffness);
+        }
+    }
 }
