@@ -92,12 +92,19 @@ bool TriaxialTest::rests_under_platen(double unbalanced_ratio) const {
            compute_balance(world).unbalanced_ratio < unbalanced_ratio;
 }
 
+// After a quarter of the longest preparation, sensor rocks that move to and fro are the likely
+// cause.
+bool TriaxialTest::is_late() const {
+    return state().phase_steps > settings_.longest_preparation / 4;
+}
+
 void TriaxialTest::compress() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
     run(compression_block);
     rescale();
-    lead_sensor_rocks(world, compression_block); // in the next block: only now are forces known
+    // in the next block: only now are forces known
+    lead_sensor_rocks(world, compression_block, is_late());
     if (state.phase_steps % porosity_steps == 0) measure_porosity();
     if (state.phase_steps > settings_.longest_preparation)
         throw SimulationError(fmt::format(

@@ -125,10 +125,8 @@ Vec3 within_mould(const World& world, Row body, Vec3 way) {
 
 } // namespace
 
-void lead_sensor_rocks(World& world, std::uint64_t steps) {
+void lead_sensor_rocks(World& world, std::uint64_t steps, bool halve_reversals) {
     constexpr double most_force = 10; // contact force over pressure times cross-section
-    // A sensor rock between its place and rocks that press on it would move to and fro for ever,
-    // and the rocks around it would not come to rest: half a step back after each reversal.
     constexpr double shrink = 0.5, grow = 1.2, least_step = 0.01;
     const auto& platen = world.resource<Platen>();
     const auto& specimen = world.resource<Specimen>();
@@ -148,8 +146,10 @@ void lead_sensor_rocks(World& world, std::uint64_t steps) {
         way = within_mould(world, r, way);
         Vec3& velocity = world.column<Bodies, DriveVelocity>()[r];
         const double last = time * velocity.norm();
-        const double longest = std::clamp((way.dot(velocity) < 0 ? shrink : grow) * last,
-                                          least_step * farthest, farthest);
+        const double longest = halve_reversals
+                                   ? std::clamp((way.dot(velocity) < 0 ? shrink : grow) * last,
+                                                least_step * farthest, farthest)
+                                   : farthest;
         way *= std::min(1.0, longest / std::max(way.norm(), 1e-300));
         velocity = way / time;
     }

@@ -48,7 +48,10 @@ void stop_rocks(World& world);
 
 /// Drives the held sensor rocks with the platen: within `steps` they approach the positions that
 /// correspond to its present height. A sensor rock on which the contact force exceeds ten times the
-/// target pressure of the platen on its cross-section gives way, as far as the mould.
-void lead_sensor_rocks(World& world, std::uint64_t steps);
+/// target pressure of the platen on its cross-section gives way, as far as the mould. A sensor rock
+/// between its place and such forces can move to and fro for ever, so that the rocks around it do
+/// not come to rest; with `halve_reversals` its steps are halved whenever their direction reverses,
+/// and it comes to rest, but also follows the platen more slowly.
+void lead_sensor_rocks(World& world, std::uint64_t steps, bool halve_reversals = false);
 
 } // namespace bris

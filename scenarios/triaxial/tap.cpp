@@ -83,7 +83,8 @@ void TriaxialTest::tap() {
     auto& state = world.resource<TriaxialState>();
     run(tap_block);
     rescale();
-    lead_sensor_rocks(world, tap_block); // in the next block: only now are forces known
+    // in the next block: only now are forces known
+    lead_sensor_rocks(world, tap_block, is_late());
     if (state.phase_steps > settings_.longest_preparation)
         throw SimulationError(fmt::format(
             "taps: expected rest at {:.4g} kPa on the top platen, found {:.4g} kPa and an "

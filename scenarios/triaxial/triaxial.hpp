@@ -134,6 +134,7 @@ private:
     void return_to_mould();
     void measure_porosity();
     bool rests_under_platen(double unbalanced_ratio) const;
+    bool is_late() const;
     void start_consolidation();
     void consolidate();
     void start_shear();

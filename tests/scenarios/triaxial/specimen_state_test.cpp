@@ -181,7 +181,7 @@ TEST_SUITE("triaxial/specimen_state") {
             double moved = 0;
             for (int block = 0; block < 600; ++block) {
                 value_of<Force>(world, sensor) = resist() * towards;
-                lead_sensor_rocks(world, 50);
+                lead_sensor_rocks(world, 50, true);
                 const Vec3 way = 50 * 1e-6 * value_of<DriveVelocity>(world, sensor);
                 position += way;
                 moved = block < 500 ? 0 : std::max(moved, way.norm());
