@@ -8,6 +8,7 @@
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
 #include "engine/memory.hpp"
+#include "engine/resume.hpp"
 #include "engine/run.hpp"
 #include "scenarios/ballast_box/box_run.hpp"
 #include "scenarios/ballast_box/cycles.hpp"
@@ -16,6 +17,7 @@
 #include "scenarios/specimens/scene.hpp"
 #include "scenarios/specimens/start.hpp"
 #include "systems/contact/stable_step.hpp"
+#include "systems/fields/field_set.hpp"
 #include "systems/output/frames.hpp"
 #include "systems/output/quantities.hpp"
 
@@ -61,12 +63,35 @@ double stiffness_of(double resilient, const BallastBox& box) {
     return 1 / (resilient / (box.peak() - box.least()) + box.series_compliance);
 }
 
-/// Porosity of the ballast below its compacted surface, with the bladder left out.
-double bed_porosity(const World& world, const BoxSizes& s) {
-    const double surface = world.resource<BoxState>().surface,
-                 volume = s.width * (s.half_length * std::min(surface, s.bladder_low) +
-                                     s.bladder_face() * std::max(0.0, surface - s.bladder_low));
-    return 1 - world.resource<BoxBodies>().solid_volume / volume;
+void add_bed(Summary& summary, const World& world) {
+    const auto& state = world.resource<BoxState>();
+    for (std::size_t lift = 0; lift < state.porosity.size(); ++lift) {
+        summary.add(fmt::format("lift_{}_porosity", lift + 1), state.porosity[lift]);
+        summary.add(fmt::format("lift_{}_surface_m", lift + 1), state.surface[lift]);
+    }
+    summary.add("bed_porosity", state.bed_porosity);
+    summary.add("unbalanced_ratio_before_cycles", state.seat_ratio);
+    summary.add("load_carried_by_ballast_before_cycles", state.seat_support);
+}
+
+/// Results of the fields: of the whole, of each lift, and as files and a picture.
+void add_fouling(Summary& summary, const World& world, const Common& common) {
+    add_fouling_results(summary, world);
+    const Fouling present = present_fouling(world);
+    double low = 0;
+    std::size_t lift = 0;
+    for (const double high : world.resource<BoxState>().surface) {
+        const FoulingMeasures m = measure_fouling(world, present, low, high);
+        const std::string name = fmt::format("lift_{}_", ++lift);
+        summary.add(name + "void_contaminant_index_percent", m.contaminant_index);
+        summary.add(name + "void_contamination_percent", m.void_contamination);
+        summary.add(name + "saturation_percent", m.saturation);
+        low = high;
+    }
+    const FieldSet set = fields_of(world, {});
+    write_fields(set, common.out, "fields", world.resource<Clock>().time(), common.settings);
+    draw_slice(set, {"porosity", "fouling", "saturation", "mean_stress"},
+               common.out / "fields.png");
 }
 
 void add_cycles(Summary& summary, const BallastBox& box, const std::vector<CycleResponse>& first,
@@ -80,6 +105,12 @@ void add_cycles(Summary& summary, const BallastBox& box, const std::vector<Cycle
     summary.add("model_compliance_um_per_kN", 1e9 * first.back().resilient / range);
     summary.add("loop_area_last_cycle_J", first.back().loop_area);
     summary.add("other_tie_settlement_mm", 1e3 * other.back().settlement);
+    if (first.size() < 10) return;
+    const SettlementFit logarithmic = fit_logarithmic(first), power = fit_power(first);
+    summary.add("logarithmic_law_mm_per_decade", 1e3 * std::log(10) * logarithmic.slope);
+    summary.add("logarithmic_law_residual_mm", 1e3 * logarithmic.residual);
+    summary.add("power_law_exponent", power.slope);
+    summary.add("power_law_residual_mm", 1e3 * power.residual);
 }
 
 void write_cycles(const std::filesystem::path& path, const BallastBox& box,
@@ -168,7 +199,12 @@ void run(const BallastBox& box, const Common& common) {
     Series samples("box", cycle_columns());
     Run run(simulation, common, "ballast_box");
     run.keep(samples);
-    if (!common.resume.empty()) run.resume(common.resume, {"cycles"});
+    if (!common.resume.empty()) {
+        const Checkpoint from =
+            checkpoint_to_resume(common.resume, common.scenario, common.settings, {"cycles"});
+        if (from.state.find("fields/box") != nullptr) add_fields(simulation, box);
+        run.resume(common.resume, {"cycles"});
+    }
     FrameWriter frames(run.file("ballast_box", ".vtkhdf"), common.settings);
     std::vector<Phase> phases = test.preparation();
     phases.push_back(test.loading(run, samples, [&] { frames.add(world); }));
@@ -188,8 +224,8 @@ void run(const BallastBox& box, const Common& common) {
     summary.add("peak_load_kN", 1e-3 * box.peak());
     summary.add("load_share_of_model", box_sizes(box).share);
     summary.add("truncated_mass_fraction", world.resource<BoxBodies>().truncated_fraction);
-    summary.add("ballast_surface_m", world.resource<BoxState>().surface);
-    summary.add("bed_porosity", bed_porosity(world, box_sizes(box)));
+    add_bed(summary, world);
+    if (world.has_resource<Fouling>()) add_fouling(summary, world, common);
     add_cycles(summary, box, first, other);
     const auto &pressure = samples.column("bladder_pressure"),
                &moved = samples.column("bladder_displacement");
@@ -206,7 +242,9 @@ void run(const BallastBox& box, const Common& common) {
 }
 
 std::string explain(const BallastBox& box, const Common& common) {
-    return make_simulation(box, common).schedule().explain();
+    Simulation simulation = make_simulation(box, common);
+    if (fouling_of(box).any()) add_fields(simulation, box); // when the ties are seated
+    return simulation.schedule().explain();
 }
 
 } // namespace

@@ -35,6 +35,27 @@ private:
     Phase harden() const;
     Phase seat() const;
     Phase remove_shoulder() const;
+
+    static EntityId plate_of(const World& world, std::size_t lift);
+    double plate_force(std::size_t lift) const; ///< N, mean
+    void begin_compaction(World& world, std::size_t lift) const;
+    /// Returns false when the lift is compacted.
+    bool compact_further(World& world, std::size_t lift) const;
+    double porosity_of_lift(const World& world, std::size_t lift) const;
+    /// Between two heights (m), a mean radius within them and a mean diameter from all sides.
+    double porosity_between(const World& world, double low, double high) const;
+
+    /// A phase in which something is done within `steps`, and which ends when the box has come to
+    /// rest after that.
+    Phase until_rest(const char* name, std::uint64_t steps, std::function<void(Simulation&)> begin,
+                     void (*end_of_action)(World&)) const;
+    /// Whether forces balance and the ballast carries the ties. Throws SimulationError that names
+    /// what is not met if the box has not come to rest within the longest time.
+    bool is_at_rest(World& world, const char* phase, std::uint64_t waited) const;
+    std::uint64_t ramp_steps() const; ///< of the load when the ties are seated
+    void place_ties(Simulation& simulation) const;
+    void foul(Simulation& simulation) const;
+
     void set_load(World& world, EntityId body, const LoadHistory& history) const;
     /// Mean load and amplitude of the tie with this number, N.
     std::array<double, 2> tie_load(std::size_t tie) const;
@@ -48,6 +69,23 @@ private:
     std::uint64_t seed_;
     double hard_step_; ///< s, of contacts at full stiffness
 };
+
+/// Steps between checks.
+inline constexpr std::uint64_t block = 200;
+/// Time step over the stable step of scaled masses without dashpots. A dense bed with the dashpots
+/// of a restitution of 0.5 is unstable at 0.8.
+inline constexpr double scaling_safety = 0.5;
+
+/// Time (s) since the beginning that was noted last.
+double since(const World& world);
+void note_beginning(World& world);
+/// Follows the stable step of the contacts, which must be known, up to `longest` (s).
+void adapt_step(World& world, double longest);
+/// Materials while the bed is made: soft, with strong dashpots.
+MakingMaterials making(double softness, double friction = 1);
+
+/// Adds empty fields of fines and water, bounded by the box, to a simulation of a fouled run.
+void add_fields(Simulation& simulation, const BallastBox& box);
 
 /// Reactions of the model's ties (rows) to unit loads of the actuators above them (columns).
 std::vector<std::vector<double>> tie_shares(const BallastBox& box);

@@ -21,8 +21,7 @@ namespace bris {
 
 namespace {
 
-constexpr double filled_porosity = 0.42; // wanted of compacted lifts, which sets the mass
-constexpr double parked = 5;             // m, height where bodies wait
+constexpr double parked = 5; // m, height where bodies wait
 constexpr double concrete_density = 2400;
 constexpr double guide_stiffness = 5e7, guide_damping = 2e4; // N/m, N s/m
 constexpr double sensor_size = 0.045;                        // m, sieve size of a sensor rock
@@ -135,13 +134,19 @@ void add_tie_bodies(World& world, const BoxSizes& s, BoxBodies& bodies, std::uin
     }
 }
 
-void add_plate(World& world, const BoxSizes& s, BoxBodies& bodies, std::uint32_t material) {
-    const Vec3 size(s.width + 0.2, s.bladder_face() - 0.02, 0.05);
-    const double mass = 150 * s.width * size.y();
-    bodies.plate = add_block(world, Vec3(s.width / 2, size.y() / 2 + 0.005, parked + 1),
-                             Quat(Quat::Identity()), size, mass, material);
-    add_guides(world, bodies.plate, true, true);
-    add_load(world, bodies.plate, {.force = Vec3(0, 0, -1), .history = {.mean = 0}});
+/// Plates that compact the lifts: the first one to the wall, the others to the bladder.
+void add_plates(World& world, const BoxSizes& s, BoxBodies& bodies, std::uint32_t material) {
+    constexpr double mass_of_area = 150; // kg/m2
+    for (const bool first : {true, false}) {
+        const Vec3 size(s.width + 0.2, (first ? s.half_length : s.bladder_face()) - 0.02,
+                        plate_thickness);
+        EntityId& plate = bodies.plates[first ? 0 : 1];
+        plate =
+            add_block(world, Vec3(s.width / 2, size.y() / 2 + 0.01, parked + (first ? 1 : 1.5)),
+                      Quat(Quat::Identity()), size, mass_of_area * s.width * size.y(), material);
+        add_guides(world, plate, true, true);
+        add_load(world, plate, {.force = Vec3(0, 0, -1), .history = {.mean = 0}});
+    }
 }
 
 /// Area (m2) of a course: the bladder stands on the first one.
@@ -155,7 +160,7 @@ void add_rocks(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies
     std::array<double, courses.size()> wanted{};
     double total = 0;
     for (std::size_t c = 0; c < courses.size(); ++c)
-        total += wanted[c] = (1 - filled_porosity) * courses[c].thickness * area_of(s, c);
+        total += wanted[c] = (1 - box.porosity) * courses[c].thickness * area_of(s, c);
     const double cubed = std::pow(box.scale(), 3);
     std::size_t count = 1000;
     RockSample sample;
@@ -261,13 +266,13 @@ World make_box_world(const BallastBox& box, std::uint64_t seed) {
     const EntityId wall = add_boundary(world, Vec3(0, s.half_length, 0), hard);
     add_plane(world, wall, Vec3::Zero(), -Vec3::UnitY());
     add_bladder(world, box, s, bodies, hard);
-    add_plate(world, s, bodies, hard);
+    add_plates(world, s, bodies, hard);
     add_tie_bodies(world, s, bodies, hard);
     add_sensors(world, box, s, bodies, all, seed);
     add_rocks(world, box, s, bodies, clumps, seed);
     value_of<Position>(world, bodies.bladder).z() += parked + 2;
-    for (const EntityId body :
-         {bodies.plate, bodies.bladder, bodies.ties.front(), bodies.ties.back()})
+    for (const EntityId body : {bodies.plates[0], bodies.plates[1], bodies.bladder,
+                                bodies.ties.front(), bodies.ties.back()})
         value_of<MotionOf>(world, body) = static_cast<std::uint32_t>(Motion::fixed);
 
     auto& limits = world.resource<Limits>();
@@ -280,14 +285,16 @@ World make_box_world(const BallastBox& box, std::uint64_t seed) {
     return world;
 }
 
-void set_softness(World& world, double fraction, double most_restitution) {
+void set_materials(World& world, const MakingMaterials& making) {
     auto& materials = world.resource<Materials>();
     const auto& full = world.resource<BoxBodies>().hard;
     for (std::size_t k = 0; k < full.size(); ++k) {
         const bool rigid = full[k].normal_stiffness >= 1e20;
-        materials.list[k].normal_stiffness = full[k].normal_stiffness * (rigid ? 1 : fraction);
-        materials.list[k].shear_stiffness = full[k].shear_stiffness * (rigid ? 1 : fraction);
-        materials.list[k].restitution = std::min(full[k].restitution, most_restitution);
+        const double factor = rigid ? 1 : making.softness;
+        materials.list[k].normal_stiffness = full[k].normal_stiffness * factor;
+        materials.list[k].shear_stiffness = full[k].shear_stiffness * factor;
+        materials.list[k].friction = full[k].friction * making.friction;
+        materials.list[k].restitution = std::min(full[k].restitution, making.most_restitution);
     }
     materials.mix();
 }

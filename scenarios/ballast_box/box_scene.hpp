@@ -25,10 +25,11 @@ struct BoxBodies {
     std::array<std::vector<EntityId>, courses.size()> rocks; ///< by course
     std::vector<BoxSensor> sensors;
     std::vector<EntityId> ties, subgrade;
-    EntityId plate = nobody, bladder = nobody;
-    std::uint32_t rock = 0;        ///< material
-    std::vector<Material> hard;    ///< materials at full stiffness
-    double solid_volume = 0;       ///< m3, of all rocks
+    EntityId bladder = nobody;
+    std::array<EntityId, 2> plates{nobody, nobody}; ///< for the first lift, for the others
+    std::uint32_t rock = 0;                         ///< material
+    std::vector<Material> hard;                     ///< materials at full stiffness
+    double solid_volume = 0;                        ///< m3, of all rocks
     double truncated_fraction = 0; ///< mass fraction of the grading that is left out
 };
 
@@ -36,25 +37,37 @@ struct BoxBodies {
 struct BoxState {
     static constexpr auto name = "box";
     static constexpr bool is_state = true;
-    double stage = 0;            ///< of hardening
-    double began = 0;            ///< s, of the phase
-    double surface = 0;          ///< m, of the last lift after its compaction
-    double tie_1 = 0, tie_2 = 0; ///< m, heights of the ties when the cycles begin
-    double bladder = 0;          ///< m, y of the bladder when the cycles begin
-    void save(Archive& archive) const {
-        put_fields(archive, "box", std::tie(stage, began, surface, tie_1, tie_2, bladder));
+    double stage = 0;                 ///< within the phase
+    double began = 0;                 ///< s, beginning of the phase or of its stage
+    double friction = 1;              ///< factor on friction while a lift is compacted
+    double calm = 0;                  ///< checks in a row that found the box at rest
+    std::array<double, 3> surface{};  ///< m, of each lift after its compaction
+    std::array<double, 3> porosity{}; ///< of each lift after its compaction
+    double bed_porosity = 0;          ///< of all lifts, when the cycles begin
+    double tie_1 = 0, tie_2 = 0;      ///< m, heights of the ties when the cycles begin
+    double bladder = 0;               ///< m, y of the bladder when the cycles begin
+    double seat_ratio = 0;            ///< unbalanced force ratio when the cycles begin
+    double seat_support = 0;          ///< share of the loads that the ballast carries then
+    static auto fields(auto& s) {
+        return std::tie(s.stage, s.began, s.friction, s.calm, s.surface[0], s.surface[1],
+                        s.surface[2], s.porosity[0], s.porosity[1], s.porosity[2], s.bed_porosity,
+                        s.tie_1, s.tie_2, s.bladder, s.seat_ratio, s.seat_support);
     }
-    void load(const Archive& archive) {
-        get_fields(archive, "box", std::tie(stage, began, surface, tie_1, tie_2, bladder));
-    }
+    void save(Archive& archive) const { put_fields(archive, "box", fields(*this)); }
+    void load(const Archive& archive) { get_fields(archive, "box", fields(*this)); }
 };
 
 /// Makes the world of a box: subgrade, sides, bladder, compaction plate, ties, sensor rocks, and
 /// all rocks, parked above the box until they are poured. Throws InputError.
 World make_box_world(const BallastBox& box, std::uint64_t seed);
 
-/// Sets the stiffness of all materials to a fraction of the full one, and a limit on restitution.
-void set_softness(World& world, double fraction, double most_restitution = 1);
+/// How the materials of a box differ from those of the loaded ballast while the bed is made.
+struct MakingMaterials {
+    double softness = 1;         ///< factor on stiffness
+    double most_restitution = 1; ///< upper limit of restitution
+    double friction = 1;         ///< factor on friction
+};
+void set_materials(World& world, const MakingMaterials& making = {});
 
 /// Makes a parked body free, at a place and at rest, or fixes a free one there.
 void release(World& world, EntityId body, const Vec3& position);

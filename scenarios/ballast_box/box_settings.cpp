@@ -1,20 +1,65 @@
 #include "scenarios/ballast_box/box_settings.hpp"
 
 #include "engine/errors.hpp"
+#include "systems/fields/vdb_file.hpp"
 
 #include <fmt/format.h>
 
 namespace bris {
+
+namespace {
+
+/// The grid of a file must cover the ballast that will lie in the box.
+void check_fouling_file(const BallastBox& box) {
+    const auto& file = box.fouling.file;
+    if (file.empty()) return;
+    const BoxSizes s = box_sizes(box);
+    const Box3 covered = read_vdb(file, "fines").box();
+    require(covered.low.maxCoeff() <= 0 && covered.high.x() >= s.width &&
+                covered.high.y() >= s.half_length && covered.high.z() >= s.depth,
+            fmt::format("{}: grid fines: expected voxels that cover the ballast, (0, 0, 0) to "
+                        "({:g}, {:g}, {:g}) m, found ({:.3g}, {:.3g}, {:.3g}) to ({:.3g}, {:.3g}, "
+                        "{:.3g}) m",
+                        file.string(), s.width, s.half_length, s.depth, covered.low.x(),
+                        covered.low.y(), covered.low.z(), covered.high.x(), covered.high.y(),
+                        covered.high.z()));
+}
+
+} // namespace
+
+FoulingOptions fouling_of(const BallastBox& box) {
+    constexpr double p4 = 17, p200 = 3, wet = 0.9; // %, %, saturation
+    const BoxTest& test = box_test(box.run);
+    FoulingOptions fouling = box.fouling;
+    if (!test.fouled || !fouling.file.empty()) return fouling;
+    if (fouling.p4 == 0) {
+        fouling.p4 = p4;
+        if (fouling.p200 == 0) fouling.p200 = p200;
+    }
+    if (test.wet && fouling.saturation == 0) fouling.saturation = wet;
+    return fouling;
+}
 
 void check_box(const BallastBox& box) {
     const BoxTest& test = box_test(box.run);
     require(box.peak() <= actuator_limit,
             fmt::format("--peak-load: expected at most the {:g} kN of an actuator, found {:g} kN",
                         1e-3 * actuator_limit, 1e-3 * box.peak()));
-    require(!test.fouled || box.friction_factor < 1 || box.stiffness_factor < 1,
-            fmt::format("--run: {} is a run on fouled ballast; expected --friction-factor or "
-                        "--stiffness-factor below 1, which stand for the fouling, found neither",
-                        box.run));
+    const FoulingOptions& given = box.fouling;
+    const auto expect_none = [&](const char* option, const std::string& found, const char* why) {
+        require(found.empty() || found == "0",
+                fmt::format("--{}: expected none in run {} on {} ballast, found {}", option,
+                            box.run, why, found));
+    };
+    if (!test.fouled) {
+        expect_none("fouling-p4", fmt::format("{:g}", given.p4), "clean");
+        expect_none("fouling-file", given.file.string(), "clean");
+    }
+    if (!test.fouled || !test.wet)
+        expect_none("saturation", fmt::format("{:g}", given.saturation),
+                    test.fouled ? "dry" : "clean");
+    check_fouling(fouling_of(box));
+    check_fouling_file(box);
     require(box.box_ties == 2 || box.box_ties == 4,
             fmt::format("--box-ties: expected 2 or 4, found {}", box.box_ties));
 }

@@ -3,8 +3,11 @@
 #include "engine/options.hpp"
 #include "engine/signal/imu.hpp"
 #include "scenarios/ballast_box/table_1.hpp"
+#include "scenarios/specimens/fouling_options.hpp"
 #include "scenarios/specimens/rock_material.hpp"
 
+#include <algorithm>
+#include <array>
 #include <string>
 #include <vector>
 
@@ -23,9 +26,11 @@ struct BallastBox {
     double rail_bending = 1.58e7, tie_support = 3e7;
     unsigned box_ties = 2;
     double bladder_pressure = 200e3, tie_level = 0;
-    double compaction_pressure = 50e3, fill_softness = 0.25, step_fraction = 0.5;
+    double porosity = 0.40, compaction_pressure = 50e3, fill_softness = 0.25;
+    double rest = 2e-3, step_fraction = 0.5;
     std::string imu = "smartrock-like";
     double sampling_rate = 500;
+    FoulingOptions fouling = {.settings = {.voxel = 0.01}};
 
     void describe(auto& option);
 
@@ -43,7 +48,12 @@ struct BallastBox {
 /// Throws InputError for settings that do not fit together.
 void check_box(const BallastBox& box);
 
-inline constexpr double tie_width = 0.27; // m
+/// Fines and water of the run: as given, or where nothing is given those of the report's runs on
+/// fouled ballast. None on clean ballast, where moisture has no effect: such a run has no fields.
+FoulingOptions fouling_of(const BallastBox& box);
+
+inline constexpr double tie_width = 0.27;       // m
+inline constexpr double plate_thickness = 0.05; // m, of the plates that compact the lifts
 
 /// Sizes of the box, its ties and its bladder, m. Those of the box are the report's; those of the
 /// ties are usual for concrete ties.
@@ -73,6 +83,8 @@ struct Course {
 /// lie 5 cm below the ties.
 inline constexpr std::array<Course, 4> courses{
     {{0.12, true}, {0.12, true}, {0.07, false}, {0.05, true}}};
+/// Number of the lift that a course belongs to.
+constexpr std::size_t lift_of(std::size_t course) { return std::min<std::size_t>(course, 2); }
 
 void BallastBox::describe(auto& option) {
     option.group("Test");
@@ -101,6 +113,9 @@ void BallastBox::describe(auto& option) {
            within(0, 4));
     option("smallest_rock", smallest_rock, "m",
            "Sieve size below which the grading is truncated, before scaling.", within(0.01, 0.06));
+    option("porosity", porosity, "",
+           "Porosity at which the compaction of a lift ends, measured away from its sides.",
+           within(0.3, 0.6));
     option("material", material, "",
            "Rock of the ballast: granite, limestone (assets/materials) or the path of a file.");
     option("grading", grading, "", "Grading of the ballast (assets/gradings).");
@@ -114,6 +129,7 @@ void BallastBox::describe(auto& option) {
     option("fill_softness", fill_softness, "",
            "Factor on the stiffness of rocks while the ballast is poured and compacted.",
            within(1e-3, 1));
+    fouling.describe(option);
     option.group("Track");
     option(
         "subgrade_modulus", subgrade_modulus, "N/m3",
@@ -140,6 +156,10 @@ void BallastBox::describe(auto& option) {
            "Height of the lower side of the ties when they are placed. 0: on the ballast.",
            within(0, 1));
     option.group("Simulation");
+    option("rest", rest, "",
+           "Unbalanced force ratio at which the box is at rest under the least loads, before the "
+           "cycles begin.",
+           within(1e-6, 0.1));
     option("step_fraction", step_fraction, "",
            "Time step over the stable step of the contacts, when the dynamic loading begins.",
            within(0.01, 0.9));

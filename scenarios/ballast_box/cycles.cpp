@@ -1,5 +1,7 @@
 #include "scenarios/ballast_box/cycles.hpp"
 
+#include "engine/estimation/linear_fit.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -17,6 +19,8 @@ std::vector<RunFile::Column> cycle_columns() {
             {"bladder_pressure", "Pa"},
             {"bladder_displacement", "m"},
             {"subgrade_settlement", "m"},
+            {"tie_support", "N"},
+            {"subgrade_force", "N"},
             {"unbalanced_ratio", ""}};
 }
 
@@ -52,6 +56,44 @@ std::vector<CycleResponse> cycle_responses(const Series& samples, int tie) {
         least_load = std::numeric_limits<double>::infinity();
     }
     return all;
+}
+
+namespace {
+
+/// Fits y(s) = a + b ln N to the last decade; `back` turns a value of the line into a settlement.
+template <class Scale, class Back>
+SettlementFit fit_last_decade(const std::vector<CycleResponse>& cycles, Scale&& scale,
+                              Back&& back) {
+    const std::size_t last = cycles.size(), first = (last + 9) / 10;
+    std::vector<double> x, y;
+    for (std::size_t n = first; n <= last; ++n) {
+        x.push_back(std::log(static_cast<double>(n)));
+        y.push_back(scale(cycles[n - 1].settlement));
+    }
+    const LinearFit line = fit_line(x, y, x.front(), x.back());
+    SettlementFit fit{line.slope, back(line.intercept), 0};
+    for (std::size_t n = first; n <= last; ++n) {
+        const double off =
+            back(line.intercept + line.slope * x[n - first]) - cycles[n - 1].settlement;
+        fit.residual += off * off / static_cast<double>(x.size());
+    }
+    fit.residual = std::sqrt(fit.residual);
+    return fit;
+}
+
+} // namespace
+
+SettlementFit fit_logarithmic(const std::vector<CycleResponse>& cycles) {
+    const auto same = [](double s) { return s; };
+    return fit_last_decade(cycles, same, same);
+}
+
+SettlementFit fit_power(const std::vector<CycleResponse>& cycles) {
+    constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
+    for (std::size_t n = (cycles.size() + 9) / 10; n <= cycles.size(); ++n)
+        if (!(cycles[n - 1].settlement > 0)) return {unknown, unknown, unknown};
+    return fit_last_decade(
+        cycles, [](double s) { return std::log(s); }, [](double y) { return std::exp(y); });
 }
 
 } // namespace bris

@@ -23,4 +23,15 @@ struct CycleResponse {
 /// deflection is then the negative one).
 std::vector<CycleResponse> cycle_responses(const Series& samples, int tie);
 
+/// A law of settlement fitted by least squares to the last decade of cycles N.
+struct SettlementFit {
+    double slope = 0;     ///< m per unit of ln N of the logarithmic law, exponent of the power law
+    double intercept = 0; ///< m, settlement at N = 1 that the law gives
+    double residual = 0;  ///< m, root mean square of the differences
+};
+/// s = a + b ln N.
+SettlementFit fit_logarithmic(const std::vector<CycleResponse>& cycles);
+/// s = a N^b, fitted to ln s. NaN if the settlement is not above 0 in the last decade.
+SettlementFit fit_power(const std::vector<CycleResponse>& cycles);
+
 } // namespace bris

@@ -12,7 +12,8 @@
 
 namespace bris {
 
-Container::Container(const World& world, const Box3& bounds) : bounds_(bounds) {
+Container::Container(const World& world, const Box3& bounds, std::vector<Box3> blocked)
+    : bounds_(bounds), blocked_(std::move(blocked)) {
     std::vector<Plane> all;
     if (world.has<Planes>()) {
         const auto rows = rows_by_id(world.column<Bodies, BodyId>());
@@ -81,6 +82,21 @@ void Container::intervals(double x, double y, std::vector<Interval>& inside) con
         inside.push_back(all);
     else
         within_tube(x, y, all, inside);
+    cut_blocked(x, y, inside);
+}
+
+void Container::cut_blocked(double x, double y, std::vector<Interval>& inside) const {
+    for (const Box3& box : blocked_) {
+        if (x < box.low.x() || x > box.high.x() || y < box.low.y() || y > box.high.y()) continue;
+        std::vector<Interval> left;
+        for (const Interval& i : inside) {
+            const Interval below{i.low, std::min(i.high, box.low.z())},
+                above{std::max(i.low, box.high.z()), i.high};
+            if (below.low < below.high) left.push_back(below);
+            if (above.low < above.high) left.push_back(above);
+        }
+        inside = std::move(left);
+    }
 }
 
 double Container::share(double x, double y, double width) const {
@@ -133,7 +149,7 @@ void Container::within_tube(double x, double y, Interval all, std::vector<Interv
 
 bool operator==(const Container& a, const Container& b) {
     return a.bounds_.low == b.bounds_.low && a.bounds_.high == b.bounds_.high &&
-           a.planes_ == b.planes_ && a.tube_ == b.tube_;
+           a.planes_ == b.planes_ && a.tube_ == b.tube_ && a.blocked_ == b.blocked_;
 }
 
 } // namespace bris

@@ -14,12 +14,13 @@ struct Interval {
 };
 
 /// The space in which a scene can hold fines and water: inside a box, in front of all planes and
-/// inside the membrane, if there is one. Facets do not bound it.
+/// inside the membrane, if there is one, but not in blocked boxes, where bodies of facets stand.
+/// Facets themselves do not bound it.
 class Container {
 public:
     /// Of the present planes and membrane of a world, within `bounds`, which may be infinite.
     /// Reads State only.
-    Container(const World& world, const Box3& bounds);
+    Container(const World& world, const Box3& bounds, std::vector<Box3> blocked = {});
 
     /// The smallest box around it. Throws InputError if it is not bounded, or empty.
     Box3 bounds() const;
@@ -43,10 +44,12 @@ private:
         friend bool operator==(const Tube&, const Tube&) = default;
     };
     void within_tube(double x, double y, Interval all, std::vector<Interval>& inside) const;
+    void cut_blocked(double x, double y, std::vector<Interval>& inside) const;
 
     Box3 bounds_; ///< with the planes along the axes
     std::vector<Plane> planes_;
     Tube tube_;
+    std::vector<Box3> blocked_;
 };
 
 } // namespace bris

@@ -41,7 +41,9 @@ std::optional<Container> container_of(const World& world, const Box3& rocks) {
     Box3 heights = unbounded();
     heights.low.z() = rocks.low.z();
     heights.high.z() = rocks.high.z();
-    Container container(world, heights);
+    Container container(world, heights,
+                        world.has_resource<Fouling>() ? world.resource<Fouling>().blocked
+                                                      : std::vector<Box3>());
     try {
         (void)container.bounds();
     } catch (const InputError&) {

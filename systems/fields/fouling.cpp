@@ -45,7 +45,7 @@ void set_blocks(Fouling& f, const VoxelBlocks& blocks) {
 
 /// Brings solids and voids up to date, and the fields onto their blocks.
 void measure_voids(const World& world, Fouling& f, const BodySpheres& bodies) {
-    const Container container(world, f.box);
+    const Container container(world, f.box, f.blocked);
     f.region = around(f.region, container.bounds());
     f.solid.update(bodies, &container, &f.region);
     set_blocks(f, f.solid.blocks());
@@ -202,6 +202,10 @@ void Fouling::save(Archive& archive) const {
     put_fields(archive, "fields/settings", FoulingSettings::fields(settings));
     put_fields(archive, "fields/box", corners(box));
     put_fields(archive, "fields/region", corners(region));
+    std::vector<double> boxes;
+    for (const Box3& b : blocked)
+        for (const Vec3* v : {&b.low, &b.high}) boxes.insert(boxes.end(), v->begin(), v->end());
+    if (!boxes.empty()) archive.put("fields/blocked", std::span<const double>(boxes));
     put_fields(archive, "fields/numbers", numbers(*this));
     std::vector<std::int64_t> first;
     std::vector<double> mass, volume;
@@ -225,6 +229,12 @@ void Fouling::load(const Archive& archive) {
     get_fields(archive, "fields/settings", FoulingSettings::fields(settings));
     get_fields(archive, "fields/box", corners(box));
     get_fields(archive, "fields/region", corners(region));
+    blocked.clear();
+    std::vector<double> boxes;
+    if (archive.find("fields/blocked") != nullptr) boxes = archive.get<double>("fields/blocked");
+    for (std::size_t k = 0; k + 6 <= boxes.size(); k += 6)
+        blocked.push_back({Vec3(boxes[k], boxes[k + 1], boxes[k + 2]),
+                           Vec3(boxes[k + 3], boxes[k + 4], boxes[k + 5])});
     get_fields(archive, "fields/numbers", numbers(*this));
     const auto first = archive.get<std::int64_t>("fields/blocks");
     const auto mass = archive.get<double>("fields/fines"),

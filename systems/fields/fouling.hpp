@@ -42,8 +42,9 @@ struct Fouling {
     static constexpr bool is_state = true;
 
     FoulingSettings settings;
-    Box3 box;    ///< m, in which fields exist besides those of planes and membrane
-    Box3 region; ///< m, that the fields have covered so far
+    Box3 box; ///< m, in which fields exist besides those of planes and membrane
+    std::vector<Box3> blocked = {}; ///< m, within the box, where bodies of facets leave no voids
+    Box3 region;                    ///< m, that the fields have covered so far
     VoxelBlocks blocks;
     VoxelField fines;                      ///< kg, in each voxel of the blocks
     VoxelField water;                      ///< m3

@@ -34,6 +34,7 @@ struct Lattice {
 /// A box with its edges along the axes, m.
 struct Box3 {
     Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+    friend bool operator==(const Box3&, const Box3&) = default;
 };
 
 /// The blocks of 8 x 8 x 8 voxels in which fields of a scene have values, in the order of their

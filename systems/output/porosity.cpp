@@ -26,17 +26,29 @@ double union_length(std::vector<Interval>& list) {
     return length;
 }
 
-} // namespace
+/// Midpoints of equal rectangles, on which vertical lines stand.
+struct Lines {
+    double x, y; ///< m, lower corner
+    double dx, dy;
+    int nx, ny;
+    double x_of(int i) const { return x + (i + 0.5) * dx; }
+    double y_of(int j) const { return y + (j + 0.5) * dy; }
+    int i_of(double at) const { return index((at - x) / dx, nx); }
+    int j_of(double at) const { return index((at - y) / dy, ny); }
 
-double solid_volume(const World& world, const CylinderRegion& region, int columns) {
-    const auto n = static_cast<std::size_t>(columns);
-    const double pitch = 2 * region.radius / columns;
-    std::vector<std::vector<Interval>> column(n * n);
-    const auto coordinate = [&](int i) { return -region.radius + (i + 0.5) * pitch; };
-    const auto clamped = [&](double x) {
-        return std::clamp(static_cast<int>(std::floor((x + region.radius) / pitch)), 0,
-                          columns - 1);
-    };
+private:
+    static int index(double at, int n) {
+        return std::clamp(static_cast<int>(std::floor(at)), 0, n - 1);
+    }
+};
+
+/// Length (m) of all lines between two heights that lies in spheres. Lines for which inside(x, y)
+/// is false do not count.
+template <class Inside>
+double length_in_spheres(const World& world, const Lines& lines, double low, double high,
+                         Inside&& inside) {
+    std::vector<std::vector<Interval>> line(static_cast<std::size_t>(lines.nx) *
+                                            static_cast<std::size_t>(lines.ny));
     const Table& bodies = world.table<Bodies>();
     const auto position = bodies.column<Position>();
     const auto run = bodies.column<SpheresOf>();
@@ -49,26 +61,34 @@ double solid_volume(const World& world, const CylinderRegion& region, int column
         for (Row k = run[b].first; k < run[b].first + run[b].count; ++k) {
             const Vec3 c = position[b] + axes * ball[k].centre;
             const double r = ball[k].radius;
-            if (c.z() + r < region.low || c.z() - r > region.high ||
-                c.head<2>().norm() - r > region.radius)
-                continue;
-            for (int j = clamped(c.y() - r); j <= clamped(c.y() + r); ++j)
-                for (int i = clamped(c.x() - r); i <= clamped(c.x() + r); ++i) {
-                    const double x = coordinate(i), y = coordinate(j);
+            if (c.z() + r < low || c.z() - r > high) continue;
+            for (int j = lines.j_of(c.y() - r); j <= lines.j_of(c.y() + r); ++j)
+                for (int i = lines.i_of(c.x() - r); i <= lines.i_of(c.x() + r); ++i) {
+                    const double x = lines.x_of(i), y = lines.y_of(j);
                     const double dx = x - c.x(), dy = y - c.y(), h2 = r * r - dx * dx - dy * dy;
-                    if (h2 <= 0 || x * x + y * y > region.radius * region.radius) continue;
+                    if (h2 <= 0 || !inside(x, y)) continue;
                     const double h = std::sqrt(h2);
-                    const Interval interval{std::max(region.low, c.z() - h),
-                                            std::min(region.high, c.z() + h)};
+                    const Interval interval{std::max(low, c.z() - h), std::min(high, c.z() + h)};
                     if (interval.high > interval.low)
-                        column[static_cast<std::size_t>(j) * n + static_cast<std::size_t>(i)]
+                        line[static_cast<std::size_t>(j) * static_cast<std::size_t>(lines.nx) +
+                             static_cast<std::size_t>(i)]
                             .push_back(interval);
                 }
         }
     }
-    // the sum over the columns has a fixed order
+    // the sum over the lines has a fixed order
     double length = 0;
-    for (auto& list : column) length += union_length(list);
+    for (auto& list : line) length += union_length(list);
+    return length;
+}
+
+} // namespace
+
+double solid_volume(const World& world, const CylinderRegion& region, int columns) {
+    const double r = region.radius, pitch = 2 * r / columns;
+    const double length =
+        length_in_spheres(world, {-r, -r, pitch, pitch, columns, columns}, region.low, region.high,
+                          [&](double x, double y) { return x * x + y * y <= r * r; });
     return length * pitch * pitch;
 }
 
@@ -83,6 +103,16 @@ double porosity(const World& world, const CylinderRegion& region, int columns) {
     const double pitch = 2 * region.radius / columns;
     return 1 - solid_volume(world, region, columns) /
                    (inside * pitch * pitch * (region.high - region.low));
+}
+
+double porosity(const World& world, const BoxRegion& region, double pitch) {
+    const Vec3 size = region.high - region.low;
+    const int nx = std::max(1, static_cast<int>(std::ceil(size.x() / pitch))),
+              ny = std::max(1, static_cast<int>(std::ceil(size.y() / pitch)));
+    const double length = length_in_spheres(
+        world, {region.low.x(), region.low.y(), size.x() / nx, size.y() / ny, nx, ny},
+        region.low.z(), region.high.z(), [](double, double) { return true; });
+    return 1 - length / (size.z() * nx * ny);
 }
 
 } // namespace bris

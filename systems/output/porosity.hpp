@@ -20,4 +20,13 @@ double solid_volume(const World& world, const CylinderRegion& region, int column
 /// Porosity of the region: 1 - solid volume / volume.
 double porosity(const World& world, const CylinderRegion& region, int columns = 200);
 
+/// A box with sides along the axes, m.
+struct BoxRegion {
+    Vec3 low, high;
+};
+
+/// Porosity of the box, by the same integration along vertical lines that are at most `pitch` (m)
+/// apart.
+double porosity(const World& world, const BoxRegion& region, double pitch);
+
 } // namespace bris

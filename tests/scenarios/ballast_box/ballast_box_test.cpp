@@ -91,7 +91,7 @@ TEST_SUITE("ballast_box") {
                          deflection = 1e-3 * cycle +
                                       (phase > 0 && phase <= 0.5 ? 5e-3 * up : 1e-3 + 4e-3 * down);
             samples.add(
-                {static_cast<double>(k) / n, 0, 100e3 * load, 0, deflection, 0, 0, 0, 0, 0});
+                {static_cast<double>(k) / n, 0, 100e3 * load, 0, deflection, 0, 0, 0, 0, 0, 0, 0});
         }
         const auto cycles = cycle_responses(samples, 1);
         REQUIRE(cycles.size() == 3);

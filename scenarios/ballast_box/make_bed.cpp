@@ -1,0 +1,227 @@
+// Phases of a box in which its bed of ballast is made.
+#include "components/kinds.hpp"
+#include "components/settings.hpp"
+#include "engine/errors.hpp"
+#include "scenarios/ballast_box/box_run.hpp"
+#include "scenarios/ballast_box/pour.hpp"
+#include "scenarios/specimens/facet_bodies.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "systems/contact/mass_scaling.hpp"
+#include "systems/contact/stable_step.hpp"
+#include "systems/output/porosity.hpp"
+#include "systems/output/quantities.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+constexpr double stage_factor = 1.25; // of hardening
+constexpr std::uint64_t stage_steps = 300;
+// of compaction
+constexpr double ramp = 0.05, kneading = 0.1, longest = 4; // s
+constexpr double frequency = 30;                           // Hz, of the plate
+constexpr double friction_left = 0.97, least_friction = 5e-3;
+constexpr double line_pitch = 4e-3; // m, of the lines on which porosity is measured
+enum CompactionStage : int { pressing, compacting, kneaded, lifting };
+
+/// Dashpots of the subgrade for a quasi-static run: a ratio of critical damping of the mode in
+/// which a scaled mass (kg) moves on all springs together.
+void damp_subgrade(World& world, double mass) {
+    constexpr double ratio = 0.3;
+    double stiffness = 0, springs = 0;
+    const auto for_vertical = [&](auto&& visit) {
+        for (const EntityId plate : world.resource<BoxBodies>().subgrade)
+            for (SpringPatch& p :
+                 world.resource<SpringPatches>().of_body[value_of<PatchesOf>(world, plate) - 1])
+                if (p.axis.z() > 0.5) visit(p);
+    };
+    for_vertical([&](const SpringPatch& p) {
+        stiffness += p.stiffness;
+        ++springs;
+    });
+    for_vertical(
+        [&](SpringPatch& p) { p.damping = 2 * ratio * std::sqrt(stiffness * mass) / springs; });
+}
+
+double kinetic_ratio(const World& world) {
+    const Quantities q = compute_quantities(world);
+    return q.kinetic_energy / (q.weight.norm() * mean_radius(world));
+}
+
+} // namespace
+
+Phase BoxTestRun::pour(std::size_t course) const {
+    constexpr double least = 0.25, most = 0.8; // s
+    return {.advance =
+                [this](Simulation& s) {
+                    s.advance(block);
+                    adapt_step(s.world(), hard_step_ / std::sqrt(box_.fill_softness));
+                    const double now = since(s.world());
+                    return now < least || (now < most && kinetic_ratio(s.world()) > 1e-2);
+                },
+            .progress =
+                [course](const World& world) {
+                    return PhaseProgress{fmt::format("pour course {}", course + 1),
+                                         since(world) / most, ""};
+                },
+            .begin =
+                [this, course](Simulation& s) {
+                    note_beginning(s.world());
+                    if (course == 1) place_bladder(s.world(), sizes_);
+                    pour_course(s.world(), sizes_, course, seed_);
+                }};
+}
+
+double BoxTestRun::porosity_between(const World& world, double low, double high) const {
+    const double radius = mean_radius(world), aside = std::min(2 * radius, sizes_.width / 4);
+    return porosity(world,
+                    BoxRegion{.low = Vec3(aside, aside, low + radius),
+                              .high = Vec3(sizes_.width - aside, sizes_.bladder_face() - aside,
+                                           std::max(high - radius, low + 1.1 * radius))},
+                    line_pitch);
+}
+
+EntityId BoxTestRun::plate_of(const World& world, std::size_t lift) {
+    return world.resource<BoxBodies>().plates[lift == 0 ? 0 : 1];
+}
+
+double BoxTestRun::porosity_of_lift(const World& world, std::size_t lift) const {
+    const auto& state = world.resource<BoxState>();
+    const double radius = mean_radius(world),
+                 // the first lift ends at the floor, the others within the one below
+        low = lift == 0 ? 0 : state.surface[lift - 1] - 2 * radius,
+                 top = world.column<Bodies, Position>()[row_of_body(world, plate_of(world, lift))]
+                           .z() -
+                       plate_thickness / 2;
+    return porosity_between(world, low, top);
+}
+
+void BoxTestRun::begin_compaction(World& world, std::size_t lift) const {
+    note_beginning(world);
+    auto& state = world.resource<BoxState>();
+    state.stage = pressing;
+    state.friction = 1;
+    const EntityId plate = plate_of(world, lift);
+    Vec3 at = value_of<Position>(world, plate);
+    const double depth = lift == 0 ? sizes_.half_length : sizes_.bladder_face();
+    at.z() = surface_height(world, Vec3::Zero(), Vec3(sizes_.width, depth, 0), 0) +
+             plate_thickness / 2 + 1e-3;
+    release(world, plate, at);
+    const double start = world.resource<Clock>().time();
+    set_load(world, plate, {.times = {start, start + ramp}, .values = {0, plate_force(lift)}});
+}
+
+double BoxTestRun::plate_force(std::size_t lift) const {
+    return box_.compaction_pressure * sizes_.width *
+           (lift == 0 ? sizes_.half_length : sizes_.bladder_face());
+}
+
+// The plate presses the lift down and oscillates. With their friction the rocks stay as loose as
+// they were poured; so friction is reduced until the lift is as dense as wanted. Then the plate
+// goes on with full friction, whose contacts replace those that formed with little.
+bool BoxTestRun::compact_further(World& world, std::size_t lift) const {
+    auto& state = world.resource<BoxState>();
+    const double now = world.resource<Clock>().time(), force = plate_force(lift);
+    const EntityId plate = plate_of(world, lift);
+    const auto go_on = [&](CompactionStage stage) {
+        state.stage = stage;
+        state.began = now;
+    };
+    const auto stage = static_cast<int>(state.stage);
+    if (stage == pressing && since(world) >= ramp) {
+        set_load(world, plate,
+                 {.mean = force, .amplitude = 0.6 * force, .frequency = frequency, .start = now});
+        go_on(compacting);
+    } else if (stage == compacting) {
+        state.porosity[lift] = porosity_of_lift(world, lift);
+        const bool done = state.porosity[lift] <= box_.porosity;
+        if (!done && since(world) > longest)
+            throw SimulationError(fmt::format(
+                "lift {}: expected a porosity of at most {:g} after compaction, found {:.4f} after "
+                "{:g} s under the plate, without friction at the end; choose a larger --porosity "
+                "or --compaction-pressure",
+                lift + 1, box_.porosity, state.porosity[lift], since(world)));
+        state.friction *= friction_left;
+        if (state.friction < least_friction) state.friction = 0;
+        if (done) {
+            state.friction = 1;
+            go_on(kneaded);
+        }
+        set_materials(world, making(box_.fill_softness, state.friction));
+    } else if (stage == kneaded && since(world) >= kneading) {
+        set_load(world, plate, {.times = {now, now + ramp}, .values = {force, 0}});
+        go_on(lifting);
+    } else if (stage == lifting && since(world) >= ramp) {
+        state.porosity[lift] = porosity_of_lift(world, lift);
+        Vec3 away = value_of<Position>(world, plate);
+        state.surface[lift] = away.z() - plate_thickness / 2;
+        away.z() = 6 + 0.5 * static_cast<double>(lift == 0);
+        park(world, plate, away);
+        return false;
+    }
+    return true;
+}
+
+Phase BoxTestRun::compact(std::size_t course) const {
+    const std::size_t lift = lift_of(course);
+    return {.advance =
+                [this, lift](Simulation& s) {
+                    s.advance(block);
+                    adapt_step(s.world(), hard_step_ / std::sqrt(box_.fill_softness));
+                    return compact_further(s.world(), lift);
+                },
+            .progress =
+                [lift](const World& world) {
+                    const auto& state = world.resource<BoxState>();
+                    return PhaseProgress{fmt::format("compact lift {}", lift + 1), -1,
+                                         fmt::format("porosity {:.4f}, friction {:.2f}",
+                                                     state.porosity[lift], state.friction)};
+                },
+            .begin = [this, lift](Simulation& s) { begin_compaction(s.world(), lift); }};
+}
+
+// overlaps that the soft contacts have under the weight of the ballast become forces; in small
+// stages, with strong dashpots, the bed follows
+Phase BoxTestRun::harden() const {
+    const double stages = std::ceil(std::log(1 / box_.fill_softness) / std::log(stage_factor));
+    const auto softness = [this, stages](double stage) {
+        return stage >= stages ? 1.0 : box_.fill_softness * std::pow(stage_factor, stage);
+    };
+    return {
+        .advance =
+            [this, softness, stages](Simulation& s) {
+                s.advance(stage_steps);
+                auto& state = s.world().resource<BoxState>();
+                if (state.stage >= stages + 3) { // some stages more to come to rest
+                    s.world().resource<Limits>().overlap = Limits{}.overlap;
+                    if (!box_.is_dynamic()) {
+                        // scaled masses leave no room for dashpots that are stronger
+                        set_materials(s.world());
+                        const auto scaling = scale_masses(s.world(), 0, scaling_safety, false);
+                        s.world().resource<Clock>().change_step(scaling.dt);
+                        damp_subgrade(s.world(), scaling.total_mass);
+                    }
+                    return false;
+                }
+                ++state.stage;
+                set_materials(s.world(), making(softness(state.stage)));
+                adapt_step(s.world(), hard_step_ / std::sqrt(softness(state.stage)));
+                return true;
+            },
+        .progress =
+            [stages](const World& world) {
+                return PhaseProgress{"harden", world.resource<BoxState>().stage / (stages + 3), ""};
+            },
+        .begin =
+            [](Simulation& s) {
+                note_beginning(s.world());
+                s.world().resource<BoxState>().stage = 0;
+            }};
+}
+
+} // namespace bris
