@@ -172,10 +172,10 @@ Phase BoxTestRun::loading(const Run& run, Series& cycles, const std::function<vo
                     add_sample(s.world(), cycles);
                     const std::uint64_t now = run.steps_in_phase();
                     if (now % per_cycle == 0) {
-                        frame();
                         if (!box_.is_dynamic())
                             (void)scale_masses(s.world(), s.world().resource<Clock>().dt,
                                                scaling_safety, true);
+                        frame();
                     }
                     return now < total;
                 },

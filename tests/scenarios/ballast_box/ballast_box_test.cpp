@@ -4,8 +4,10 @@
 #include "scenarios/ballast_box/rail.hpp"
 #include "scenarios/specimens/bench.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
+#include "systems/fields/vdb_file.hpp"
 #include "tests/about.hpp"
 #include "tests/support.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
@@ -31,7 +33,7 @@ TEST_SUITE("ballast_box") {
         CHECK(refusal_of([] { (void)box_test("III.1"); }).starts_with("--run: expected a run"));
     }
 
-    TEST_CASE("loads beyond the actuators, and fouled runs without a change of the ballast, are "
+    TEST_CASE("loads beyond the actuators, and fines or water that a run does not have, are "
               "refused") {
         BallastBox box;
         box.peak_load = 500e3;
@@ -39,10 +41,66 @@ TEST_SUITE("ballast_box") {
               "--peak-load: expected at most the 490 kN of an actuator, found 500 kN");
         box.peak_load = 490e3;
         CHECK(refusal_of([&] { check_box(box); }).empty());
+        box.fouling.p4 = 10;
+        CHECK(refusal_of([&] { check_box(box); }) ==
+              "--fouling-p4: expected none in run I.2 on clean ballast, found 10");
         box.run = "II.2";
-        CHECK(refusal_of([&] { check_box(box); }).starts_with("--run: II.2 is a run on fouled"));
-        box.friction_factor = 0.8;
         CHECK(refusal_of([&] { check_box(box); }).empty());
+        box.fouling.saturation = 0.5;
+        CHECK(refusal_of([&] { check_box(box); }) ==
+              "--saturation: expected none in run II.2 on dry ballast, found 0.5");
+        box.run = "II.3";
+        CHECK(refusal_of([&] { check_box(box); }).empty());
+        box.fouling.p4 = box.fouling.saturation = 0;
+        box.fouling.file = "no_such_file.vdb";
+        CHECK_THROWS_AS(check_box(box), OutputError);
+    }
+
+    TEST_CASE("the names of the runs choose fines and water: none, dry or wet") {
+        BallastBox box;
+        box.run = "I.3"; // wet, but clean
+        CHECK_FALSE(fouling_of(box).any());
+        box.run = "II.1";
+        CHECK(fouling_of(box).p4 == 17);
+        CHECK(fouling_of(box).p200 == 3);
+        CHECK(fouling_of(box).saturation == 0);
+        box.run = "II.4";
+        CHECK(fouling_of(box).saturation == 0.9);
+        box.fouling.p4 = 5;
+        CHECK(fouling_of(box).p4 == 5);
+        CHECK(fouling_of(box).p200 == 0);
+    }
+
+    TEST_CASE("fields of a file that do not cover the ballast are refused") {
+        const TemporaryDirectory folder;
+        const VoxelBlocks blocks({Vec3::Constant(0.01), 0.02}, {{0, 0, 0}});
+        VoxelField fines(blocks), shown(blocks);
+        for (std::uint32_t n = 0; n < blocks.voxels(); ++n) fines[n] = shown[n] = 1;
+        write_vdb(folder / "small.vdb", blocks, {{"fines", "kg/m3", "Fines.", {&fines}, &shown}}, 0,
+                  {});
+        BallastBox box;
+        box.run = "II.2";
+        box.fouling.file = folder / "small.vdb";
+        CHECK(refusal_of([&] { check_box(box); }).find("expected voxels that cover the ballast") !=
+              std::string::npos);
+    }
+
+    TEST_CASE("fits to the last decade of cycles find a logarithmic and a power law") {
+        std::vector<CycleResponse> logarithmic(200), power(200);
+        for (std::size_t n = 1; n <= 200; ++n) {
+            const auto x = static_cast<double>(n);
+            logarithmic[n - 1].settlement = 1e-3 + 2e-4 * std::log(x);
+            power[n - 1].settlement = 1e-3 * std::pow(x, 0.3);
+        }
+        CHECK(fit_logarithmic(logarithmic).slope == about(2e-4).epsilon(1e-9));
+        CHECK(fit_logarithmic(logarithmic).intercept == about(1e-3).epsilon(1e-9));
+        CHECK(fit_logarithmic(logarithmic).residual < 1e-15);
+        CHECK(fit_power(power).slope == about(0.3).epsilon(1e-9));
+        CHECK(fit_power(power).intercept == about(1e-3).epsilon(1e-9));
+        CHECK(fit_power(power).residual < 1e-15);
+        CHECK(fit_logarithmic(power).residual > 1e-5);
+        power.back().settlement = -1;
+        CHECK(std::isnan(fit_power(power).slope));
     }
 
     TEST_CASE("statics determine the reactions of two ties, and symmetry those of three") {

@@ -174,4 +174,17 @@ TEST_SUITE("fields/solid_fraction") {
         const double voids = h * h * h * field.voids().sum();
         CHECK(std::abs(voids / all - (1 - solid / all)) < 1e-3);
     }
+
+    TEST_CASE("a blocked box holds no voids, and the voids above and below it remain") {
+        const World world = world_of({{Vec3(0.5, 0.5, 0.5), 0.02}}); // a rock outside
+        const double h = 5e-3;
+        const Box3 all{Vec3::Zero(), Vec3(0.1, 0.1, 0.2)},
+            blocked{Vec3(0.05, -1, 0.0625), Vec3(1, 1, 0.15)};
+        SolidFraction field(Lattice{Vec3::Constant(0.5 * h), h}, 4);
+        const Container container(world, all, {blocked});
+        field.update(world, &container, &all);
+        const double voids = h * h * h * field.voids().sum();
+        CHECK(std::abs(voids - (0.1 * 0.1 * 0.2 - 0.05 * 0.1 * 0.0875)) < 1e-12);
+        CHECK_FALSE(container == Container(world, all));
+    }
 }

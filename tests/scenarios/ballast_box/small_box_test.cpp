@@ -1,0 +1,160 @@
+// A small ballast box from the first rock to its last load cycle.
+#include "engine/errors.hpp"
+#include "engine/resume.hpp"
+#include "engine/run.hpp"
+#include "scenarios/ballast_box/box_run.hpp"
+#include "scenarios/ballast_box/cycles.hpp"
+#include "scenarios/specimens/start.hpp"
+#include "systems/output/quantities.hpp"
+#include "tests/about.hpp"
+#include "tests/support.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <memory>
+
+using namespace bris;
+using namespace bris::testing;
+
+namespace {
+
+BallastBox small_box(const char* name) {
+    BallastBox box;
+    box.run = name;
+    box.rock_scale = 2;
+    box.width = 0.26;
+    box.porosity = 0.42;
+    box.cycles = 3;
+    box.steps_per_cycle = 10'000;
+    box.fouling.settings.voxel = 0.02;
+    return box;
+}
+
+Common quiet_in(const std::filesystem::path& out) {
+    Common common;
+    common.scenario = "ballast_box";
+    common.out = out;
+    common.threads = 1;
+    common.quiet = true;
+    return common;
+}
+
+/// A run whose phases are those of the making of the bed, or those after it.
+class SmallRun {
+public:
+    SmallRun(const BallastBox& box, unsigned threads, const std::filesystem::path& out)
+        : simulation(
+              start(make_box_world(box, 1), {.law = LawName::linear_viscous, .threads = threads})),
+          test(simulation, box, 1), common(quiet_in(out)), run(simulation, common, "ballast_box"),
+          samples("box", cycle_columns()) {
+        run.keep(samples);
+    }
+    const World& world() const { return simulation.world(); }
+    void make_bed() {
+        auto phases = test.preparation();
+        phases.pop_back();
+        run.go(phases);
+    }
+    /// Seats the ties and applies the cycles.
+    void load(const char* checkpoint_after_first = nullptr) {
+        bool saved = checkpoint_after_first == nullptr;
+        run.go({test.preparation().back(), test.loading(run, samples, [&, this] {
+                    if (!saved) run.save_as(checkpoint_after_first);
+                    saved = true;
+                })});
+    }
+    std::uint64_t fingerprint() const { return bris::fingerprint(simulation.snapshot()); }
+
+    Simulation simulation;
+    BoxTestRun test;
+    Common common;
+    Run run;
+    Series samples;
+};
+
+} // namespace
+
+TEST_SUITE("ballast_box") {
+    TEST_CASE("a small box is compacted, comes to rest, carries its load to the subgrade and "
+              "settles, with the same bits for any threads and after resuming") {
+        const TemporaryDirectory folder;
+        const BallastBox clean = small_box("I.2");
+        SmallRun bed(clean, 1, folder.path());
+        bed.make_bed();
+        const Archive made = bed.simulation.snapshot();
+        const auto& lifts = bed.world().resource<BoxState>().porosity;
+        for (const double porosity : lifts) {
+            CHECK(porosity > 0.36);
+            CHECK(porosity < 0.43); // the plate may loosen a lift by 0.01 when it is taken away
+        }
+
+        SmallRun one(clean, 1, folder.path());
+        one.simulation.restore(made);
+        one.load("middle");
+        const auto& state = one.world().resource<BoxState>();
+        CHECK(state.seat_ratio <= clean.rest);
+        CHECK(state.seat_support == about(1).epsilon(0.01));
+        // at the peak load the subgrade carries it and the weight; guides carry the remainder
+        const auto &load = one.samples.column("load_1"),
+                   &base = one.samples.column("subgrade_force"),
+                   &tie = one.samples.column("tie_support");
+        const auto peak = static_cast<std::size_t>(std::ranges::max_element(load) - load.begin());
+        const double weight = compute_quantities(one.world()).weight.norm();
+        CHECK(load[peak] == about(290e3 * box_sizes(clean).share).epsilon(1e-3));
+        CHECK(tie[peak] == about(load[peak]).epsilon(0.05));
+        CHECK(base[peak] > 0.85 * load[peak]);
+        CHECK(base[peak] < 1.05 * (load[peak] + weight));
+        const auto cycles = cycle_responses(one.samples, 1);
+        REQUIRE(cycles.size() == 3);
+        CHECK(cycles[0].settlement > 0);
+        CHECK(cycles[2].settlement > cycles[0].settlement);
+        CHECK(cycles[2].settlement - cycles[1].settlement < cycles[0].settlement);
+        for (const CycleResponse& c : cycles) CHECK(c.loop_area > 0);
+
+        SmallRun two(clean, 2, folder.path());
+        two.simulation.restore(made);
+        two.load();
+        CHECK(two.fingerprint() == one.fingerprint());
+
+        SmallRun resumed(clean, 1, folder.path());
+        resumed.run.resume(folder / "middle.ckpt.h5");
+        resumed.load();
+        CHECK(resumed.fingerprint() == one.fingerprint());
+
+        // moisture has no effect on clean ballast: the run has no fields
+        SmallRun wet(small_box("I.3"), 1, folder.path());
+        wet.simulation.restore(made);
+        wet.load();
+        CHECK_FALSE(wet.world().has_resource<Fouling>());
+        CHECK(wet.fingerprint() == one.fingerprint());
+
+        const auto fouled_run = [&](const char* name) {
+            auto run = std::make_unique<SmallRun>(small_box(name), 1, folder.path());
+            run->simulation.restore(made);
+            run->load();
+            return run;
+        };
+        const auto dry = fouled_run("II.2"), fouled_wet = fouled_run("II.3");
+        for (const auto* run : {dry.get(), fouled_wet.get()}) {
+            const Fouling present = present_fouling(run->world());
+            const FoulingMeasures m = measure_fouling(run->world(), present);
+            CHECK(m.p4 == about(17).epsilon(1e-6));
+            CHECK(m.fouling_index == about(20).epsilon(1e-6));
+            CHECK(present.fines_beyond == 0);
+            CHECK_FALSE(run->world().resource<Materials>().weakened().empty());
+        }
+        CHECK(measure_fouling(dry->world(), present_fouling(dry->world())).saturation == 0);
+        const auto least_friction = [](const World& world) {
+            double least = 1;
+            for (const WeakenedPair& pair : world.resource<Materials>().weakened())
+                least = std::min(least, pair.friction);
+            return least;
+        };
+        CHECK(least_friction(dry->world()) < 0.9);
+        CHECK(least_friction(fouled_wet->world()) < least_friction(dry->world()) - 0.02);
+        CHECK(dry->samples.column("deflection_1") != one.samples.column("deflection_1"));
+        CHECK(fouled_wet->samples.column("deflection_1") != dry->samples.column("deflection_1"));
+    }
+}
