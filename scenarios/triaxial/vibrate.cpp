@@ -147,12 +147,15 @@ void TriaxialTest::vibrate() {
     if (full) state.densest_porosity = std::min(state.densest_porosity, state.prepared_porosity);
     if (measured && dense && full) return start_taps();
     if (state.phase_steps < settings_.longest_preparation) return;
+    // at the start of shearing, if taps and consolidation change it as they are expected to
+    const double reached =
+        state.densest_porosity + settings_.core_porosity() - state.porosity_before_taps;
     throw SimulationError(fmt::format(
-        "preparation: expected a core porosity of {:.3f} +- {:.3f}, found {:.3f} as the densest in "
-        "{} steps of vibration; choose --porosity of at least {:.3f} or a larger "
-        "--longest-preparation",
-        settings_.core_porosity(), settings_.porosity_tolerance, state.densest_porosity,
-        state.phase_steps, state.densest_porosity));
+        "preparation: expected a core porosity of {:.3f} +- {:.3f}, found that {} steps of "
+        "vibration reach {:.3f} (before taps and consolidation: {:.3f}); choose --porosity of at "
+        "least {:.3f} or a larger --longest-preparation",
+        settings_.core_porosity(), settings_.porosity_tolerance, state.phase_steps, reached,
+        state.densest_porosity, reached));
 }
 
 } // namespace bris

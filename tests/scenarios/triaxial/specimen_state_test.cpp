@@ -34,6 +34,18 @@ World world_of(const Triaxial& t) {
     return make_triaxial_world(s.specimen, s.clumps, s.smart_rocks, s.sample.rocks, s.poses);
 }
 
+// A specimen under a platen at 100 kPa; `largest_step` (m) of the platen limits that of sensor
+// rocks.
+Simulation pressed_specimen(double largest_step) {
+    Simulation simulation = make_simulation(make_scene(small(), 1), 1, false);
+    World& world = simulation.world();
+    forget_lists(world);
+    world.resource<Clock>().change_step(1e-6);
+    world.resource<Platen>().target_pressure = 1e5;
+    world.resource<Platen>().largest_step = largest_step;
+    return simulation;
+}
+
 struct Frictions {
     double rock_rock, shell_rock, shell_shell, shell_platen;
 };
@@ -121,13 +133,8 @@ TEST_SUITE("triaxial/specimen_state") {
     }
 
     TEST_CASE("a held sensor rock gives way to rocks that press on it, but stays in the mould") {
-        const TriaxialScene scene = make_scene(small(), 1);
-        Simulation simulation = make_simulation(scene, 1, false);
+        Simulation simulation = pressed_specimen(1e-4);
         World& world = simulation.world();
-        forget_lists(world);
-        world.resource<Clock>().change_step(1e-6);
-        world.resource<Platen>().target_pressure = 1e5;
-        world.resource<Platen>().largest_step = 1e-4;
         const EntityId sensor = world.resource<Specimen>().smart_rocks.back();
         const double wall = membrane_radius(world), top = platen_height(world);
         for (const Vec3& push :
@@ -160,13 +167,8 @@ TEST_SUITE("triaxial/specimen_state") {
     }
 
     TEST_CASE("a held sensor rock comes to rest between its place and rocks that resist") {
-        const TriaxialScene scene = make_scene(small(), 1);
-        Simulation simulation = make_simulation(scene, 1, false);
+        Simulation simulation = pressed_specimen(1e-5);
         World& world = simulation.world();
-        forget_lists(world);
-        world.resource<Clock>().change_step(1e-6);
-        world.resource<Platen>().target_pressure = 1e5;
-        world.resource<Platen>().largest_step = 1e-5;
         const EntityId sensor = world.resource<Specimen>().smart_rocks.back();
         Vec3& position = value_of<Position>(world, sensor);
         const Vec3 place = position, towards = -Vec3(place.x(), place.y(), 0).normalized();
