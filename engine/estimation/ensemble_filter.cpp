@@ -25,6 +25,22 @@ void check(const Matrix& members, const EnsembleObservation& o) {
             "ensemble update: expected positive variances of the measurement errors");
 }
 
+/// Members, n x N, as their mean and their deviations from it.
+struct Spread {
+    Vector mean;       // n
+    Matrix deviations; // n x N
+};
+
+Spread spread_of(const Matrix& members) {
+    const Vector mean = members.rowwise().mean();
+    return {mean, members.colwise() - mean};
+}
+
+/// The members whose deviations are multiplied by a matrix N x N.
+Matrix transformed(const Spread& members, const Matrix& weights) {
+    return (members.deviations * weights).colwise() + members.mean;
+}
+
 /// Forecasts and innovation in units of the measurement errors; deviations over sqrt(N - 1).
 struct Scaled {
     Matrix deviations; // m x N
@@ -32,11 +48,17 @@ struct Scaled {
 };
 
 Scaled scaled(const EnsembleObservation& o) {
-    const Vector mean = o.forecast.rowwise().mean(),
-                 per_error = o.variance.cwiseSqrt().cwiseInverse();
+    const Spread forecast = spread_of(o.forecast);
+    const Vector per_error = o.variance.cwiseSqrt().cwiseInverse();
     const double root = std::sqrt(static_cast<double>(o.forecast.cols() - 1));
-    return {per_error.asDiagonal() * (o.forecast.colwise() - mean) / root,
-            per_error.cwiseProduct(o.measured - mean)};
+    return {per_error.asDiagonal() * forecast.deviations / root,
+            per_error.cwiseProduct(o.measured - forecast.mean)};
+}
+
+/// N x N: the inverse of the covariance of the analysis, in the space spanned by the members.
+Matrix information_of(const Scaled& s) {
+    const Eigen::Index n = s.deviations.cols();
+    return Matrix::Identity(n, n) + s.deviations.transpose() * s.deviations;
 }
 
 /// The analysis in the space spanned by the members.
@@ -46,9 +68,7 @@ struct Transform {
 };
 
 Transform transform_of(const Scaled& s) {
-    const Eigen::Index n = s.deviations.cols();
-    const Matrix information = Matrix::Identity(n, n) + s.deviations.transpose() * s.deviations;
-    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(information);
+    const Eigen::SelfAdjointEigenSolver<Matrix> eigen(information_of(s));
     const Matrix& axes = eigen.eigenvectors();
     const Vector inverse = eigen.eigenvalues().cwiseInverse();
     return {axes * inverse.asDiagonal() * axes.transpose() *
@@ -66,9 +86,7 @@ Matrix weights_of(const Transform& t) {
 
 void update_by_square_root(Matrix& members, const EnsembleObservation& observation) {
     check(members, observation);
-    const Vector mean = members.rowwise().mean();
-    const Matrix deviations = members.colwise() - mean;
-    members = (deviations * weights_of(transform_of(scaled(observation)))).colwise() + mean;
+    members = transformed(spread_of(members), weights_of(transform_of(scaled(observation))));
 }
 
 void update_by_perturbed_observations(Matrix& members, const EnsembleObservation& observation,
@@ -83,9 +101,8 @@ void update_by_perturbed_observations(Matrix& members, const EnsembleObservation
     innovations.colwise() -= innovations.rowwise().mean().eval();
     innovations -= root * s.deviations;
     innovations.colwise() += s.innovation;
-    const Matrix information = Matrix::Identity(n, n) + s.deviations.transpose() * s.deviations;
-    const Matrix deviations = members.colwise() - members.rowwise().mean().eval();
-    members += deviations / root * information.llt().solve(s.deviations.transpose() * innovations);
+    members += spread_of(members).deviations / root *
+               information_of(s).llt().solve(s.deviations.transpose() * innovations);
 }
 
 void update_locally(Matrix& members, const EnsembleObservation& observation,
@@ -97,8 +114,7 @@ void update_locally(Matrix& members, const EnsembleObservation& observation,
                         members.rows(), observation.measured.size(), weights.rows(),
                         weights.cols()));
     const Scaled s = scaled(observation);
-    const Vector mean = members.rowwise().mean();
-    const Matrix deviations = members.colwise() - mean;
+    const Spread before = spread_of(members);
     const Eigen::Index m = observation.measured.size();
     for (Eigen::Index i = 0; i < members.rows(); ++i) {
         std::vector<Eigen::Index> near;
@@ -115,8 +131,8 @@ void update_locally(Matrix& members, const EnsembleObservation& observation,
             local.deviations.row(row) = root_of_weight[k] * s.deviations.row(near[k]);
             local.innovation[row] = root_of_weight[k] * s.innovation[near[k]];
         }
-        members.row(i) =
-            ((deviations.row(i) * weights_of(transform_of(local))).array() + mean[i]).matrix();
+        members.row(i) = transformed({before.mean.segment(i, 1), before.deviations.row(i)},
+                                     weights_of(transform_of(local)));
     }
 }
 
@@ -128,14 +144,14 @@ double gaspari_cohn(double distance, double length) {
 }
 
 void inflate(Matrix& members, double factor) {
-    const Vector mean = members.rowwise().mean();
-    members = (factor * (members.colwise() - mean)).colwise() + mean;
+    const Spread before = spread_of(members);
+    members = (factor * before.deviations).colwise() + before.mean;
 }
 
 void rotate_randomly(Matrix& members, Random& random) {
     const Eigen::Index n = members.cols();
     // a random rotation of the N - 1 directions that are orthogonal to (1, ..., 1)
-    Matrix draws(n - 1, n - 1), basis = Matrix::Zero(n, n);
+    Matrix draws(n - 1, n - 1), basis = Matrix::Identity(n, n);
     for (Eigen::Index c = 0; c < n - 1; ++c)
         for (Eigen::Index r = 0; r < n - 1; ++r) draws(r, c) = random.normal();
     const Eigen::HouseholderQR<Matrix> of_draws(draws);
@@ -144,12 +160,9 @@ void rotate_randomly(Matrix& members, Random& random) {
     const Vector signs =
         of_draws.matrixQR().diagonal().unaryExpr([](double x) { return x < 0 ? -1.0 : 1.0; });
     rotation.bottomRightCorner(n - 1, n - 1) = of_draws.householderQ() * Matrix(signs.asDiagonal());
-    basis.setIdentity();
     basis.col(0).setOnes();
     const Matrix axes = Eigen::HouseholderQR<Matrix>(basis).householderQ();
-    const Vector mean = members.rowwise().mean();
-    const Matrix deviations = members.colwise() - mean;
-    members = (deviations * (axes * rotation * axes.transpose())).colwise() + mean;
+    members = transformed(spread_of(members), axes * rotation * axes.transpose());
 }
 
 } // namespace bris
