@@ -94,6 +94,23 @@ void add_fouling(Summary& summary, const World& world, const Common& common) {
                common.out / "fields.png");
 }
 
+/// Largest difference between what the ballast carries and the loads and weights of the ties, over
+/// the largest load: what their inertia takes. Small in a quasi-static run.
+double inertial_share(const World& world, const Series& samples) {
+    double weight = 0, most = 0, load = 0;
+    const auto& ties = world.resource<BoxBodies>().ties;
+    for (const EntityId tie : ties)
+        weight += 9.81 * world.column<Bodies, Mass>()[row_of_body(world, tie)];
+    const auto &first = samples.column("load_1"), &second = samples.column("load_2"),
+               &support = samples.column("tie_support");
+    for (std::size_t k = 0; k < first.size(); ++k) {
+        const double all = ties.size() == 1 ? first[k] : first[k] + second[k];
+        load = std::max(load, all);
+        most = std::max(most, std::abs(support[k] - all - weight));
+    }
+    return most / load;
+}
+
 void add_cycles(Summary& summary, const BallastBox& box, const std::vector<CycleResponse>& first,
                 const std::vector<CycleResponse>& other) {
     if (first.empty()) return;
@@ -227,6 +244,7 @@ void run(const BallastBox& box, const Common& common) {
     add_bed(summary, world);
     if (world.has_resource<Fouling>()) add_fouling(summary, world, common);
     add_cycles(summary, box, first, other);
+    summary.add("inertial_share_of_load", inertial_share(world, samples));
     const auto &pressure = samples.column("bladder_pressure"),
                &moved = samples.column("bladder_displacement");
     summary.add("bladder_pressure_largest_kPa", 1e-3 * std::ranges::max(pressure));
