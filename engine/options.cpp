@@ -87,6 +87,20 @@ std::string words(const Range& range) {
     return text;
 }
 
+bool has_usual(const Range& range) { return std::isfinite(range.usual_low); }
+
+bool is_usual(const Range& range, double x) {
+    return !has_usual(range) || (x >= range.usual_low && x <= range.usual_high);
+}
+
+/// The question whether a number was typed in a multiple of the unit (kPa, mm, g/cm3 ...); "".
+std::string hint_at_unit(const Range& range, double x) {
+    for (const auto& [factor, power] :
+         {std::pair{1e3, "e3"}, {1e-3, "e-3"}, {1e6, "e6"}, {1e-6, "e-6"}})
+        if (x > 0 && is_usual(range, factor * x)) return fmt::format(": {:g}{}?", x, power);
+    return "";
+}
+
 std::string in_unit(const std::string& unit) {
     return unit.empty() || unit == "-" ? "" : fmt::format(" ({})", unit);
 }
@@ -352,6 +366,25 @@ Options::Request Options::parse(const std::vector<std::string>& arguments) {
     return Request::run;
 }
 
+std::vector<std::string> Options::warnings() const {
+    std::vector<std::string> list;
+    const auto look_at = [&](const Option& option, double x) {
+        if (is_usual(option.range, x)) return;
+        const bool has_unit = !option.unit.empty() && option.unit != "-";
+        list.push_back(fmt::format("{}: expected usually {:g} to {:g}{}, found {:g}{}",
+                                   flag(option.name), option.range.usual_low,
+                                   option.range.usual_high, has_unit ? " " + option.unit : "", x,
+                                   has_unit ? hint_at_unit(option.range, x) : ""));
+    };
+    for (const Option& option : options_) {
+        if (written(option.target) == option.initially) continue; // not set
+        if (const auto* number = std::get_if<double*>(&option.target)) look_at(option, **number);
+        if (const auto* numbers = std::get_if<std::vector<double>*>(&option.target))
+            for (const double x : **numbers) look_at(option, x);
+    }
+    return list;
+}
+
 /// The flag and its value as --help shows them: "--step <s>", "--bodies <integer>", "--quiet".
 std::string Options::heading(const Option& option) {
     const std::string number = option.unit.empty() || option.unit == "-" ? "number" : option.unit;
@@ -371,6 +404,9 @@ std::string Options::heading(const Option& option) {
 /// Range, choices and default as sentences that follow the help text.
 std::string Options::notes(const Option& option) {
     std::string text;
+    if (has_usual(option.range))
+        text +=
+            fmt::format(" Usually {:g} to {:g}.", option.range.usual_low, option.range.usual_high);
     if (const std::string range = words(option.range); !range.empty())
         text += fmt::format(" {}.", capitalised(range.substr(range.starts_with(" of ") ? 4 : 1)));
     if (!option.choices.empty()) text += fmt::format(" One of {}.", joined(option.choices, ", "));

@@ -18,6 +18,17 @@ struct Range {
     double high = std::numeric_limits<double>::infinity();
     bool low_accepted = true;
     bool high_accepted = true;
+    /// Values outside of these are accepted with a warning.
+    double usual_low = -std::numeric_limits<double>::infinity();
+    double usual_high = std::numeric_limits<double>::infinity();
+
+    /// The same range with the values that are usual, both ends included.
+    Range usually(double lowest, double highest) const {
+        Range range = *this;
+        range.usual_low = lowest;
+        range.usual_high = highest;
+        return range;
+    }
 };
 
 /// Both ends accepted.
@@ -81,6 +92,11 @@ public:
     /// (or file:line: key), what was expected and what was found, and OutputError for an unreadable
     /// config file.
     Request parse(const std::vector<std::string>& arguments);
+
+    /// A line for each option that was set to something unusual (Range::usually), with the question
+    /// whether another power of ten of the unit is meant: "--confining-pressure: expected usually
+    /// 1000 to 1e+07 Pa, found 55: 55e3?".
+    std::vector<std::string> warnings() const;
 
     /// The text of --help, in lines of at most 100 columns.
     std::string help(const std::string& program, const std::string& description) const;

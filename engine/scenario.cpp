@@ -4,16 +4,21 @@
 #include "engine/exit_codes.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/memory.hpp"
+#include "engine/printable.hpp"
 #include "engine/version.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <fcntl.h>
 #include <new>
+#include <sys/file.h>
 #include <thread>
+#include <unistd.h>
 
 namespace bris {
 
@@ -41,7 +46,7 @@ namespace {
 
 int report(const std::string& name, std::string message, ExitCode code) {
     std::replace(message.begin(), message.end(), '\n', ' ');
-    fmt::print(stderr, "{}: {}\n", name, message);
+    fmt::print(stderr, "{}: {}\n", name, printable(message));
     return static_cast<int>(code);
 }
 
@@ -49,6 +54,30 @@ void refuse_flag(const char* flag, bool given, const std::string& reason) {
     require(!given || reason.empty(),
             fmt::format("{}: not supported by this scenario: {}", flag, reason));
 }
+
+/// Reserves a folder of results for this process. The system releases it when the process ends, in
+/// whatever way.
+class FolderInUse {
+public:
+    explicit FolderInUse(const std::filesystem::path& folder)
+        : handle_(open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+        // a file system without locks does not prevent a run
+        if (handle_ < 0 || flock(handle_, LOCK_EX | LOCK_NB) == 0 || errno != EWOULDBLOCK) return;
+        close(handle_);
+        throw OutputError(
+            fmt::format("--out: expected a folder that no other run uses, found '{}', "
+                        "into which another run is writing",
+                        folder.string()));
+    }
+    ~FolderInUse() {
+        if (handle_ >= 0) close(handle_);
+    }
+    FolderInUse(const FolderInUse&) = delete;
+    FolderInUse& operator=(const FolderInUse&) = delete;
+
+private:
+    int handle_;
+};
 
 /// The flags that every scenario has.
 struct CommonFlags {
@@ -58,6 +87,9 @@ struct CommonFlags {
     void describe(Options& option, Common& common) {
         option.group("Options of every scenario");
         option("out", common.out, "", "Folder in which the results are written.");
+        option("assets", common.assets, "",
+               "Folder of clumps, gradings, materials and example recordings. Default: the folder "
+               "assets beside the program, or ../share/bris/assets seen from there.");
         option("seed", common.seed, "", "Seed of every random draw.");
         option(
             "threads", common.threads, "",
@@ -109,6 +141,10 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
     refuse_flag("--explain", common.explain, info.cannot_explain);
     if (!common.resume.empty() && !std::filesystem::exists(common.resume))
         throw OutputError(fmt::format("--resume: cannot read '{}'", common.resume.string()));
+    require(common.assets.empty() || common.assets == assets_folder(),
+            "--assets: expected on the command line, found in a configuration file");
+    for (const std::string& warning : options.warnings())
+        fmt::print(stderr, "{}: warning: {}\n", info.name, printable(warning));
     if (common.threads == 0) common.threads = std::max(1u, std::thread::hardware_concurrency());
     common.memory_limit = static_cast<std::uint64_t>(std::floor(flags.memory * 0x1p30));
     limit_memory(common.memory_limit, common.threads);
@@ -126,6 +162,7 @@ void run_in_folder(const std::filesystem::path& folder, const std::function<void
     if (error)
         throw OutputError(
             fmt::format("cannot create directory '{}': {}", folder.string(), error.message()));
+    const FolderInUse in_use(folder);
     const auto remove_if_empty = [&] {
         for (const auto& path : made) std::filesystem::remove(path, error);
     };

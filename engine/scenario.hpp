@@ -1,5 +1,6 @@
 #pragma once
 
+#include "engine/assets.hpp"
 #include "engine/named_value.hpp"
 #include "engine/options.hpp"
 #include "engine/summary.hpp"
@@ -17,6 +18,7 @@ namespace bris {
 struct Common {
     std::string scenario;         ///< name of the scenario
     std::filesystem::path out;    ///< folder of the results; exists when the scenario runs
+    std::filesystem::path assets; ///< folder of the assets by --assets; empty: see assets_folder
     std::filesystem::path resume; ///< checkpoint to resume from; empty: start from the beginning
     unsigned threads = 0;         ///< at least 1 when the scenario runs
     std::uint64_t seed = 1;
@@ -56,7 +58,8 @@ bool parse_or_answer(Options& options, const std::vector<std::string>& arguments
 /// --version was requested and has been printed.
 bool parse_flags(Options& options, Common& common, int argc, char** argv, const ScenarioInfo& info);
 /// Creates the folder of the results and calls `body`. If `body` ends or throws without having
-/// written anything, the folders that were created are removed. Throws OutputError.
+/// written anything, the folders that were created are removed. Throws OutputError, also if another
+/// run that has not ended writes into the same folder.
 void run_in_folder(const std::filesystem::path& folder, const std::function<void()>& body);
 /// Runs `body` and returns the exit code. An error is printed as one line on stderr and gives the
 /// exit code of its kind.
@@ -71,6 +74,7 @@ void print_explanation(const std::string& text);
 template <class Settings, class Run, class Explain>
 int run_scenario(int argc, char** argv, const ScenarioInfo& info, Run&& run, Explain&& explain) {
     return detail::exit_code_of(info.name, [&] {
+        find_assets(argc, argv);
         Settings settings;
         Options options;
         settings.describe(options);

@@ -1,5 +1,5 @@
-// A library of clumps: random rocks, or one rock from an STL or OBJ file, are filled with spheres,
-// and a report states how closely each clump represents its solid.
+// A library of clumps: random rocks, or one rock from an STL, OBJ or PLY file, are filled with
+// spheres, and a report states how closely each clump represents its solid.
 #include "engine/errors.hpp"
 #include "engine/scenario.hpp"
 #include "scenarios/rocks/make_library.hpp"
@@ -46,7 +46,8 @@ struct Clumps {
                within(6, 60));
         option("cube", library.cube, "", "Also make a clump of the cubic SmartRock.");
         option("mesh", library.mesh, "",
-               "STL or OBJ file of a rock. If it is given, one clump of this shape is made instead "
+               "STL, OBJ or PLY file of a rock. If it is given, one clump of this shape is made "
+               "instead "
                "of random rocks.");
     }
 };

@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/io/whole_file.hpp"
+#include "engine/printable.hpp"
 #include "engine/signal/median.hpp"
 #include "scenarios/recordings/device_channels.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
@@ -28,7 +29,21 @@ constexpr std::size_t agreeing = 3;
 // prefix in the log of a line that lacks its end, so that it is read as such again
 constexpr std::string_view cut_off = "# cut off: ";
 constexpr double same_strain = 1e-9;    // tolerance of comparisons of axial strain
+constexpr std::size_t most_kinds = 40;  // of faults that are listed apart
 constexpr std::size_t fewest_times = 3; // number of differences from which a clock is judged
+
+/// What faults of the same kind have in common: the message without the number of the line, without
+/// what was found, and without numbers and quoted texts.
+std::string fault_of(const std::string& message) {
+    std::string fault;
+    bool is_quoted = false;
+    const std::size_t start = message.starts_with("line ") ? message.find(": ") + 2 : 0;
+    for (const char c : std::string_view(message).substr(start, message.find(", found") - start)) {
+        if (c == '"') is_quoted = !is_quoted;
+        if (!is_quoted && (c < '0' || c > '9')) fault += c;
+    }
+    return fault;
+}
 
 /// Names of the numbers of a sample: those below, then the device channels.
 const std::vector<std::string>& sample_names() {
@@ -85,8 +100,10 @@ LiveTest::~LiveTest() {
 }
 
 void LiveTest::note(const std::string& kind, const std::string& text) {
-    auto& [count, first] = notes_[kind];
-    if (count++ == 0) first = text;
+    // a stream of noise could have any number of kinds
+    const bool is_new = !notes_.contains(kind);
+    auto& [count, first] = notes_[is_new && notes_.size() >= most_kinds ? "others" : kind];
+    if (count++ == 0) first = printable(text);
 }
 
 void LiveTest::write_to_log(std::string_view text) {
@@ -150,7 +167,7 @@ void LiveTest::take_line(LineSource::Line line, bool from_log) {
     try {
         record = parser_.parse(line);
     } catch (const InputError& e) {
-        note("unreadable", e.what());
+        note(fault_of(e.what()), e.what());
     }
     if (record && !from_log) wait_for_its_time(*record);
     // logged before it is used, so that everything used can be replayed

@@ -3,10 +3,9 @@
 #include "components/kinds.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
-#include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
-#include "scenarios/rocks/clump_library.hpp"
+#include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/broadphase/lists.hpp"
@@ -156,7 +155,7 @@ double area_of(const BoxSizes& s, std::size_t course) {
 
 void add_rocks(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies& bodies,
                const std::vector<Clump>& clumps, std::uint64_t seed) {
-    const Grading grading = read_grading(assets_folder() / "gradings" / (box.grading + ".csv"));
+    const Grading grading = grading_named(box.grading);
     std::array<double, courses.size()> wanted{};
     double total = 0;
     for (std::size_t c = 0; c < courses.size(); ++c)
@@ -199,7 +198,7 @@ void add_rocks(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies
 /// Sensor rocks where the report has them: two cubes under the rail seat, and angular ones under
 /// the middle and the end of a tie and, with two ties, between them; 5 and 25 cm below the ties.
 void add_sensors(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies& bodies,
-                 const std::vector<Clump>& all, std::uint64_t seed) {
+                 const std::vector<Clump>& library, std::uint64_t seed) {
     struct Site {
         const char* name;
         double x, y;
@@ -212,14 +211,12 @@ void add_sensors(World& world, const BallastBox& box, const BoxSizes& s, BoxBodi
     if (s.ties.size() > 1) sites.push_back({"between", s.width / 2, s.rail_seat, "rock_03"});
     for (const Site& site : sites)
         for (const std::size_t course : {std::size_t{0}, std::size_t{2}}) {
-            const auto found = std::ranges::find(all, std::string(site.shape), &Clump::name);
-            require(found != all.end(), fmt::format("assets/clumps: expected the clump {}, found "
-                                                    "none of that name",
-                                                    site.shape));
-            const Clump rock = scaled(*found, sensor_size / found->sieve);
+            const Clump shape = sensor_shapes_named(site.shape, library, "--clumps").front();
+            const Clump rock = scaled(shape, sensor_size / shape.sieve);
+            const auto in_library = std::ranges::find(library, shape.name, &Clump::name);
             const auto number = static_cast<double>(bodies.sensors.size());
             const EntityId id =
-                add_clump(world, rock, static_cast<std::uint32_t>(found - all.begin()),
+                add_clump(world, rock, static_cast<std::uint32_t>(in_library - library.begin()),
                           Vec3(0.2 * number, -1, parked + 3),
                           Random(seed, 6000 + bodies.sensors.size()).rotation(), bodies.rock);
             value_of<MotionOf>(world, id) = static_cast<std::uint32_t>(Motion::fixed);
@@ -237,9 +234,7 @@ void add_sensors(World& world, const BallastBox& box, const BoxSizes& s, BoxBodi
 
 World make_box_world(const BallastBox& box, std::uint64_t seed) {
     const BoxSizes s = box_sizes(box);
-    std::vector<Clump> clumps = read_clumps(assets_folder() / "clumps");
-    const std::vector<Clump> all = clumps;
-    std::erase_if(clumps, [](const Clump& c) { return c.name == "cube"; });
+    const std::vector<Clump> library = clumps_of(box.clumps), clumps = rocks_among(library);
     World world = make_world(Grains::clumps);
     BoxBodies bodies;
     auto& materials = world.resource<Materials>();
@@ -268,7 +263,7 @@ World make_box_world(const BallastBox& box, std::uint64_t seed) {
     add_bladder(world, box, s, bodies, hard);
     add_plates(world, s, bodies, hard);
     add_tie_bodies(world, s, bodies, hard);
-    add_sensors(world, box, s, bodies, all, seed);
+    add_sensors(world, box, s, bodies, library, seed);
     add_rocks(world, box, s, bodies, clumps, seed);
     value_of<Position>(world, bodies.bladder).z() += parked + 2;
     for (const EntityId body : {bodies.plates[0], bodies.plates[1], bodies.bladder,

@@ -3,6 +3,7 @@
 #include "engine/options.hpp"
 #include "engine/signal/imu.hpp"
 #include "scenarios/ballast_box/table_1.hpp"
+#include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/fouling_options.hpp"
 #include "scenarios/specimens/rock_material.hpp"
 
@@ -21,6 +22,7 @@ struct BallastBox {
     unsigned cycles = 0, steps_per_cycle = 8000;
     double width = 0.2, rock_scale = 0, smallest_rock = 0.03;
     std::string material = "limestone", grading = "arema_3";
+    std::filesystem::path clumps = {};
     double friction_factor = 1, stiffness_factor = 1;
     double subgrade_modulus = 200e6, subgrade_damping = 0.2, series_compliance = 0;
     double rail_bending = 1.58e7, tie_support = 3e7;
@@ -98,7 +100,8 @@ void BallastBox::describe(auto& option) {
            "Frequency of the load in the dynamic model. 0: the highest one of the run.",
            within(0, 10));
     option("peak_load", peak_load, "N",
-           "Peak load of each actuator, up to 490 kN. 0: that of the run.", within(0, 1e7));
+           "Peak load of each actuator, up to 490 kN. 0: that of the run.",
+           within(0, 1e7).usually(1e3, 1e6));
     option("least_load", least_load, "", "Least load of each actuator over the peak load.",
            within(0, 0.9));
     option("cycles", cycles, "", "Load cycles. 0: 5 in the settlement model, 1 in the dynamic one.",
@@ -118,7 +121,8 @@ void BallastBox::describe(auto& option) {
            within(0.3, 0.6));
     option("material", material, "",
            "Rock of the ballast: granite, limestone (assets/materials) or the path of a file.");
-    option("grading", grading, "", "Grading of the ballast (assets/gradings).");
+    option("grading", grading, "", help_grading);
+    option("clumps", clumps, "", help_clumps);
     option("friction_factor", friction_factor, "",
            "Factor on the friction between rocks, uniform in the box.", above(0, 1));
     option("stiffness_factor", stiffness_factor, "",

@@ -26,7 +26,8 @@ public:
         if (r_.size() < 2)
             return refuse("length",
                           fmt::format("expected at least two samples, found {}", r_.size()));
-        if (!check_numbers() || !check_times()) return; // further checks would be meaningless
+        if (!check_numbers() || !check_times() || !has_possible_strain(at_))
+            return; // further checks would be meaningless
         at_.rest = static_cast<std::size_t>(std::ranges::count_if(
             r_.time, [&](double t) { return t <= r_.time.front() + limits_.rest; }));
         while (at_.still < at_.rest && (r_.strain.empty() || !(r_.strain[at_.still] > 0)))

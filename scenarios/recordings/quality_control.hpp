@@ -1,8 +1,11 @@
 #pragma once
 
 #include "scenarios/recordings/recording.hpp"
+#include "scenarios/recordings/triaxial_point.hpp"
 
 namespace bris {
+
+struct MachineClock;
 
 /// Limits of the quality control of recordings.
 struct QualityControlLimits {
@@ -31,6 +34,8 @@ struct QualityControlLimits {
     /// Height of the specimen, m; a rock in the upper half of it raises this to twice its own
     /// height.
     double height = 0.3;
+    double largest_strain =
+        0.5;             ///< axial, that a test can reach; the lowest is a tenth of it below 0
     double turning = 10; ///< rad, largest unsteady rotation of a rock per unit of axial strain
     double clock_drift = 1e-3; ///< largest relative drift of a clock against its sample counter
     double same = 0.999;       ///< correlation from which two recordings count as the same
@@ -52,6 +57,7 @@ struct Finding {
 /// - saturation, stuck values, noise other than declared, two recordings that are the same;
 /// - a specific force at rest of another magnitude (units) or direction (signs, frame, exchanged
 ///   ids);
+/// - strains that no test reaches, or of the wrong sign;
 /// - displacements that jump, scatter, or are inconsistent with the strain or with other rocks;
 /// - attitudes that are not unit quaternions, or are inconsistent with the metadata, gravity or the
 ///   angular rates;
@@ -64,6 +70,14 @@ struct Finding {
 /// in yaw alone is not.
 std::vector<Finding> check_recordings(const std::vector<Recording>& recordings, const Vec3& gravity,
                                       const QualityControlLimits& limits = {});
+
+/// Compares the strain that sensors record with that of the test machine, which has been checked.
+/// At the same time (where the machine has a clock) both must agree within a factor of 2; without a
+/// clock a recording must not reach 50 times the strain of the machine, whose records may end
+/// earlier. Adds a refusal for each sensor that does not agree.
+void compare_strain(const std::vector<Recording>& recordings,
+                    const std::vector<TriaxialPoint>& measured, const MachineClock& clock,
+                    std::vector<Finding>& findings);
 
 /// Whether the findings contain no refusal of this sensor.
 bool accepted(const std::vector<Finding>& findings, unsigned sensor);

@@ -249,6 +249,7 @@ void examine(RecordedTest& test, const QualityControlSettings& settings) {
     test.findings.insert(test.findings.end(), of_sensors.begin(), of_sensors.end());
     const auto of_machine = check_machine(test.measured, test.pressure);
     test.findings.insert(test.findings.end(), of_machine.begin(), of_machine.end());
+    compare_strain(test.recordings, test.measured, test.clock, test.findings);
     for (const Recording& r : test.recordings)
         test.trajectories.push_back(accepted(test.findings, r.info.id)
                                         ? trajectory_of(r, settings.interval)

@@ -18,10 +18,11 @@ struct LibrarySettings {
     std::uint64_t seed = 1;
     double least_flat_elongated = 1.2, median_flat_elongated = 1.8, greatest_flat_elongated = 2.8;
     unsigned fewest_faces = 9, most_faces = 15;
-    bool cube = true;           ///< also make the cubic SmartRock of the SmartRock report: cube.csv
-    FillSettings fill;          ///< number of spheres, least radius, method
-    std::filesystem::path out;  ///< directory; created if it does not exist
-    std::filesystem::path mesh; ///< STL or OBJ: one clump of this shape instead of random rocks
+    bool cube = true;          ///< also make the cubic SmartRock of the SmartRock report: cube.csv
+    FillSettings fill;         ///< number of spheres, least radius, method
+    std::filesystem::path out; ///< directory; created if it does not exist
+    std::filesystem::path
+        mesh; ///< STL, OBJ or PLY: one clump of this shape instead of random rocks
 };
 
 /// Comparison of one clump with the solid that it models. Lengths are in units of the sieve size of

@@ -2,119 +2,20 @@
 
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
+#include "scenarios/rocks/raw_mesh.hpp"
 
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <limits>
-#include <map>
 #include <sstream>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 namespace bris {
 namespace {
-
-/// Triangles as read, each with its location in the file for messages.
-struct RawMesh {
-    std::filesystem::path path;
-    std::vector<Vec3> corners;
-    std::vector<std::array<std::size_t, 3>> triangles;
-    std::vector<std::size_t> lines;
-    bool binary = false;
-
-    std::string where(std::size_t triangle) const {
-        return fmt::format("{}:{}{}", path.string(), binary ? " triangle " : "", lines[triangle]);
-    }
-};
-
-/// Merges corners that are closer than 1e-6 of the extent and returns the index of each corner in
-/// the remaining list. Each corner is compared with those in the 27 grid cells around it.
-std::vector<std::size_t> weld(std::vector<Vec3>& corners) {
-    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (const Vec3& corner : corners) {
-        low = low.cwiseMin(corner);
-        high = high.cwiseMax(corner);
-    }
-    const double near = 1e-6 * (high - low).maxCoeff();
-    std::map<std::array<std::int64_t, 3>, std::size_t> cells;
-    std::vector<Vec3> kept;
-    std::vector<std::size_t> index;
-    for (const Vec3& corner : corners) {
-        const Vec3 cell = (corner - low) / (near > 0 ? near : 1.0);
-        const auto key = [&](int dx, int dy, int dz) {
-            return std::array<std::int64_t, 3>{std::llround(cell.x()) + dx,
-                                               std::llround(cell.y()) + dy,
-                                               std::llround(cell.z()) + dz};
-        };
-        std::size_t found = kept.size();
-        for (int k = 0; k < 27 && found == kept.size(); ++k)
-            if (const auto at = cells.find(key(k % 3 - 1, k / 3 % 3 - 1, k / 9 - 1));
-                at != cells.end() && (kept[at->second] - corner).norm() <= near)
-                found = at->second;
-        if (found == kept.size()) {
-            kept.push_back(corner);
-            cells.emplace(key(0, 0, 0), found);
-        }
-        index.push_back(found);
-    }
-    corners = std::move(kept);
-    return index;
-}
-
-/// Refuses a surface with holes, with edges of three triangles, or with inconsistent orientation.
-void check_closed(const RawMesh& mesh) {
-    std::map<std::array<std::size_t, 2>, std::size_t> directed;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        for (std::size_t side = 0; side < 3; ++side) {
-            const auto& triangle = mesh.triangles[t];
-            const bool first =
-                directed.try_emplace({triangle[side], triangle[(side + 1) % 3]}, t).second;
-            require(first, mesh.where(t) +
-                               ": mesh: expected each edge once in each direction, found a "
-                               "second triangle along one (not a manifold, or flipped)");
-        }
-    for (const auto& [edge, t] : directed)
-        require(directed.contains({edge[1], edge[0]}),
-                mesh.where(t) +
-                    ": mesh: expected a closed surface, found an edge with one triangle only");
-}
-
-Polyhedron closed_surface(RawMesh mesh) {
-    require(!mesh.triangles.empty(),
-            mesh.path.string() + ":1: mesh: expected triangles, found none");
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
-        for (std::size_t corner : mesh.triangles[t])
-            require(mesh.corners[corner].allFinite(),
-                    mesh.where(t) + ": mesh: expected finite coordinates");
-    const std::vector<std::size_t> index = weld(mesh.corners);
-    RawMesh clean{.path = mesh.path, .corners = mesh.corners, .triangles = {}, .lines = {}};
-    clean.binary = mesh.binary;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-        const auto& [i, j, k] = mesh.triangles[t];
-        const std::array<std::size_t, 3> welded{index[i], index[j], index[k]};
-        if (welded[0] == welded[1] || welded[1] == welded[2] || welded[2] == welded[0]) continue;
-        clean.triangles.push_back(welded);
-        clean.lines.push_back(mesh.lines[t]);
-    }
-    require(!clean.triangles.empty(),
-            mesh.path.string() + ":1: mesh: expected triangles with an area, found none");
-    check_closed(clean);
-    Polyhedron solid{.vertices = clean.corners,
-                     .triangles = clean.triangles,
-                     .faces = static_cast<int>(clean.triangles.size())};
-    const double volume = mass_properties(solid).volume;
-    require(std::abs(volume) > 0, mesh.path.string() + ":1: mesh: expected a body with a volume");
-    if (volume < 0)
-        for (auto& triangle : solid.triangles) std::swap(triangle[1], triangle[2]);
-    return solid;
-}
 
 RawMesh read_binary_stl(const std::filesystem::path& path, std::string_view bytes) {
     RawMesh mesh{.path = path, .corners = {}, .triangles = {}, .lines = {}, .binary = true};
@@ -216,7 +117,8 @@ Polyhedron read_mesh(const std::filesystem::path& path) {
         if (letter >= 'A' && letter <= 'Z') letter = static_cast<char>(letter - 'A' + 'a');
     if (ending == ".stl") return read_stl(path);
     if (ending == ".obj") return read_obj(path);
-    throw InputError(path.string() + ": mesh: expected a file *.stl or *.obj");
+    if (ending == ".ply") return read_ply(path);
+    throw InputError(path.string() + ": mesh: expected a file *.stl, *.obj or *.ply");
 }
 
 } // namespace bris

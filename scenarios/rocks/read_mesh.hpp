@@ -19,7 +19,14 @@ Polyhedron read_stl(const std::filesystem::path& path);
 /// triangles; all other lines are ignored.
 Polyhedron read_obj(const std::filesystem::path& path);
 
-/// Reads an STL or OBJ file, recognised by its extension .stl or .obj in lower or upper case.
+/// The same from a PLY file (Turk 1994), text or binary in either byte order: the properties x, y
+/// and z of the element "vertex" and the list vertex_indices (or vertex_index) of the element
+/// "face". Polygons are divided into fans of triangles; all other elements and properties are
+/// skipped.
+Polyhedron read_ply(const std::filesystem::path& path);
+
+/// Reads an STL, OBJ or PLY file, recognised by its extension .stl, .obj or .ply in lower or upper
+/// case.
 Polyhedron read_mesh(const std::filesystem::path& path);
 
 } // namespace bris

@@ -1,9 +1,6 @@
 #include "scenarios/specimens/rock_material.hpp"
 
 #include "engine/assets.hpp"
-#include "engine/errors.hpp"
-
-#include <fmt/format.h>
 
 namespace bris {
 
@@ -19,13 +16,7 @@ Material RockMaterial::material(const std::string& name) const {
 }
 
 RockMaterial read_rock_material(const std::string& name) {
-    const std::filesystem::path known = assets_folder() / "materials" / (name + ".txt");
-    const std::filesystem::path path =
-        std::filesystem::exists(known) ? known : std::filesystem::path(name);
-    require(std::filesystem::is_regular_file(path),
-            fmt::format("--material: expected granite, limestone or the path of a material file, "
-                        "found '{}'",
-                        name));
+    const auto path = asset_or_file("--material", "materials", name, ".txt");
     RockMaterial rock;
     std::filesystem::path config;
     Options options;

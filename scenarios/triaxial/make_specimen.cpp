@@ -3,6 +3,8 @@
 #include "engine/resume.hpp"
 #include "scenarios/triaxial/trial.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -11,11 +13,33 @@ namespace bris {
 
 namespace {
 
+/// Number and hash of the poses in which the folder --recordings has its sensor rocks placed; "" if
+/// poses come from elsewhere. A specimen depends on nothing else of the recordings.
+std::string recorded_poses(const std::vector<NamedValue>& all) {
+    const auto text = [&](const char* key) {
+        const auto found = std::ranges::find(all, key, &NamedValue::key);
+        const auto* value = found == all.end() ? nullptr : std::get_if<std::string>(&found->value);
+        return value ? *value : std::string();
+    };
+    if (text("recordings").empty() || !text("sensor_poses").empty()) return {};
+    Archive poses;
+    std::vector<double> numbers;
+    const auto given = with_recorded_poses({}, text("recordings")).recorded_poses;
+    for (const GivenPose& p : given)
+        for (const double x :
+             {p.position.x(), p.position.y(), p.position.z(), p.orientation.w(), p.orientation.x(),
+              p.orientation.y(), p.orientation.z(), p.is_relative ? 1.0 : 0.0})
+            numbers.push_back(x);
+    poses.put("poses", std::span<const double>(numbers));
+    return fmt::format("{} ({:016x})", given.size(), fingerprint(poses));
+}
+
 /// The settings on which a specimen depends.
 std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all) {
     constexpr std::array names{"seed",
                                "bodies",
                                "grading",
+                               "clumps",
                                "preparation",
                                "porosity",
                                "porosity_tolerance",
@@ -29,7 +53,6 @@ std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all)
                                "platen_friction",
                                "taps",
                                "sensor_poses",
-                               "recordings",
                                "servo_per_element",
                                "density_kg_per_m3",
                                "clump_stiffness_N_per_m",
@@ -45,6 +68,8 @@ std::vector<NamedValue> settings_of_specimen(const std::vector<NamedValue>& all)
         if (v.key == "preparation_friction")
             if (const auto* given = std::get_if<double>(&v.value); given && *given < 0)
                 v.value = std::ranges::find(all, "friction", &NamedValue::key)->value;
+    if (const std::string poses = recorded_poses(all); !poses.empty())
+        some.emplace_back("recorded_poses", poses);
     return some;
 }
 

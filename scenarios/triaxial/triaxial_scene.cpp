@@ -1,11 +1,10 @@
 #include "scenarios/triaxial/triaxial_scene.hpp"
 
-#include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/memory.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
-#include "scenarios/rocks/clump_library.hpp"
+#include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
 #include "scenarios/specimens/start.hpp"
 
@@ -29,14 +28,8 @@ constexpr double filled_porosity = 0.55;
 
 std::vector<Clump> sensor_shapes(const Triaxial& t, const std::vector<Clump>& library) {
     std::vector<Clump> shapes;
-    for (const auto name : cells_of(t.sensor_shape)) {
-        const auto found = std::ranges::find(library, name, &Clump::name);
-        require(found != library.end(),
-                fmt::format(
-                    "--sensor-shape: expected one or more clumps of assets/clumps, found \"{}\"",
-                    name));
-        shapes.push_back(scaled(*found, t.specimen.smartrock_size / found->sieve));
-    }
+    for (const Clump& shape : sensor_shapes_named(t.sensor_shape, library, "--sensor-shape"))
+        shapes.push_back(scaled(shape, t.specimen.smartrock_size / shape.sieve));
     return shapes;
 }
 
@@ -95,12 +88,11 @@ void check_test(const Triaxial& t) {
 }
 
 TriaxialScene make_scene(const Triaxial& t, std::uint64_t seed) {
-    const std::filesystem::path assets = assets_folder();
+    const std::vector<Clump> library = clumps_of(t.clumps);
     TriaxialScene s;
-    s.clumps = read_clumps(assets / "clumps");
-    s.smart_rocks = sensor_shapes(t, s.clumps);
-    std::erase_if(s.clumps, [](const Clump& c) { return c.name == "cube"; });
-    s.grading = read_grading(assets / "gradings" / (t.grading + ".csv"));
+    s.smart_rocks = sensor_shapes(t, library);
+    s.clumps = rocks_among(library);
+    s.grading = grading_named(t.grading);
     s.specimen = t.specimen;
     s.specimen.seed = seed;
     s.specimen.friction = t.test.friction;

@@ -3,7 +3,7 @@
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
 #include "scenarios/recordings/recording.hpp"
-#include "scenarios/rocks/grading.hpp"
+#include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/specimen.hpp"
 #include "scenarios/triaxial/triaxial.hpp"
 
@@ -18,6 +18,7 @@ struct Triaxial {
     unsigned bodies = 400;
     std::vector<double> confining_pressure{55e3, 110e3, 165e3};
     std::string grading = "arema_4";
+    std::filesystem::path clumps = {};
     SpecimenSettings specimen = {};
     TriaxialSettings test;
     double least_diameter = 2.7; ///< of the mould, over the size of its largest rock
@@ -30,7 +31,8 @@ struct Triaxial {
     void describe(auto& option) {
         option.group("Test");
         option("confining_pressure", confining_pressure, "Pa",
-               "Confining pressure, or several, each tested on the same specimen.", above(0, 1e9));
+               "Confining pressure, or several, each tested on the same specimen.",
+               above(0, 1e9).usually(1e3, 1e7));
         option("stage_strain", test.stage_strain, "", "Axial strain of a stage.",
                within(1e-6, 1e-2));
         option("final_axial_strain", test.final_axial_strain, "",
@@ -51,8 +53,8 @@ struct Triaxial {
                "Smallest diameter of the specimen over the size of its largest rock; fewer rocks "
                "are refused. Laboratories ask for 6.",
                within(1, 100));
-        option("grading", grading, "", "Grading of the rocks, a file of assets/gradings.",
-               {"arema_24", "arema_25", "arema_3", "arema_4a", "arema_4", "arema_5", "arema_57"});
+        option("grading", grading, "", help_grading);
+        option("clumps", clumps, "", help_clumps);
         option(
             "preparation", test.preparation, "",
             "Density of the specimen, unless --porosity gives it: laboratory, a core porosity of "
@@ -76,17 +78,19 @@ struct Triaxial {
         option("preparation_pressure", test.preparation_pressure, "Pa",
                "Pressure of the top platen while the specimen is made; 0: follows from the contact "
                "stiffness.",
-               within(0, 1e9));
+               within(0, 1e9).usually(1e3, 1e8));
         option("trial_pressure", test.trial_pressure, "Pa",
                "Pressure from all sides under which the porosity of the prepared specimen is "
                "checked on a copy; while it is missed, the specimen is prepared again.",
-               above(0, 1e9));
+               above(0, 1e9).usually(1e3, 1e7));
         option("longest_preparation", test.longest_preparation, "",
                "Number of steps after which the preparation fails if the porosity is not reached.",
                within(1, 1e9));
-        option("sensor_shape", sensor_shape, "",
-               "Shape of the sensor rocks: a clump of assets/clumps, or several that the sensor "
-               "rocks take in turn, as rock_01,rock_02,rock_03,cube.");
+        option(
+            "sensor_shape", sensor_shape, "",
+            "Shape of the sensor rocks: a clump of --clumps or of assets/clumps or the path of a "
+            "file, or several that the sensor rocks take in turn, as "
+            "rock_01,rock_02,rock_03,cube.");
         option("sensor_poses", sensor_poses, "",
                "CSV file with the poses of the sensor rocks. Without it there are ten at three "
                "heights, or 7 or 3 in a small specimen.");
@@ -94,12 +98,14 @@ struct Triaxial {
                "Control the pressure of each membrane element separately instead of that of each "
                "ring.");
         option.group("Material");
-        option("density", specimen.density, "kg/m3", "Density of the rocks.", above(0, 1e6));
+        option("density", specimen.density, "kg/m3", "Density of the rocks.",
+               above(0, 1e6).usually(500, 1e4));
         option("sensor_density", specimen.sensor_density, "kg/m3",
-               "Density of the sensor rocks; 0: that of the rocks.", within(0, 1e6));
+               "Density of the sensor rocks; 0: that of the rocks.",
+               within(0, 1e6).usually(100, 1e4));
         option("friction", test.friction, "",
                "Coulomb friction coefficient between rocks and between rock and platen.",
-               within(0, 100));
+               within(0, 100).usually(0, 2));
         option("sensor_friction", specimen.sensor_friction, "",
                "Coulomb friction coefficient of the shells of the sensor rocks; between a shell "
                "and a rock the lower coefficient acts. Below 0: that of the rocks.",
@@ -109,10 +115,10 @@ struct Triaxial {
                within(-1, 100));
         option("clump_stiffness", specimen.clump_stiffness, "N/m",
                "Normal and shear contact stiffness of a rock, as one of two partners.",
-               above(0, 1e15));
+               above(0, 1e15).usually(1e5, 1e11));
         option("wall_stiffness", specimen.wall_stiffness, "N/m",
                "Contact stiffness of platens and membrane, as one of two partners.",
-               above(0, 1e15));
+               above(0, 1e15).usually(1e5, 1e12));
         option("damping", test.damping, "", "Coefficient of local damping.", within(0, 0.95));
         option.group("Numerics");
         option("safety", test.safety, "", "Time step as a fraction of the stable step.",

@@ -208,6 +208,35 @@ TEST_SUITE("engine/options") {
         CHECK(expected(below(3)) == "--x: expected a number below 3, found \"1e300\"");
     }
 
+    TEST_CASE(
+        "an unusual value is accepted with a warning that asks whether another unit is meant") {
+        const auto warnings_of = [](const std::vector<std::string>& words) {
+            double pressure = 55e3, friction = 0.7, off = 0;
+            std::vector<double> pressures{55e3};
+            Options options;
+            options("pressure", pressure, "Pa", "Pressure.", above(0, 1e9).usually(1e3, 1e7));
+            options("pressures", pressures, "Pa", "Pressures.", above(0, 1e9).usually(1e3, 1e7));
+            options("friction", friction, "", "Friction.", within(0, 100).usually(0, 2));
+            options("off", off, "Pa", "0: off.", within(0, 1e9).usually(1e3, 1e7));
+            options.parse(words);
+            return options.warnings();
+        };
+        CHECK(warnings_of({}).empty()); // a default is not judged
+        CHECK(warnings_of({"--pressure", "1e3", "--pressures", "1e7,55e3", "--friction", "2"})
+                  .empty());
+        CHECK(warnings_of({"--pressure", "55"}) ==
+              std::vector<std::string>{
+                  "--pressure: expected usually 1000 to 1e+07 Pa, found 55: 55e3?"});
+        CHECK(warnings_of({"--pressures", "110e3,0.055"}) ==
+              std::vector<std::string>{
+                  "--pressures: expected usually 1000 to 1e+07 Pa, found 0.055: 0.055e6?"});
+        CHECK(warnings_of({"--pressure", "5e8"}) ==
+              std::vector<std::string>{
+                  "--pressure: expected usually 1000 to 1e+07 Pa, found 5e+08: 5e+08e-3?"});
+        CHECK(warnings_of({"--friction", "35"}) ==
+              std::vector<std::string>{"--friction: expected usually 0 to 2, found 35"});
+    }
+
     TEST_CASE("settings are listed with their units") {
         Test test;
         Options options;

@@ -134,6 +134,30 @@ Texts obj_files(const fs::path&, const fs::path&) {
             "f 1 4 3\nf -3 -2 -1\n"};
 }
 
+Texts ply_files(const fs::path&, const fs::path&) {
+    const std::string head = "element vertex 4\nproperty float x\nproperty float y\n"
+                             "property float z\nelement face 4\n"
+                             "property list uchar int vertex_indices\nend_header\n";
+    constexpr std::array<std::array<float, 3>, 4> corners{
+        {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+    constexpr std::array<std::array<int, 3>, 4> faces{{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}};
+    std::string text = "ply\nformat ascii 1.0\n" + head,
+                binary = "ply\nformat binary_little_endian 1.0\n" + head;
+    for (const auto& corner : corners) {
+        for (const float x : corner) text += std::to_string(x) + " ";
+        text += "\n";
+        binary.append(reinterpret_cast<const char*>(corner.data()), sizeof corner);
+    }
+    for (const auto& face : faces) {
+        text += "3";
+        binary += '\3';
+        for (const int index : face) text += " " + std::to_string(index);
+        text += "\n";
+        binary.append(reinterpret_cast<const char*>(face.data()), sizeof face);
+    }
+    return {text, binary};
+}
+
 Texts checkpoints(const fs::path&, const fs::path& folder) {
     Checkpoint checkpoint{"settle", 7, {{"seed", std::string("1")}}, {}};
     const std::array<double, 6> numbers{1, 2, 3, 4, 5, 6};
@@ -183,6 +207,7 @@ constexpr std::array readers{
                  [](const fs::path& file) { (void)read_clump(file); }},
     FuzzedReader{"stl", ".stl", stl_files, [](const fs::path& file) { (void)read_mesh(file); }},
     FuzzedReader{"obj", ".obj", obj_files, [](const fs::path& file) { (void)read_mesh(file); }},
+    FuzzedReader{"ply", ".ply", ply_files, [](const fs::path& file) { (void)read_mesh(file); }},
     FuzzedReader{"checkpoint", ".h5", checkpoints,
                  [](const fs::path& file) { (void)read_checkpoint(file); }}};
 

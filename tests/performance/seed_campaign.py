@@ -1,11 +1,12 @@
 """Common parts of campaigns over seeds: a table with the numbers of each seed and pressure. Seeds that are in it are not run again."""
 import argparse
-import csv
 import math
 import statistics
 import subprocess
 import sys
 from pathlib import Path
+
+import parts
 
 ROOT = Path(__file__).resolve().parents[2]
 PRESSURES = ('55', '110', '165')  # kPa
@@ -33,6 +34,7 @@ def parser(doc, seeds, table):
     arguments.add_argument('--threads', type=int, default=2, help='Number of threads of a run.')
     arguments.add_argument('--bin', type=Path, default=ROOT / 'build' / 'bin', help='Folder of the executables.')
     arguments.add_argument('--work', type=Path, default=ROOT / 'results' / Path(sys.argv[0]).name, help='Folder of the runs.')
+    parts.add_options(arguments)
     arguments.add_argument('--csv', type=Path, default=ROOT / 'tests' / 'performance' / 'results' / table, help='Table of the results.')
     return arguments
 
@@ -50,22 +52,21 @@ def scenario(args, name, words, out):
 
 
 def rows_of(args):
-    return list(csv.DictReader(open(args.csv))) if args.csv.exists() else []
+    return parts.rows_of(args, args.csv)
 
 
 def add(args, seed, numbers):
     """Adds the numbers of a seed to the table. `numbers` is a dictionary by (pressure, quantity)."""
-    fresh = not args.csv.exists()
-    with open(args.csv, 'a') as out:
-        if fresh:
-            out.write('seed,pressure_kPa,quantity,value\n')
-        out.writelines(f'{seed},{pressure},{quantity},{value:.6g}\n' for (pressure, quantity), value in numbers.items())
+    parts.add(args, args.csv, ('seed', 'pressure_kPa', 'quantity', 'value'),
+              [(seed, pressure, quantity, f'{value:.6g}') for (pressure, quantity), value in numbers.items()])
 
 
 def run(args, numbers_of_seed, report):
+    parts.merge(args, args.csv, args.seeds, lambda row: int(row['seed']))
     done = {int(row['seed']) for row in rows_of(args)}
-    for seed in args.seeds:
+    for seed in parts.mine(args, args.seeds):
         if seed not in done:
             add(args, seed, numbers_of_seed(args, seed))
             print(f'seed {seed} done', flush=True)
-    report(rows_of(args))
+    if args.part is None:
+        report(rows_of(args))

@@ -603,6 +603,25 @@ TEST_SUITE("assimilation/live_test") {
         CHECK(now.trajectories[0].displacement == recorded().read().trajectories[0].displacement);
     }
 
+    TEST_CASE("different faults of a stream are listed apart, each with its number and its first "
+              "line, and bytes that control a terminal are escaped") {
+        const Followed f;
+        std::vector<std::string> lines = recorded().lines;
+        for (const char* bad : {"{\"t\": 1", "{\"t\": 2", "junk \x1b[31m \xff", "{\"t\": \"one\"}",
+                                "{\"t\": \"two\"}", "{\"t\": \"three\"}"})
+            lines.insert(lines.begin() + 4, bad);
+        const auto test = f.follow(lines);
+        REQUIRE(test->follow_to(0.01));
+        const std::string report = test->report();
+        INFO(report);
+        const auto has = [&](const char* part) { return report.find(part) != std::string::npos; };
+        CHECK(has("2 times: line 9: expected an object of JSON, found"));
+        CHECK(has("1 time: line 8: expected a JSON object or the names of columns, found \"junk "
+                  "\\x1b[31m \\xff\""));
+        CHECK(has("3 times: line 5: t: expected a number, found"));
+        CHECK(report.find('\x1b') == std::string::npos);
+    }
+
     TEST_CASE("entries of a stream that are not numbers are reported with their line, and a record "
               "without strain is placed by its clock") {
         const Followed f;

@@ -10,6 +10,7 @@
 #include <array>
 #include <csignal>
 #include <cstdlib>
+#include <fstream>
 #include <sched.h>
 #include <string>
 #include <sys/mount.h>
@@ -195,6 +196,61 @@ TEST_SUITE("faults/limits") {
             check_failed(outcome, 4, "smart_triaxial");
             CHECK(outcome.err.find("found a pipe") != std::string::npos);
         }
+    }
+
+    TEST_CASE("a folder where a file is expected is refused by name, never as an internal error") {
+        const TemporaryDirectory folder;
+        for (const char* name : {"dir.obj", "dir.stl", "dir.ply", "dir.csv", "dir.txt", "dir.h5"})
+            fs::create_directory(folder / name);
+        const auto at = [&](const char* name) { return (folder / name).string(); };
+        for (const Words& words : std::vector<Words>{{"clumps", "--mesh", at("dir.obj")},
+                                                     {"clumps", "--mesh", at("dir.stl")},
+                                                     {"clumps", "--mesh", at("dir.ply")},
+                                                     {"triaxial", "--grading", at("dir.csv")},
+                                                     {"triaxial", "--sensor-shape", at("dir.csv")},
+                                                     {"triaxial", "--sensor-poses", at("dir.csv")},
+                                                     {"triaxial", "--clumps", at("dir.csv")},
+                                                     {"ballast_box", "--material", at("dir.txt")},
+                                                     {"ballast_box", "--clumps", at("dir.csv")},
+                                                     {"settle", "--config", at("dir.txt")},
+                                                     {"settle", "--resume", at("dir.h5")},
+                                                     {"recordings", "--new", at("dir.csv")},
+                                                     {"recordings", at("dir.csv")},
+                                                     {"recordings", "--columns", at("dir.txt")}}) {
+            CAPTURE(words);
+            Words all = words;
+            all.insert(all.end(), {"--out", (folder / "out").string()});
+            const Outcome outcome = run_process(all, {}, 20);
+            CAPTURE(outcome.err);
+            CHECK((outcome.code == 2 || outcome.code == 4));
+            CHECK(is_one_line_of(outcome.err, words[0]));
+            CHECK(outcome.err.find("internal error") == std::string::npos);
+            CHECK(outcome.err.find(words.back()) != std::string::npos);
+        }
+    }
+
+    TEST_CASE("bytes of a file that could control the terminal are shown escaped") {
+        const TemporaryDirectory folder;
+        const fs::path config = folder / "bad.cfg";
+        std::ofstream(config) << "seed = \x1b]0;owned\x07\x1b[2J\xff\n";
+        const Outcome outcome = run_process({"settle", "--config", config.string()});
+        CHECK(outcome.code == 2);
+        CHECK(outcome.err.ends_with("found \"\\x1b]0;owned\\x07\\x1b[2J\\xff\"\n"));
+    }
+
+    TEST_CASE("a second run into the same folder is refused as long as the first one runs") {
+        const TemporaryDirectory folder;
+        const auto out = folder / "out";
+        Process first(endless(out));
+        wait_for(out / "settle.vtkhdf");
+        const Words small = settle(out, {"--spheres", "20", "--duration", "0.001"});
+        const Outcome second = run_process(small);
+        check_failed(second, 4);
+        CHECK(second.err.find("--out: expected a folder that no other run uses, found '" +
+                              out.string() + "'") != std::string::npos);
+        first.send(SIGKILL); // what is left behind is no obstacle
+        (void)first.wait(20);
+        CHECK(run_process(small).code == 0);
     }
 
     TEST_CASE("a run that waits for a stream can be interrupted") {

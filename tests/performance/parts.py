@@ -1,0 +1,87 @@
+"""Parts of a campaign. A campaign is a list of independent runs; with --part K/N it does every N-th of them, from the K-th on, and writes a
+table of its own beside the campaign's, NAME.part_K_of_N.csv. Parts may run at once, on one machine or several, and a part that was killed
+goes on where it was when it is started again. --merge collects the tables of all parts, in the order of a campaign without parts:
+
+    for k in 1 2 3 4; do tests/performance/smart_campaign --part $k/4 & done; wait
+    tests/performance/smart_campaign --merge
+
+The same with GNU parallel: parallel tests/performance/smart_campaign --part {}/4 ::: 1 2 3 4; in a Slurm array: --part $SLURM_ARRAY_TASK_ID/4.
+"""
+import argparse
+import csv
+import os
+import re
+
+
+def part(text):
+    found = re.fullmatch(r'(\d+)/(\d+)', text)
+    if not found or not 1 <= int(found[1]) <= int(found[2]):
+        raise argparse.ArgumentTypeError(f'expected K/N with K from 1 to N, found "{text}"')
+    return int(found[1]), int(found[2])
+
+
+def add_options(parser):
+    parser.add_argument('--part', type=part, help='K/N: do every N-th run from the K-th on, with a table of its own.')
+    parser.add_argument('--merge', action='store_true', help='Run nothing: merge the tables of all parts into the table of the campaign.')
+
+
+def mine(args, runs):
+    """The runs of this part; none with --merge."""
+    if args.merge:
+        return []
+    return [run for k, run in enumerate(runs) if args.part is None or k % args.part[1] == args.part[0] - 1]
+
+
+def own_table(args, table):
+    """The table that this part adds to."""
+    return table.with_name(f'{table.stem}.part_{args.part[0]}_of_{args.part[1]}.csv') if args.part else table
+
+
+def lines_of(table):
+    return list(csv.reader(open(table, newline=''))) if table.exists() else []
+
+
+def rows_of(args, table):
+    """Rows of the campaign's table and of that of this part, as dictionaries."""
+    tables = dict.fromkeys([table, own_table(args, table)])
+    return [dict(zip(lines[0], line)) for lines in map(lines_of, tables) for line in lines[1:]]
+
+
+def write(table, lines):
+    """Replaces a table at once, so that a campaign that is killed leaves whole runs only."""
+    table.parent.mkdir(parents=True, exist_ok=True)
+    unfinished = table.with_name(f'{table.name}.{os.getpid()}.tmp')
+    with open(unfinished, 'w', newline='') as out:
+        csv.writer(out, lineterminator='\n').writerows(lines)
+    os.replace(unfinished, table)
+
+
+def add(args, table, head, rows):
+    """Adds all rows of a run to the table of this part."""
+    own = own_table(args, table)
+    write(own, [*(lines_of(own) or [list(head)]), *([str(cell) for cell in row] for row in rows)])
+
+
+def merge(args, table, runs, run_of, case_of=None):
+    """Merges the tables of all parts into the campaign's, if --merge is given. `run_of(row)` is the run of a row, which sorts the rows in the
+    order of `runs`; runs that are not in this list come first, as they are. `case_of(row)` is the case within a run that was added at once
+    (default: the whole run); a case that several tables have is taken from the first."""
+    case_of = case_of or run_of
+    if not args.merge:
+        return
+    order = {run: k for k, run in enumerate(runs)}
+    pattern = re.compile(re.escape(table.stem) + r'\.part_\d+_of_\d+\.csv')
+    parts = sorted(path for path in table.parent.glob('*.csv') if pattern.fullmatch(path.name))
+    head, merged, seen = None, [], set()
+    for lines in filter(None, map(lines_of, [table, *parts])):
+        if head not in (None, lines[0]):
+            raise SystemExit(f'{table}: the tables of the parts have different columns')
+        head = lines[0]
+        rows = [(dict(zip(head, line)), line) for line in lines[1:]]
+        merged += [(run_of(row), line) for row, line in rows if case_of(row) not in seen]
+        seen |= {case_of(row) for row, _ in rows}
+    if head:
+        write(table, [head, *(line for _, line in sorted(merged, key=lambda entry: order.get(entry[0], -1)))])
+    for path in parts:
+        path.unlink()
+    print(f'{table}: merged from {len(parts)} tables of parts, {len(merged)} rows')

@@ -1,0 +1,103 @@
+#!/usr/bin/python3
+"""Campaigns in parts: two parts at once, one of them killed and started again, merged, give the table of the campaign without parts, in
+every campaign that has --part. The programs are stand-ins that take a moment and write numbers that depend on their options only."""
+import json
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+HERE = Path(__file__).resolve().parent
+STAND_IN = '''#!/usr/bin/python3
+import hashlib, json, sys, time
+from pathlib import Path
+words = sys.argv[1:]
+out = Path(words[words.index('--out') + 1])
+options = [w for k, w in enumerate(words) if '--out' not in (w, words[k - 1]) and '--resume' not in (w, words[k - 1])]
+time.sleep(0.15)
+def number(key):
+    return 0.5 + int(hashlib.sha256((key + ' '.join(options)).encode()).hexdigest()[:6], 16) / 2**25
+class Any(dict):
+    pass
+keys = json.loads(Path(sys.argv[0]).with_name('keys.json').read_text())
+pressures = [''] + ['55kPa_', '110kPa_', '165kPa_']
+for folder in ('', '55kPa', '110kPa', '165kPa'):
+    (out / folder).mkdir(parents=True, exist_ok=True)
+    (out / folder / 'summary.json').write_text(json.dumps({p + k: number(folder + p + k) for p in pressures for k in keys}))
+(out / 'layouts.csv').write_text('sensors,layout,interval,sensor_rocks_error_ratio,near_error_ratio,others_error_ratio,seconds_per_stage\\n'
+                                 + f'10,rings,1e-3,{number("a")},{number("b")},{number("c")},0.1\\n')
+'''
+VARIANTS = ('inserted', 'spread', 'nudged', 'learned', 'both', 'ensemble', 'analysis', 'null', 'load_cell', 'free', 'perturbed')
+RATIOS = ('q', 'q_to_2_percent', 'q_to_4_percent', 'volumetric_strain', 'volumetric_strain_to_2_percent', 'volumetric_strain_to_4_percent', 'ring_strain',
+          'sensor_displacement', 'ring_radius', 'displacement_sensors', 'displacement_shell_1', 'rotation_sensors')
+LEARNED = ('learned_friction', 'learned_friction_deviation', 'learned_stiffness_ratio', 'learned_stiffness_ratio_deviation', 'learned_squared_distance_of_truth')
+RESULTS = ('measurements_accepted', 'measurements_refused', 'sensors_inconsistent_from', 'sensors_refused')
+
+
+def keys_of_triaxial():
+    text = (HERE / 'triaxial_campaign').read_text()
+    scope = {}
+    exec(text[text.index('KEYS ='):text.index('FACTORS =')], scope)
+    return scope['KEYS']
+
+
+def stand_ins(folder):
+    folder.mkdir()
+    keys = [*keys_of_triaxial(), *LEARNED, *(f'error_ratio_{name}' for name in RATIOS)]
+    keys += [f'{variant}_{name}' for variant in VARIANTS for name in (*LEARNED, *RESULTS, *(f'error_ratio_{ratio}' for ratio in RATIOS))]
+    (folder / 'keys.json').write_text(json.dumps(keys))
+    for name in ('smart_triaxial', 'triaxial', 'twin'):
+        (folder / name).write_text(STAND_IN)
+        (folder / name).chmod(0o755)
+    return folder
+
+
+def check(campaign, words, programs, folder):
+    tables = {}
+    def command(kind, *more):
+        work = folder / kind
+        work.mkdir(parents=True, exist_ok=True)
+        tables[kind] = [work / 'table.csv', work / 'layouts.csv']
+        own = ['--twin', programs / 'twin', '--layouts', tables[kind][1]] if campaign == 'variants_campaign' else ['--bin', programs]
+        return [str(word) for word in (sys.executable, HERE / campaign, *words, *own, '--threads', 1, '--work', work / 'runs', '--csv', tables[kind][0], *more)]
+
+    def run(*words):
+        done = subprocess.run(command(*words), capture_output=True, text=True)
+        assert done.returncode == 0, (campaign, words, done.stdout, done.stderr)
+        return done.stdout
+
+    def runs(kind):
+        return len(list((folder / kind / 'runs').glob('**/summary.json')))
+
+    run('whole')
+    parts = [subprocess.Popen(command('parts', '--part', f'{k}/2'), stdout=subprocess.DEVNULL) for k in (1, 2)]
+    while not list((folder / 'parts').glob('table.part_2_of_2.csv')):
+        time.sleep(0.01)
+    parts[1].send_signal(signal.SIGKILL)
+    assert parts[1].wait() == -signal.SIGKILL, f'{campaign}: the part ended before it could be killed'
+    assert parts[0].wait() == 0
+    run('parts', '--merge')  # of what there is: a later merge adds the rest
+    assert tables['parts'][0].read_text() != tables['whole'][0].read_text(), f'{campaign}: nothing was left to do'
+    run('parts', '--part', '2/2')
+    shown = run('parts', '--merge')
+    for whole, parted in zip(tables['whole'], tables['parts']):
+        assert whole.exists() == parted.exists()
+        if whole.exists():
+            assert sorted(whole.read_text().splitlines()) == sorted(parted.read_text().splitlines()), f'{campaign}: other rows'
+            assert whole.read_text() == parted.read_text(), f'{campaign}: the rows are in another order'
+    assert not list((folder / 'parts').glob('*.part_*')) and not list((folder / 'parts').glob('*.tmp'))
+    assert shown.split('\n', 1)[1].count('\n') > 2, f'{campaign}: no report after --merge'
+    assert subprocess.run(command('parts', '--part', '3/2'), capture_output=True).returncode == 2
+    print(f'{campaign}: the same table, {runs("whole")} runs')
+
+
+with tempfile.TemporaryDirectory() as name:
+    root = Path(name)
+    programs = stand_ins(root / 'bin')
+    check('smart_campaign', ['--seeds', '1,2,3,4,5,6'], programs, root / 'smart')
+    check('triaxial_campaign', ['--seeds', '1,2', '--variants', 'default,report,no_taps,gravity'], programs, root / 'triaxial')
+    check('twin_campaign', ['--seeds', '1,2,3,4', '--levels', 'A,B'], programs, root / 'twin')
+    check('variants_campaign', ['--seeds', '1,2'], programs, root / 'variants')
