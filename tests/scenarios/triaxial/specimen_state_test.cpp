@@ -129,7 +129,7 @@ TEST_SUITE("triaxial/specimen_state") {
                   shape.bounding_radius);
         }
         t.sensor_shape = "rock_02,sphere";
-        CHECK_THROWS_WITH_AS(make_scene(t, 1), doctest::Contains("found \"sphere\""), InputError);
+        CHECK_THROWS_WITH_AS(make_scene(t, 1), doctest::Contains("found 'sphere'"), InputError);
     }
 
     TEST_CASE("a held sensor rock gives way to rocks that press on it, but stays in the mould") {
