@@ -3,6 +3,7 @@
 #include "components/material.hpp"
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
+#include "components/settings.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -31,16 +32,20 @@ TriaxialSettings at_porosity(double porosity, double tolerance = 0.01) {
     return settings;
 }
 
-/// Touching pairs per rock of a specimen as it was prepared, under the platen.
+/// Touching pairs per rock of a specimen as it was prepared, under the platen. The limit of
+/// overlaps is higher while rocks are tapped, and only then.
 double contacts_of(const TriaxialSettings& settings) {
     Simulation simulation = make_simulation(small_scene(), 1, false);
     TriaxialTest test(simulation, settings);
     double contacts = 0;
     while (test.state().phase < TriaxialPhase::consolidate) {
+        CHECK((simulation.world().resource<Limits>().overlap > Limits{}.overlap) ==
+              (test.state().phase == TriaxialPhase::tap));
         const Balance balance = compute_balance(simulation.world());
         contacts = static_cast<double>(balance.contacts) / static_cast<double>(balance.free_bodies);
         REQUIRE(test.advance());
     }
+    CHECK(simulation.world().resource<Limits>().overlap == Limits{}.overlap);
     return contacts;
 }
 
