@@ -26,9 +26,6 @@ constexpr double energy_of_tap = 1.5;   // over pressure times volume of the roc
 // Largest overlap of two rocks if all energy of one is stored in a contact, over the bounding
 // radius of the smallest rock: in a wide grading the largest rocks would squeeze the smallest ones.
 constexpr double overlap_of_tap = 0.3;
-// Limit of the guard (Limits::overlap) while rocks are tapped: a large rock may for a moment press
-// a small one into the membrane by more than is allowed in a test.
-constexpr double largest_overlap_of_tap = 0.5;
 constexpr std::uint64_t more_taps = 8; // at most, to meet the porosity
 constexpr double met_within = 0.3;     // of the tolerance of the porosity
 constexpr std::uint64_t most_rounds = 6;
@@ -72,7 +69,7 @@ void TriaxialTest::start_taps() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
     world.resource<LocalDamping>().fraction = settings_.damping;
-    world.resource<Limits>().overlap = largest_overlap_of_tap;
+    world.resource<Limits>().overlap = largest_overlap_when_shaken;
     set_friction(world, preparation_friction());
     state.phase = TriaxialPhase::tap;
     state.phase_steps = 0;
