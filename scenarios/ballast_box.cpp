@@ -12,6 +12,7 @@
 #include "engine/run.hpp"
 #include "scenarios/ballast_box/box_run.hpp"
 #include "scenarios/ballast_box/cycles.hpp"
+#include "scenarios/ballast_box/draw_box.hpp"
 #include "scenarios/recordings/recorded_motion.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -39,21 +40,6 @@ Simulation make_simulation(const BallastBox& box, const Common& common) {
     return start(std::move(world), {.law = LawName::linear_viscous,
                                     .threads = common.threads,
                                     .schedule = {.serial = common.serial}});
-}
-
-/// The rocks that lie in the box, coloured by their distance from the subgrade.
-View view_of(const World& world) {
-    const BodyFrame frame = frame_of_bodies(world);
-    const auto& sensors = world.resource<BoxBodies>().sensors;
-    View view = view_of_bodies(world, frame, [&](std::size_t index) {
-        const auto id = static_cast<std::uint32_t>(frame.ids[index]);
-        const bool sensor =
-            std::ranges::any_of(sensors, [&](const BoxSensor& s) { return s.body == id; });
-        return sensor ? Colour{200, 40, 40} : rock_colour(id);
-    });
-    std::erase_if(view.quads, [](const auto& quad) { return quad[0].z() > 2; }); // parked
-    std::erase_if(view.balls, [](const DrawnBall& ball) { return ball.centre.z() > 2; });
-    return view;
 }
 
 /// Range of an actuator's load over the resilient deflection (m), N/m, in series with what the
@@ -172,10 +158,8 @@ void draw(const World& world, const BallastBox& box, const Series& samples,
                               .curves = {stiffness},
                               .x_logarithmic = first.size() >= 20}};
     draw_plots(common.out / "ballast_box.png", panels);
-    View view = view_of(world);
-    view.caption =
-        fmt::format("Ballast box, run {}, model {}. Red: sensor rocks.", box.run, box.model);
-    draw_picture(common.out / "box.png", {&view, 1}, {.azimuth = -1.2, .elevation = 0.15});
+    draw_box(world, common.out / "box.png",
+             fmt::format("Ballast box, run {}, model {}. Red: sensor rocks.", box.run, box.model));
 }
 
 /// Writes the recordings of the sensor rocks and adds the levels of their accelerations.

@@ -46,7 +46,7 @@ MakingMaterials making(double softness, double friction) {
 }
 
 std::vector<std::vector<double>> tie_shares(const BallastBox& box) {
-    constexpr double bay = 0.61;
+    constexpr double bay = tie_spacing;
     if (!box.is_dynamic()) return {{1.0, 0.0}};
     std::vector<double> at;
     for (unsigned k = 0; k < box.box_ties; ++k) at.push_back(bay * k);
@@ -75,6 +75,7 @@ void BoxTestRun::set_load(World& world, EntityId body, const LoadHistory& histor
 }
 
 std::array<double, 2> BoxTestRun::tie_load(std::size_t tie) const {
+    if (box_.is_bay()) return {sizes_.share * dead_load, 0};
     const auto shares = tie_shares(box_);
     const double mean = 0.5 * (box_.peak() + box_.least()),
                  amplitude = 0.5 * (box_.peak() - box_.least());
@@ -102,20 +103,38 @@ std::uint64_t BoxTestRun::steps_per_cycle() const {
     return static_cast<std::uint64_t>(std::llround(1 / (box_.load_frequency() * dt)));
 }
 
-void BoxTestRun::begin_loading(Simulation& simulation) const {
-    World& world = simulation.world();
+void BoxTestRun::begin_real_time(World& world) const {
     set_materials(world);
     if (box_.is_dynamic())
         world.resource<Clock>().change_step(box_.step_fraction * stable_step(world));
     note_beginning(world);
-    const Clock& clock = world.resource<Clock>();
-    const double frequency = 1 / (static_cast<double>(steps_per_cycle()) * clock.dt);
+    if (box_.is_dynamic()) start_recording(world);
+}
+
+void BoxTestRun::note_bed(World& world) const {
     const auto& ties = world.resource<BoxBodies>().ties;
     auto& state = world.resource<BoxState>();
     state.bed_porosity = porosity_between(world, 0, state.surface.back());
     state.tie_1 = value_of<Position>(world, ties.front()).z();
     state.tie_2 = value_of<Position>(world, ties.back()).z();
     state.bladder = value_of<Position>(world, world.resource<BoxBodies>().bladder).y();
+}
+
+void BoxTestRun::begin_passage(World& world, LoadHistory load) const {
+    begin_real_time(world);
+    const double now = world.resource<Clock>().time();
+    for (double& time : load.times) time += now;
+    for (double& value : load.values) value *= sizes_.share;
+    set_load(world, world.resource<BoxBodies>().ties.front(), load);
+}
+
+void BoxTestRun::begin_loading(Simulation& simulation) const {
+    World& world = simulation.world();
+    begin_real_time(world);
+    note_bed(world);
+    const Clock& clock = world.resource<Clock>();
+    const double frequency = 1 / (static_cast<double>(steps_per_cycle()) * clock.dt);
+    const auto& ties = world.resource<BoxBodies>().ties;
     for (std::size_t k = 0; k < ties.size(); ++k) {
         const auto [mean, amplitude] = tie_load(k);
         // mean + amplitude cos(2 pi f t)
@@ -126,7 +145,6 @@ void BoxTestRun::begin_loading(Simulation& simulation) const {
                   .phase = 0.5 * pi,
                   .start = clock.time()});
     }
-    if (box_.is_dynamic()) start_recording(world);
 }
 
 void BoxTestRun::add_sample(const World& world, Series& cycles) const {

@@ -25,6 +25,11 @@ public:
     std::uint64_t loading_steps() const { return steps_per_cycle() * box_.load_cycles(); }
     /// Starts the load cycles.
     void begin_loading(Simulation& simulation) const;
+    /// Notes porosity and heights of the bed, from which deflections are measured.
+    void note_bed(World& world) const;
+    /// Starts a passage over the tie of a bay: `load` is the force on a whole tie, N, from time 0
+    /// on, which is now. Recordings begin anew.
+    void begin_passage(World& world, LoadHistory load) const;
     Phase loading(const Run& run, Series& cycles, const std::function<void()>& frame);
 
     const BoxSizes& sizes() const { return sizes_; }
@@ -56,6 +61,8 @@ private:
     void place_ties(Simulation& simulation) const;
     void foul(Simulation& simulation) const;
 
+    /// Materials, time step and recordings of the loaded box.
+    void begin_real_time(World& world) const;
     void set_load(World& world, EntityId body, const LoadHistory& history) const;
     /// Mean load and amplitude of the tie with this number, N.
     std::array<double, 2> tie_load(std::size_t tie) const;
@@ -70,6 +77,8 @@ private:
     double hard_step_; ///< s, of contacts at full stiffness
 };
 
+/// N, weight on a whole tie of both rails (67 kg/m each) and fastenings along its spacing.
+inline constexpr double dead_load = 2 * 67 * 9.81 * tie_spacing;
 /// Steps between checks.
 inline constexpr std::uint64_t block = 200;
 /// Time step over the stable step of scaled masses without dashpots. A dense bed with the dashpots

@@ -65,14 +65,14 @@ void check_box(const BallastBox& box) {
 }
 
 BoxSizes box_sizes(const BallastBox& box) {
-    constexpr double half_tie = 1.295, tie_height = 0.23, bay = 0.61;
-    if (box.is_dynamic())
+    constexpr double half_tie = 1.295, tie_height = 0.23, bay = tie_spacing;
+    if (box.is_dynamic() && !box.is_bay())
         return {.width = 2 * bay,
                 .ties = {0.5 * bay, 1.5 * bay},
                 .tie = Vec3(tie_width, half_tie, tie_height),
                 .share = 0.5};
     // plane strain: the tie reaches through the sides, so that no rock gets between
-    const bool whole_bay = box.width > 0.6;
+    const bool whole_bay = box.is_bay() || box.width > 0.6;
     if (whole_bay)
         return {.width = bay,
                 .ties = {0.5 * bay},

@@ -35,8 +35,15 @@ struct BallastBox {
     FoulingOptions fouling = {.settings = {.voxel = 0.01}};
 
     void describe(auto& option);
+    // the groups of options, which other scenarios of the box share
+    void describe_ballast(auto& option);
+    void describe_track(auto& option);
+    void describe_simulation(auto& option);
 
-    bool is_dynamic() const { return model == "dynamic"; }
+    /// True masses and recorders in the sensor rocks: the models with real time. The model `bay`,
+    /// one tie over which trains pass, belongs to the scenario track_passage.
+    bool is_dynamic() const { return model == "dynamic" || is_bay(); }
+    bool is_bay() const { return model == "bay"; }
     // settings with the default of 0 that a run or a model determines
     double peak() const { return peak_load > 0 ? peak_load : box_test(run).peak_load; }
     double least() const { return least_load * peak(); }
@@ -44,7 +51,9 @@ struct BallastBox {
         return frequency > 0 ? frequency : box_test(run).frequencies.back();
     }
     unsigned load_cycles() const { return cycles > 0 ? cycles : (is_dynamic() ? 1 : 5); }
-    double scale() const { return rock_scale > 0 ? rock_scale : (is_dynamic() ? 1.5 : 1.3); }
+    double scale() const {
+        return rock_scale > 0 ? rock_scale : is_bay() ? 1.7 : is_dynamic() ? 1.5 : 1.3;
+    }
 };
 
 /// Throws InputError for settings that do not fit together.
@@ -55,6 +64,7 @@ void check_box(const BallastBox& box);
 FoulingOptions fouling_of(const BallastBox& box);
 
 inline constexpr double tie_width = 0.27;       // m
+inline constexpr double tie_spacing = 0.61;     // m
 inline constexpr double plate_thickness = 0.05; // m, of the plates that compact the lifts
 
 /// Sizes of the box, its ties and its bladder, m. Those of the box are the report's; those of the
@@ -114,6 +124,22 @@ void BallastBox::describe(auto& option) {
     option("rock_scale", rock_scale, "",
            "Factor on all sizes of rocks. 0: 1.3 in the settlement model, 1.5 in the dynamic one.",
            within(0, 4));
+    describe_ballast(option);
+    option.group("Track");
+    describe_track(option);
+    option("series_compliance", series_compliance, "m/N",
+           "Compliance of frame, pads and rails between an actuator and its tie, which is added to "
+           "that of the model.",
+           within(0, 1e-6));
+    option("box_ties", box_ties, "",
+           "Ties that carry the rails in the dynamic model: 2 (those of the model; each actuator "
+           "stands above one of them) or 4 (as in the box; the model's are the middle ones).",
+           within(2, 4));
+    option.group("Simulation");
+    describe_simulation(option);
+}
+
+void BallastBox::describe_ballast(auto& option) {
     option("smallest_rock", smallest_rock, "m",
            "Sieve size below which the grading is truncated, before scaling.", within(0.01, 0.06));
     option("porosity", porosity, "",
@@ -134,7 +160,9 @@ void BallastBox::describe(auto& option) {
            "Factor on the stiffness of rocks while the ballast is poured and compacted.",
            within(1e-3, 1));
     fouling.describe(option);
-    option.group("Track");
+}
+
+void BallastBox::describe_track(auto& option) {
     option(
         "subgrade_modulus", subgrade_modulus, "N/m3",
         "Modulus of the subgrade: pressure over settlement of its plates. The default is that of a "
@@ -142,24 +170,18 @@ void BallastBox::describe(auto& option) {
         within(1e6, 1e10));
     option("subgrade_damping", subgrade_damping, "",
            "Ratio of critical damping of the subgrade's plates.", within(0, 2));
-    option("series_compliance", series_compliance, "m/N",
-           "Compliance of frame, pads and rails between an actuator and its tie, which is added to "
-           "that of the model.",
-           within(0, 1e-6));
     option("rail_bending", rail_bending, "N m2", "Bending stiffness E I of both rails together.",
            within(1e4, 1e9));
     option("tie_support", tie_support, "N/m",
            "Support of a tie when the rails distribute the loads.", within(1e5, 1e10));
-    option("box_ties", box_ties, "",
-           "Ties that carry the rails in the dynamic model: 2 (those of the model; each actuator "
-           "stands above one of them) or 4 (as in the box; the model's are the middle ones).",
-           within(2, 4));
     option("bladder_pressure", bladder_pressure, "Pa",
            "Pressure in the bladder beside the shoulder while it is inflated.", within(0, 1e6));
     option("tie_level", tie_level, "m",
            "Height of the lower side of the ties when they are placed. 0: on the ballast.",
            within(0, 1));
-    option.group("Simulation");
+}
+
+void BallastBox::describe_simulation(auto& option) {
     option("rest", rest, "",
            "Unbalanced force ratio at which the box is at rest under the least loads, before the "
            "cycles begin.",

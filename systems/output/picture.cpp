@@ -28,7 +28,7 @@ void paste(const Image& part, unsigned left, unsigned top, Image& whole) {
 
 bool draw_picture(const std::filesystem::path& png, std::span<const View> views,
                   const Camera& camera, unsigned height) {
-    const Window window = window_around(views, camera);
+    const PictureWindow window = window_around(views, camera);
     const bool captions = std::any_of(views.begin(), views.end(),
                                       [](const View& view) { return !view.caption.empty(); });
     const unsigned top = captions ? caption_height : 0;

@@ -38,7 +38,7 @@ struct Camera {
 
 /// The part of the picture plane that is shown: its middle (m, to the right and upwards) and its
 /// size (m).
-struct Window {
+struct PictureWindow {
     double middle_right = 0, middle_up = 0; // m
     double width = 1, height = 1;           // m
 };
@@ -50,12 +50,12 @@ struct Image {
 };
 
 /// A window that contains all views, with a small margin.
-Window window_around(std::span<const View> views, const Camera& camera);
+PictureWindow window_around(std::span<const View> views, const Camera& camera);
 
 /// Draws a view on a white background, `height` pixels high and proportionally wide: z-buffer, two
 /// by two samples per pixel, light from the upper left, dark edges. 120 000 balls on 1200 rows take
 /// about 1 s.
-Image render(const View& view, const Camera& camera, const Window& window, unsigned height);
+Image render(const View& view, const Camera& camera, const PictureWindow& window, unsigned height);
 
 /// Writes all views side by side at one scale, with captions above, as a PNG through gnuplot. If
 /// this is impossible, prints one line on stderr and returns false.

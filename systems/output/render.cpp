@@ -178,7 +178,7 @@ Image averaged(const std::vector<float>& light, unsigned width, unsigned height)
 
 } // namespace
 
-Window window_around(std::span<const View> views, const Camera& camera) {
+PictureWindow window_around(std::span<const View> views, const Camera& camera) {
     const Axes axes(camera);
     constexpr double huge = std::numeric_limits<double>::max();
     double left = huge, right = -huge, low = huge, high = -huge;
@@ -201,7 +201,7 @@ Window window_around(std::span<const View> views, const Camera& camera) {
             .height = high - low + 2 * margin};
 }
 
-Image render(const View& view, const Camera& camera, const Window& window, unsigned height) {
+Image render(const View& view, const Camera& camera, const PictureWindow& window, unsigned height) {
     const Axes axes(camera);
     const auto width = static_cast<unsigned>(
         std::clamp(std::lround(height * window.width / window.height), 1l, 20000l));

@@ -32,7 +32,7 @@ double covered(const Image& image) {
 }
 
 constexpr Camera level{.azimuth = 0, .elevation = 0};
-constexpr Window square{.middle_right = 0, .middle_up = 0, .width = 2, .height = 2};
+constexpr PictureWindow square{.middle_right = 0, .middle_up = 0, .width = 2, .height = 2};
 
 bool gnuplot_missing() { return std::system("command -v gnuplot >/dev/null 2>&1") != 0; }
 
@@ -44,7 +44,7 @@ TEST_SUITE("output/picture") {
         const View view{
             .balls = {{.centre = Vec3(0.1, 3, -0.2), .radius = 0.5, .colour = {200, 0, 0}}}};
         for (const Camera& camera : {level, Camera{.azimuth = 1, .elevation = 0.4}}) {
-            Window window = window_around(std::vector<View>{view}, camera);
+            PictureWindow window = window_around(std::vector<View>{view}, camera);
             window.width = window.height = 2;
             const Image image = render(view, camera, window, 800);
             CHECK(image.width == 800);

@@ -1,0 +1,118 @@
+#include "scenarios/ballast_box/passages.hpp"
+
+#include "components/kinds.hpp"
+#include "components/load.hpp"
+#include "engine/errors.hpp"
+#include "scenarios/ballast_box/box_balance.hpp"
+#include "scenarios/specimens/check_scene.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "systems/output/quantities.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+constexpr double sample_interval = 5e-3; // s
+constexpr std::uint64_t samples_per_frame = 20;
+
+std::uint64_t steps_per_sample(const World& world) {
+    const double dt = world.resource<Clock>().dt;
+    return std::max<std::uint64_t>(1,
+                                   static_cast<std::uint64_t>(std::llround(sample_interval / dt)));
+}
+
+void add_sample(const World& world, unsigned number, Series& samples) {
+    const EntityId tie = world.resource<BoxBodies>().ties.front();
+    const Row row = row_of_body(world, tie);
+    const auto load = world.column<Bodies, LoadOf>()[row] - 1;
+    const LoadHistory& history = world.resource<Loads>().of_body[load].front().history;
+    const BoxBalance balance = box_balance(world);
+    samples.add({static_cast<double>(number), since(world),
+                 history.at(world.resource<Clock>().time()),
+                 world.resource<BoxState>().tie_1 - world.column<Bodies, Position>()[row].z(),
+                 balance.tie_support, balance.subgrade_force, balance.unbalanced_ratio});
+}
+
+Phase save_bed(const BoxTestRun& test, const Run& run) {
+    return {.advance =
+                [&test, &run](Simulation& s) {
+                    test.note_bed(s.world());
+                    run.save_as("bed");
+                    return false;
+                },
+            .progress =
+                [](const World&) {
+                    return PhaseProgress{"save the bed", 1, ""};
+                }};
+}
+
+Phase pass(const BoxTestRun& test, const TrackPassage& settings, const Train& train,
+           unsigned number, Series& samples, const PassageActions& actions, const Run& run) {
+    const double speed = settings.train_speed();
+    const RailOnTies rails = settings.rails();
+    const double duration = passing_time(train, speed, rails);
+    return {.advance =
+                [=, &samples, &actions, &run](Simulation& s) {
+                    const std::uint64_t steps = steps_per_sample(s.world());
+                    if (since(s.world()) < duration) {
+                        s.advance(steps);
+                        (void)checked_stable_step(s.world());
+                        add_sample(s.world(), number, samples);
+                        if (run.steps_in_phase() / steps % samples_per_frame == 0) actions.frame();
+                        if (since(s.world()) < duration) return true;
+                    }
+                    actions.completed(number);
+                    return false;
+                },
+            .progress =
+                [=](const World& world) {
+                    return PhaseProgress{fmt::format("passage {}", number), since(world) / duration,
+                                         fmt::format("{:.2f} of {:.2f} s", since(world), duration)};
+                },
+            .begin =
+                [=, &test, &train](Simulation& s) {
+                    test.begin_passage(s.world(), passing_load(train, speed, rails, dead_load));
+                }};
+}
+
+} // namespace
+
+std::vector<RunFile::Column> passage_columns() {
+    return {{"passage", ""},         {"time", "s"},        {"load", "N"},
+            {"deflection", "m"},     {"tie_support", "N"}, {"subgrade_force", "N"},
+            {"unbalanced_ratio", ""}};
+}
+
+std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
+                                  const TrackPassage& settings, const Train& train, Series& samples,
+                                  const PassageActions& actions) {
+    std::vector<Phase> phases{save_bed(test, run)};
+    for (unsigned number = 1; number <= settings.passages; ++number)
+        phases.push_back(pass(test, settings, train, number, samples, actions, run));
+    return phases;
+}
+
+PassageResponse passage_response(const Series& samples, unsigned number) {
+    const auto& passage = samples.column("passage");
+    const auto [first, last] =
+        std::equal_range(passage.begin(), passage.end(), static_cast<double>(number));
+    require(first != last, fmt::format("samples: expected passage {}, found none", number));
+    const auto from = static_cast<std::size_t>(first - passage.begin()),
+               to = static_cast<std::size_t>(last - passage.begin());
+    const auto &load = samples.column("load"), &deflection = samples.column("deflection"),
+               &support = samples.column("tie_support");
+    PassageResponse r{.settlement = deflection[to - 1] - deflection[from]};
+    for (std::size_t k = from; k < to; ++k) {
+        r.deflection = std::max(r.deflection, deflection[k] - deflection[from]);
+        r.largest_load = std::max(r.largest_load, load[k]);
+        r.largest_support = std::max(r.largest_support, support[k]);
+    }
+    return r;
+}
+
+} // namespace bris

@@ -1,0 +1,78 @@
+#pragma once
+
+#include "engine/io/series.hpp"
+#include "engine/run.hpp"
+#include "scenarios/ballast_box/box_run.hpp"
+#include "scenarios/ballast_box/train.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// Settings of trains that pass over one tie of a bay of track.
+struct TrackPassage {
+    BallastBox box = {.model = "bay", .porosity = 0.42};
+    std::string train = "passenger";
+    double speed = 0;
+    unsigned passages = 2;
+
+    void describe(auto& option);
+
+    double train_speed() const { return speed > 0 ? speed : train == "passenger" ? 31.3 : 20.0; }
+    RailOnTies rails() const { return {box.rail_bending, box.tie_support, tie_spacing}; }
+};
+
+/// Columns of the samples that are taken during the passages.
+std::vector<RunFile::Column> passage_columns();
+
+/// What is done at the ends of a block of a passage and of a passage.
+struct PassageActions {
+    std::function<void()> frame;                    ///< every tenth of a second
+    std::function<void(unsigned number)> completed; ///< passages count from 1
+};
+
+/// The phases after the preparation of the box: the finished bed is saved as bed.ckpt.h5, then the
+/// train passes `passages` times. `samples` has passage_columns(). All references must outlive the
+/// phases.
+std::vector<Phase> passage_phases(const BoxTestRun& test, const Run& run,
+                                  const TrackPassage& settings, const Train& train, Series& samples,
+                                  const PassageActions& actions);
+
+/// The tie's response to one passage.
+struct PassageResponse {
+    double settlement = 0;      ///< m, permanent, in this passage
+    double deflection = 0;      ///< m, largest, from the beginning of the passage
+    double largest_load = 0;    ///< N, on the half tie of the model
+    double largest_support = 0; ///< N, vertical force of the ballast on the tie
+};
+/// Throws InputError if the samples have no passage of that number.
+PassageResponse passage_response(const Series& samples, unsigned number);
+
+void TrackPassage::describe(auto& option) {
+    option.group("Train");
+    option("train", train, "",
+           "Train: passenger, freight (assets/trains), or the path of a CSV file with the columns "
+           "position_m and axle_load_kN.");
+    option("speed", speed, "m/s",
+           "Speed of the train. 0: 31.3 m/s (70 mph) for passenger, 20 m/s for others.",
+           within(0, 120));
+    option("passages", passages, "",
+           "Passages of the train one after the other; the first one on a new bed settles it.",
+           within(1, 1000));
+    option.group("Ballast");
+    option("run", box.run, "",
+           "State of the ballast, as in the runs of table 1 of the report: I.2 clean, I.4 without "
+           "shoulder, II.2 fouled and dry, II.3 fouled and wet, II.4 fouled, wet and without "
+           "shoulder.",
+           {"I.2", "I.4", "II.2", "II.3", "II.4"});
+    option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks. 0: 1.7.", within(0, 4));
+    box.describe_ballast(option);
+    option.group("Track");
+    box.describe_track(option);
+    option.group("Simulation");
+    box.describe_simulation(option);
+}
+
+} // namespace bris

@@ -1,0 +1,234 @@
+// Trains pass over a tie of a bay of track on clean or fouled ballast; sensor rocks in the ballast
+// record what SmartRocks would record. The force of the rails on the tie is that of a beam on a
+// Winkler foundation under the static loads of the axles.
+#include "components/kinds.hpp"
+#include "engine/errors.hpp"
+#include "engine/io/plot.hpp"
+#include "engine/io/series.hpp"
+#include "engine/resume.hpp"
+#include "engine/run.hpp"
+#include "engine/signal/fft.hpp"
+#include "engine/signal/spectrum.hpp"
+#include "scenarios/ballast_box/draw_box.hpp"
+#include "scenarios/ballast_box/passages.hpp"
+#include "scenarios/monitoring/passage.hpp"
+#include "scenarios/monitoring/vibration.hpp"
+#include "scenarios/recordings/recorded_motion.hpp"
+#include "scenarios/specimens/memory_estimate.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "scenarios/specimens/start.hpp"
+#include "systems/contact/stable_step.hpp"
+#include "systems/output/frames.hpp"
+#include "systems/output/quantities.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace {
+
+using namespace bris;
+
+Simulation make_simulation(const TrackPassage& t, const Common& common) {
+    check_box(t.box);
+    World world = make_box_world(t.box, common.seed);
+    const auto bodies = static_cast<double>(world.table<Bodies>().size());
+    require_memory("rock_scale", bodies, bytes_of_rocks(bodies, 30), common.memory_limit);
+    return start(std::move(world), {.law = LawName::linear_viscous,
+                                    .threads = common.threads,
+                                    .schedule = {.serial = common.serial}});
+}
+
+std::string folder_of(unsigned number) { return fmt::format("passage_{:02}", number); }
+
+/// What the sensor rocks have recorded since the passage began. The pose of the metadata is that at
+/// the end of the passage.
+Passage recorded_passage(const World& world, unsigned number) {
+    Passage passage{folder_of(number), {}};
+    for (const InertialRecorder& recorder : world.resource<InertialRecorders>().list) {
+        const Row row = row_of_body(world, recorder.body);
+        passage.recordings.push_back(recording_of(
+            recorder, static_cast<unsigned>(passage.recordings.size() + 1),
+            world.column<Bodies, Position>()[row], world.column<Bodies, Orientation>()[row]));
+    }
+    return passage;
+}
+
+void write_passage(const World& world, const TrackPassage& t, unsigned number,
+                   const std::filesystem::path& out) {
+    write_passages(
+        out, {recorded_passage(world, number)},
+        fmt::format("Passage {} of the train '{}' at {:g} m/s", number, t.train, t.train_speed()));
+}
+
+/// Levels of a sensor in the last passage. The mean of the first tenth of a second is the level at
+/// rest: the first axle is still far away.
+void add_sensor(Summary& summary, const std::string& name, const Recording& recording) {
+    const Vibration vertical = vibration_of(recording, "vertical", 0.1);
+    require(vertical.impossible_because.empty(), vertical.impossible_because);
+    double peak = 0;
+    for (const auto& run : vertical.runs)
+        for (const double a : run) peak = std::max(peak, std::abs(a));
+    summary.add("vertical_rms_" + name + "_m_per_s2", vertical.rms);
+    summary.add("vertical_peak_" + name + "_m_per_s2", peak);
+    for (const char* axis : {"roll", "pitch", "yaw"})
+        summary.add(fmt::format("{}_rate_rms_{}_rad_per_s", axis, name),
+                    vibration_of(recording, std::string(axis) + "_rate", 0.1).rms);
+}
+
+/// Spectral density of the longest part without gaps; nothing if it is shorter than two segments.
+Curve spectrum_of(const Recording& recording, const std::string& name) {
+    const Vibration vertical = vibration_of(recording, "vertical", 0.1);
+    Curve curve{.label = name};
+    if (vertical.runs.empty()) return curve;
+    WelchSettings settings;
+    while (settings.segment > 64 &&
+           2 * settings.segment > std::ranges::max(vertical.runs, {}, [](const auto& run) {
+                                      return run.size();
+                                  }).size())
+        settings.segment /= 2;
+    const Spectrum s = welch(vertical.runs, vertical.rate, settings);
+    for (std::size_t bin = 1; bin < s.density.size(); ++bin) {
+        curve.x.push_back(s.frequency(bin));
+        curve.y.push_back(s.density[bin]);
+    }
+    return curve;
+}
+
+Curve vertical_of(const Recording& recording, const std::string& name) {
+    const Vibration vertical = vibration_of(recording, "vertical", 0.1);
+    Curve curve{.label = name};
+    for (std::size_t r = 0; r < vertical.runs.size(); ++r)
+        for (std::size_t k = 0; k < vertical.runs[r].size(); ++k) {
+            curve.x.push_back(vertical.begins[r] - vertical.begins.front() +
+                              static_cast<double>(k) / vertical.rate);
+            curve.y.push_back(vertical.runs[r][k]);
+        }
+    return curve;
+}
+
+void draw(const Series& samples, const World& world, const Passage& last, const Common& common) {
+    const auto &passage = samples.column("passage"), &time = samples.column("time"),
+               &load = samples.column("load"), &deflection = samples.column("deflection");
+    std::vector<Curve> loads, deflections, vertical, spectra;
+    for (std::size_t k = 0; k < passage.size(); ++k) {
+        if (k == 0 || passage[k] != passage[k - 1]) {
+            const std::string label = fmt::format("passage {:g}", passage[k]);
+            deflections.push_back({.label = label});
+            loads.push_back({.label = label});
+        }
+        loads.back().x.push_back(time[k]);
+        loads.back().y.push_back(1e-3 * load[k]);
+        deflections.back().x.push_back(time[k]);
+        deflections.back().y.push_back(1e3 * deflection[k]);
+    }
+    loads.resize(1); // the same in every passage
+    const auto& sensors = world.resource<BoxBodies>().sensors;
+    for (std::size_t k = 0; k < sensors.size(); ++k) {
+        if (sensors[k].course == 0) continue; // those near the tie
+        vertical.push_back(vertical_of(last.recordings[k], sensors[k].name));
+        spectra.push_back(spectrum_of(last.recordings[k], sensors[k].name));
+    }
+    const std::string seconds = "time since the passage began (s)";
+    draw_plots(common.out / "track_passage.png",
+               {{.title = "Load of the rails on the half tie",
+                 .x_label = seconds,
+                 .y_label = "load (kN)",
+                 .curves = loads},
+                {.title = "Deflection of the tie",
+                 .x_label = seconds,
+                 .y_label = "deflection (mm)",
+                 .curves = deflections},
+                {.title = "Vertical acceleration, last passage",
+                 .x_label = seconds,
+                 .y_label = "acceleration (m/s2)",
+                 .curves = vertical},
+                {.title = "Its spectrum",
+                 .x_label = "frequency (Hz)",
+                 .y_label = "density ((m/s2)^2/Hz)",
+                 .curves = spectra,
+                 .x_logarithmic = true,
+                 .y_logarithmic = true}},
+               2);
+    draw_box(world, common.out / "bay.png", "A bay of track. Red: sensor rocks.");
+}
+
+void summarise(Summary& summary, const TrackPassage& t, const Train& train, const Series& samples,
+               const World& world, const Passage& last) {
+    std::size_t rocks = 0;
+    for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
+    summary.add("rocks", rocks);
+    summary.add("axles", train.axles.size());
+    summary.add("train_length_m", train.length());
+    summary.add("train_speed_m_per_s", t.train_speed());
+    summary.add("passage_duration_s", passing_time(train, t.train_speed(), t.rails()));
+    summary.add("bed_porosity", world.resource<BoxState>().bed_porosity);
+    if (world.has_resource<Fouling>()) add_fouling_results(summary, world);
+    for (unsigned number = 1; number <= t.passages; ++number) {
+        const PassageResponse r = passage_response(samples, number);
+        const std::string name = folder_of(number) + "_";
+        summary.add(name + "settlement_mm", 1e3 * r.settlement);
+        summary.add(name + "deflection_mm", 1e3 * r.deflection);
+        summary.add(name + "largest_load_kN", 1e-3 * r.largest_load);
+        summary.add(name + "largest_support_kN", 1e-3 * r.largest_support);
+    }
+    const auto& sensors = world.resource<BoxBodies>().sensors;
+    for (std::size_t k = 0; k < sensors.size(); ++k)
+        add_sensor(summary, sensors[k].name, last.recordings[k]);
+    summary.add("time_step_s", world.resource<Clock>().dt);
+    summary.add("stable_step_s", stable_step(world));
+    add_quantities(summary, compute_quantities(world));
+}
+
+void run(const TrackPassage& t, const Common& common) {
+    const Train train = train_named(t.train);
+    Simulation simulation = make_simulation(t, common);
+    const World& world = simulation.world();
+    BoxTestRun test(simulation, t.box, common.seed);
+    Series samples("passages", passage_columns());
+    Run run(simulation, common, "track_passage");
+    run.keep(samples);
+    if (!common.resume.empty()) {
+        // the finished bed serves any train
+        std::vector<std::string_view> may_differ{"passages"};
+        if (common.resume.filename() == "bed.ckpt.h5")
+            may_differ.insert(may_differ.end(), {"train", "speed_m_per_s"});
+        const Checkpoint from =
+            checkpoint_to_resume(common.resume, common.scenario, common.settings, may_differ);
+        if (from.state.find("fields/box") != nullptr) add_fields(simulation, t.box);
+        run.resume(common.resume, may_differ);
+    }
+    FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings);
+    const PassageActions actions{
+        .frame = [&] { frames.add(world); },
+        .completed = [&](unsigned number) { write_passage(world, t, number, common.out); }};
+    std::vector<Phase> phases = test.preparation();
+    for (Phase& phase : passage_phases(test, run, t, train, samples, actions))
+        phases.push_back(std::move(phase));
+    run.go(phases);
+    const Passage last = recorded_passage(world, t.passages);
+    draw(samples, world, last, common);
+    samples.write_csv(common.out / "samples.csv");
+    samples.write_track(frames.file());
+    frames.file().close();
+    Summary summary;
+    summarise(summary, t, train, samples, world, last);
+    run.describe(summary);
+    report_results(common, summary);
+}
+
+std::string explain(const TrackPassage& t, const Common& common) {
+    Simulation simulation = make_simulation(t, common);
+    if (fouling_of(t.box).any()) add_fields(simulation, t.box); // when the ties are seated
+    return simulation.schedule().explain();
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_scenario<TrackPassage>(
+        argc, argv,
+        {"track_passage", "Trains pass over a tie on clean or fouled ballast with sensor rocks."},
+        run, explain);
+}

@@ -1,0 +1,91 @@
+#include "engine/errors.hpp"
+#include "scenarios/ballast_box/rail.hpp"
+#include "scenarios/ballast_box/train.hpp"
+#include "tests/about.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+
+using namespace bris;
+
+namespace {
+
+constexpr RailOnTies usual{.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61};
+
+std::string file_with(const TemporaryDirectory& folder, const std::string& rows) {
+    const auto path = folder.path() / "train.csv";
+    std::ofstream(path) << "position_m,axle_load_kN\n" << rows;
+    return path.string();
+}
+
+} // namespace
+
+TEST_SUITE("ballast_box") {
+    TEST_CASE("all ties together carry an axle, wherever it stands between them") {
+        for (const double support : {1e7, 3e7, 1e8})
+            for (const double offset : {0.0, 0.1, 0.305}) {
+                const RailOnTies rails{1.58e7, support, 0.61};
+                // Poisson's sum: the first harmonic of the ties' spacing
+                const double turns = 2 * pi / (rails.wave_number() * rails.spacing);
+                double sum = 0;
+                for (int tie = -100; tie <= 100; ++tie) sum += rails.share(0.61 * tie - offset);
+                CHECK(std::abs(sum - 1) < 1.1 * 8 / std::pow(turns, 4));
+            }
+        CHECK(std::abs(usual.share(usual.reach())) < 1e-5 * usual.share(0));
+    }
+
+    TEST_CASE("a beam on a continuous foundation loads a tie as a beam on single springs does") {
+        std::vector<double> at;
+        for (int tie = -30; tie <= 30; ++tie) at.push_back(0.61 * tie);
+        for (const double x : {0.0, 0.2, 0.61, 1.5, 3.0}) {
+            const auto reactions = rail_reactions(at, usual.tie_support, usual.bending, x);
+            CHECK(reactions[30] ==
+                  about(usual.share(x)).epsilon(0.01 * usual.share(0) / std::abs(usual.share(x))));
+        }
+    }
+
+    TEST_CASE("the impulse of a passing train on a tie is its weight times the spacing over the "
+              "speed, and it begins and ends with the weight of the rails") {
+        const double speed = 20, dead_load = 800;
+        for (const char* name : {"passenger", "freight"}) {
+            const Train train = train_named(name);
+            const LoadHistory load = passing_load(train, speed, usual, dead_load);
+            double weight = 0, heaviest = 0, impulse = 0, most = 0;
+            for (const Axle& axle : train.axles) {
+                weight += axle.load;
+                heaviest = std::max(heaviest, axle.load);
+            }
+            for (std::size_t k = 1; k < load.times.size(); ++k) {
+                impulse += 0.5 * (load.values[k] + load.values[k - 1] - 2 * dead_load) *
+                           (load.times[k] - load.times[k - 1]);
+                most = std::max(most, load.values[k]);
+            }
+            CHECK(impulse == about(weight * usual.spacing / speed).epsilon(1e-4));
+            CHECK(load.values.front() == about(dead_load).epsilon(1e-5 * heaviest / dead_load));
+            CHECK(load.values.back() == about(dead_load).epsilon(1e-5 * heaviest / dead_load));
+            CHECK(load.times.back() == about(passing_time(train, speed, usual)).epsilon(1e-12));
+            CHECK(most > 0.9 * usual.share(0) * heaviest); // neighbours lift the rails
+            CHECK(most < 2 * usual.share(0) * heaviest);
+        }
+    }
+
+    TEST_CASE("a train that is impossible is refused with the line of its file") {
+        const TemporaryDirectory folder;
+        CHECK(train_named(file_with(folder, "0,100\n2.5,100\n")).length() == 2.5);
+        const auto refused = [&](const std::string& rows, const char* message) {
+            CHECK_THROWS_WITH_AS(train_named(file_with(folder, rows)), doctest::Contains(message),
+                                 InputError);
+        };
+        refused("", "train.csv: expected at least one axle, found none");
+        refused("1,100\n", "train.csv:2: expected position_m 0 of the first axle, found 1");
+        refused("0,100\n0,100\n",
+                "train.csv:3: expected a position_m greater than that of the axle before, found 0");
+        refused("0,100\n2,-\n",
+                "train.csv:3: expected an axle_load_kN above 0 and at most 500, found nan");
+        CHECK_THROWS_WITH_AS(train_named("tram"), doctest::Contains("freight, passenger"),
+                             InputError);
+    }
+}
