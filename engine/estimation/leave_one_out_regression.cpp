@@ -127,6 +127,7 @@ void LeaveOneOutRegression::measure_distances(const Matrix& samples) {
 Vector LeaveOneOutRegression::standardised(const Vector& features) const {
     require(features.size() == feature_mean_.size(),
             "regression: expected as many features as the samples have");
+    require(features.allFinite(), "regression: expected features that are numbers");
     return (features - feature_mean_).cwiseProduct(feature_scale_);
 }
 

@@ -95,7 +95,7 @@ Plot panel_of(const std::string& title, const std::string& label, const std::vec
             .y_label = label,
             .curves = {{"measured", x, measured, Curve::Style::points},
                        {"prior mean", x, scaled(prior.mean, factor), Curve::Style::dashed},
-                       {"predicted, with 90 % band", x, scaled(predicted.mean, factor)},
+                       {"predicted", x, scaled(predicted.mean, factor)},
                        {"", x, scaled(predicted.low, factor), Curve::Style::dashed},
                        {"", x, scaled(predicted.high, factor), Curve::Style::dashed}}};
 }
@@ -216,6 +216,7 @@ bool draw_scores(const std::filesystem::path& png, const SpecimenLibrary& librar
                  const std::vector<SpecimenScore>& scores) {
     const auto x = strains_of(library.axis);
     const LibraryTest& test = example.tests[pressure];
+    constexpr auto bands = ", 90 % band";
     const std::string at = " at " + label_of(library.pressures[pressure]);
     Plot ratio{
         .title = "Error over that of the prior ensemble",
@@ -254,13 +255,15 @@ bool draw_scores(const std::filesystem::path& png, const SpecimenLibrary& librar
                .x_label = "probability",
                .y_label = "density",
                .curves = {histogram, {"calibrated", {0, 1}, {1, 1}, Curve::Style::dashed}}};
-    return draw_plots(png,
-                      {panel_of("Deviatoric stress" + at, "q (kPa)", x, scaled(test.q, 1e-3),
-                                prior.q, predicted.q, 1e-3),
-                       panel_of("Volumetric strain" + at, "volumetric strain (%)", x,
-                                scaled(test.volume, 100), prior.volume, predicted.volume, 100),
-                       ratio, learned, ranks},
-                      3);
+    return draw_plots(
+        png,
+        {panel_of("q" + at + bands, "q (kPa)", x, scaled(test.q, 1e-3), prior.q, predicted.q, 1e-3),
+         panel_of("Smoothed q" + at + bands, "q (kPa)", x, scaled(test.smoothed_q, 1e-3),
+                  prior.smoothed_q, predicted.smoothed_q, 1e-3),
+         panel_of("Volumetric strain" + at + bands, "volumetric strain (%)", x,
+                  scaled(test.volume, 100), prior.volume, predicted.volume, 100),
+         ratio, learned, ranks},
+        3);
 }
 
 } // namespace bris

@@ -183,6 +183,9 @@ TEST_SUITE("estimation/leave_one_out_regression") {
                         InputError);
         CHECK_THROWS_AS(LeaveOneOutRegression(e.features, Vector::Ones(2), e.targets, e.groups),
                         InputError);
+        const LeaveOneOutRegression regression(e.features, e.weights, e.targets, e.groups);
+        CHECK_THROWS_AS(regression.predict(Vector::Ones(5)), InputError);
+        CHECK_THROWS_AS(regression.predict(Vector::Constant(6, std::nan(""))), InputError);
         const Matrix few = e.features.topRows(3), few_targets = e.targets.topRows(3);
         CHECK_THROWS_AS(LeaveOneOutRegression(few, e.weights, few_targets, e.groups), InputError);
     }
