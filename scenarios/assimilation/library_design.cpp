@@ -23,10 +23,11 @@ namespace {
 /// Settings that do not change what a specimen of the library is: those that may differ in every
 /// scenario, and those that say how many specimens there are and how they are judged.
 bool is_of_specimens(const NamedValue& setting) {
-    constexpr std::array others{"specimens",   "learning_strain", "learning_pressure_Pa",
+    constexpr std::array others{"specimens",   "library",         "truths",
+                                "compare",     "learning_strain", "learning_pressure_Pa",
                                 "use_force",   "use_volume",      "use_rings",
-                                "use_sensors", "use_porosity",    "library",
-                                "truths",      "frame_stages"};
+                                "use_sensors", "use_tilt",        "use_porosity",
+                                "frame_stages"};
     return std::ranges::count(settings_that_may_differ(), setting.key) == 0 &&
            std::ranges::count(others, setting.key) == 0;
 }
@@ -88,7 +89,9 @@ void LibraryMaker::make(std::size_t job, std::uint64_t number) {
             return;
         } catch (const SimulationError& error) {
             const std::lock_guard lock(mutex_);
-            say(fmt::format("specimen {}, packing {}: {}", number, attempt + 1, error.what()));
+            const std::string what = error.what(); // its checkpoint is not kept
+            say(fmt::format("specimen {}, packing {}: {}", number, attempt + 1,
+                            what.substr(0, what.find(" (state saved"))));
         }
     }
     const std::lock_guard lock(mutex_);
