@@ -13,6 +13,7 @@
 #include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
+#include "scenarios/assimilation/library_use.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
@@ -35,6 +36,7 @@ namespace {
 struct Smart {
     Triaxial triaxial{.test = {.preparation = "report"}}; // as the example's specimen
     std::filesystem::path recordings = assets_folder() / "smartrock";
+    std::filesystem::path library = assets_folder() / "libraries" / "arema_4_400_rocks.h5";
     RockParameters model{0.5, 1};
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     Corrections corrections;
@@ -72,6 +74,10 @@ struct Smart {
                "Contact stiffness in the prior (the median), relative to --clump-stiffness.",
                above(0, 1e6));
         learning.describe(option);
+        option(
+            "library", library, "",
+            "File of a library of specimens (specimen_library), from which the beginning of each "
+            "test predicts the rest of it, if the library fits the model. Empty: none.");
         option("change", change, "",
                "Relative change of the estimated friction or stiffness from which the model takes "
                "over the new estimate.",
@@ -105,7 +111,8 @@ struct Smart {
 
 /// Results of one test: the model alone and the model that learns.
 struct Computed {
-    RockParameters before; ///< estimate at the beginning of the test
+    RockParameters before;  ///< estimate at the beginning of the test
+    TestPrediction library; ///< by a library of specimens
     Learned learned;
     ModelRun free, fused;
     std::vector<View> views;
@@ -127,6 +134,7 @@ private:
         settings.confining_pressure = pressure;
         return settings;
     }
+    void predict_from_library();
     void prepare();
     void learn();
     void run_variants();
@@ -153,6 +161,25 @@ private:
     std::vector<Computed> done_;
     double preparation_wall_ = 0, learning_wall_ = 0, variants_wall_ = 0;
 };
+
+/// Predicts each test before anything is simulated, which takes milliseconds.
+void Computation::predict_from_library() {
+    if (s_.library.empty()) {
+        for (Computed& c : done_) c.library.not_used = "none was given";
+        return;
+    }
+    const SpecimenLibrary library = read_library(s_.library);
+    for (std::size_t k = 0; k < tests_.size(); ++k) {
+        const std::string folder = folder_of(tests_[k].pressure);
+        done_[k].library = predict_test(
+            library, {common_.settings, s_.triaxial.test.core_porosity(), tests_[k].pressure},
+            measured_test(tests_[k]), {.strain = s_.learning.final_strain});
+        fmt::print("{}: {}\n", folder, described(done_[k].library));
+        if (done_[k].library.not_used.empty())
+            write_prediction(common_.out / folder / "predicted.csv", done_[k].library);
+    }
+    std::fflush(stdout);
+}
 
 void Computation::prepare() {
     const auto began = this_instant();
@@ -301,6 +328,7 @@ void Computation::run_variants() {
 }
 
 void Computation::run() {
+    predict_from_library();
     prepare();
     learn();
     run_variants();
@@ -318,10 +346,18 @@ void Computation::draw() const {
                               .y_label = y,
                               .curves = compared_curves(points, make)});
         };
+        const TestPrediction& library = done_[k].library;
+        const auto add_library = [&](const PredictedCurve& curve, double scale) {
+            if (!library.not_used.empty()) return;
+            for (Curve& c : curves_of(library, curve, scale))
+                panels.back().curves.push_back(std::move(c));
+        };
         panel("Deviatoric stress", "axial strain (%)", "q (kPa)",
               curves_of(1e-3, &TriaxialPoint::deviatoric_stress));
+        add_library(library.predicted.q, 1e-3);
         panel("Volumetric strain", "axial strain (%)", "volumetric strain (%)",
               curves_of(100, &TriaxialPoint::volumetric_strain));
+        add_library(library.predicted.volume, 100);
         panel("Rings at the end of the test", "radial strain, widening positive (%)",
               "ring, from below", profile_of);
     }
@@ -350,6 +386,12 @@ void Computation::report() {
         if (!c.learned.estimates.empty())
             for (const NamedValue& v : describe(c.learned.estimates.back().estimate))
                 summary.add(NamedValue(at + v.key, std::get<double>(v.value)));
+        if (const LibraryPrediction& p = c.library.predicted; c.library.not_used.empty()) {
+            add("library_friction", p.friction.mean[0]);
+            add("library_friction_low", p.friction.low[0]);
+            add("library_friction_high", p.friction.high[0]);
+            add("library_distance", p.distance);
+        }
         add("sensors_accepted", test.recordings.size() - test.refused());
         add("sensors_refused", test.refused());
         add("machine_channels_refused", refused_channels(test));

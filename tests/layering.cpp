@@ -123,7 +123,7 @@ bool may_include_library(const std::string& file, const std::string& target) {
         {{"nlohmann/"}, {"engine/summary.cpp", "engine/io/json_numbers.cpp"}},
         {{"boost/"},
          {"engine/estimation/chi_squared.cpp", "engine/estimation/detection.cpp",
-          "engine/estimation/moderated_variance.cpp"}},
+          "engine/estimation/moderated_variance.cpp", "engine/estimation/student_t.cpp"}},
         {{"unsupported/"}, {"engine/signal/fft.cpp"}},
     }};
     return std::none_of(libraries.begin(), libraries.end(), [&](const Library& library) {

@@ -1,0 +1,245 @@
+#include "scenarios/assimilation/library_prediction.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/estimation/student_t.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+constexpr std::size_t strains_used = 10, per_sensor = 6;
+constexpr std::array window_ends{0.02, 0.04, 1.0}; // axial strain
+constexpr std::size_t first_tilt = 3, tilts = 2;   // of the numbers of a sensor rock
+
+/// ln q, where q is at least 1 % of the confining pressure: a specimen that slips loses its q for a
+/// moment.
+double log_q(double q, double pressure) { return std::log(std::max(q, 0.01 * pressure)); }
+
+/// Indices of the strains at which curves are observed: up to ten, equally spaced, the last one at
+/// the last strain of the library that does not exceed `strain`.
+std::vector<std::size_t> observed_strains(const LibraryAxis& axis, double strain) {
+    const auto steps = static_cast<std::size_t>(std::floor(strain / axis.step * (1 + 1e-9)));
+    require(steps >= 1 && steps <= axis.count,
+            fmt::format("--learning-strain: expected {:g} to {:g}, the strains of the library, "
+                        "found {:g}",
+                        axis.step, axis.strain(axis.count - 1), strain));
+    const std::size_t used = std::min(steps, strains_used);
+    std::vector<std::size_t> indices;
+    for (std::size_t k = 1; k <= used; ++k) indices.push_back((k * steps + used / 2) / used - 1);
+    return indices;
+}
+
+std::size_t observed_coarse(const LibraryAxis& axis, double strain) {
+    const auto steps = static_cast<std::size_t>(std::floor(strain / axis.step * (1 + 1e-9)));
+    require(steps >= axis.every,
+            fmt::format("--learning-strain: expected at least {:g}, the first strain at which the "
+                        "library has sensor rocks, found {:g}",
+                        axis.coarse_strain(0), strain));
+    return steps / axis.every - 1;
+}
+
+/// Calls visit(numbers of the block) for each observed block of a specimen.
+template <class Visit>
+void visit_blocks(const SpecimenLibrary& library, const LibrarySpecimen& s, std::size_t pressure,
+                  const LibraryObservations& o, const Visit& visit) {
+    const LibraryTest& test = s.tests.at(pressure);
+    std::vector<double> block;
+    const auto next = [&] {
+        visit(block);
+        block.clear();
+    };
+    const auto strains = observed_strains(library.axis, o.strain);
+    if (o.force) {
+        for (const std::size_t k : strains)
+            block.push_back(log_q(double{test.q.at(k)}, library.pressures[pressure]));
+        next();
+    }
+    if (o.volume) {
+        for (const std::size_t k : strains) block.push_back(double{test.volume.at(k)});
+        next();
+    }
+    if (o.rings) {
+        for (std::size_t r = 0; r < library.rings; ++r)
+            block.push_back(double{test.rings.at(strains.back() * library.rings + r)});
+        next();
+    }
+    if (o.tracked || o.tilt) {
+        const std::size_t from =
+            observed_coarse(library.axis, o.strain) * library.sensors * per_sensor;
+        for (std::size_t k = 0; k < library.sensors * per_sensor; ++k) {
+            const std::size_t part = k % per_sensor;
+            const bool is_tilt = part >= first_tilt && part < first_tilt + tilts;
+            if (o.tracked || is_tilt) block.push_back(double{test.sensors.at(from + k)});
+        }
+        next();
+    }
+    if (o.porosity) {
+        block.push_back(s.core_porosity);
+        next();
+    }
+}
+
+Vector as_vector(const std::vector<double>& numbers) {
+    return Eigen::Map<const Vector>(numbers.data(), static_cast<Eigen::Index>(numbers.size()));
+}
+
+} // namespace
+
+LibraryTargets::LibraryTargets(const SpecimenLibrary& library, std::vector<std::size_t> pressures,
+                               bool motion)
+    : library_(library), pressures_(std::move(pressures)) {
+    const auto fine = static_cast<Eigen::Index>(library.axis.count),
+               coarse = motion ? static_cast<Eigen::Index>(library.axis.coarse_count()) : 0;
+    lengths_ = {fine, fine, fine, fine, coarse, coarse};
+    widths_ = {1,
+               1,
+               1,
+               static_cast<Eigen::Index>(library.rings),
+               static_cast<Eigen::Index>(library.sensors * per_sensor),
+               static_cast<Eigen::Index>(2 * FieldCells::count)};
+    for (std::size_t b = 0; b < widths_.size(); ++b) per_pressure_ += widths_[b] * lengths_[b];
+    count_ = static_cast<Eigen::Index>(pressures_.size()) * per_pressure_ + 3;
+}
+
+Eigen::Index LibraryTargets::column(std::size_t pressure, Block block) const {
+    Eigen::Index first = static_cast<Eigen::Index>(pressure) * per_pressure_;
+    for (std::size_t b = 0; b < static_cast<std::size_t>(block); ++b)
+        first += widths_[b] * lengths_[b];
+    return first;
+}
+
+Vector LibraryTargets::values(const LibrarySpecimen& s) const {
+    std::vector<double> numbers;
+    const auto add = [&](const std::vector<float>& curve) {
+        numbers.insert(numbers.end(), curve.begin(), curve.end());
+    };
+    for (const std::size_t p : pressures_) {
+        const LibraryTest& test = s.tests.at(p);
+        for (const auto* curve : {&test.q, &test.smoothed_q})
+            for (const float x : *curve) numbers.push_back(log_q(double{x}, library_.pressures[p]));
+        add(test.volume);
+        add(test.rings);
+        if (lengths_[sensors] > 0) add(test.sensors);
+        if (lengths_[field] > 0) add(test.field);
+    }
+    for (const double x :
+         {std::log(s.rocks.friction), std::log(s.rocks.stiffness), s.core_porosity})
+        numbers.push_back(x);
+    return as_vector(numbers);
+}
+
+std::vector<TargetGroup> LibraryTargets::groups() const {
+    std::vector<TargetGroup> groups;
+    Eigen::Index next = 0;
+    const auto add = [&](Eigen::Index count) {
+        if (count > 0) groups.push_back({next, count});
+        next += count;
+    };
+    for (std::size_t p = 0; p < pressures_.size(); ++p)
+        for (std::size_t b = 0; b < widths_.size(); ++b) {
+            Eigen::Index strain = 0;
+            for (const double end : window_ends) {
+                const Eigen::Index from = strain;
+                const auto strain_at = [&](Eigen::Index k) {
+                    const auto index = static_cast<std::size_t>(k);
+                    return b >= sensors ? library_.axis.coarse_strain(index)
+                                        : library_.axis.strain(index);
+                };
+                while (strain < lengths_[b] && strain_at(strain) < end * (1 + 1e-9)) ++strain;
+                add((strain - from) * widths_[b]);
+            }
+        }
+    for (int k = 0; k < 3; ++k) add(1);
+    return groups;
+}
+
+Vector features_of(const SpecimenLibrary& library, const LibrarySpecimen& specimen,
+                   std::size_t pressure, const LibraryObservations& observed) {
+    std::vector<double> features;
+    visit_blocks(library, specimen, pressure, observed, [&](const std::vector<double>& block) {
+        features.insert(features.end(), block.begin(), block.end());
+    });
+    return as_vector(features);
+}
+
+Vector weights_of(const SpecimenLibrary& library, const LibraryObservations& observed) {
+    std::vector<double> weights;
+    visit_blocks(library, library.specimens.front(), 0, observed,
+                 [&](const std::vector<double>& block) {
+                     weights.insert(weights.end(), block.size(),
+                                    1 / std::sqrt(static_cast<double>(block.size())));
+                 });
+    return as_vector(weights);
+}
+
+LeaveOneOutRegression regression_of(const SpecimenLibrary& library,
+                                    const LibraryObservations& observed, std::size_t measured_at,
+                                    const LibraryTargets& targets) {
+    constexpr std::size_t fewest = 8;
+    require(observed.any(), "--use-force, --use-volume, ...: expected a measurement to assimilate, "
+                            "found none");
+    const std::size_t n = library.specimens.size();
+    require(n >= fewest,
+            fmt::format("specimen library: expected at least {} specimens, found {}", fewest, n));
+    Matrix features, values(static_cast<Eigen::Index>(n), targets.count());
+    for (std::size_t k = 0; k < n; ++k) {
+        const auto row = static_cast<Eigen::Index>(k);
+        const Vector of_one = features_of(library, library.specimens[k], measured_at, observed);
+        if (k == 0) features.resize(static_cast<Eigen::Index>(n), of_one.size());
+        features.row(row) = of_one.transpose();
+        values.row(row) = targets.values(library.specimens[k]).transpose();
+    }
+    return {features, weights_of(library, observed), values, targets.groups()};
+}
+
+LibraryPredictor::LibraryPredictor(const SpecimenLibrary& library,
+                                   const LibraryObservations& observed, std::size_t measured_at,
+                                   std::size_t predicted_at, bool motion)
+    : library_(library), observed_(observed), measured_at_(measured_at),
+      targets_(library, {predicted_at}, motion),
+      regression_(regression_of(library, observed, measured_at, targets_)) {}
+
+LibraryPrediction LibraryPredictor::predict(const LibrarySpecimen& measured) const {
+    return described(regression_.predict(features_of(library_, measured, measured_at_, observed_)));
+}
+
+LibraryPrediction LibraryPredictor::prior() const { return described(regression_.prior()); }
+
+LibraryPrediction LibraryPredictor::described(const LeaveOneOutRegression::Prediction& p) const {
+    const double t = student_t_quantile(0.95, regression_.freedom());
+    const auto curve = [&](Eigen::Index first, Eigen::Index count, bool logarithmic) {
+        PredictedCurve c;
+        for (Eigen::Index k = first; k < first + count; ++k)
+            for (const auto& [to, x] : {std::pair{&c.mean, p.mean[k]},
+                                        {&c.low, p.mean[k] - t * p.deviation[k]},
+                                        {&c.high, p.mean[k] + t * p.deviation[k]}})
+                to->push_back(logarithmic ? std::exp(x) : x);
+        return c;
+    };
+    const auto block = [&](LibraryTargets::Block b, LibraryTargets::Block next, bool logarithmic) {
+        const Eigen::Index first = targets_.column(0, b);
+        return curve(first, targets_.column(0, next) - first, logarithmic);
+    };
+    using enum LibraryTargets::Block;
+    LibraryPrediction d;
+    d.q = block(q, smoothed_q, true);
+    d.smoothed_q = block(smoothed_q, volume, true);
+    d.volume = block(volume, rings, false);
+    d.rings = block(rings, sensors, false);
+    d.sensors = block(sensors, field, false);
+    const Eigen::Index of_field = targets_.column(0, field);
+    d.field = curve(of_field, targets_.friction() - of_field, false);
+    d.friction = curve(targets_.friction(), 1, true);
+    d.stiffness = curve(targets_.stiffness(), 1, true);
+    d.porosity = curve(targets_.porosity(), 1, false);
+    d.distance = p.distance;
+    return d;
+}
+
+} // namespace bris

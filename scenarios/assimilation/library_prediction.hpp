@@ -1,0 +1,125 @@
+#pragma once
+
+#include "engine/estimation/leave_one_out_regression.hpp"
+#include "engine/options.hpp"
+#include "scenarios/assimilation/specimen_library.hpp"
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// The measurements of a specimen that are assimilated.
+struct LibraryObservations {
+    double strain = 0.01;  ///< axial strain up to which there are measurements
+    bool force = true;     ///< q
+    bool volume = true;    ///< volumetric strain
+    bool rings = false;    ///< radial strain of the rings, at `strain`
+    bool tracked = false;  ///< displacement and rotation of the sensor rocks, before `strain`
+    bool tilt = false;     ///< rotation of the sensor rocks about horizontal axes only
+    bool porosity = false; ///< of the core at the start of shearing
+
+    bool any() const { return force || volume || rings || tracked || tilt || porosity; }
+    void describe(auto& option);
+};
+
+/// Numbers that a library predicts, as the columns of a matrix: for some of its pressures, by
+/// strain, ln q, ln of smoothed q, volumetric strain, radial strain of the rings; on request the
+/// motion of the sensor rocks and the displacement field; then the logarithms of friction and
+/// stiffness, and the porosity.
+class LibraryTargets {
+public:
+    /// `pressures`: indices into those of the library.
+    LibraryTargets(const SpecimenLibrary& library, std::vector<std::size_t> pressures, bool motion);
+
+    enum Block { q, smoothed_q, volume, rings, sensors, field };
+    /// First column of a block for the `pressure`-th of the pressures; columns follow by strain.
+    Eigen::Index column(std::size_t pressure, Block block) const;
+    /// Columns of a block for each strain.
+    Eigen::Index width(Block block) const { return widths_[block]; }
+    Eigen::Index friction() const { return count_ - 3; }
+    Eigen::Index stiffness() const { return count_ - 2; }
+    Eigen::Index porosity() const { return count_ - 1; }
+    Eigen::Index count() const { return count_; }
+    const std::vector<std::size_t>& pressures() const { return pressures_; }
+
+    Vector values(const LibrarySpecimen& specimen) const;
+    /// Targets that are regularised alike: a block up to 2 % of strain, from 2 to 4 %, and beyond.
+    std::vector<TargetGroup> groups() const;
+
+private:
+    const SpecimenLibrary& library_;
+    std::vector<std::size_t> pressures_;
+    std::vector<Eigen::Index> widths_, lengths_; // lengths: number of strains
+    Eigen::Index count_ = 0, per_pressure_ = 0;
+};
+
+/// The features of a specimen: ln q and volumetric strain at up to ten strains, and what else is
+/// observed. `pressure`: index of the pressure at which it was measured.
+Vector features_of(const SpecimenLibrary& library, const LibrarySpecimen& specimen,
+                   std::size_t pressure, const LibraryObservations& observed);
+/// Weights of these features: one over the square root of their number within each block, so that
+/// blocks of many correlated numbers do not outweigh the others.
+Vector weights_of(const SpecimenLibrary& library, const LibraryObservations& observed);
+
+/// A posterior predictive: mean, and lower and upper end of the 90 % band.
+struct PredictedCurve {
+    std::vector<double> mean, low, high;
+};
+
+/// What a library predicts for one specimen at one pressure, by strain of the library's axis (or by
+/// coarse strain), and its parameters.
+struct LibraryPrediction {
+    PredictedCurve q, smoothed_q, volume, rings;  ///< Pa, Pa, -, -
+    PredictedCurve sensors, field;                ///< as LibraryTest; empty unless requested
+    PredictedCurve friction, stiffness, porosity; ///< one number each
+    /// Distance of the measurements from those of the library, relative to one that 95 % of its
+    /// specimens do not exceed: beyond 1 the bands are widened in proportion.
+    double distance = 0;
+};
+
+/// Predicts specimens from measurements, with the empirical covariances of a library.
+class LibraryPredictor {
+public:
+    /// `measured_at`: index of the pressure of the measurements; `predicted_at`: of the prediction;
+    /// `motion`: predict sensor rocks and displacement field too. Throws InputError if nothing is
+    /// observed, or if the library has too few specimens or strains.
+    LibraryPredictor(const SpecimenLibrary& library, const LibraryObservations& observed,
+                     std::size_t measured_at, std::size_t predicted_at, bool motion = false);
+
+    /// `measured` needs only what is observed, up to the last observed strain.
+    LibraryPrediction predict(const LibrarySpecimen& measured) const;
+    LibraryPrediction prior() const; ///< without measurements
+    const LeaveOneOutRegression& regression() const { return regression_; }
+
+private:
+    LibraryPrediction described(const LeaveOneOutRegression::Prediction& p) const;
+
+    const SpecimenLibrary& library_;
+    LibraryObservations observed_;
+    std::size_t measured_at_;
+    LibraryTargets targets_;
+    LeaveOneOutRegression regression_;
+};
+
+/// A regression of targets on features over the specimens of a library.
+LeaveOneOutRegression regression_of(const SpecimenLibrary& library,
+                                    const LibraryObservations& observed, std::size_t measured_at,
+                                    const LibraryTargets& targets);
+
+void LibraryObservations::describe(auto& option) {
+    option("learning_strain", strain, "", "Axial strain up to which measurements are assimilated.",
+           within(1e-4, 0.12));
+    option("use_force", force, "", "Assimilate q.");
+    option("use_volume", volume, "", "Assimilate the volumetric strain.");
+    option("use_rings", rings, "",
+           "Assimilate the radial strain of the rings at --learning-strain.");
+    option("use_sensors", tracked, "",
+           "Assimilate displacement and rotation of the sensor rocks at --learning-strain.");
+    option("use_tilt", tilt, "", "Assimilate the tilt of the sensor rocks at --learning-strain.");
+    option("use_porosity", porosity, "",
+           "Assimilate the porosity of the core at the start of shearing.");
+}
+
+} // namespace bris

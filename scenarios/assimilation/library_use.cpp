@@ -1,0 +1,166 @@
+#include "scenarios/assimilation/library_use.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+/// Settings that must be those of the library: the rocks, their number, and the procedure.
+constexpr std::array same_settings{"bodies",
+                                   "grading",
+                                   "clumps",
+                                   "density_kg_per_m3",
+                                   "clump_stiffness_N_per_m",
+                                   "wall_stiffness_N_per_m",
+                                   "platen_friction",
+                                   "taps",
+                                   "preparation_friction",
+                                   "servo_per_element",
+                                   "gravity"};
+
+std::string text_of(std::span<const NamedValue> settings, const std::string& key) {
+    const auto found = std::ranges::find(settings, key, &NamedValue::key);
+    if (found == settings.end()) return "none";
+    return std::visit([](const auto& x) { return fmt::format("{}", x); }, found->value);
+}
+
+std::size_t pressure_index(const SpecimenLibrary& library, double pressure) {
+    std::size_t p = 0;
+    while (p < library.pressures.size() && std::abs(library.pressures[p] / pressure - 1) > 0.01)
+        ++p;
+    return p;
+}
+
+/// A measured curve at a strain, between its neighbours; NaN where it was not measured within
+/// `step` on both sides.
+float value_at(const MeasuredTest& test, const std::vector<double>& curve, double strain,
+               double step) {
+    std::size_t before = test.strain.size(), after = before;
+    for (std::size_t k = 0; k < test.strain.size(); ++k) {
+        if (!std::isfinite(curve[k])) continue;
+        if (test.strain[k] <= strain + 1e-9) before = k;
+        if (test.strain[k] >= strain - 1e-9 && after == test.strain.size()) after = k;
+    }
+    if (before == test.strain.size() || after == test.strain.size()) return std::nanf("");
+    const double width = test.strain[after] - test.strain[before];
+    if (width > 2 * step) return std::nanf("");
+    const double part = width > 0 ? (strain - test.strain[before]) / width : 0;
+    return static_cast<float>(curve[before] + part * (curve[after] - curve[before]));
+}
+
+} // namespace
+
+std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& model) {
+    for (const char* key : same_settings) {
+        const std::string theirs = text_of(library.settings, key),
+                          ours = text_of(model.settings, key);
+        if (theirs != ours)
+            return fmt::format("its specimens have {} {}, the model has {}", key,
+                               theirs.empty() ? "none" : theirs, ours.empty() ? "none" : ours);
+    }
+    if (pressure_index(library, model.pressure) == library.pressures.size()) {
+        std::string all;
+        for (const double p : library.pressures)
+            all += fmt::format("{}{:g}", all.empty() ? "" : ", ", p / 1e3);
+        return fmt::format("it has the pressures {} kPa, the test has {:g}", all,
+                           model.pressure / 1e3);
+    }
+    if (library.specimens.empty()) return "it has no specimens";
+    const auto [low, high] = std::ranges::minmax(library.specimens, {}, &LibrarySpecimen::porosity);
+    constexpr double margin = 0.005; // the default tolerance of the preparation
+    if (model.core_porosity < low.porosity - margin || model.core_porosity > high.porosity + margin)
+        return fmt::format("its core porosities are {:.3f} to {:.3f}, that of the model is {:.3f}",
+                           low.porosity, high.porosity, model.core_porosity);
+    return {};
+}
+
+TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& model,
+                            const MeasuredTest& measured, LibraryObservations observed) {
+    TestPrediction t{reason_against(library, model), {}, {}, {}};
+    if (!t.not_used.empty()) return t;
+    const std::size_t p = pressure_index(library, model.pressure);
+    LibrarySpecimen specimen;
+    specimen.tests.resize(library.pressures.size());
+    LibraryTest& test = specimen.tests[p];
+    for (std::size_t k = 0; k < library.axis.count; ++k) {
+        const double strain = library.axis.strain(k);
+        t.strain.push_back(strain);
+        if (strain > observed.strain * (1 + 1e-9)) continue;
+        test.q.push_back(value_at(measured, measured.q, strain, library.axis.step));
+        test.volume.push_back(
+            value_at(measured, measured.volumetric_strain, strain, library.axis.step));
+    }
+    const auto is_complete = [](const std::vector<float>& curve) {
+        return std::ranges::all_of(curve, [](float x) { return std::isfinite(x); });
+    };
+    observed.force = observed.force && is_complete(test.q);
+    observed.volume = observed.volume && is_complete(test.volume);
+    observed.rings = observed.tracked = observed.tilt = observed.porosity = false;
+    if (!observed.any()) {
+        t.not_used = fmt::format("neither q nor volumetric strain was measured at all of its "
+                                 "strains to {:g}",
+                                 observed.strain);
+        return t;
+    }
+    t.used = observed;
+    t.predicted = LibraryPredictor(library, observed, p, p).predict(specimen);
+    return t;
+}
+
+std::string described(const TestPrediction& t) {
+    if (!t.not_used.empty()) return "the library of specimens is not used: " + t.not_used;
+    const LibraryPrediction& p = t.predicted;
+    std::string text = fmt::format(
+        "the library of specimens predicts from {} to {:g} % of strain: friction {:.2f} ({:.2f} to "
+        "{:.2f} with 90 %), q at {:g} % {:.0f} kPa ({:.0f} to {:.0f})",
+        t.used.force && t.used.volume ? "q and volume"
+        : t.used.force                ? "q"
+                                      : "volume",
+        100 * t.used.strain, p.friction.mean[0], p.friction.low[0], p.friction.high[0],
+        100 * t.strain.back(), p.q.mean.back() / 1e3, p.q.low.back() / 1e3, p.q.high.back() / 1e3);
+    if (p.distance > 1)
+        text += fmt::format("; these measurements are {:.1f} times as far from its specimens as 95 "
+                            "% of them are from the others: the bands are wider by this factor",
+                            p.distance);
+    return text;
+}
+
+void write_prediction(const std::filesystem::path& csv, const TestPrediction& t) {
+    std::vector<std::vector<double>> rows;
+    for (std::size_t k = 0; k < t.strain.size(); ++k) {
+        rows.push_back({t.strain[k]});
+        for (const PredictedCurve* c :
+             {&t.predicted.q, &t.predicted.smoothed_q, &t.predicted.volume})
+            rows.back().insert(rows.back().end(), {c->mean[k], c->low[k], c->high[k]});
+    }
+    write_csv(csv,
+              {"axial_strain", "q_Pa", "q_low_Pa", "q_high_Pa", "smoothed_q_Pa",
+               "smoothed_q_low_Pa", "smoothed_q_high_Pa", "volumetric_strain",
+               "volumetric_strain_low", "volumetric_strain_high"},
+              rows, {"mean and 90 % band predicted by a library of specimens"}, 6);
+}
+
+std::vector<Curve> curves_of(const TestPrediction& t, const PredictedCurve& curve, double scale) {
+    std::vector<Curve> curves;
+    for (const auto& [label, values] :
+         {std::pair{"library, 90 % band", &curve.mean}, {"", &curve.low}, {"", &curve.high}}) {
+        Curve c{.label = label,
+                .style = *label != '\0' ? Curve::Style::line : Curve::Style::dashed};
+        for (std::size_t k = 0; k < t.strain.size(); ++k) {
+            c.x.push_back(100 * t.strain[k]);
+            c.y.push_back(scale * (*values)[k]);
+        }
+        curves.push_back(std::move(c));
+    }
+    return curves;
+}
+
+} // namespace bris

@@ -1,0 +1,50 @@
+#pragma once
+
+#include "engine/io/plot.hpp"
+#include "scenarios/assimilation/library_prediction.hpp"
+#include "scenarios/recordings/measured_test.hpp"
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// The model of a test, as far as it decides whether a library fits it.
+struct ModelOfTest {
+    std::span<const NamedValue> settings; ///< of the scenario
+    double core_porosity = 0;             ///< asked for
+    double pressure = 0;                  ///< Pa
+};
+
+/// What a library predicts of a measured test.
+struct TestPrediction {
+    std::string not_used;       ///< why the library is not used; empty: it is
+    LibraryObservations used;   ///< the measurements that were used
+    std::vector<double> strain; ///< of the curves
+    LibraryPrediction predicted;
+};
+
+/// Why a library does not fit the model of a test: other rocks, another size or procedure, a
+/// pressure that it does not have, or a porosity outside its range. Empty: it fits.
+std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& model);
+
+/// Predicts a test from its measured q and volumetric strain up to the strain `observed.strain`,
+/// each as far as it is asked for and measured at the strains of the library. Where the library
+/// does not fit the test, or nothing was measured, `not_used` says why, and there is no prediction.
+TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& model,
+                            const MeasuredTest& measured, LibraryObservations observed);
+
+/// One line for the user: what was learned, how far the measurements lie from the library, or why
+/// the library is not used.
+std::string described(const TestPrediction& prediction);
+
+/// Writes the predicted curves with their bands as CSV. Throws OutputError.
+void write_prediction(const std::filesystem::path& csv, const TestPrediction& prediction);
+
+/// Mean and band of a predicted curve for a plot against axial strain in per cent, in one colour.
+std::vector<Curve> curves_of(const TestPrediction& prediction, const PredictedCurve& curve,
+                             double scale);
+
+} // namespace bris

@@ -1,0 +1,224 @@
+#include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
+#include "scenarios/assimilation/library_prediction.hpp"
+#include "scenarios/assimilation/library_results.hpp"
+#include "scenarios/assimilation/library_score.hpp"
+#include "scenarios/assimilation/library_use.hpp"
+#include "tests/about.hpp"
+#include "tests/scenarios/assimilation/synthetic_library.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+using namespace bris;
+
+namespace {
+
+// geometric mean over specimens of the error over that of the prior
+double over_prior(const std::vector<SpecimenScore>& scores, Scored scored) {
+    std::vector<double> ratios;
+    for (const SpecimenScore& s : scores) {
+        const QuantityScore& q = s.of[static_cast<std::size_t>(scored)];
+        ratios.push_back(q.error / q.prior);
+    }
+    return geometric_mean(ratios, 1).mean;
+}
+
+} // namespace
+
+TEST_SUITE("assimilation/library_prediction") {
+    TEST_CASE("what the first per cent tells is predicted beyond it, and what it does not tell is "
+              "within the band") {
+        const SpecimenLibrary library = testing::synthetic_library(60, 1),
+                              truths = testing::synthetic_library(200, 6);
+        const LibraryPredictor predictor(library, {}, 1, 1);
+        double early = 0, inside = 0, inside_friction = 0;
+        for (const LibrarySpecimen& truth : truths.specimens) {
+            const LibraryPrediction p = predictor.predict(truth);
+            early =
+                std::max(early, std::abs(std::log(p.q.mean[19] / double{truth.tests[1].q[19]})));
+            const double q = double{truth.tests[1].q[60]};
+            inside += p.q.low[60] < q && q < p.q.high[60] ? 1 : 0;
+            inside_friction += p.friction.low[0] < truth.rocks.friction &&
+                                       truth.rocks.friction < p.friction.high[0]
+                                   ? 1
+                                   : 0;
+            CHECK(p.distance < 4);
+        }
+        CHECK(early < 0.05); // to 2 % q follows from q at 1 %; the prior deviation is 0.3
+        // 180 of 200 are expected. The binomial deviation is 4; that of the deviations, which are
+        // estimated from 60 specimens, is 9 %, which changes the share inside by 0.03.
+        CHECK(inside >= 160);
+        CHECK(inside_friction >= 160);
+        const LibraryPrediction prior = predictor.prior(),
+                                p = predictor.predict(truths.specimens[0]);
+        CHECK(p.q.high[19] - p.q.low[19] < 0.2 * (prior.q.high[19] - prior.q.low[19]));
+        CHECK(p.rings.mean.size() == 160);
+        CHECK(p.sensors.mean.empty());
+    }
+
+    TEST_CASE("the motion of sensor rocks and the displacement field are predicted on request") {
+        const SpecimenLibrary library = testing::synthetic_library(20, 1);
+        const LibraryPredictor predictor(library, {}, 0, 1, true);
+        const LibraryPrediction p = predictor.predict(library.specimens[3]);
+        CHECK(p.sensors.mean.size() == 16 * 6);
+        REQUIRE(p.field.mean.size() == 16 * 2 * FieldCells::count);
+        for (const double x : p.field.mean) CHECK(x == about(0.5).epsilon(1e-6)); // the same in all
+    }
+
+    TEST_CASE("far from the library no band is narrow") {
+        const SpecimenLibrary library = testing::synthetic_library(40, 1);
+        LibrarySpecimen odd = library.specimens[0];
+        for (float& q : odd.tests[0].q) q *= 1000; // another unit, say
+        const LibraryPredictor predictor(library, {}, 0, 0);
+        const LibraryPrediction far = predictor.predict(odd),
+                                near = predictor.predict(library.specimens[0]);
+        CHECK(far.distance > 5);
+        CHECK(std::log(far.q.high[40] / far.q.low[40]) >
+              5 * std::log(near.q.high[40] / near.q.low[40]));
+        CHECK(far.volume.high[40] - far.volume.low[40] >
+              5 * (near.volume.high[40] - near.volume.low[40]));
+    }
+
+    TEST_CASE("each measurement can be left out, but not all of them") {
+        const SpecimenLibrary library = testing::synthetic_library(20, 1);
+        const auto features = [&](const LibraryObservations& o) {
+            return features_of(library, library.specimens[2], 0, o).size();
+        };
+        const LibraryObservations none{.force = false, .volume = false};
+        LibraryObservations o = none;
+        o.force = true;
+        CHECK(features(o) == 10);
+        o.volume = o.rings = true;
+        CHECK(features(o) == 22);
+        o.tilt = true;
+        CHECK(features(o) == 24);
+        o.tracked = true;
+        CHECK(features(o) == 28);
+        o.porosity = true;
+        CHECK(features(o) == 29);
+        CHECK(weights_of(library, o).size() == 29);
+        o = {.strain = 0.0035};
+        CHECK(features(o) == 6); // three strains of q and of volume
+        CHECK_THROWS_AS(LibraryPredictor(library, none, 0, 0), InputError);
+        CHECK_THROWS_AS(LibraryPredictor(library, {.strain = 0.09}, 0, 0), InputError);
+        CHECK_THROWS_AS(LibraryPredictor(library, {.strain = 5e-4}, 0, 0), InputError);
+        CHECK_THROWS_AS(LibraryPredictor(library, {.strain = 0.003, .tilt = true}, 0, 0),
+                        InputError);
+        CHECK_THROWS_AS(LibraryPredictor(testing::synthetic_library(7, 1), {}, 0, 0), InputError);
+    }
+
+    TEST_CASE("scores show what was learned and that another specimen's test teaches nothing") {
+        const SpecimenLibrary library = testing::synthetic_library(40, 1);
+        const auto own =
+            scores_within(library, {.observed = {}, .measured_at = 0, .predicted_at = 1});
+        REQUIRE(own.size() == 40);
+        // beyond 2 % the packing brings a deviation of 0.1 besides 0.28 of friction and packing
+        CHECK(over_prior(own, Scored::q_near) < 0.5);
+        CHECK(over_prior(own, Scored::volume_all) < 0.5);
+        const auto sham = scores_within(
+            library, {.observed = {}, .measured_at = 0, .predicted_at = 1, .sham = true});
+        CHECK(over_prior(sham, Scored::q_near) > 0.95);
+        const auto outside = scores_outside(library, testing::synthetic_library(10, 5),
+                                            {.observed = {}, .measured_at = 0, .predicted_at = 1});
+        REQUIRE(outside.size() == 10);
+        CHECK(over_prior(outside, Scored::q_near) < 0.6);
+        SpecimenLibrary other = testing::synthetic_library(10, 5);
+        other.pressures[1] = 120e3;
+        CHECK_THROWS_AS(scores_outside(library, other, {}), InputError);
+    }
+
+    TEST_CASE("scores of one specimen are those of the definition") {
+        const SpecimenLibrary library = testing::synthetic_library(12, 1);
+        const auto scores =
+            scores_within(library, {.observed = {}, .measured_at = 0, .predicted_at = 0});
+        SpecimenLibrary others = library;
+        others.specimens.erase(others.specimens.begin() + 4);
+        const LibraryPredictor predictor(others, {}, 0, 0);
+        const LibraryPrediction p = predictor.predict(library.specimens[4]);
+        const auto& q = library.specimens[4].tests[0].q;
+        double error = 0, single = 0;
+        for (std::size_t k = 40; k < 80; ++k) error += std::pow(p.q.mean[k] - double{q[k]}, 2) / 40;
+        for (const LibrarySpecimen& s : others.specimens) {
+            double sum = 0;
+            for (std::size_t k = 40; k < 80; ++k)
+                sum += std::pow(double{s.tests[0].q[k]} - double{q[k]}, 2) / 40;
+            single += std::sqrt(sum) / 11;
+        }
+        const QuantityScore& far = scores[4].of[static_cast<std::size_t>(Scored::q_far)];
+        CHECK(far.error == about(std::sqrt(error)).epsilon(1e-9));
+        CHECK(far.single == about(single).epsilon(1e-9));
+        CHECK(name_of(Scored::q_far, 0.01, 0.08) == "q_4_to_8_percent");
+        CHECK(name_of(Scored::rings_last, 0.01, 0.08) == "rings_at_8_percent");
+    }
+
+    TEST_CASE("the geometric mean has an interval that holds the truth in 95 % of cases") {
+        int inside = 0;
+        for (std::uint64_t seed = 1; seed <= 100; ++seed) {
+            Random random(seed, 3);
+            std::vector<double> ratios(40);
+            for (double& r : ratios) r = std::exp(0.5 * random.normal() + std::log(0.7));
+            const RatioInterval i = geometric_mean(ratios, 1);
+            CHECK((i.low < i.mean && i.mean < i.high));
+            inside += i.low < 0.7 && 0.7 < i.high ? 1 : 0;
+        }
+        CHECK(inside >= 87); // of 100 with probability 0.95 or somewhat less; deviation 2.2
+        CHECK_THROWS_AS(geometric_mean({}, 1), InputError);
+    }
+
+    TEST_CASE("a measured test is predicted by a library that fits it, and the reason is given "
+              "where it does not") {
+        const SpecimenLibrary library = testing::synthetic_library(40, 1);
+        const LibrarySpecimen& like = library.specimens[5];
+        MeasuredTest measured; // at strains between those of the library
+        for (int k = 1; k <= 30; ++k) {
+            const double strain = 5e-4 * k;
+            measured.strain.push_back(strain);
+            const auto at = static_cast<std::size_t>(std::max(0.0, std::round(strain / 1e-3) - 1));
+            measured.q.push_back(double{like.tests[1].q[at]});
+            measured.volumetric_strain.push_back(double{like.tests[1].volume[at]});
+        }
+        std::vector<NamedValue> settings = library.settings;
+        const ModelOfTest model{settings, 0.39, 110e3};
+        const TestPrediction t = predict_test(library, model, measured, {});
+        CHECK(t.not_used.empty());
+        const LibraryPrediction own = LibraryPredictor(library, {}, 1, 1).predict(like);
+        CHECK(t.predicted.q.mean[30] == about(own.q.mean[30]).epsilon(1e-6));
+        CHECK(described(t).find("q and volume to 1 %") != std::string::npos);
+
+        MeasuredTest no_force = measured; // quality control removed some of q
+        no_force.q[10] = no_force.q[11] = no_force.q[12] = no_force.q[13] = std::nan("");
+        CHECK_FALSE(predict_test(library, model, no_force, {}).used.force);
+        CHECK(predict_test(library, model, no_force, {}).used.volume);
+        MeasuredTest nothing = no_force;
+        nothing.volumetric_strain = nothing.q;
+        CHECK(described(predict_test(library, model, nothing, {})).find("neither") !=
+              std::string::npos);
+
+        const auto reason = [&](const ModelOfTest& m) { return reason_against(library, m); };
+        CHECK(reason(model).empty());
+        CHECK(reason({settings, 0.32, 110e3}).find("0.320") != std::string::npos);
+        CHECK(reason({settings, 0.39, 165e3}).find("165") != std::string::npos);
+        settings[0] = {"bodies", "4000"};
+        CHECK(reason({settings, 0.39, 110e3}).find("bodies 400") != std::string::npos);
+    }
+
+    TEST_CASE("results are written with a line for each variant and quantity") {
+        const TemporaryDirectory folder;
+        const SpecimenLibrary library = testing::synthetic_library(12, 1);
+        const ScoredVariant v{"as_asked", 55e3, {}, scores_within(library, {})};
+        write_scores(folder / "scores.csv", {v}, 0.08);
+        const std::string text = read_whole(folder / "scores.csv");
+        CHECK(std::ranges::count(text, '\n') == 10);
+        Summary summary;
+        add_scores(summary, "55kPa_", v, 0.08);
+        const auto& entries = summary.entries();
+        CHECK(std::ranges::count(entries, std::string("55kPa_q_1_to_4_percent_over_prior"),
+                                 &NamedValue::key) == 1);
+        CHECK(table_of({v}, 0.08).find("q 1 to 4") != std::string::npos);
+    }
+}
