@@ -114,6 +114,8 @@ public:
         s.add("peak_normal_stress_Pa", p.peak_normal);
         s.add("peak_stress_ratio", p.peak_stress / p.peak_normal);
         s.add("peak_friction_angle_deg", p.peak_angle());
+        s.add("peak_plane_normal_stress_Pa", p.peak_plane_normal);
+        s.add("peak_plane_friction_angle_deg", p.peak_plane_angle());
         s.add("peak_displacement_m", p.peak_displacement);
         s.add("residual_shear_stress_Pa", p.residual_stress);
         s.add("residual_friction_angle_deg", p.residual_angle());
@@ -124,6 +126,9 @@ public:
         s.add("relative_energy_error", p.energy_error);
         s.add("largest_inertial_number", p.inertial_number);
         const World& world = std::as_const(simulation_).world();
+        const auto& state = world.resource<ShearState>();
+        s.add("height_m", state.start_height);
+        s.add("void_contaminant_index_at_start_percent", state.start_vci);
         s.add("time_step_s", world.resource<Clock>().dt);
         if (test_.vci > 0 || box_.fouling.any()) add_fouling_results(s, world);
         run_->describe(s);

@@ -19,8 +19,21 @@ namespace bris {
 
 namespace {
 
-/// Porosity of a whole box above that of its core, by which its height is chosen.
-constexpr double wall_porosity = 0.03;
+/// By how much the porosity of a whole box exceeds that of its core, for rocks of a mean size (m):
+/// within half a rock of the sides there are more voids. The factor is that of specimens that were
+/// made; it decides how well the height of a specimen meets the one asked for, nothing else.
+double wall_excess(const ShearBox& box, double size) {
+    constexpr double factor = 0.19;
+    const Vec3 core = Vec3::Ones() - size * Vec3(box.length, box.width, box.height).cwiseInverse();
+    return factor * (1 - core.cwiseMax(0).prod());
+}
+
+double mean_sieve(const RockSample& sample) {
+    double sum = 0;
+    for (const RockChoice& rock : sample.rocks) sum += rock.sieve;
+    return sum / static_cast<double>(sample.rocks.size());
+}
+
 constexpr double rim = 0.05; // m, by which sides reach beyond the box
 
 void require_different(const std::vector<double>& values, const char* option) {
@@ -96,16 +109,22 @@ void check_shear_box(const ShearBox& box) {
 Simulation make_shear_box(const ShearBox& box, std::uint64_t seed, unsigned threads, bool serial) {
     check_shear_box(box);
     const std::vector<Clump> clumps = rocks_among(clumps_of(box.rocks.clumps));
-    const double solids =
-        (1 - std::min(box.porosity + wall_porosity, 0.9)) * box.area() * box.height;
-    const RockSample sample = sample_of_volume(box.rocks, clumps, solids, seed);
+    const double volume = box.area() * box.height;
+    const double size = mean_sieve(sample_of_volume(box.rocks, clumps, 0.5 * volume, seed));
+    const double porosity = std::min(box.porosity + wall_excess(box, size), 0.9);
+    const RockSample sample = sample_of_volume(box.rocks, clumps, (1 - porosity) * volume, seed);
     const double largest = std::ranges::max(sample.rocks, {}, &RockChoice::sieve).sieve,
                  side = std::min(box.length, box.width);
     require(side >= box.least_box * largest,
             fmt::format("--length, --width: expected at least {:g} times the largest rock of "
                         "{:.1f} mm (--least-box, --rock-scale), found {:.1f} mm",
                         box.least_box, 1e3 * largest, 1e3 * side));
+    return make_shear_box(box, clumps, sample, seed, threads, serial);
+}
 
+Simulation make_shear_box(const ShearBox& box, const std::vector<Clump>& clumps,
+                          const RockSample& sample, std::uint64_t seed, unsigned threads,
+                          bool serial) {
     World world = make_world(Grains::clumps);
     auto& materials = world.resource<Materials>();
     const Material rock = read_rock_material(box.material).material("rock");

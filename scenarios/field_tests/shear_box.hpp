@@ -27,7 +27,7 @@ struct ShearBox {
     std::vector<double> vci{0};
     double displacement = 0.03, speed = 0.03, interval = 1e-4;
     double safety = 0.5, tolerance = 2e-3;
-    FoulingOptions fouling = {};
+    FoulingOptions fouling = {.settings = {.voxel = 0.01}};
 
     void describe(auto& option);
     double area() const { return length * width; }
@@ -51,17 +51,22 @@ struct ShearState {
     static constexpr bool is_state = true;
     double steps = 0;        ///< of consolidation
     double start_height = 0; ///< m, of the plate when shearing begins
+    double start_vci = 0;    ///< %, void contaminant index when shearing begins
     double displacement = 0; ///< m, of the lower half
     void save(Archive& archive) const {
-        put_fields(archive, "shear_test", std::tie(steps, start_height, displacement));
+        put_fields(archive, "shear_test", std::tie(steps, start_height, start_vci, displacement));
     }
     void load(const Archive& archive) {
-        get_fields(archive, "shear_test", std::tie(steps, start_height, displacement));
+        get_fields(archive, "shear_test", std::tie(steps, start_height, start_vci, displacement));
     }
 };
 
 /// The simulation of a box with its rocks still parked. Throws InputError.
 Simulation make_shear_box(const ShearBox& box, std::uint64_t seed, unsigned threads, bool serial);
+/// The same with given rocks.
+Simulation make_shear_box(const ShearBox& box, const std::vector<Clump>& clumps,
+                          const RockSample& sample, std::uint64_t seed, unsigned threads,
+                          bool serial);
 
 /// A test of one specimen: its normal stress (Pa) and its void contaminant index (%).
 struct ShearTest {

@@ -30,6 +30,9 @@ double energy_error(const Series& c) {
 } // namespace
 
 double ShearProperties::peak_angle() const { return std::atan2(peak_stress, peak_normal) / degree; }
+double ShearProperties::peak_plane_angle() const {
+    return std::atan2(peak_stress, peak_plane_normal) / degree;
+}
 double ShearProperties::residual_angle() const {
     return std::atan2(residual_stress, residual_normal) / degree;
 }
@@ -57,6 +60,7 @@ ShearProperties properties_of(const Series& c, double window) {
         if (now <= p.peak_stress) continue;
         p.peak_stress = now;
         p.peak_normal = mean(normal, a, b + 1);
+        p.peak_plane_normal = mean(c.column("plane_normal_stress"), a, b + 1);
         p.peak_displacement = x[b];
         at_peak = f;
     }

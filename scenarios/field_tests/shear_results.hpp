@@ -7,10 +7,13 @@
 
 namespace bris {
 
-/// What a curve of a direct shear test shows. Stresses are those at the plane between the halves.
+/// What a curve of a direct shear test shows. Shear stresses are those at the plane between the
+/// halves. Normal stresses are those of the plate and of the rocks above that plane, as tests state
+/// them; across the plane acts more, because the flange of the upper half holds rocks down.
 struct ShearProperties {
     double peak_stress = 0,
            peak_normal = 0;       ///< Pa, largest mean over a window; normal stress there
+    double peak_plane_normal = 0; ///< Pa, across the plane at the peak
     double peak_displacement = 0; ///< m
     double residual_stress = 0, residual_normal = 0; ///< Pa, mean of the last fifth
     double dilation = 0;                             ///< m, at the end
@@ -22,8 +25,9 @@ struct ShearProperties {
     double inertial_number = 0;
     double peak_ratio() const { return peak_stress / peak_normal; }
     double residual_ratio() const { return residual_stress / residual_normal; }
-    double peak_angle() const;     ///< degrees
-    double residual_angle() const; ///< degrees
+    double peak_angle() const;       ///< degrees
+    double peak_plane_angle() const; ///< degrees, from the stresses across the plane
+    double residual_angle() const;   ///< degrees
 };
 
 /// Properties of a curve with the columns of shear_columns; forces are averaged over windows of

@@ -32,6 +32,7 @@ constexpr unsigned parts = 10; // of an interval between samples, over which for
 struct BoxForces {
     Vec3 lower = Vec3::Zero(); ///< on sides, flange and floor of the lower half
     Vec3 upper = Vec3::Zero(); ///< on sides and flange of the upper half and on its plate
+    double plate = 0;          ///< upwards on the plate
     double below = 0;          ///< weight of the rocks below the plane between the halves
     double weight = 0;         ///< weight of all rocks
 };
@@ -41,7 +42,9 @@ BoxForces forces_of(const World& world, double plane) {
     const auto& bed = world.resource<RockBed>();
     BoxForces f;
     f.lower = rock_force(world, halves.lower) + rock_force(world, halves.floor);
-    f.upper = rock_force(world, halves.upper) + rock_force(world, bed.plate);
+    const Vec3 on_plate = rock_force(world, bed.plate);
+    f.upper = rock_force(world, halves.upper) + on_plate;
+    f.plate = on_plate.z();
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto mass = world.column<Bodies, Mass>();
     const auto position = world.column<Bodies, Position>();
@@ -88,10 +91,10 @@ void add_sample(const World& world, const ShearBox& box, const BoxForces& f, Ser
     const Quantities q = compute_quantities(world);
     const Energies e = energies_of(world, q);
     const double area = box.area(), shear = 0.5 * (f.upper.x() - f.lower.x()),
-                 normal = -f.lower.z() - f.below, height = plate_height(world);
-    curve.add({state.displacement, shear / area, normal / area, shear / normal,
-               height - state.start_height, -f.lower.x(), f.upper.x(), -f.lower.z(), f.upper.z(),
-               f.weight, e.put_in, e.stored, e.lost, q.kinetic_energy, q.coordination,
+                 applied = f.plate + f.weight - f.below, normal = -f.lower.z() - f.below;
+    curve.add({state.displacement, shear / area, applied / area, shear / applied, normal / area,
+               plate_height(world) - state.start_height, -f.lower.x(), f.upper.x(), -f.lower.z(),
+               f.upper.z(), f.weight, e.put_in, e.stored, e.lost, q.kinetic_energy, q.coordination,
                q.unbalanced_ratio, inertial_number(world, box, normal / area)});
 }
 
@@ -112,6 +115,9 @@ Phase consolidate(const ShearBox& box, const ShearTest& test, Series& curve,
                 if (state.steps >= least_consolidation && error < 0.01 &&
                     unbalanced < box.tolerance) {
                     state.start_height = plate_height(world);
+                    if (world.has_resource<Fouling>())
+                        state.start_vci =
+                            measure_fouling(world, present_fouling(world)).contaminant_index;
                     add_sample(world, box, forces_of(world, box.plane()), curve);
                     frame(world);
                     return false;
@@ -139,12 +145,19 @@ Phase consolidate(const ShearBox& box, const ShearTest& test, Series& curve,
             }};
 }
 
-/// The space of the fines follows the box.
-void widen_fields(World& world, const ShearBox& box) {
+/// The space of the fines follows the halves and the plate, in steps of half a voxel so that the
+/// fields need not be computed anew for each sample.
+void move_fields(World& world, const ShearBox& box) {
     if (!world.has_resource<Fouling>()) return;
     auto& fouling = world.resource<Fouling>();
-    fouling.box.high.x() = 0.5 * box.length + world.resource<ShearState>().displacement;
-    fouling.box.high.z() = plate_height(world);
+    const double moved = world.resource<ShearState>().displacement, x = 0.5 * box.length,
+                 step = 0.5 * fouling.settings.voxel, y = box.width, low = -box.height,
+                 high = 3 * box.height, top = plate_height(world);
+    const double left = std::floor(moved / step) * step, right = left + step;
+    if (fouling.box.high.x() == x + right && std::abs(fouling.box.high.z() - top) < step) return;
+    fouling.box.high = Vec3(x + right, 0.5 * box.width, top + step);
+    fouling.blocked = {{Vec3(-x, -y, low), Vec3(-x + left, y, box.plane())},
+                       {Vec3(x, -y, box.plane()), Vec3(x + right, y, high)}};
 }
 
 void drive_lower_half(World& world, double speed) {
@@ -175,13 +188,14 @@ Phase shear(const ShearBox& box, const ShearTest& test, Series& curve,
                     const BoxForces f = forces_of(world, box.plane());
                     mean.lower += f.lower / parts;
                     mean.upper += f.upper / parts;
+                    mean.plate += f.plate / parts;
                     mean.below += f.below / parts;
                     mean.weight = f.weight;
                 }
                 (void)checked_stable_step(world);
                 state.displacement = value_of<Position>(world, halves.lower).x();
                 add_sample(world, box, mean, curve);
-                widen_fields(world, box);
+                move_fields(world, box);
                 (void)scale_masses(world, dt, box.safety, true);
                 const std::uint64_t done = curve.rows() - 1;
                 if (done * 10 / samples != (done - 1) * 10 / samples) frame(world);
@@ -208,6 +222,7 @@ std::vector<RunFile::Column> shear_columns() {
             {"shear_stress", "Pa"},
             {"normal_stress", "Pa"},
             {"stress_ratio", ""},
+            {"plane_normal_stress", "Pa"},
             {"dilation", "m"},
             {"shear_force_lower_half", "N"},
             {"shear_force_upper_half", "N"},
