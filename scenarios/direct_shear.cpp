@@ -25,7 +25,7 @@ namespace fs = std::filesystem;
 
 /// Settings that do not concern the specimen: it can be tested again with others.
 const std::vector<std::string_view> settings_of_tests{
-    "normal_stress", "vci", "displacement", "speed", "interval", "tolerance", "safety"};
+    "normal_stress_Pa", "vci_percent", "speed_m_per_s", "interval_m", "tolerance", "safety"};
 
 /// A made specimen.
 struct Packing {
@@ -112,12 +112,13 @@ public:
         Summary s;
         s.add("peak_shear_stress_Pa", p.peak_stress);
         s.add("peak_normal_stress_Pa", p.peak_normal);
-        s.add("peak_stress_ratio", p.peak_stress / p.peak_normal);
+        s.add("peak_stress_ratio", p.peak_ratio());
         s.add("peak_friction_angle_deg", p.peak_angle());
         s.add("peak_plane_normal_stress_Pa", p.peak_plane_normal);
         s.add("peak_plane_friction_angle_deg", p.peak_plane_angle());
         s.add("peak_displacement_m", p.peak_displacement);
         s.add("residual_shear_stress_Pa", p.residual_stress);
+        s.add("residual_stress_ratio", p.residual_ratio());
         s.add("residual_friction_angle_deg", p.residual_angle());
         s.add("dilation_m", p.dilation);
         s.add("largest_dilation_angle_deg", p.dilation_angle);
