@@ -61,8 +61,8 @@ Packing make_packing(const ShearBox& box, const Common& common, const ReportProg
         run.resume(file, settings_of_tests);
     run.go(make_bed_phases());
     made.state = simulation.snapshot();
-    made.core_porosity = world.resource<BedState>().porosity;
-    made.poured_porosity = world.resource<BedState>().poured;
+    made.core_porosity = world.resource<RockBedState>().porosity;
+    made.poured_porosity = world.resource<RockBedState>().poured;
     made.largest_rock = world.resource<RockBed>().largest_size;
     made.rocks = world.resource<RockBed>().rocks.size();
     return made;

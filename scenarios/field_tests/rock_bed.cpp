@@ -130,7 +130,7 @@ Phase grow() {
                 [](Simulation& s) {
                     World& world = s.world();
                     s.advance(growth_block);
-                    auto& state = world.resource<BedState>();
+                    auto& state = world.resource<RockBedState>();
                     state.steps += static_cast<double>(growth_block);
                     const auto& rocks = world.resource<RockBed>().rocks;
                     const bool grown =
@@ -158,7 +158,7 @@ Phase grow() {
             .begin =
                 [](Simulation& s) {
                     World& world = s.world();
-                    world.resource<BedState>() = {};
+                    world.resource<RockBedState>() = {};
                     world.resource<Gravity>().value.setZero();
                     set_contacts(world, 0, making_restitution);
                     forget_lists(world); // bodies know the rows of their spheres from here on
@@ -173,8 +173,8 @@ Phase grow() {
 /// Reduces friction where the bed is at rest, and decides whether it is made; see RockBed.
 bool settle_on(World& world) {
     const auto& bed = world.resource<RockBed>();
-    const BedSettings& wanted = bed.settings;
-    auto& state = world.resource<BedState>();
+    const RockBedSettings& wanted = bed.settings;
+    auto& state = world.resource<RockBedState>();
     if (static_cast<std::uint64_t>(state.steps) % porosity_steps == 0)
         state.porosity = bed_porosity(world);
     if (state.poured > 0 && state.porosity <= wanted.porosity) return true;
@@ -207,7 +207,7 @@ Phase press() {
         .advance =
             [](Simulation& s) {
                 World& world = s.world();
-                auto& state = world.resource<BedState>();
+                auto& state = world.resource<RockBedState>();
                 if (state.made > 0) return false;
                 s.advance(press_block);
                 state.steps += static_cast<double>(press_block);
@@ -228,7 +228,7 @@ Phase press() {
             },
         .progress =
             [](const World& world) {
-                const auto& state = world.resource<BedState>();
+                const auto& state = world.resource<RockBedState>();
                 return PhaseProgress{"pressing", -1,
                                      fmt::format("friction {:.3f}, core porosity {:.3f}",
                                                  state.friction, state.porosity)};
@@ -237,7 +237,7 @@ Phase press() {
             [](Simulation& s) {
                 World& world = s.world();
                 const auto& bed = world.resource<RockBed>();
-                world.resource<BedState>() = {.friction = bed.friction};
+                world.resource<RockBedState>() = {.friction = bed.friction};
                 world.resource<Gravity>().value = Vec3(0, 0, -9.81);
                 stop_rocks(world);
                 set_contacts(world, bed.friction, making_restitution);
@@ -268,7 +268,7 @@ RockSample sample_of_volume(const BedRocks& rocks, const std::vector<Clump>& clu
     return sample;
 }
 
-void add_rock_bed(World& world, const BedSettings& settings, const std::vector<Clump>& clumps,
+void add_rock_bed(World& world, const RockBedSettings& settings, const std::vector<Clump>& clumps,
                   const RockSample& sample, std::uint32_t rock, double overhang) {
     RockBed bed{.settings = settings, .rock = rock};
     const Material& material = world.resource<Materials>().list[rock];
@@ -302,7 +302,7 @@ void add_rock_bed(World& world, const BedSettings& settings, const std::vector<C
     world.add_resource<Gravity>();
     world.add_resource(std::move(shapes));
     world.add_resource(std::move(bed));
-    world.add_resource<BedState>();
+    world.add_resource<RockBedState>();
 }
 
 std::vector<Phase> make_bed_phases() { return {grow(), press()}; }

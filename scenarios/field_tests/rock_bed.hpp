@@ -31,7 +31,7 @@ RockSample sample_of_volume(const BedRocks& rocks, const std::vector<Clump>& clu
                             std::uint64_t seed);
 
 /// How a bed is made.
-struct BedSettings {
+struct RockBedSettings {
     Vec3 size = Vec3::Zero(); ///< m, inner sides of the mould; z: height at the wanted porosity
     double porosity = 0.38;   ///< of the core
     double tolerance = 0.005; ///< of the porosity
@@ -43,7 +43,7 @@ struct BedSettings {
 /// A bed in its world.
 struct RockBed {
     static constexpr auto name = "rock_bed";
-    BedSettings settings = {};
+    RockBedSettings settings = {};
     std::vector<EntityId> rocks = {};
     EntityId plate = nobody;
     std::uint32_t rock = 0;                 ///< material
@@ -55,7 +55,7 @@ struct RockBed {
 };
 
 /// How far a bed is made; State.
-struct BedState {
+struct RockBedState {
     static constexpr auto name = "rock_bed_state";
     static constexpr bool is_state = true;
     double steps = 0;    ///< of the phase
@@ -76,7 +76,7 @@ constexpr double plate_mass = 4, plate_thickness = 0.05; // kg, m
 /// Adds rocks, parked below the floor, and a plate that is free along z only and reaches
 /// `overhang` (m) beyond the mould, so that no rock passes it. Walls and floor are up to the
 /// caller.
-void add_rock_bed(World& world, const BedSettings& settings, const std::vector<Clump>& clumps,
+void add_rock_bed(World& world, const RockBedSettings& settings, const std::vector<Clump>& clumps,
                   const RockSample& sample, std::uint32_t rock, double overhang);
 
 /// Phases that make a bed: grow and press. Throw SimulationError where the porosity is out of

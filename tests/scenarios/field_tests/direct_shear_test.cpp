@@ -152,7 +152,7 @@ TEST_SUITE("direct_shear") {
         Run making(bed, quiet_in(folder.path()), "specimen");
         making.go(make_bed_phases());
         const Archive made = bed.snapshot();
-        CHECK(std::as_const(bed).world().resource<BedState>().porosity ==
+        CHECK(std::as_const(bed).world().resource<RockBedState>().porosity ==
               about(box.porosity).epsilon(box.porosity_tolerance / box.porosity));
 
         ShearedBox clean(box, {.normal_stress = 50e3}, fresh(1), folder.path());
