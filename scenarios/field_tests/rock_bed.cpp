@@ -40,8 +40,8 @@ constexpr double quasi_static = 0.02, pressure_error = 0.05; // while friction i
 constexpr double friction_left = 0.99, least_friction = 5e-3;
 constexpr std::uint64_t placing_stream = 2001, turning_stream = 1002;
 
-/// Speed (m/s) at which the plate sinks while no rock holds it, and damping (N s/m) in a test.
-constexpr double sinking_speed = 0.3, test_damping = 200;
+/// Speed (m/s) at which the plate sinks while no rock holds it, and damping (N s/m3) in a test.
+constexpr double sinking_speed = 0.3, test_damping = 2000;
 
 /// Springs that leave the plate no motion but that along z, and a dashpot along z.
 void guide_plate(World& world, EntityId plate) {
@@ -60,13 +60,16 @@ void guide_plate(World& world, EntityId plate) {
         guide(Vec3(0, 0, end), Vec3::UnitX()); // about y
         guide(Vec3(0, 0, end), Vec3::UnitY()); // about x
     }
-    add_patch(world, plate, {.anchor = at, .axis = Vec3::UnitZ(), .damping = test_damping});
+    add_patch(world, plate, {.anchor = at, .axis = Vec3::UnitZ()});
 }
 
-void damp_plate(World& world, double damping) {
-    const EntityId plate = world.resource<RockBed>().plate;
-    world.resource<SpringPatches>().of_body[value_of<PatchesOf>(world, plate) - 1].back().damping =
-        damping;
+/// Sets the dashpot along z, the last patch of plate and tie, in N s/m2.
+void damp(World& world, double of_area) {
+    const auto& bed = world.resource<RockBed>();
+    auto& patches = world.resource<SpringPatches>().of_body;
+    patches[value_of<PatchesOf>(world, bed.plate) - 1].back().damping = of_area * bed.plate_area();
+    if (bed.tie == nobody) return;
+    patches[value_of<PatchesOf>(world, bed.tie) - 1].back().damping = of_area * bed.tie_area;
 }
 
 void add_plate(World& world, RockBed& bed, double overhang) {
@@ -95,6 +98,7 @@ void place_rocks(World& world) {
     std::ranges::sort(order, [&](EntityId a, EntityId b) {
         return radius[rows[a]] != radius[rows[b]] ? radius[rows[a]] > radius[rows[b]] : a < b;
     });
+    const Vec3 tie = bed.tie == nobody ? Vec3(Vec3::Zero()) : value_of<Position>(world, bed.tie);
     std::vector<std::pair<Vec3, double>> filled;
     for (const EntityId id : order) {
         Random random(bed.settings.seed, placing_stream + id);
@@ -104,6 +108,9 @@ void place_rocks(World& world) {
             const Vec3 half = 0.5 * bed.settings.size - Vec3::Constant(size);
             const Vec3 x(random.uniform(-half.x(), half.x()), random.uniform(-half.y(), half.y()),
                          random.uniform(size, bed.lid - size));
+            if (bed.tie != nobody &&
+                ((x - tie).cwiseAbs() - 0.5 * bed.tie_size).cwiseMax(0).norm() < size)
+                continue;
             if (std::ranges::any_of(filled, [&](const auto& other) {
                     const double apart = size + other.second;
                     return (other.first - x).squaredNorm() < apart * apart;
@@ -178,7 +185,7 @@ bool settle_on(World& world) {
     if (static_cast<std::uint64_t>(state.steps) % porosity_steps == 0)
         state.porosity = bed_porosity(world);
     if (state.poured > 0 && state.porosity <= wanted.porosity) return true;
-    const double pushed = rock_force(world, bed.plate).z() / (wanted.pressure * bed.area());
+    const double pushed = rock_force(world, bed.plate).z() / (wanted.pressure * bed.plate_area());
     if (state.steps < 2000 || std::abs(pushed - 1) > pressure_error ||
         compute_balance(world).unbalanced_ratio > quasi_static)
         return false;
@@ -214,7 +221,7 @@ Phase press() {
                 const auto& bed = world.resource<RockBed>();
                 if (settle_on(world)) {
                     set_contacts(world, bed.friction, bed.restitution);
-                    damp_plate(world, test_damping);
+                    damp(world, test_damping);
                     state.made = 1;
                 }
                 if (state.steps > static_cast<double>(bed.settings.longest))
@@ -242,8 +249,12 @@ Phase press() {
                 stop_rocks(world);
                 set_contacts(world, bed.friction, making_restitution);
                 value_of<MotionOf>(world, bed.plate) = static_cast<std::uint32_t>(Motion::free);
-                press_plate(world, bed.settings.pressure * bed.area());
-                damp_plate(world, bed.settings.pressure * bed.area() / sinking_speed);
+                if (bed.tie != nobody) {
+                    value_of<MotionOf>(world, bed.tie) = static_cast<std::uint32_t>(Motion::free);
+                    press_tie(world, bed.settings.pressure);
+                }
+                press_plate(world, bed.settings.pressure * bed.plate_area());
+                damp(world, bed.settings.pressure / sinking_speed);
                 invalidate_lists(world);
                 rescale_masses(world, making_safety);
             }};
@@ -305,6 +316,19 @@ void add_rock_bed(World& world, const RockBedSettings& settings, const std::vect
     world.add_resource<RockBedState>();
 }
 
+void add_tie(World& world, EntityId tie, const Vec3& size, double volume) {
+    auto& bed = world.resource<RockBed>();
+    bed.tie = tie;
+    bed.tie_size = size;
+    bed.tie_area = volume / size.z();
+    const double raised = volume / bed.area();
+    bed.lid += raised;
+    value_of<Position>(world, bed.plate).z() += raised;
+    add_patch(world, tie, {.anchor = value_of<Position>(world, tie), .axis = Vec3::UnitZ()});
+    add_load(world, tie, {.force = Vec3(0, 0, -1), .history = {.mean = 0}});
+    value_of<MotionOf>(world, tie) = static_cast<std::uint32_t>(Motion::fixed);
+}
+
 std::vector<Phase> make_bed_phases() { return {grow(), press()}; }
 
 void set_contacts(World& world, double friction, double restitution) {
@@ -322,6 +346,12 @@ void rescale_masses(World& world, double safety) {
 
 void press_plate(World& world, double force) {
     plate_load(world) = {.mean = force - plate_mass * 9.81};
+}
+
+void press_tie(World& world, double pressure) {
+    const auto& bed = world.resource<RockBed>();
+    world.resource<Loads>().of_body[value_of<LoadOf>(world, bed.tie) - 1].front().history = {
+        .mean = pressure * bed.tie_area};
 }
 
 void ramp_plate(World& world, double force, double duration) {
@@ -344,9 +374,13 @@ Vec3 rock_force(const World& world, EntityId body) {
 }
 
 double bed_porosity(const World& world) {
-    const Vec3& size = world.resource<RockBed>().settings.size;
+    constexpr double pitch = 4e-3; // m, of lines along which it is integrated
+    const auto& wanted = world.resource<RockBed>().settings;
+    if (wanted.core_low != wanted.core_high)
+        return porosity(world, BoxRegion{wanted.core_low, wanted.core_high}, pitch);
     const double top = plate_height(world);
-    return porosity(world, {0.3 * std::min(size.x(), size.y()), 0.25 * top, 0.75 * top}, 120);
+    return porosity(
+        world, {0.3 * std::min(wanted.size.x(), wanted.size.y()), 0.25 * top, 0.75 * top}, 120);
 }
 
 } // namespace bris

@@ -36,6 +36,8 @@ struct RockBedSettings {
     double porosity = 0.38;   ///< of the core
     double tolerance = 0.005; ///< of the porosity
     double pressure = 50e3;   ///< Pa, of the plate, its weight included
+    /// m, corners of the core; equal ones: the middle half of the height, 0.3 of a side around.
+    Vec3 core_low = Vec3::Zero(), core_high = Vec3::Zero();
     std::uint64_t longest = 400'000; ///< steps of the pressing
     std::uint64_t seed = 1;
 };
@@ -46,12 +48,16 @@ struct RockBed {
     RockBedSettings settings = {};
     std::vector<EntityId> rocks = {};
     EntityId plate = nobody;
+    EntityId tie = nobody;                  ///< a block in the bed, if there is one
+    Vec3 tie_size = Vec3::Zero();           ///< m
+    double tie_area = 0;                    ///< m2, of the tie's lower side within the mould
     std::uint32_t rock = 0;                 ///< material
     double friction = 0.6, restitution = 1; ///< of the rocks in a test
     double solid_volume = 0;                ///< m3
     double mean_size = 0, largest_size = 0; ///< m, sieve sizes
     double lid = 0;                         ///< m, height of the mould in which rocks grow
     double area() const { return settings.size.x() * settings.size.y(); }
+    double plate_area() const { return area() - tie_area; } ///< m2, that presses on rocks
 };
 
 /// How far a bed is made; State.
@@ -79,6 +85,11 @@ constexpr double plate_mass = 4, plate_thickness = 0.05; // kg, m
 void add_rock_bed(World& world, const RockBedSettings& settings, const std::vector<Clump>& clumps,
                   const RockSample& sample, std::uint32_t rock, double overhang);
 
+/// Makes a free block of facets in the mould (`size`: m; `volume`: m3, within the mould) the tie of
+/// the bed: rocks grow around it while it is fixed, and it is pressed down with the pressure of the
+/// plate, which passes it. The mould becomes higher by its volume. Guides are up to the caller.
+void add_tie(World& world, EntityId tie, const Vec3& size, double volume);
+
 /// Phases that make a bed: grow and press. Throw SimulationError where the porosity is out of
 /// reach.
 std::vector<Phase> make_bed_phases();
@@ -89,7 +100,9 @@ void set_contacts(World& world, double friction, double restitution);
 void rescale_masses(World& world, double safety);
 /// Sets the force (N) with which the plate presses, its weight included.
 void press_plate(World& world, double force);
-/// Changes that force linearly over `duration` (s).
+/// Sets the pressure (Pa) with which the tie is pressed down besides its weight.
+void press_tie(World& world, double pressure);
+/// Changes the force of the plate linearly over `duration` (s).
 void ramp_plate(World& world, double force, double duration);
 
 /// Height (m) of the lower side of the plate.
