@@ -20,7 +20,7 @@ namespace bris {
 struct TieBed {
     double tie_length = 2.59, tie_width = 0.27, tie_height = 0.23, tie_mass = 320;
     double spacing = 0.61, base = 0.3, shoulder = 0.35, slope = 1.5;
-    BedRocks rocks = {.grading = "arema_3", .scale = 1.5, .smallest = 0.03};
+    BedRocks rocks = {.grading = "arema_3", .scale = 1.2, .smallest = 0.03};
     std::string material = "granite";
     double porosity = 0.42, porosity_tolerance = 0.005, preparation_pressure = 50e3;
     std::vector<double> vci{0};
