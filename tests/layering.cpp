@@ -73,9 +73,9 @@ bool may_include_system(const std::string& file, const std::string& target) {
 
 /// The folders of scenarios/ in order. Each may include those before it; the executables may
 /// include all.
-constexpr std::array rooms{"rocks",     "specimens",   "recordings",   "triaxial",
-                           "bulk",      "ballast_box", "assimilation", "verification",
-                           "stability", "monitoring",  "network"};
+constexpr std::array rooms{"rocks",        "specimens",   "recordings",  "triaxial",
+                           "bulk",         "ballast_box", "field_tests", "assimilation",
+                           "verification", "stability",   "monitoring",  "network"};
 
 bool may_include_room(const std::string& file, const std::string& target) {
     const auto order = [](const std::string& path) {

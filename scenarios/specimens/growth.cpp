@@ -1,4 +1,4 @@
-#include "scenarios/triaxial/growth.hpp"
+#include "scenarios/specimens/growth.hpp"
 
 #include "components/body.hpp"
 #include "components/body_contacts.hpp"

@@ -1,0 +1,237 @@
+// Lateral resistance of a single tie: it is pushed along its axis through compacted ballast, with
+// and without a shoulder and with several amounts of fines, on the same bed.
+#include "engine/ensemble.hpp"
+#include "engine/errors.hpp"
+#include "engine/io/plot.hpp"
+#include "engine/run.hpp"
+#include "scenarios/field_tests/tie_bed.hpp"
+#include "scenarios/specimens/scene.hpp"
+#include "systems/output/balance.hpp"
+#include "systems/output/frames.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <string_view>
+
+namespace {
+
+using namespace bris;
+namespace fs = std::filesystem;
+
+/// Settings that do not concern the bed: it can be tested again with others.
+const std::vector<std::string_view> settings_of_tests{
+    "vci_percent", "shoulders", "displacement_m", "speed_m_per_s",
+    "interval_m",  "tolerance", "safety"};
+
+constexpr std::array marks{2e-3, 10e-3, 20e-3}; // m, displacements at which forces are results
+
+std::string name_of(const TieTest& test) {
+    return fmt::format("VCI{:g}{}", test.vci, test.with_shoulder ? "" : "_no_shoulder");
+}
+
+std::vector<TieTest> tests_of(const TieBed& bed) {
+    std::vector<TieTest> tests;
+    for (const double vci : bed.vci)
+        for (const bool with : {true, false})
+            if (bed.shoulders == "both" || with == (bed.shoulders == "with"))
+                tests.push_back({vci, with});
+    return tests;
+}
+
+fs::path checkpoint_of(const Common& common, const fs::path& name) {
+    if (common.resume.empty()) return {};
+    const fs::path file = common.resume / (name.string() + ".ckpt.h5");
+    return fs::exists(file) ? file : fs::path();
+}
+
+/// One test of a bed, and its results.
+class PushRun {
+public:
+    PushRun(const TieBed& bed, const Common& common, const Archive& made, const TieTest& test,
+            unsigned threads, const ReportProgress& report)
+        : bed_(bed), test_(test),
+          simulation_(make_tie_bed(bed, common.seed, threads, common.serial)), common_(common) {
+        common_.out = common.out / name_of(test);
+        fs::create_directories(common_.out);
+        run_ = std::make_unique<Run>(simulation_, common_, "tie_push", report);
+        run_->keep(curve_);
+        const auto file = checkpoint_of(common, fs::path(name_of(test)) / "tie_push");
+        simulation_.restore(made); // the fields are made for this bed
+        add_fines(simulation_, bed_, test_, common.seed, file.empty());
+        if (!file.empty()) run_->resume(file);
+    }
+
+    void go() {
+        FrameWriter frames(run_->file("tie_push", ".vtkhdf"), common_.settings);
+        run_->go(push_phases(bed_, test_, curve_, [&](const World& world) { frames.add(world); }));
+        curve_.write_csv(common_.out / "curve.csv");
+        if (frames.frames() > 0) {
+            curve_.write_track(frames.file());
+            frames.file().close();
+        }
+        View view = view_of_bodies(
+            std::as_const(simulation_).world(), frame_of_bodies(std::as_const(simulation_).world()),
+            [](std::size_t k) { return rock_colour(static_cast<std::uint32_t>(k)); });
+        std::erase_if(view.balls, [](const DrawnBall& ball) { return ball.centre.z() < -0.1; });
+        std::erase_if(view.quads, [](const auto& quad) { return quad[0].z() > 0.9; });
+        view.caption = fmt::format("{}, {:.1f} mm", name_of(test_),
+                                   1e3 * curve_.column("displacement").back());
+        draw_picture(common_.out / "bed.png", {&view, 1}, {.azimuth = -1.2, .elevation = 0.3});
+        write_results(common_, summary());
+    }
+
+    const TieTest& test() const { return test_; }
+    const Series& curve() const { return curve_; }
+
+    /// Mean of a column over a tenth of a millimetre or more around a displacement (m).
+    double near(const char* column, double displacement) const {
+        const auto &x = curve_.column("displacement"), &y = curve_.column(column);
+        const double reach = std::max(0.25e-3, 1.1 * bed_.interval);
+        double sum = 0, count = 0;
+        for (std::size_t k = 0; k < x.size(); ++k)
+            if (std::abs(x[k] - displacement) <= reach) sum += y[k], ++count;
+        return sum / count;
+    }
+
+    Summary summary() const {
+        const World& world = simulation_.world();
+        Summary s;
+        for (const double mark : marks) {
+            if (mark > bed_.displacement * (1 + 1e-9)) continue;
+            const double force = near("force", mark);
+            const std::string at = fmt::format("_at_{:g}_mm", 1e3 * mark);
+            s.add("force" + at + "_N", force);
+            s.add("base_share" + at, near("base_force", mark) / force);
+            s.add("crib_share" + at, near("crib_force", mark) / force);
+            s.add("end_share" + at, near("end_force", mark) / force);
+            s.add("lift" + at + "_m", near("lift", mark));
+        }
+        const auto& force = curve_.column("force");
+        const auto peak = std::ranges::max_element(force) - force.begin();
+        s.add("largest_force_N", force[static_cast<std::size_t>(peak)]);
+        s.add("largest_force_displacement_m",
+              curve_.column("displacement")[static_cast<std::size_t>(peak)]);
+        s.add("largest_unbalanced_ratio", std::ranges::max(curve_.column("unbalanced_ratio")));
+        // at rest the ballast carries the tie
+        s.add("support_over_weight_at_start",
+              curve_.column("support").front() / (9.81 * bed_.tie_mass));
+        s.add("time_step_s", world.resource<Clock>().dt);
+        if (test_.vci > 0 || bed_.fouling.any()) add_fouling_results(s, world);
+        run_->describe(s);
+        return s;
+    }
+
+private:
+    const TieBed& bed_;
+    TieTest test_;
+    Simulation simulation_;
+    Series curve_{"push", push_columns()};
+    Common common_;
+    std::unique_ptr<Run> run_;
+};
+
+using Runs = std::vector<std::unique_ptr<PushRun>>;
+
+/// Loss of force without a shoulder, and by fines, at each displacement.
+void add_losses(Summary& summary, const Runs& runs, const TieBed& bed) {
+    for (const double mark : marks) {
+        if (mark > bed.displacement * (1 + 1e-9)) continue;
+        const auto force = [&](const PushRun& r) { return r.near("force", mark); };
+        for (const auto& run : runs)
+            for (const auto& other : runs) {
+                const TieTest &a = run->test(), &b = other->test();
+                const double loss = 100 * (1 - force(*other) / force(*run));
+                if (a.vci == b.vci && a.with_shoulder && !b.with_shoulder)
+                    summary.add(fmt::format("VCI{:g}_loss_without_shoulder_at_{:g}_mm_percent",
+                                            a.vci, 1e3 * mark),
+                                loss);
+                if (a.vci == bed.vci.front() && b.vci != a.vci && a.with_shoulder &&
+                    b.with_shoulder)
+                    summary.add(fmt::format("VCI{:g}_loss_at_{:g}_mm_percent", b.vci, 1e3 * mark),
+                                loss);
+            }
+    }
+}
+
+void draw(const Runs& runs, const Common& common) {
+    Plot force{.title = "Lateral resistance",
+               .x_label = "displacement (mm)",
+               .y_label = "force on the tie (kN)"},
+        shares{.title = fmt::format("Parts of the force, {}", name_of(runs.front()->test())),
+               .x_label = "displacement (mm)",
+               .y_label = "force (kN)"};
+    const auto curve = [](const PushRun& run, const char* column, const std::string& label) {
+        Curve c{.label = label};
+        for (std::size_t k = 0; k < run.curve().rows(); ++k) {
+            c.x.push_back(1e3 * run.curve().column("displacement")[k]);
+            c.y.push_back(1e-3 * run.curve().column(column)[k]);
+        }
+        return c;
+    };
+    for (const auto& run : runs) force.curves.push_back(curve(*run, "force", name_of(run->test())));
+    for (const char* part : {"base", "crib", "end"})
+        shares.curves.push_back(curve(*runs.front(), fmt::format("{}_force", part).c_str(), part));
+    draw_plots(common.out / "tie_push.png", {force, shares});
+}
+
+void run(const TieBed& bed, const Common& common) {
+    require(
+        common.resume.empty() || fs::is_directory(common.resume),
+        fmt::format("--resume: expected a folder of results, found '{}'", common.resume.string()));
+    check_tie_bed(bed);
+    const std::vector<TieTest> tests = tests_of(bed);
+    Progress progress = make_progress(common);
+    const auto report = [&](std::size_t k) {
+        return progress_slot(progress, static_cast<unsigned>(k));
+    };
+    Simulation making = make_tie_bed(bed, common.seed, common.threads, common.serial);
+    Run of_bed(making, common, "specimen", report(0));
+    if (const auto file = checkpoint_of(common, "specimen"); !file.empty())
+        of_bed.resume(file, settings_of_tests);
+    of_bed.go(make_bed_phases());
+    const Archive made = making.snapshot();
+    const World& bed_world = std::as_const(making).world();
+    const auto rocks = bed_world.resource<RockBed>().rocks.size();
+    const double porosity = bed_world.resource<RockBedState>().porosity;
+    progress.pause();
+    fmt::print("bed of {} rocks: porosity below the tie and the crib {:.4f}\n", rocks, porosity);
+    progress.begin_job(static_cast<double>(tests.size()) * (1 + bed.displacement / bed.interval));
+    Runs runs(tests.size());
+    const unsigned testers =
+        std::max(1u, std::min(common.threads, static_cast<unsigned>(tests.size())));
+    run_ensemble(tests.size(), testers, [&](std::size_t k) {
+        runs[k] = std::make_unique<PushRun>(bed, common, made, tests[k],
+                                            std::max(1u, common.threads / testers), report(k));
+        runs[k]->go();
+    });
+    progress.pause();
+    draw(runs, common);
+    Summary all;
+    all.add("rocks", rocks);
+    all.add("core_porosity", porosity);
+    add_losses(all, runs, bed);
+    for (const auto& one : runs) {
+        const Summary own = one->summary();
+        for (NamedValue entry : own.entries()) {
+            if (runs.size() > 1) entry.key = fmt::format("{}_{}", name_of(one->test()), entry.key);
+            all.add(entry);
+        }
+    }
+    report_results(common, all);
+}
+
+std::string explain(const TieBed& bed, const Common& common) {
+    Simulation simulation = make_tie_bed(bed, common.seed, 1, common.serial);
+    add_fines(simulation, bed, {.vci = bed.vci.back()}, common.seed, false);
+    return simulation.schedule().explain();
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_scenario<TieBed>(
+        argc, argv, {"tie_push", "Lateral resistance of a single tie in ballast."}, run, explain);
+}
