@@ -111,7 +111,7 @@ public:
     Phase timed(TimedPhase phase) const;
 
     /// Checks a timed phase that the checkpoint may already have completed: throws InputError,
-    /// naming the option of its duration, unless `steps` exceeds the steps done.
+    /// naming the option of its duration, if `steps` are fewer than the steps done.
     void require_steps_left(std::uint64_t steps, const std::string& option) const;
 
     void save() { save_as(name_); }

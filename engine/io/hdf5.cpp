@@ -11,7 +11,9 @@
 #include <cstring>
 #include <fcntl.h>
 #include <mutex>
+#include <new>
 #include <numeric>
+#include <pthread.h>
 #include <stdexcept>
 #include <sys/file.h>
 #include <sys/stat.h>
@@ -34,6 +36,10 @@ public:
         // first call into the library: any other call initialises it, and so registers the cleanup.
         static const herr_t without_cleanup = H5dont_atexit();
         static_cast<void>(without_cleanup);
+        // a child process starts while no thread is in the library, and has a lock of its own
+        static const int forks = pthread_atfork([] { mutex().lock(); }, [] { mutex().unlock(); },
+                                                [] { new (&mutex()) std::recursive_mutex; });
+        static_cast<void>(forks);
         H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr);
     }
 
@@ -258,6 +264,27 @@ std::vector<std::string> Hdf5File::names(const std::string& group) const {
     };
     if (H5Literate(opened, H5_INDEX_NAME, H5_ITER_INC, nullptr, note, &list) < 0)
         fail("list", group);
+    return list;
+}
+
+bool Hdf5File::is_group(const std::string& object) const {
+    const Alone alone;
+    const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
+    if (opened < 0) fail("open", object);
+    return H5Iget_type(opened) == H5I_GROUP;
+}
+
+std::vector<std::string> Hdf5File::attribute_names(const std::string& object) const {
+    const Alone alone;
+    const Object opened(H5Oopen(file_, object.c_str(), H5P_DEFAULT));
+    if (opened < 0) fail("open", object);
+    std::vector<std::string> list;
+    const auto note = [](hid_t, const char* name, const H5A_info_t*, void* target) -> herr_t {
+        static_cast<std::vector<std::string>*>(target)->emplace_back(name);
+        return 0;
+    };
+    if (H5Aiterate2(opened, H5_INDEX_NAME, H5_ITER_INC, nullptr, note, &list) < 0)
+        fail("list the attributes of", object);
     return list;
 }
 

@@ -18,7 +18,8 @@ concept Hdf5Number = std::same_as<T, double> || std::same_as<T, float> ||
 /// are created on writing. Every member throws OutputError with the file, the object and the
 /// operation that failed, also for files that are truncated, damaged or not HDF5. After a failure
 /// to write, the file stays as the last flush() left it: nothing more is written, and closing it
-/// does nothing. Different threads may use different files; calls into the library are serialised.
+/// does nothing. Files of users are read with Hdf5Content, since damaged ones crash the library.
+/// Different threads may use different files; calls into the library are serialised.
 class Hdf5File {
 public:
     using Shape = std::vector<std::uint64_t>;
@@ -40,6 +41,8 @@ public:
     bool has(const std::string& object) const;
     /// Names of the members of a group, sorted.
     std::vector<std::string> names(const std::string& group) const;
+    bool is_group(const std::string& object) const; ///< otherwise it is a dataset
+    std::vector<std::string> attribute_names(const std::string& object) const;
     void make_group(const std::string& group);
     void remove(const std::string& object);
 

@@ -1,7 +1,7 @@
 #include "scenarios/recordings/bench_hdf5.hpp"
 
 #include "engine/errors.hpp"
-#include "engine/io/hdf5.hpp"
+#include "engine/io/hdf5_content.hpp"
 #include "engine/signal/median.hpp"
 
 #include <fmt/format.h>
@@ -33,7 +33,8 @@ std::vector<double> areas_of(const std::vector<TriaxialPoint>& points) {
 
 class BenchReader {
 public:
-    explicit BenchReader(const std::filesystem::path& path) : file_(Hdf5File::open(path)) {
+    explicit BenchReader(const std::filesystem::path& path)
+        : file_(Hdf5Content::read(path, {group})) {
         require(file_.has(group),
                 fmt::format("{}: expected a group {}, or test.csv beside it, found neither",
                             path.string(), group));
@@ -92,7 +93,7 @@ private:
     }
     std::vector<double> numbers(const char* dataset) const {
         require_dataset(dataset);
-        auto all = file_.read<double>(named(dataset));
+        const auto& all = file_.numbers(named(dataset));
         require(all.size() == records_,
                 fmt::format("{}: expected {} numbers, as many as in time, found {}", at(dataset),
                             records_, all.size()));
@@ -108,13 +109,13 @@ private:
         require(shape.size() == 2 && shape[0] == records_,
                 fmt::format("{}: expected {} rows of ring radii, found {}", at("ring_radius"),
                             records_, in_words(shape)));
-        return file_.read<double>(named("ring_radius"));
+        return file_.numbers(named("ring_radius"));
     }
     double area_at_start() const {
         require(file_.has_attribute(group, "area"),
                 fmt::format("{}: {}: expected an attribute area (m2), found none",
                             file_.path().string(), group));
-        const auto area = file_.attribute<double>(group, "area");
+        const auto area = file_.attribute(group, "area");
         const std::string where = fmt::format("{}: {}: area: expected a number above 0 (m2), found",
                                               file_.path().string(), group);
         require(area.size() == 1, fmt::format("{} {} numbers", where, area.size()));
@@ -132,13 +133,15 @@ private:
                                    all[k]));
     }
 
-    Hdf5File file_;
+    Hdf5Content file_;
     std::size_t records_ = 0;
 };
 
 } // namespace
 
-bool has_bench(const std::filesystem::path& path) { return Hdf5File::open(path).has(group); }
+bool has_bench(const std::filesystem::path& path) {
+    return Hdf5Content::read(path, {group}, Hdf5Content::Datasets::left_out).has(group);
+}
 
 Bench read_bench(const std::filesystem::path& path, double pressure) {
     return BenchReader(path).read(pressure);

@@ -1,5 +1,5 @@
 #include "engine/errors.hpp"
-#include "engine/io/hdf5.hpp"
+#include "engine/io/hdf5_content.hpp"
 #include "scenarios/recordings/device_channels.hpp"
 #include "scenarios/recordings/recording.hpp"
 
@@ -16,15 +16,15 @@ namespace {
 
 /// Rows of N numbers, one for each sample; empty if the file does not have the dataset.
 template <std::size_t N>
-std::vector<Eigen::Matrix<double, N, 1>> rows_of(const Hdf5File& file, const std::string& dataset,
-                                                 std::size_t samples) {
+std::vector<Eigen::Matrix<double, N, 1>> rows_of(const Hdf5Content& file,
+                                                 const std::string& dataset, std::size_t samples) {
     std::vector<Eigen::Matrix<double, N, 1>> rows;
     if (!file.has(dataset)) return rows;
     const Hdf5File::Shape shape = file.shape(dataset),
                           wanted = N == 1 ? Hdf5File::Shape{samples} : Hdf5File::Shape{samples, N};
     require(shape == wanted, fmt::format("{}: {}: expected {}, found {}", file.path().string(),
                                          dataset, in_words(wanted), in_words(shape)));
-    const auto numbers = file.read<double>(dataset);
+    const auto& numbers = file.numbers(dataset);
     for (std::size_t k = 0; k < samples; ++k)
         rows.push_back(Eigen::Matrix<double, N, 1>::Map(&numbers[N * k]));
     return rows;
@@ -56,14 +56,14 @@ struct AttributeWriter {
 
 /// Reads the attributes of a group as if they were typed as options, so that the same checks apply.
 struct AttributeReader {
-    const Hdf5File& file;
+    const Hdf5Content& file;
     const std::string& group;
     std::vector<std::string> typed = {};
     void operator()(const std::string& name, unsigned, auto&&...) {
-        add(name, [&] { return fmt::format("{}", number<std::uint32_t>(name)); });
+        add(name, [&] { return fmt::format("{}", number(name)); });
     }
     void operator()(const std::string& name, double, auto&&...) {
-        add(name, [&] { return fmt::format("{}", number<double>(name)); });
+        add(name, [&] { return fmt::format("{}", number(name)); });
     }
     void operator()(const std::string& name, const std::string&, const std::string&,
                     const std::string&, std::initializer_list<const char*>) {
@@ -71,9 +71,8 @@ struct AttributeReader {
     }
 
 private:
-    template <class T>
-    T number(const std::string& name) const {
-        const auto numbers = file.attribute<T>(group, name);
+    double number(const std::string& name) const {
+        const auto& numbers = file.attribute(group, name);
         require(numbers.size() == 1,
                 fmt::format("{}: {}: {}: expected one number, found {}", file.path().string(),
                             group, name, numbers.size()));
@@ -98,7 +97,7 @@ std::vector<std::pair<std::string, std::string>> units_of(const SensorInfo& info
 }
 
 /// Reads counts as doubles: read as integers, a negative number or NaN would become another count.
-std::vector<std::uint64_t> counts_of(const Hdf5File& file, const std::string& dataset,
+std::vector<std::uint64_t> counts_of(const Hdf5Content& file, const std::string& dataset,
                                      std::size_t samples, bool nan_is_0) {
     std::vector<std::uint64_t> counts;
     const auto rows = rows_of<1>(file, dataset, samples);
@@ -114,15 +113,15 @@ std::vector<std::uint64_t> counts_of(const Hdf5File& file, const std::string& da
 }
 
 /// Times of the samples.
-std::vector<double> times_of(const Hdf5File& file, const std::string& dataset) {
+std::vector<double> times_of(const Hdf5Content& file, const std::string& dataset) {
     const auto shape = file.shape(dataset);
     require(shape.size() == 1,
             fmt::format("{}: {}: expected a one-dimensional array of numbers, found {}",
                         file.path().string(), dataset, in_words(shape)));
-    return file.read<double>(dataset);
+    return file.numbers(dataset);
 }
 
-Recording read_one(const Hdf5File& file, const SensorInfo& info) {
+Recording read_one(const Hdf5Content& file, const SensorInfo& info) {
     const std::string own = fmt::format("/sensors/{}", info.id), group = own + "/";
     Recording r;
     r.info = info;
@@ -175,7 +174,7 @@ Recording read_one(const Hdf5File& file, const SensorInfo& info) {
 } // namespace
 
 std::vector<SensorInfo> read_sensor_infos_hdf5(const std::filesystem::path& path) {
-    const Hdf5File file = Hdf5File::open(path);
+    const auto file = Hdf5Content::read(path, {"/sensors"}, Hdf5Content::Datasets::left_out);
     require(file.has("/sensors"),
             fmt::format("{}: expected a group /sensors, found none", path.string()));
     std::vector<SensorInfo> infos;
@@ -204,7 +203,7 @@ std::vector<SensorInfo> read_sensor_infos_hdf5(const std::filesystem::path& path
 
 std::vector<Recording> read_recordings_hdf5(const std::filesystem::path& path,
                                             const std::vector<SensorInfo>& sensors) {
-    const Hdf5File file = Hdf5File::open(path);
+    const auto file = Hdf5Content::read(path, {"/sensors"});
     require(file.has("/sensors"),
             fmt::format("{}: expected a group /sensors, found none", path.string()));
     for (const std::string& name : file.names("/sensors"))

@@ -16,9 +16,9 @@
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <malloc.h>
 #include <new>
+#include <sys/resource.h>
 #include <sys/time.h>
 #include <unistd.h>
 
@@ -71,11 +71,23 @@ struct Count {
     double slowest = 0, largest = 0; ///< s, and MiB beyond ten times the input
 };
 
+/// Of this process and of those that it has started and that have ended, s.
+double processor_time() {
+    double seconds = 0;
+    for (const int who : {RUSAGE_SELF, RUSAGE_CHILDREN}) {
+        rusage used{};
+        getrusage(who, &used);
+        for (const timeval& part : {used.ru_utime, used.ru_stime})
+            seconds += static_cast<double>(part.tv_sec) + 1e-6 * static_cast<double>(part.tv_usec);
+    }
+    return seconds;
+}
+
 /// Why a reader fails on a file; empty: it does not.
 std::string failure_of(const FuzzedReader& reader, const fs::path& file, Count& count) {
     const std::size_t before = memory_in_use;
     most_memory = before;
-    const auto began = std::clock();
+    const double began = processor_time();
     try {
         reader.read(file);
         ++count.accepted;
@@ -86,7 +98,7 @@ std::string failure_of(const FuzzedReader& reader, const fs::path& file, Count& 
     } catch (const std::exception& error) {
         return fmt::format("internal error: {}", error.what());
     }
-    const double seconds = static_cast<double>(std::clock() - began) / CLOCKS_PER_SEC,
+    const double seconds = processor_time() - began,
                  beyond = (static_cast<double>(most_memory - before) -
                            10 * static_cast<double>(fs::file_size(file))) /
                           0x1p20;
@@ -98,7 +110,7 @@ std::string failure_of(const FuzzedReader& reader, const fs::path& file, Count& 
 }
 
 void fuzz(const FuzzedReader& reader, const Fuzz& f, const fs::path& folder) {
-    const Mutator mutator(reader.valid(assets_folder(), folder), f.seed);
+    const Mutator mutator(reader.valid(assets_folder(), folder), f.seed, reader.in_place);
     const fs::path file =
         fs::absolute(fmt::format("fuzz_{}_{}{}", reader.name, getpid(), reader.extension));
     Count count;

@@ -135,12 +135,42 @@ void change(std::string& text, const std::vector<std::string>& valid, Draws& dra
     }
 }
 
+/// Overwrites bytes, without moving any: a file with addresses is refused at once otherwise.
+void overwrite(std::string& text, Draws& draws) {
+    if (text.empty()) return;
+    const std::size_t at = draws.below(text.size()),
+                      size = std::min(text.size() - at, std::size_t{1} << draws.below(4));
+    switch (draws.below(20)) {
+    case 0: // the end is cut off
+        text.resize(at);
+        break;
+    case 1: // a block is copied to another place
+        text.replace(at, size, text.substr(draws.below(text.size() - size + 1), size));
+        break;
+    case 2:
+    case 3: // the smallest or largest number
+        text.replace(at, size, size, draws.below(2) == 0 ? '\0' : '\xff');
+        break;
+    case 4:
+    case 5:
+    case 6: // a bit
+        text[at] = static_cast<char>(static_cast<unsigned char>(text[at]) ^ (1u << draws.below(8)));
+        break;
+    default: // a byte
+        text[at] = static_cast<char>(draws.below(256));
+    }
+}
+
 } // namespace
 
 std::string Mutator::input(std::uint64_t number) const {
     Draws draws(seed_, number);
     std::string text = valid_[draws.below(valid_.size())];
-    for (std::size_t k = draws.below(6) + 1; k-- > 0;) change(text, valid_, draws);
+    for (std::size_t k = draws.below(6) + 1; k-- > 0;)
+        if (in_place_)
+            overwrite(text, draws);
+        else
+            change(text, valid_, draws);
     return text;
 }
 

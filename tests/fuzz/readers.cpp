@@ -6,6 +6,7 @@
 #include "engine/io/json_numbers.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/options.hpp"
+#include "scenarios/recordings/bench_hdf5.hpp"
 #include "scenarios/recordings/record_stream.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/recordings/recording.hpp"
@@ -166,6 +167,36 @@ Texts checkpoints(const fs::path&, const fs::path& folder) {
     return {read_whole(folder / "valid.ckpt.h5")};
 }
 
+/// A small test with two sensors, as one file.
+Texts hdf5_recordings(const fs::path&, const fs::path& folder) {
+    std::vector<Recording> recordings(2);
+    for (unsigned k = 0; k < 2; ++k) {
+        Recording& r = recordings[k];
+        r.info.id = k + 1;
+        for (int i = 0; i < 8; ++i) {
+            r.time.push_back(i);
+            r.force.emplace_back(0, 0.1 * i, 9.81);
+            r.rate.emplace_back(0.01 * i, 0, 0);
+            r.strain.push_back(1e-3 * i);
+        }
+    }
+    write_recordings_hdf5(folder / "valid.h5", recordings);
+    std::vector<TriaxialPoint> points(8);
+    std::vector<double> time;
+    for (int i = 0; i < 8; ++i) {
+        points[static_cast<std::size_t>(i)].axial_strain = 1e-3 * (i + 1);
+        points[static_cast<std::size_t>(i)].deviatoric_stress = 1e4 * i;
+        time.push_back(i);
+    }
+    write_bench(folder / "valid.h5", points, time, 0.07, 55e3);
+    return {read_whole(folder / "valid.h5")};
+}
+
+void read_hdf5_recordings(const fs::path& file) {
+    (void)read_recordings_hdf5(file, read_sensor_infos_hdf5(file));
+    (void)read_bench(file, 55e3);
+}
+
 constexpr std::array readers{
     FuzzedReader{"csv", ".csv",
                  [](const fs::path& assets, const fs::path&) -> Texts {
@@ -209,7 +240,8 @@ constexpr std::array readers{
     FuzzedReader{"obj", ".obj", obj_files, [](const fs::path& file) { (void)read_mesh(file); }},
     FuzzedReader{"ply", ".ply", ply_files, [](const fs::path& file) { (void)read_mesh(file); }},
     FuzzedReader{"checkpoint", ".h5", checkpoints,
-                 [](const fs::path& file) { (void)read_checkpoint(file); }}};
+                 [](const fs::path& file) { (void)read_checkpoint(file); }},
+    FuzzedReader{"hdf5", ".h5", hdf5_recordings, read_hdf5_recordings, true}};
 
 } // namespace
 

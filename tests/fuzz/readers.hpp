@@ -17,6 +17,7 @@ struct FuzzedReader {
                                       const std::filesystem::path& folder);
     /// Reads a file. Throws InputError or OutputError for a bad one.
     void (*read)(const std::filesystem::path& file);
+    bool in_place = false; ///< whether bytes keep their places, as in files with addresses
 };
 
 std::span<const FuzzedReader> fuzzed_readers();

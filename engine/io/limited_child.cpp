@@ -1,0 +1,140 @@
+#include "engine/io/limited_child.hpp"
+
+#include "engine/errors.hpp"
+
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+#include <utility>
+
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#include <sanitizer/allocator_interface.h>
+#define BRIS_LIMITS_ALLOCATOR
+#endif
+
+namespace bris {
+
+namespace {
+
+constexpr int failed = 1, out_of_memory = 2; // exit codes of the child
+constexpr unsigned longest_wait = 120;       // s, for files on a system that does not answer
+
+#ifdef BRIS_LIMITS_ALLOCATOR
+// The shadow of a sanitizer is address space, so its allocator is asked instead.
+std::size_t most_allocated = 0;
+
+void limit_memory_of_child(std::uint64_t bytes) {
+    most_allocated = __sanitizer_get_current_allocated_bytes() + bytes;
+    const auto look = [](const volatile void*, std::size_t size) {
+        if (size > most_allocated || __sanitizer_get_current_allocated_bytes() > most_allocated)
+            _exit(out_of_memory);
+    };
+    __sanitizer_install_malloc_and_free_hooks(look, [](const volatile void*) {});
+}
+#else
+void limit_memory_of_child(std::uint64_t bytes) {
+    std::uint64_t pages = 0;
+    std::ifstream("/proc/self/statm") >> pages;
+    const rlim_t most = pages * static_cast<std::uint64_t>(sysconf(_SC_PAGE_SIZE)) + bytes;
+    const rlimit limit{most, most};
+    setrlimit(RLIMIT_AS, &limit);
+}
+#endif
+
+} // namespace
+
+void LimitedChild::Pipe::write(const void* data, std::size_t size) {
+    const auto* next = static_cast<const char*>(data);
+    while (size > 0) {
+        const ssize_t written = ::write(descriptor_, next, size);
+        if (written < 0 && errno == EINTR) continue;
+        if (written <= 0) throw OutputError("the pipe is closed");
+        next += written;
+        size -= static_cast<std::size_t>(written);
+    }
+}
+
+int LimitedChild::start() {
+    int ends[2];
+    if (pipe2(ends, O_CLOEXEC) != 0)
+        throw OutputError(fmt::format("cannot start a process: {}", std::strerror(errno)));
+    id_ = fork();
+    if (id_ < 0) {
+        const int why = errno;
+        close(ends[0]);
+        close(ends[1]);
+        throw OutputError(fmt::format("cannot start a process: {}", std::strerror(why)));
+    }
+    if (id_ > 0) {
+        close(ends[1]);
+        pipe_ = ends[0];
+        return -1;
+    }
+    close(ends[0]);
+    const int nowhere = open("/dev/null", O_WRONLY); // a heap error is reported by the parent
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+    const rlimit no_core{0, 0}, time{limits_.seconds, limits_.seconds};
+    setrlimit(RLIMIT_CORE, &no_core);
+    setrlimit(RLIMIT_CPU, &time);
+    for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGALRM})
+        std::signal(signal, SIG_DFL);
+    std::signal(SIGPIPE, SIG_IGN);
+    alarm(longest_wait);
+    limit_memory_of_child(limits_.bytes);
+    return ends[1];
+}
+
+// without destructors and without writing the buffers that the parent will write
+void LimitedChild::end(bool well) { _exit(well ? 0 : failed); }
+
+LimitedChild::~LimitedChild() {
+    if (pipe_ >= 0) close(pipe_);
+    if (id_ < 0) return;
+    kill(id_, SIGKILL);
+    while (waitpid(id_, nullptr, 0) < 0 && errno == EINTR) {
+    }
+}
+
+void LimitedChild::read(void* data, std::size_t size) {
+    auto* next = static_cast<char*>(data);
+    while (size > 0) {
+        const ssize_t found = ::read(pipe_, next, size);
+        if (found < 0 && errno == EINTR) continue;
+        if (found <= 0) throw OutputError(wait_for_reason());
+        next += found;
+        size -= static_cast<std::size_t>(found);
+    }
+}
+
+std::string LimitedChild::wait_for_reason() {
+    int status = 0;
+    rusage used{};
+    while (wait4(id_, &status, 0, &used) < 0)
+        if (errno != EINTR) return "its reader was lost";
+    id_ = -1;
+    if (WIFEXITED(status))
+        return WEXITSTATUS(status) == out_of_memory || WEXITSTATUS(status) == failed
+                   ? fmt::format("it needs more than {:.0f} MiB of memory",
+                                 static_cast<double>(limits_.bytes) / 0x1p20)
+                   : "its content is damaged: memory errors in the library that reads it";
+    const double seconds =
+        static_cast<double>(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+        1e-6 * static_cast<double>(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+    const int signal = WTERMSIG(status);
+    if (signal == SIGALRM || seconds >= limits_.seconds)
+        return fmt::format("it takes more than {} s",
+                           signal == SIGALRM ? longest_wait : limits_.seconds);
+    return fmt::format("its content is damaged: the library that reads it ended with signal {} "
+                       "({})",
+                       signal, strsignal(signal));
+}
+
+} // namespace bris
