@@ -263,7 +263,9 @@ void draw(const ShearBox& box, const Runs& runs, const Common& common) {
             collect(runs, vci, [](const ShearProperties& p) { return 1e-3 * p.peak_stress; });
         strength.curves.push_back(points);
     }
-    draw_plots(common.out / "direct_shear.png", {shear, dilation, strength});
+    std::vector<Plot> panels{shear, dilation};
+    if (box.normal_stress.size() > 1) panels.push_back(strength);
+    draw_plots(common.out / "direct_shear.png", panels);
 }
 
 void run(const ShearBox& box, const Common& common) {

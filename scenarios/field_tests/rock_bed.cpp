@@ -342,6 +342,7 @@ void set_contacts(World& world, double friction, double restitution) {
 
 void rescale_masses(World& world, double safety) {
     world.resource<Clock>().change_step(scale_masses(world, 0, safety, false).dt);
+    show_velocities(world); // and masses, which the dashpots of contacts read
 }
 
 void press_plate(World& world, double force) {

@@ -193,10 +193,11 @@ Phase shear(const ShearBox& box, const ShearTest& test, Series& curve,
                     mean.weight = f.weight;
                 }
                 (void)checked_stable_step(world);
+                (void)scale_masses(world, dt, box.safety, true);
+                show_velocities(world); // and masses, which the dashpots of contacts read
                 state.displacement = value_of<Position>(world, halves.lower).x();
                 add_sample(world, box, mean, curve);
                 move_fields(world, box);
-                (void)scale_masses(world, dt, box.safety, true);
                 const std::uint64_t done = curve.rows() - 1;
                 if (done * 10 / samples != (done - 1) * 10 / samples) frame(world);
                 return done < samples;
