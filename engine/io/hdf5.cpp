@@ -198,6 +198,11 @@ void Hdf5File::fail(const std::string& doing, const std::string& object,
                                                    path_.string(), why));
 }
 
+void Hdf5File::initialise() {
+    const Alone alone;
+    H5open();
+}
+
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
     const Alone alone;
     std::error_code error;

@@ -24,6 +24,8 @@ class Hdf5File {
 public:
     using Shape = std::vector<std::uint64_t>;
 
+    /// Loads the tables of the library (1 ms), which a child process has then as well.
+    static void initialise();
     /// Creates a file, replacing an old one, and its directory if necessary.
     static Hdf5File create(const std::filesystem::path& path);
     static Hdf5File open(const std::filesystem::path& path);          ///< for reading

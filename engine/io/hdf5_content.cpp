@@ -122,6 +122,7 @@ Hdf5Content Hdf5Content::read(const std::filesystem::path& path,
     std::error_code error; // a file that is not there is reported by who opens it
     const auto found = std::filesystem::file_size(path, error);
     const std::uint64_t size = error ? 0 : found, most = 10 * size + (std::uint64_t{64} << 20);
+    Hdf5File::initialise();
     Hdf5Content content;
     content.path_ = path;
     LimitedChild child({.bytes = most, .seconds = 1 + static_cast<unsigned>(size / 20'000'000)},

@@ -23,7 +23,7 @@ void append_one(Hdf5File& file, const std::string& dataset, std::int64_t value) 
 
 } // namespace
 
-RunFile::RunFile(const std::filesystem::path& path) : file_(Hdf5File::create(path)) {
+RunFile::RunFile(const std::filesystem::path& path) : file_(Hdf5File::create(path)), list_(path) {
     const std::vector<std::int64_t> version{2, 0};
     file_.make_group("/VTKHDF");
     file_.set_attribute("/VTKHDF", "Version", std::span<const std::int64_t>(version));
@@ -35,6 +35,7 @@ RunFile::RunFile(const std::filesystem::path& path) : file_(Hdf5File::create(pat
     for (const char* name : {"CellOffsets", "ConnectivityIdOffsets"}) // one column per topology
         file_.make_growing<std::int64_t>(std::string("/VTKHDF/Steps/") + name, {1}, 256);
     file_.make_growing<double>("/VTKHDF/Steps/Values", {}, 256);
+    file_.set_attribute("/VTKHDF/Steps/Values", "unit", std::string("s"));
     file_.make_group(point_data);
     file_.make_group(data_offsets);
     file_.set_attribute<std::int64_t>("/VTKHDF/Steps", "NSteps", 0);
@@ -68,6 +69,7 @@ void RunFile::begin_part(std::size_t rocks, std::size_t quads, const std::vector
     if (parts_ == 0) { // one chunk per frame
         const auto frame = static_cast<std::uint64_t>(points);
         file_.make_growing<float>("/VTKHDF/Points", {3}, frame);
+        file_.set_attribute("/VTKHDF/Points", "unit", std::string("m"));
         file_.make_growing<std::int64_t>("/VTKHDF/Connectivity", {}, frame);
         file_.make_growing<std::int64_t>("/VTKHDF/Offsets", {}, rocks + quads + 1);
         file_.make_growing<std::uint8_t>("/VTKHDF/Types", {}, rocks + quads);
@@ -122,7 +124,9 @@ void RunFile::append_field(const Field& field, bool fixed) {
     if (field.values.size() != rocks_ * field.components)
         throw std::logic_error(fmt::format("field '{}': {} values for {} rocks", field.name,
                                            field.values.size(), rocks_));
+    const bool is_new = !arrays_.contains(field.name);
     array(field.name, field.components, false, fixed);
+    if (is_new) file_.set_attribute(point_data + field.name, "unit", field.unit);
     std::vector<float> values(field.values.begin(), field.values.end());
     values.resize((rocks_ + 4 * quads_) * field.components, 0.0f);
     file_.append(point_data + field.name, std::span<const float>(values));
@@ -177,6 +181,22 @@ void RunFile::add_frame(const Frame& frame) {
     ++frames_;
     file_.set_attribute("/VTKHDF/Steps", "NSteps", static_cast<std::int64_t>(frames_));
     file_.flush();
+    list_frame(frame.time);
+}
+
+void RunFile::list_frame(double time) {
+    const auto row = [](std::int64_t n) { return static_cast<std::uint64_t>(n); };
+    std::vector<XdmfFile::Array> data;
+    for (const auto& [name, array] : arrays_)
+        data.push_back({point_data + name, name, array.components, array.integer, row(array.start),
+                        row(array.rows)});
+    list_.add({.time = time,
+               .bodies = rocks_,
+               .quads = quads_,
+               .points = {"/VTKHDF/Points", "", 3, false, row(point_start_), row(points_)},
+               .connectivity = {"/VTKHDF/Connectivity", "", 1, true, row(connectivity_before_),
+                                row(connectivity_before_) + rocks_ + 4 * quads_},
+               .data = data});
 }
 
 void RunFile::add_track(const std::string& name, const std::vector<Column>& columns) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "engine/io/hdf5.hpp"
+#include "engine/io/xdmf_file.hpp"
 #include "engine/math.hpp"
 #include "engine/named_value.hpp"
 
@@ -17,7 +18,9 @@ namespace bris {
 /// UnstructuredGrid 2.0), the settings under /meta, time series under /tracks. A rock is a vertex
 /// at its centre, to be drawn as a glyph; a membrane element is a quad with four corner points of
 /// its own. The cells are written once and hold as long as their numbers do not change. Every frame
-/// is on disk when add_frame returns, so that an aborted run leaves a readable file.
+/// is on disk when add_frame returns, so that an aborted run leaves a readable file. Beside it,
+/// NAME.xdmf lists the same frames for programs that read only the first frame of a VTKHDF file, as
+/// ParaView before 5.12; the frames of a resumed run are added to the same list.
 class RunFile {
 public:
     /// A named array with `components` (1 to 4) numbers per rock.
@@ -25,6 +28,7 @@ public:
         std::string name;
         unsigned components = 1;
         std::span<const float> values = {};
+        std::string unit = ""; ///< an attribute of the array
     };
     /// A named integer per rock.
     struct Labels {
@@ -87,9 +91,11 @@ private:
     Array& array(const std::string& name, unsigned components, bool integer, bool fixed);
     void append_points(const Frame& frame);
     void append_step(double time);
+    void list_frame(double time);
     void write_tracks();
 
     Hdf5File file_;
+    XdmfFile list_;
     std::map<std::string, Array> arrays_;
     std::map<std::string, Track> tracks_;
     std::size_t rocks_ = 0, quads_ = 0, frames_ = 0;

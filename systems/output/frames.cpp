@@ -156,13 +156,14 @@ void FrameWriter::add(const BodyFrame& frame) {
     if (frames() == 0 || frame.ids != ids_ || frame.radii != radii_ || frame.quads() != quads_) {
         std::vector<RunFile::Labels> labels{{"id", frame.ids}};
         if (!frame.shapes.empty()) labels.push_back({"shape", frame.shapes});
-        file_.begin_part(frame.ids.size(), frame.quads(), labels, {{"radius", 1, frame.radii}});
+        file_.begin_part(frame.ids.size(), frame.quads(), labels,
+                         {{"radius", 1, frame.radii, "m"}});
         ids_ = frame.ids;
         radii_ = frame.radii;
         quads_ = frame.quads();
     }
-    std::vector<RunFile::Field> fields{{"velocity", 3, frame.velocities},
-                                       {"angular_velocity", 3, frame.angular_velocities},
+    std::vector<RunFile::Field> fields{{"velocity", 3, frame.velocities, "m/s"},
+                                       {"angular_velocity", 3, frame.angular_velocities, "rad/s"},
                                        {"coordination", 1, frame.coordination}};
     if (!frame.orientations.empty()) fields.push_back({"orientation", 4, frame.orientations});
     file_.add_frame({frame.time, frame.positions, frame.corners, fields});

@@ -1,0 +1,137 @@
+#include "engine/io/xdmf_file.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/io/whole_file.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <iterator>
+#include <unistd.h>
+
+namespace bris {
+
+namespace {
+
+constexpr std::string_view head =
+    "<?xml version=\"1.0\"?>\n<Xdmf Version=\"2.0\">\n<Domain>\n"
+    "<Grid Name=\"run\" GridType=\"Collection\" CollectionType=\"Temporal\">\n";
+constexpr std::string_view tail = "</Grid>\n</Domain>\n</Xdmf>\n";
+constexpr std::string_view frame_begin = "<Grid Name=\"frame\" GridType=\"Collection\" "
+                                         "CollectionType=\"Spatial\">\n<Time Value=\"";
+
+std::string escaped(const std::string& text) {
+    std::string out;
+    for (const char c : text)
+        out += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+    return out;
+}
+
+/// The rows of an array from `first` (counted from the frame's start) on, as a DataItem.
+std::string item(const std::string& file, const XdmfFile::Array& array, std::uint64_t first,
+                 std::uint64_t count) {
+    const std::string columns = array.components > 1 ? fmt::format(" {}", array.components) : "";
+    const char* const number = array.integer ? "NumberType=\"Int\" Precision=\"8\""
+                                             : "NumberType=\"Float\" Precision=\"4\"";
+    const bool wide = array.components > 1;
+    return fmt::format(
+        "<DataItem ItemType=\"HyperSlab\" Dimensions=\"{0}{1}\">"
+        "<DataItem Dimensions=\"3 {2}\" Format=\"XML\">{3}{4} 1{5} {0}{1}</DataItem>"
+        "<DataItem Dimensions=\"{6}{1}\" {7} Format=\"HDF\">{8}:{9}</DataItem></DataItem>\n",
+        count, columns, wide ? 2 : 1, array.start + first, wide ? " 0" : "", wide ? " 1" : "",
+        array.rows, number, escaped(file), escaped(array.dataset));
+}
+
+/// A block of cells with `corners` points each.
+std::string block(const std::string& file, const XdmfFile::Frame& frame, bool quads) {
+    const std::uint64_t cells = quads ? frame.quads : frame.bodies, corners = quads ? 4 : 1,
+                        first = quads ? frame.bodies : 0, points = cells * corners;
+    if (cells == 0) return {};
+    std::string text =
+        fmt::format("<Grid Name=\"{}\" GridType=\"Uniform\">\n", quads ? "facets" : "bodies");
+    text += fmt::format("<Topology TopologyType=\"{}\" NumberOfElements=\"{}\"{}>\n",
+                        quads ? "Quadrilateral" : "Polyvertex", cells,
+                        quads ? "" : " NodesPerElement=\"1\"");
+    text += item(file, frame.connectivity, 0, points); // 0, 1, 2, ...
+    text += "</Topology>\n<Geometry GeometryType=\"XYZ\">\n";
+    text += item(file, frame.points, first, points) + "</Geometry>\n";
+    for (const XdmfFile::Array& array : frame.data)
+        text += fmt::format("<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n{}"
+                            "</Attribute>\n",
+                            escaped(array.name),
+                            array.components == 1   ? "Scalar"
+                            : array.components == 3 ? "Vector"
+                                                    : "Matrix",
+                            item(file, array, first, points));
+    return text + "</Grid>\n";
+}
+
+/// Writes at a place of a file, in one call where the system can.
+void write_at(const std::filesystem::path& path, std::uint64_t at, std::string_view text) {
+    const int file = open(path.c_str(), O_WRONLY | O_CLOEXEC);
+    bool good = file >= 0;
+    for (std::size_t done = 0; good && done < text.size();) {
+        const ssize_t written =
+            pwrite(file, text.data() + done, text.size() - done, static_cast<off_t>(at + done));
+        if (written < 0 && errno == EINTR) continue;
+        good = written > 0;
+        if (good) done += static_cast<std::size_t>(written);
+    }
+    const int why = good ? 0 : errno;
+    if (file >= 0) close(file);
+    if (!good)
+        throw OutputError(fmt::format("cannot write '{}': {}", path.string(), std::strerror(why)));
+}
+
+} // namespace
+
+XdmfFile::XdmfFile(const std::filesystem::path& run_file)
+    : path_(run_file), run_file_(run_file.filename().string()) {
+    std::string name = run_file.stem().string();
+    const auto from = name.rfind("_from_");
+    if (from != std::string::npos && from + 6 < name.size() &&
+        name.find_first_not_of("0123456789", from + 6) == std::string::npos) {
+        goes_on_ = true;
+        name.resize(from);
+    }
+    path_.replace_filename(name + ".xdmf");
+}
+
+void XdmfFile::keep_frames_before(double time) {
+    std::string text(head);
+    std::error_code error;
+    if (goes_on_ && std::filesystem::exists(path_, error)) {
+        const std::string old = read_whole(path_);
+        if (old.starts_with(head)) {
+            std::size_t end = head.size();
+            while (old.compare(end, frame_begin.size(), frame_begin) == 0) {
+                const char* const number = old.c_str() + end + frame_begin.size();
+                const auto next = std::min(old.find(frame_begin, end + 1), old.rfind(tail));
+                // a list that ends within a frame was being written when the run was killed
+                if (next == std::string::npos || next < end ||
+                    !(std::strtod(number, nullptr) < time))
+                    break;
+                end = next;
+            }
+            text = old.substr(0, end);
+        }
+    }
+    end_ = text.size();
+    write_whole(path_, text + std::string(tail));
+}
+
+void XdmfFile::add(const Frame& frame) {
+    if (!begun_) keep_frames_before(frame.time);
+    begun_ = true;
+    const std::string text = fmt::format("{}{:.17g}\"/>\n", frame_begin, frame.time) +
+                             block(run_file_, frame, false) + block(run_file_, frame, true) +
+                             "</Grid>\n";
+    write_at(path_, end_, text + std::string(tail));
+    end_ += text.size();
+}
+
+} // namespace bris
