@@ -81,18 +81,28 @@ struct Limits {
     static constexpr auto name = "limits";
     static constexpr bool is_state = true;
     double overlap = 0.25; ///< as a fraction of the mean radius of the partners
-    double speed = 1e3;    ///< m/s
+    /// Factor on `overlap` for contacts while violent impacts are expected. Unlike `overlap` it
+    /// does not change the resolution of the sums of forces, and so no bit of a run that it lets go
+    /// on.
+    double impact_allowance = 1;
+    double speed = 1e3; ///< m/s
     /// m, lower and upper corner of a box that no free body may leave.
     Vec3 low = Vec3::Constant(-std::numeric_limits<double>::infinity());
     Vec3 high = Vec3::Constant(std::numeric_limits<double>::infinity());
 
+    double overlap_of_contacts() const { return impact_allowance * overlap; }
+
     void save(Archive& archive) const {
         put_fields(archive, "limits", std::tie(overlap, speed));
+        put_fields(archive, "guard/impact_allowance", std::tie(impact_allowance));
         put_fields(archive, "guard/box",
                    std::tie(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
     }
     void load(const Archive& archive) {
         get_fields(archive, "limits", std::tie(overlap, speed));
+        impact_allowance = 1; // checkpoints of earlier versions do not have it
+        if (archive.find("guard/impact_allowance") != nullptr)
+            get_fields(archive, "guard/impact_allowance", std::tie(impact_allowance));
         get_fields(archive, "guard/box",
                    std::tie(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()));
     }

@@ -53,8 +53,9 @@ void guard_contacts(Rows<typename Pairs::Near, const NearPair, const PairForce> 
         if constexpr (std::is_same_v<Pairs, SpherePairs>)
             radius = 0.5 * (radius + ball[rows.other].radius);
         health.bad = true;
-        health.what = contact_message(who, near.template column<PairForce>()[row], radius,
-                                      limits.overlap, ForceGrid::largest * grid.force);
+        health.what =
+            contact_message(who, near.template column<PairForce>()[row], radius,
+                            limits.overlap_of_contacts(), ForceGrid::largest * grid.force);
     }
 }
 

@@ -41,6 +41,11 @@ void adapt_step(World& world, double longest) {
     if (clock.dt > 1.2 * wanted || clock.dt < 0.7 * wanted) clock.change_step(wanted);
 }
 
+void raise_masses(World& world) {
+    (void)scale_masses(world, world.resource<Clock>().dt, scaling_safety, true);
+    show_velocities(world); // and masses, which the dashpots of contacts read
+}
+
 MakingMaterials making(double softness, double friction) {
     return {.softness = softness, .most_restitution = making_restitution, .friction = friction};
 }
@@ -190,9 +195,7 @@ Phase BoxTestRun::loading(const Run& run, Series& cycles, const std::function<vo
                     add_sample(s.world(), cycles);
                     const std::uint64_t now = run.steps_in_phase();
                     if (now % per_cycle == 0) {
-                        if (!box_.is_dynamic())
-                            (void)scale_masses(s.world(), s.world().resource<Clock>().dt,
-                                               scaling_safety, true);
+                        if (!box_.is_dynamic()) raise_masses(s.world());
                         frame();
                     }
                     return now < total;

@@ -90,6 +90,8 @@ double since(const World& world);
 void note_beginning(World& world);
 /// Follows the stable step of the contacts, which must be known, up to `longest` (s).
 void adapt_step(World& world, double longest);
+/// Raises scaled masses where contacts need it for the present time step.
+void raise_masses(World& world);
 /// Materials while the bed is made: soft, with strong dashpots.
 MakingMaterials making(double softness, double friction = 1);
 

@@ -8,7 +8,6 @@
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/contact/mass_scaling.hpp"
 #include "systems/output/quantities.hpp"
 
 #include <fmt/format.h>
@@ -59,7 +58,7 @@ Phase BoxTestRun::until_rest(const char* name, std::uint64_t steps,
                     if (box_.is_dynamic()) {
                         adapt_step(world, hard_step_);
                     } else {
-                        (void)scale_masses(world, world.resource<Clock>().dt, scaling_safety, true);
+                        raise_masses(world);
                         (void)checked_stable_step(world);
                     }
                     const auto done = static_cast<std::uint64_t>(++state.stage) * block;

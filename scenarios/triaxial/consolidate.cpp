@@ -40,7 +40,7 @@ void TriaxialTest::start_consolidation() {
     const double top = platen_height(world);
     membrane.ring_height = top / membrane.rings;
     world.resource<LocalDamping>().fraction = settings_.damping;
-    world.resource<Limits>().overlap = Limits{}.overlap;
+    world.resource<Limits>().impact_allowance = 1;
     for (const EntityId id : world.resource<Specimen>().smart_rocks)
         world.column<Bodies, MotionOf>()[row_of_body(world, id)] =
             static_cast<std::uint32_t>(Motion::free);

@@ -69,7 +69,7 @@ void TriaxialTest::start_taps() {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
     world.resource<LocalDamping>().fraction = settings_.damping;
-    world.resource<Limits>().overlap = largest_overlap_when_shaken;
+    world.resource<Limits>().impact_allowance = allowance_when_shaken;
     set_friction(world, preparation_friction());
     state.phase = TriaxialPhase::tap;
     state.phase_steps = 0;
@@ -109,7 +109,7 @@ void TriaxialTest::tap() {
 void TriaxialTest::prepare_again(double off) {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
-    world.resource<Limits>().overlap = Limits{}.overlap;
+    world.resource<Limits>().impact_allowance = 1;
     state.porosity_before_taps -= off;
     if (state.porosity_before_taps < state.poured_porosity &&
         state.rounds++ < most_rounds * (state.trials + 1)) {

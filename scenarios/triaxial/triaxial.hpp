@@ -13,9 +13,10 @@ namespace bris {
 
 /// Parts of a stage's ramp, over which the platen speeds up and slows down.
 inline constexpr unsigned ramp_parts = 12;
-/// Limit of the guard (Limits::overlap) while rocks are vibrated and tapped: a large rock may for a
-/// moment press a small one into the membrane or a platen by more than is allowed in a test.
-inline constexpr double largest_overlap_when_shaken = 0.5;
+/// Factor on the guard's limit of overlaps (Limits) while rocks are vibrated and tapped: a large
+/// rock may for a moment press a small one into the membrane or a platen by more than is allowed in
+/// a test.
+inline constexpr double allowance_when_shaken = 2;
 
 /// How a triaxial test is prepared and run; lengths in m, pressures in Pa.
 struct TriaxialSettings {

@@ -112,7 +112,7 @@ void TriaxialTest::start_vibration() {
     auto& state = world.resource<TriaxialState>();
     const auto& specimen = world.resource<Specimen>();
     world.resource<LocalDamping>().fraction = 0; // agitate sets the energy block by block
-    world.resource<Limits>().overlap = largest_overlap_when_shaken;
+    world.resource<Limits>().impact_allowance = allowance_when_shaken;
     Random random(specimen.seed + state.rounds, vibration_stream);
     const double speed = vibration_speed(world);
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());

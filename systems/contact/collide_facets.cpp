@@ -231,7 +231,7 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
             {{listed, bodies, index},
              facet_rows.template column<FacetPosition>(),
              pairs.template column<PairKey>(),
-             limits.overlap},
+             limits.overlap_of_contacts()},
             detail::target_of<Law>(near, pairs, bodies,
                                    {force_sums, grid, materials, limits, observation, clock}),
             index);

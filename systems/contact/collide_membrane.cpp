@@ -168,7 +168,7 @@ void collide(Rows<NearMembrane, const NearPair, const PartnerSum, PairForce, Foo
                     elements.column<ElementSpeed>(),
                     near.template column<FootOf>(),
                     positions.column<Position>()[membrane.body_row],
-                    limits.overlap};
+                    limits.overlap_of_contacts()};
     for_chunks(index.chunks.size(), 1, [&](std::size_t chunk, std::size_t, std::size_t) {
         collide_chunk<Law>(to, band, index, sums, chunk);
     });

@@ -113,8 +113,9 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
         detail::collide_all<Law>(
             detail::target_of<Law>(near, pairs, bodies,
                                    {force_sums, grid, materials, limits, observation, clock}),
-            PlaneGeometry{
-                {listed, bodies, index}, plane_rows.column<PlanePosition>(), limits.overlap},
+            PlaneGeometry{{listed, bodies, index},
+                          plane_rows.column<PlanePosition>(),
+                          limits.overlap_of_contacts()},
             index);
     }
 };

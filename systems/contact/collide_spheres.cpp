@@ -158,7 +158,7 @@ struct Collide<Law, Columns<Near...>, Columns<Pairs...>, Columns<Work...>> {
         detail::collide_all<Law>(
             detail::target_of<Law>(near, pairs, bodies,
                                    {force_sums, grid, materials, limits, observation, clock}),
-            SphereGeometry{{listed, bodies, index}, limits.overlap}, index);
+            SphereGeometry{{listed, bodies, index}, limits.overlap_of_contacts()}, index);
     }
 };
 

@@ -40,13 +40,13 @@ double contacts_of(const TriaxialSettings& settings) {
     double contacts = 0;
     while (test.state().phase < TriaxialPhase::consolidate) {
         const TriaxialPhase phase = test.state().phase;
-        CHECK((simulation.world().resource<Limits>().overlap > Limits{}.overlap) ==
+        CHECK((simulation.world().resource<Limits>().impact_allowance > 1) ==
               (phase == TriaxialPhase::vibrate || phase == TriaxialPhase::tap));
         const Balance balance = compute_balance(simulation.world());
         contacts = static_cast<double>(balance.contacts) / static_cast<double>(balance.free_bodies);
         REQUIRE(test.advance());
     }
-    CHECK(simulation.world().resource<Limits>().overlap == Limits{}.overlap);
+    CHECK(simulation.world().resource<Limits>().impact_allowance == 1);
     return contacts;
 }
 
