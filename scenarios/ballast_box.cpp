@@ -7,16 +7,13 @@
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
-#include "engine/memory.hpp"
-#include "engine/resume.hpp"
 #include "engine/run.hpp"
 #include "scenarios/ballast_box/box_run.hpp"
 #include "scenarios/ballast_box/cycles.hpp"
 #include "scenarios/ballast_box/draw_box.hpp"
+#include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/recordings/recorded_motion.hpp"
-#include "scenarios/specimens/memory_estimate.hpp"
 #include "scenarios/specimens/scene.hpp"
-#include "scenarios/specimens/start.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/fields/field_set.hpp"
 #include "systems/output/frames.hpp"
@@ -31,16 +28,6 @@
 namespace {
 
 using namespace bris;
-
-Simulation make_simulation(const BallastBox& box, const Common& common) {
-    check_box(box);
-    World world = make_box_world(box, common.seed);
-    const auto bodies = static_cast<double>(world.table<Bodies>().size());
-    require_memory("rock_scale", bodies, bytes_of_rocks(bodies, 30), common.memory_limit);
-    return start(std::move(world), {.law = LawName::linear_viscous,
-                                    .threads = common.threads,
-                                    .schedule = {.serial = common.serial}});
-}
 
 /// Range of an actuator's load over the resilient deflection (m), N/m, in series with what the
 /// model lacks; NaN without a rebound.
@@ -166,14 +153,9 @@ void draw(const World& world, const BallastBox& box, const Series& samples,
 void write_sensors(Summary& summary, const World& world, const Common& common) {
     if (!world.has_resource<InertialRecorders>()) return;
     const auto& sensors = world.resource<BoxBodies>().sensors;
-    std::vector<Recording> recordings;
-    for (const InertialRecorder& recorder : world.resource<InertialRecorders>().list) {
-        const Row row = row_of_body(world, recorder.body);
-        const auto number = recordings.size();
-        recordings.push_back(recording_of(recorder, static_cast<unsigned>(number + 1),
-                                          world.column<Bodies, Position>()[row],
-                                          world.column<Bodies, Orientation>()[row]));
-        const Recording& r = recordings.back();
+    const std::vector<Recording> recordings = recordings_of(world);
+    for (std::size_t number = 0; number < recordings.size(); ++number) {
+        const Recording& r = recordings[number];
         Vec3 mean = Vec3::Zero();
         for (const Vec3& f : r.force) mean += f / static_cast<double>(r.size());
         double squares = 0, peak = 0, turned = 0;
@@ -182,7 +164,8 @@ void write_sensors(Summary& summary, const World& world, const Common& common) {
             peak = std::max(peak, (r.force[k] - mean).norm());
             turned += r.rate[k].squaredNorm() / static_cast<double>(r.size());
         }
-        const auto& s = *std::ranges::find(sensors, recorder.body, &BoxSensor::body);
+        const auto& s = *std::ranges::find(
+            sensors, world.resource<InertialRecorders>().list[number].body, &BoxSensor::body);
         summary.add("acceleration_rms_" + s.name + "_m_per_s2", std::sqrt(squares));
         summary.add("acceleration_peak_" + s.name + "_m_per_s2", peak);
         summary.add("rotation_rate_rms_" + s.name + "_rad_per_s", std::sqrt(turned));
@@ -194,18 +177,13 @@ void write_sensors(Summary& summary, const World& world, const Common& common) {
 }
 
 void run(const BallastBox& box, const Common& common) {
-    Simulation simulation = make_simulation(box, common);
+    Simulation simulation = make_box_simulation(box, common);
     const World& world = simulation.world();
     BoxTestRun test(simulation, box, common.seed);
     Series samples("box", cycle_columns());
     Run run(simulation, common, "ballast_box");
     run.keep(samples);
-    if (!common.resume.empty()) {
-        const Checkpoint from =
-            checkpoint_to_resume(common.resume, common.scenario, common.settings, {"cycles"});
-        if (from.state.find("fields/box") != nullptr) add_fields(simulation, box);
-        run.resume(common.resume, {"cycles"});
-    }
+    resume_box(run, simulation, box, common, {"cycles"});
     FrameWriter frames(run.file("ballast_box", ".vtkhdf"), common.settings);
     std::vector<Phase> phases = test.preparation();
     phases.push_back(test.loading(run, samples, [&] { frames.add(world); }));
@@ -243,17 +221,11 @@ void run(const BallastBox& box, const Common& common) {
     report_results(common, summary);
 }
 
-std::string explain(const BallastBox& box, const Common& common) {
-    Simulation simulation = make_simulation(box, common);
-    if (fouling_of(box).any()) add_fields(simulation, box); // when the ties are seated
-    return simulation.schedule().explain();
-}
-
 } // namespace
 
 int main(int argc, char** argv) {
     return run_scenario<BallastBox>(
         argc, argv,
         {"ballast_box", "A section of ballasted track under cyclic loads (runs of table 1)."}, run,
-        explain);
+        explain_box);
 }

@@ -1,10 +1,10 @@
 // Direct shear of railway ballast in a large box: the lower half moves, the upper half is fixed,
 // and a plate keeps the normal stress while the ballast dilates. Several normal stresses and
 // several amounts of fines are tested on the same specimens.
-#include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/run.hpp"
+#include "scenarios/field_tests/bed_tests.hpp"
 #include "scenarios/field_tests/shear_box.hpp"
 #include "scenarios/field_tests/shear_results.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -43,13 +43,6 @@ std::vector<ShearTest> tests_of(const ShearBox& box) {
     for (const double vci : box.vci)
         for (const double stress : box.normal_stress) tests.push_back({stress, vci});
     return tests;
-}
-
-/// The checkpoint of a part of a run to be resumed, or nothing.
-fs::path checkpoint_of(const Common& common, const fs::path& name) {
-    if (common.resume.empty()) return {};
-    const fs::path file = common.resume / (name.string() + ".ckpt.h5");
-    return fs::exists(file) ? file : fs::path();
 }
 
 Packing make_packing(const ShearBox& box, const Common& common, const ReportProgress& report) {
@@ -104,6 +97,7 @@ public:
     }
 
     const ShearTest& test() const { return test_; }
+    std::string name() const { return name_of(test_); }
     const Series& curve() const { return curve_; }
     ShearProperties properties() const { return properties_of(curve_); }
 
@@ -269,29 +263,19 @@ void draw(const ShearBox& box, const Runs& runs, const Common& common) {
 }
 
 void run(const ShearBox& box, const Common& common) {
-    require(
-        common.resume.empty() || fs::is_directory(common.resume),
-        fmt::format("--resume: expected a folder of results, found '{}'", common.resume.string()));
+    require_folder_to_resume(common);
     check_shear_box(box);
     const std::vector<ShearTest> tests = tests_of(box);
-    const unsigned testers =
-        std::max(1u, std::min(common.threads, static_cast<unsigned>(tests.size())));
     Progress progress = make_progress(common);
-    const auto report = [&](std::size_t k) {
-        return progress_slot(progress, static_cast<unsigned>(k));
-    };
-    const Packing packing = make_packing(box, common, report(0));
+    const Packing packing = make_packing(box, common, progress_slot(progress, 0));
     progress.pause();
     fmt::print("specimen of {} rocks: core porosity {:.4f}, as poured {:.4f}\n", packing.rocks,
                packing.core_porosity, packing.poured_porosity);
-    progress.begin_job(static_cast<double>(tests.size()) * (1 + box.displacement / box.interval));
-    Runs runs(tests.size());
-    run_ensemble(tests.size(), testers, [&](std::size_t k) {
-        runs[k] = std::make_unique<ShearRun>(box, common, packing, tests[k],
-                                             std::max(1u, common.threads / testers), report(k));
-        runs[k]->go();
-    });
-    progress.pause();
+    const Runs runs = run_tests(
+        tests, 1 + box.displacement / box.interval, common, progress,
+        [&](const ShearTest& test, unsigned threads, const ReportProgress& report) {
+            return std::make_unique<ShearRun>(box, common, packing, test, threads, report);
+        });
     draw(box, runs, common);
     write_table(common.out / "tests.csv", runs);
     Summary all;
@@ -301,13 +285,7 @@ void run(const ShearBox& box, const Common& common) {
     all.add("poured_porosity", packing.poured_porosity);
     add_fits(all, box, runs);
     add_losses(all, box, runs);
-    for (const auto& one : runs) {
-        const Summary own = one->summary();
-        for (NamedValue entry : own.entries()) {
-            if (runs.size() > 1) entry.key = fmt::format("{}_{}", name_of(one->test()), entry.key);
-            all.add(entry);
-        }
-    }
+    add_results_of_tests(all, runs);
     report_results(common, all);
 }
 

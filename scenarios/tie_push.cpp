@@ -1,9 +1,9 @@
 // Lateral resistance of a single tie: it is pushed along its axis through compacted ballast, with
 // and without a shoulder and with several amounts of fines, on the same bed.
-#include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/run.hpp"
+#include "scenarios/field_tests/bed_tests.hpp"
 #include "scenarios/field_tests/tie_bed.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/output/balance.hpp"
@@ -39,12 +39,6 @@ std::vector<TieTest> tests_of(const TieBed& bed) {
             if (bed.shoulders == "both" || with == (bed.shoulders == "with"))
                 tests.push_back({vci, with});
     return tests;
-}
-
-fs::path checkpoint_of(const Common& common, const fs::path& name) {
-    if (common.resume.empty()) return {};
-    const fs::path file = common.resume / (name.string() + ".ckpt.h5");
-    return fs::exists(file) ? file : fs::path();
 }
 
 /// One test of a bed, and its results.
@@ -84,6 +78,7 @@ public:
     }
 
     const TieTest& test() const { return test_; }
+    std::string name() const { return name_of(test_); }
     const Series& curve() const { return curve_; }
 
     /// Mean of a column over a tenth of a millimetre or more around a displacement (m).
@@ -178,17 +173,12 @@ void draw(const Runs& runs, const Common& common) {
 }
 
 void run(const TieBed& bed, const Common& common) {
-    require(
-        common.resume.empty() || fs::is_directory(common.resume),
-        fmt::format("--resume: expected a folder of results, found '{}'", common.resume.string()));
+    require_folder_to_resume(common);
     check_tie_bed(bed);
     const std::vector<TieTest> tests = tests_of(bed);
     Progress progress = make_progress(common);
-    const auto report = [&](std::size_t k) {
-        return progress_slot(progress, static_cast<unsigned>(k));
-    };
     Simulation making = make_tie_bed(bed, common.seed, common.threads, common.serial);
-    Run of_bed(making, common, "specimen", report(0));
+    Run of_bed(making, common, "specimen", progress_slot(progress, 0));
     if (const auto file = checkpoint_of(common, "specimen"); !file.empty())
         of_bed.resume(file, settings_of_tests);
     of_bed.go(make_bed_phases());
@@ -198,28 +188,17 @@ void run(const TieBed& bed, const Common& common) {
     const double porosity = bed_world.resource<RockBedState>().porosity;
     progress.pause();
     fmt::print("bed of {} rocks: porosity below the tie and the crib {:.4f}\n", rocks, porosity);
-    progress.begin_job(static_cast<double>(tests.size()) * (1 + bed.displacement / bed.interval));
-    Runs runs(tests.size());
-    const unsigned testers =
-        std::max(1u, std::min(common.threads, static_cast<unsigned>(tests.size())));
-    run_ensemble(tests.size(), testers, [&](std::size_t k) {
-        runs[k] = std::make_unique<PushRun>(bed, common, made, tests[k],
-                                            std::max(1u, common.threads / testers), report(k));
-        runs[k]->go();
-    });
-    progress.pause();
+    const Runs runs =
+        run_tests(tests, 1 + bed.displacement / bed.interval, common, progress,
+                  [&](const TieTest& test, unsigned threads, const ReportProgress& report) {
+                      return std::make_unique<PushRun>(bed, common, made, test, threads, report);
+                  });
     draw(runs, common);
     Summary all;
     all.add("rocks", rocks);
     all.add("core_porosity", porosity);
     add_losses(all, runs, bed);
-    for (const auto& one : runs) {
-        const Summary own = one->summary();
-        for (NamedValue entry : own.entries()) {
-            if (runs.size() > 1) entry.key = fmt::format("{}_{}", name_of(one->test()), entry.key);
-            all.add(entry);
-        }
-    }
+    add_results_of_tests(all, runs);
     report_results(common, all);
 }
 

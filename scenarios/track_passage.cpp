@@ -5,18 +5,15 @@
 #include "engine/errors.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/series.hpp"
-#include "engine/resume.hpp"
 #include "engine/run.hpp"
-#include "engine/signal/fft.hpp"
 #include "engine/signal/spectrum.hpp"
 #include "scenarios/ballast_box/draw_box.hpp"
 #include "scenarios/ballast_box/passages.hpp"
+#include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/monitoring/passage.hpp"
 #include "scenarios/monitoring/vibration.hpp"
 #include "scenarios/recordings/recorded_motion.hpp"
-#include "scenarios/specimens/memory_estimate.hpp"
 #include "scenarios/specimens/scene.hpp"
-#include "scenarios/specimens/start.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/frames.hpp"
 #include "systems/output/quantities.hpp"
@@ -30,35 +27,13 @@ namespace {
 
 using namespace bris;
 
-Simulation make_simulation(const TrackPassage& t, const Common& common) {
-    check_box(t.box);
-    World world = make_box_world(t.box, common.seed);
-    const auto bodies = static_cast<double>(world.table<Bodies>().size());
-    require_memory("rock_scale", bodies, bytes_of_rocks(bodies, 30), common.memory_limit);
-    return start(std::move(world), {.law = LawName::linear_viscous,
-                                    .threads = common.threads,
-                                    .schedule = {.serial = common.serial}});
-}
-
 std::string folder_of(unsigned number) { return fmt::format("passage_{:02}", number); }
 
-/// What the sensor rocks have recorded since the passage began. The pose of the metadata is that at
-/// the end of the passage.
-Passage recorded_passage(const World& world, unsigned number) {
-    Passage passage{folder_of(number), {}};
-    for (const InertialRecorder& recorder : world.resource<InertialRecorders>().list) {
-        const Row row = row_of_body(world, recorder.body);
-        passage.recordings.push_back(recording_of(
-            recorder, static_cast<unsigned>(passage.recordings.size() + 1),
-            world.column<Bodies, Position>()[row], world.column<Bodies, Orientation>()[row]));
-    }
-    return passage;
-}
-
+/// The pose of the metadata is that at the end of the passage.
 void write_passage(const World& world, const TrackPassage& t, unsigned number,
                    const std::filesystem::path& out) {
     write_passages(
-        out, {recorded_passage(world, number)},
+        out, {{folder_of(number), recordings_of(world)}},
         fmt::format("Passage {} of the train '{}' at {:g} m/s", number, t.train, t.train_speed()));
 }
 
@@ -108,7 +83,8 @@ Curve vertical_of(const Recording& recording, const std::string& name) {
     return curve;
 }
 
-void draw(const Series& samples, const World& world, const Passage& last, const Common& common) {
+void draw(const Series& samples, const World& world, const std::vector<Recording>& last,
+          const Common& common) {
     const auto &passage = samples.column("passage"), &time = samples.column("time"),
                &load = samples.column("load"), &deflection = samples.column("deflection");
     std::vector<Curve> loads, deflections, vertical, spectra;
@@ -127,8 +103,8 @@ void draw(const Series& samples, const World& world, const Passage& last, const 
     const auto& sensors = world.resource<BoxBodies>().sensors;
     for (std::size_t k = 0; k < sensors.size(); ++k) {
         if (sensors[k].course == 0) continue; // those near the tie
-        vertical.push_back(vertical_of(last.recordings[k], sensors[k].name));
-        spectra.push_back(spectrum_of(last.recordings[k], sensors[k].name));
+        vertical.push_back(vertical_of(last[k], sensors[k].name));
+        spectra.push_back(spectrum_of(last[k], sensors[k].name));
     }
     const std::string seconds = "time since the passage began (s)";
     draw_plots(common.out / "track_passage.png",
@@ -155,7 +131,7 @@ void draw(const Series& samples, const World& world, const Passage& last, const 
 }
 
 void summarise(Summary& summary, const TrackPassage& t, const Train& train, const Series& samples,
-               const World& world, const Passage& last) {
+               const World& world, const std::vector<Recording>& last) {
     std::size_t rocks = 0;
     for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
     summary.add("rocks", rocks);
@@ -174,8 +150,7 @@ void summarise(Summary& summary, const TrackPassage& t, const Train& train, cons
         summary.add(name + "largest_support_kN", 1e-3 * r.largest_support);
     }
     const auto& sensors = world.resource<BoxBodies>().sensors;
-    for (std::size_t k = 0; k < sensors.size(); ++k)
-        add_sensor(summary, sensors[k].name, last.recordings[k]);
+    for (std::size_t k = 0; k < sensors.size(); ++k) add_sensor(summary, sensors[k].name, last[k]);
     summary.add("time_step_s", world.resource<Clock>().dt);
     summary.add("stable_step_s", stable_step(world));
     add_quantities(summary, compute_quantities(world));
@@ -183,22 +158,16 @@ void summarise(Summary& summary, const TrackPassage& t, const Train& train, cons
 
 void run(const TrackPassage& t, const Common& common) {
     const Train train = train_named(t.train);
-    Simulation simulation = make_simulation(t, common);
+    Simulation simulation = make_box_simulation(t.box, common);
     const World& world = simulation.world();
     BoxTestRun test(simulation, t.box, common.seed);
     Series samples("passages", passage_columns());
     Run run(simulation, common, "track_passage");
     run.keep(samples);
-    if (!common.resume.empty()) {
-        // the finished bed serves any train
-        std::vector<std::string_view> may_differ{"passages"};
-        if (common.resume.filename() == "bed.ckpt.h5")
-            may_differ.insert(may_differ.end(), {"train", "speed_m_per_s"});
-        const Checkpoint from =
-            checkpoint_to_resume(common.resume, common.scenario, common.settings, may_differ);
-        if (from.state.find("fields/box") != nullptr) add_fields(simulation, t.box);
-        run.resume(common.resume, may_differ);
-    }
+    std::vector<std::string_view> may_differ{"passages"};
+    if (common.resume.filename() == "bed.ckpt.h5") // the finished bed serves any train
+        may_differ.insert(may_differ.end(), {"train", "speed_m_per_s"});
+    resume_box(run, simulation, t.box, common, may_differ);
     FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings);
     const PassageActions actions{
         .frame = [&] { frames.add(world); },
@@ -207,7 +176,7 @@ void run(const TrackPassage& t, const Common& common) {
     for (Phase& phase : passage_phases(test, run, t, train, samples, actions))
         phases.push_back(std::move(phase));
     run.go(phases);
-    const Passage last = recorded_passage(world, t.passages);
+    const std::vector<Recording> last = recordings_of(world);
     draw(samples, world, last, common);
     samples.write_csv(common.out / "samples.csv");
     samples.write_track(frames.file());
@@ -219,9 +188,7 @@ void run(const TrackPassage& t, const Common& common) {
 }
 
 std::string explain(const TrackPassage& t, const Common& common) {
-    Simulation simulation = make_simulation(t, common);
-    if (fouling_of(t.box).any()) add_fields(simulation, t.box); // when the ties are seated
-    return simulation.schedule().explain();
+    return explain_box(t.box, common);
 }
 
 } // namespace

@@ -5,6 +5,7 @@
 #include "components/settings.hpp"
 #include "scenarios/ballast_box/box_scene.hpp"
 #include "scenarios/specimens/equilibrium.hpp"
+#include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/output/balance.hpp"
 
@@ -13,23 +14,17 @@ namespace bris {
 BoxBalance box_balance(const World& world) {
     const Table& bodies = world.table<Bodies>();
     const double gravity = world.resource<Gravity>().value.z();
-    const auto outer = [&](Row row) { // vertical force besides patches and contacts
-        return bodies.column<LoadForce>()[row].force.z() + bodies.column<Mass>()[row] * gravity;
-    };
-    const auto from_contacts = [&](Row row) {
-        return bodies.column<Force>()[row].z() - bodies.column<PatchForce>()[row].force.z() -
-               outer(row);
-    };
     const Balance all = compute_balance(world);
     BoxBalance balance{.unbalanced_ratio = all.unbalanced_ratio, .carries = carries_load(all)};
     const auto& of_box = world.resource<BoxBodies>();
     for (const EntityId tie : of_box.ties) {
         const Row row = row_of_body(world, tie);
-        balance.tie_load -= outer(row);
-        balance.tie_support += from_contacts(row);
+        balance.tie_load -=
+            bodies.column<LoadForce>()[row].force.z() + bodies.column<Mass>()[row] * gravity;
+        balance.tie_support += contact_force(world, tie).z();
     }
     for (const EntityId plate : of_box.subgrade)
-        balance.subgrade_force -= from_contacts(row_of_body(world, plate));
+        balance.subgrade_force -= contact_force(world, plate).z();
     return balance;
 }
 

@@ -8,7 +8,6 @@
 #include "scenarios/specimens/check_scene.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/scene.hpp"
-#include "systems/broadphase/lists.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/quantities.hpp"
@@ -43,7 +42,6 @@ void adapt_step(World& world, double longest) {
 
 void raise_masses(World& world) {
     (void)scale_masses(world, world.resource<Clock>().dt, scaling_safety, true);
-    show_velocities(world); // and masses, which the dashpots of contacts read
 }
 
 MakingMaterials making(double softness, double friction) {
@@ -164,11 +162,7 @@ void BoxTestRun::add_sample(const World& world, Series& cycles) const {
         return loads[number - 1].front().history.at(world.resource<Clock>().time());
     };
     const std::size_t second = bodies.ties.size() - 1;
-    const Row bladder = row_of_body(world, bodies.bladder);
-    // what acts on the bladder besides pressure and springs is the ballast
-    const double on_bladder = world.column<Bodies, Force>()[bladder].y() -
-                              world.column<Bodies, LoadForce>()[bladder].force.y() -
-                              world.column<Bodies, PatchForce>()[bladder].force.y();
+    const double on_bladder = contact_force(world, bodies.bladder).y();
     double subgrade = 0;
     for (const EntityId plate : bodies.subgrade) subgrade = std::min(subgrade, position(plate).z());
     const auto& state = world.resource<BoxState>();

@@ -28,14 +28,8 @@ constexpr double sensor_size = 0.045;                        // m, sieve size of
 /// Springs that hold a body against translation along x and y and rotation about z, and, by rods of
 /// 1 m, against rotation about x and y.
 void add_guides(World& world, EntityId body, bool along_y, bool about_y) {
-    const Vec3 at = value_of<Position>(world, body);
     const auto guide = [&](const Vec3& point, const Vec3& axis) {
-        add_patch(world, body,
-                  {.point = point,
-                   .anchor = at + point,
-                   .axis = axis,
-                   .stiffness = guide_stiffness,
-                   .damping = guide_damping});
+        add_guide(world, body, point, axis, guide_stiffness, guide_damping);
     };
     for (const double end : {-1.0, 1.0}) {
         guide(Vec3(0, end, 0), Vec3::UnitX());
@@ -93,19 +87,9 @@ void add_bladder(World& world, const BallastBox& box, const BoxSizes& s, BoxBodi
     const EntityId body = add_block(world, centre, Quat(Quat::Identity()), size, mass, material);
     add_guides(world, body, false, true);
     for (const double end : {-1.0, 1.0}) // rods along x: no rotation about y and z
-        add_patch(world, body,
-                  {.point = Vec3(end, 0, 0),
-                   .anchor = centre + Vec3(end, 0, 0),
-                   .axis = Vec3::UnitZ(),
-                   .stiffness = guide_stiffness,
-                   .damping = guide_damping});
+        add_guide(world, body, Vec3(end, 0, 0), Vec3::UnitZ(), guide_stiffness, guide_damping);
     for (const double end : {-1.0, 1.0}) // and about x
-        add_patch(world, body,
-                  {.point = Vec3(0, end, 0),
-                   .anchor = centre + Vec3(0, end, 0),
-                   .axis = Vec3::UnitZ(),
-                   .stiffness = guide_stiffness,
-                   .damping = guide_damping});
+        add_guide(world, body, Vec3(0, end, 0), Vec3::UnitZ(), guide_stiffness, guide_damping);
     // the stop pushes along +y once the bladder is full
     const double force = box.bladder_pressure * s.bladder_height * s.width;
     add_patch(world, body,

@@ -6,7 +6,6 @@
 #include "scenarios/ballast_box/pour.hpp"
 #include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/scene.hpp"
-#include "systems/broadphase/lists.hpp"
 #include "systems/contact/mass_scaling.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/porosity.hpp"
@@ -207,7 +206,6 @@ Phase BoxTestRun::harden() const {
                         set_materials(s.world());
                         const auto scaling = scale_masses(s.world(), 0, scaling_safety, false);
                         s.world().resource<Clock>().change_step(scaling.dt);
-                        show_velocities(s.world()); // and masses, which dashpots read
                         damp_subgrade(s.world(), scaling.total_mass);
                     }
                     return false;

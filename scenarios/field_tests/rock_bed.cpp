@@ -46,21 +46,15 @@ constexpr double sinking_speed = 0.3, test_damping = 2000;
 /// Springs that leave the plate no motion but that along z, and a dashpot along z.
 void guide_plate(World& world, EntityId plate) {
     constexpr double stiffness = 5e7, damping = 2e3; // N/m, N s/m
-    const Vec3 at = value_of<Position>(world, plate);
     const auto guide = [&](const Vec3& point, const Vec3& axis) {
-        add_patch(world, plate,
-                  {.point = point,
-                   .anchor = at + point,
-                   .axis = axis,
-                   .stiffness = stiffness,
-                   .damping = damping});
+        add_guide(world, plate, point, axis, stiffness, damping);
     };
     for (const double end : {-1.0, 1.0}) {
         guide(Vec3(0, end, 0), Vec3::UnitX()); // also no rotation about z
         guide(Vec3(0, 0, end), Vec3::UnitX()); // about y
         guide(Vec3(0, 0, end), Vec3::UnitY()); // about x
     }
-    add_patch(world, plate, {.anchor = at, .axis = Vec3::UnitZ()});
+    add_patch(world, plate, {.anchor = value_of<Position>(world, plate), .axis = Vec3::UnitZ()});
 }
 
 /// Sets the dashpot along z, the last patch of plate and tie, in N s/m2.
@@ -185,7 +179,8 @@ bool settle_on(World& world) {
     if (static_cast<std::uint64_t>(state.steps) % porosity_steps == 0)
         state.porosity = bed_porosity(world);
     if (state.poured > 0 && state.porosity <= wanted.porosity) return true;
-    const double pushed = rock_force(world, bed.plate).z() / (wanted.pressure * bed.plate_area());
+    const double pushed =
+        contact_force(world, bed.plate).z() / (wanted.pressure * bed.plate_area());
     if (state.steps < 2000 || std::abs(pushed - 1) > pressure_error ||
         compute_balance(world).unbalanced_ratio > quasi_static)
         return false;
@@ -342,7 +337,6 @@ void set_contacts(World& world, double friction, double restitution) {
 
 void rescale_masses(World& world, double safety) {
     world.resource<Clock>().change_step(scale_masses(world, 0, safety, false).dt);
-    show_velocities(world); // and masses, which the dashpots of contacts read
 }
 
 void press_plate(World& world, double force) {
@@ -364,14 +358,6 @@ void ramp_plate(World& world, double force, double duration) {
 double plate_height(const World& world) {
     const Row row = row_of_body(world, world.resource<RockBed>().plate);
     return world.column<Bodies, Position>()[row].z() - 0.5 * plate_thickness;
-}
-
-Vec3 rock_force(const World& world, EntityId body) {
-    const Row row = row_of_body(world, body);
-    Vec3 force = world.column<Bodies, Force>()[row];
-    force -= world.column<Bodies, LoadForce>()[row].force;
-    force -= world.column<Bodies, PatchForce>()[row].force;
-    return force - world.column<Bodies, Mass>()[row] * world.resource<Gravity>().value;
 }
 
 double bed_porosity(const World& world) {

@@ -107,8 +107,6 @@ void ramp_plate(World& world, double force, double duration);
 
 /// Height (m) of the lower side of the plate.
 double plate_height(const World& world);
-/// Force (N) of the rocks on a body.
-Vec3 rock_force(const World& world, EntityId body);
 /// Core porosity of the bed.
 double bed_porosity(const World& world);
 

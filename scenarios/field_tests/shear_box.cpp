@@ -164,11 +164,8 @@ void add_fines(Simulation& simulation, const ShearBox& box, const ShearTest& tes
     if (test.vci > 0) {
         const auto& bed = world.resource<RockBed>();
         const double density = world.resource<Materials>().list[bed.rock].density,
-                     ballast = density * bed.solid_volume,
-                     voids = box.area() * plate_height(world) - bed.solid_volume,
-                     fines = 0.01 * test.vci * fouling.settings.density * voids /
-                             (1 + fouling.settings.void_ratio);
-        fouling.p4 = 100 * fines / (ballast + fines);
+                     voids = box.area() * plate_height(world) - bed.solid_volume;
+        fouling.p4 = p4_of_vci(test.vci, fouling.settings, density * bed.solid_volume, voids);
     }
     if (!fouling.any()) return;
     add_fouling(world, fouling);

@@ -8,6 +8,7 @@
 #include "engine/ordering.hpp"
 #include "scenarios/field_tests/shear_box.hpp"
 #include "scenarios/specimens/check_scene.hpp"
+#include "scenarios/specimens/facet_bodies.hpp"
 #include "scenarios/specimens/scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/mass_scaling.hpp"
@@ -41,9 +42,9 @@ BoxForces forces_of(const World& world, double plane) {
     const auto& halves = world.resource<BoxHalves>();
     const auto& bed = world.resource<RockBed>();
     BoxForces f;
-    f.lower = rock_force(world, halves.lower) + rock_force(world, halves.floor);
-    const Vec3 on_plate = rock_force(world, bed.plate);
-    f.upper = rock_force(world, halves.upper) + on_plate;
+    f.lower = contact_force(world, halves.lower) + contact_force(world, halves.floor);
+    const Vec3 on_plate = contact_force(world, bed.plate);
+    f.upper = contact_force(world, halves.upper) + on_plate;
     f.plate = on_plate.z();
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto mass = world.column<Bodies, Mass>();
@@ -109,7 +110,7 @@ Phase consolidate(const ShearBox& box, const ShearTest& test, Series& curve,
                 state.steps += static_cast<double>(block);
                 rescale_masses(world, box.safety);
                 const auto& bed = world.resource<RockBed>();
-                const double pushed = rock_force(world, bed.plate).z() / box.area(),
+                const double pushed = contact_force(world, bed.plate).z() / box.area(),
                              error = std::abs(pushed / test.normal_stress - 1),
                              unbalanced = compute_balance(world).unbalanced_ratio;
                 if (state.steps >= least_consolidation && error < 0.01 &&
@@ -194,7 +195,6 @@ Phase shear(const ShearBox& box, const ShearTest& test, Series& curve,
                 }
                 (void)checked_stable_step(world);
                 (void)scale_masses(world, dt, box.safety, true);
-                show_velocities(world); // and masses, which the dashpots of contacts read
                 state.displacement = value_of<Position>(world, halves.lower).x();
                 add_sample(world, box, mean, curve);
                 move_fields(world, box);

@@ -35,14 +35,8 @@ double tie_middle(const TieBed& bed) {
 /// Springs that leave the tie free along z and to pitch about x, as the mirror does; one pushes it
 /// along y (the first patch).
 void guide_tie(World& world, EntityId tie, const TieBed& bed) {
-    const Vec3 at = value_of<Position>(world, tie);
     const auto guide = [&](const Vec3& point, const Vec3& axis) {
-        add_patch(world, tie,
-                  {.point = point,
-                   .anchor = at + point,
-                   .axis = axis,
-                   .stiffness = guide_stiffness,
-                   .damping = guide_damping});
+        add_guide(world, tie, point, axis, guide_stiffness, guide_damping);
     };
     guide(Vec3(0, -0.5 * bed.tie_length, 0), Vec3::UnitY());
     for (const double end : {-1.0, 1.0}) {
@@ -149,9 +143,7 @@ void add_fines(Simulation& simulation, const TieBed& bed, const TieTest& test, s
         const double voids = 4 * half.x() * half.y() * top -
                              0.5 * bed.tie_width * bed.tie_length * bed.tie_height -
                              rocks.solid_volume;
-        const double fines =
-            0.01 * test.vci * fouling.settings.density * voids / (1 + fouling.settings.void_ratio);
-        fouling.p4 = 100 * fines / (ballast + fines);
+        fouling.p4 = p4_of_vci(test.vci, fouling.settings, ballast, voids);
     }
     if (!fouling.any()) return;
     add_fouling(world, fouling);

@@ -107,7 +107,6 @@ Phase come_to_rest(const TieBed& bed, const TieTest& test) {
                     s.advance(block);
                     state.steps += static_cast<double>(block);
                     (void)scale_masses(world, world.resource<Clock>().dt, bed.safety, true);
-                    show_velocities(world); // and masses, which the dashpots of contacts read
                     const double ratio = compute_balance(world).unbalanced_ratio;
                     if (state.steps >= least_rest && ratio < bed.tolerance) return false;
                     if (state.steps > longest_rest)
@@ -158,7 +157,6 @@ Phase push(const TieBed& bed, Series& curve, const std::function<void(const Worl
                 }
                 (void)checked_stable_step(world);
                 (void)scale_masses(world, world.resource<Clock>().dt, bed.safety, true);
-                show_velocities(world); // and masses, which the dashpots of contacts read
                 add_sample(world, curve);
                 const std::uint64_t done = curve.rows() - 1;
                 if (done * 10 / samples != (done - 1) * 10 / samples) frame(world);

@@ -1,5 +1,8 @@
 #include "scenarios/recordings/recorded_motion.hpp"
 
+#include "components/kinds.hpp"
+#include "scenarios/specimens/scene.hpp"
+
 namespace bris {
 
 Recording recording_of(const InertialRecorder& recorder, unsigned id, const Vec3& position,
@@ -31,6 +34,17 @@ Recording recording_of(const InertialRecorder& recorder, unsigned id, const Vec3
         r.flags.push_back(s.saturated ? 1 : 0);
     }
     return r;
+}
+
+std::vector<Recording> recordings_of(const World& world) {
+    std::vector<Recording> recordings;
+    for (const InertialRecorder& recorder : world.resource<InertialRecorders>().list) {
+        const Row row = row_of_body(world, recorder.body);
+        recordings.push_back(recording_of(recorder, static_cast<unsigned>(recordings.size() + 1),
+                                          world.column<Bodies, Position>()[row],
+                                          world.column<Bodies, Orientation>()[row]));
+    }
+    return recordings;
 }
 
 } // namespace bris

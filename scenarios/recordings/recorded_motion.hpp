@@ -13,5 +13,8 @@ namespace bris {
 /// and saturated ones have flag 1, which keeps quality control from using them.
 Recording recording_of(const InertialRecorder& recorder, unsigned id, const Vec3& position,
                        const Quat& attitude);
+/// The recordings of all inertial recorders of a scene, numbered from 1 in their order, with the
+/// present poses of their bodies.
+std::vector<Recording> recordings_of(const World& world);
 
 } // namespace bris

@@ -1,6 +1,8 @@
 #include "scenarios/specimens/facet_bodies.hpp"
 
+#include "components/kinds.hpp"
 #include "components/recorder.hpp"
+#include "components/settings.hpp"
 #include "engine/clock.hpp"
 #include "engine/errors.hpp"
 #include "scenarios/specimens/scene.hpp"
@@ -116,6 +118,16 @@ void add_patch(World& world, EntityId body, const SpringPatch& patch) {
     world.table<Bodies>().add<PatchForce>();
 }
 
+void add_guide(World& world, EntityId body, const Vec3& point, const Vec3& axis, double stiffness,
+               double damping) {
+    add_patch(world, body,
+              {.point = point,
+               .anchor = value_of<Position>(world, body) + point,
+               .axis = axis,
+               .stiffness = stiffness,
+               .damping = damping});
+}
+
 void add_recorder(World& world, EntityId body, const ImuModel& model, const Vec3& gravity,
                   std::uint64_t seed) {
     require_clumps(world, "inertial recorder");
@@ -128,6 +140,14 @@ void add_recorder(World& world, EntityId body, const ImuModel& model, const Vec3
                                      body));
     list.push_back({body, Imu(model, gravity, seed, body), {}});
     number = static_cast<std::uint32_t>(list.size());
+}
+
+Vec3 contact_force(const World& world, EntityId body) {
+    const Row row = row_of_body(world, body);
+    const Table& bodies = world.table<Bodies>();
+    const Vec3 outer = bodies.column<LoadForce>()[row].force +
+                       bodies.column<Mass>()[row] * world.resource<Gravity>().value;
+    return bodies.column<Force>()[row] - bodies.column<PatchForce>()[row].force - outer;
 }
 
 void start_recording(World& world) {

@@ -34,10 +34,17 @@ void add_load(World& world, EntityId body, const Load& load);
 /// Adds a spring and a dashpot between a free body in a scene of clumps and the ground. Throws
 /// InputError.
 void add_patch(World& world, EntityId body, const SpringPatch& patch);
+/// Adds a patch that holds a point of a body (m, in its axes, which must be those of the world)
+/// where it is now, along an axis.
+void add_guide(World& world, EntityId body, const Vec3& point, const Vec3& axis, double stiffness,
+               double damping);
 /// Adds an inertial sensor on a body of a scene of clumps. It records once start_recording has been
 /// called. Throws InputError.
 void add_recorder(World& world, EntityId body, const ImuModel& model, const Vec3& gravity,
                   std::uint64_t seed);
+/// Force (N) of the contacts on a body that has loads and patches, from the last step: what remains
+/// without these and its weight.
+Vec3 contact_force(const World& world, EntityId body);
 /// Begins the recordings of all inertial sensors at the present time and discards earlier samples.
 /// Throws InputError if a sensor samples more often than once a step.
 void start_recording(World& world);

@@ -10,6 +10,11 @@
 
 namespace bris {
 
+double p4_of_vci(double vci, const FoulingSettings& settings, double ballast, double voids) {
+    const double fines = 0.01 * vci * settings.density * voids / (1 + settings.void_ratio);
+    return 100 * fines / (ballast + fines);
+}
+
 void check_fouling(const FoulingOptions& o) {
     require(o.p200 <= o.p4,
             fmt::format("--fouling-p200: expected at most --fouling-p4, {:g} %, found {:g} %", o.p4,

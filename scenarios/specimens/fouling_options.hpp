@@ -24,6 +24,9 @@ struct FoulingOptions {
     bool any() const { return p4 > 0 || saturation > 0 || !file.empty(); }
 };
 
+/// FoulingOptions::p4 (%) of fines that fill `vci` (%, void contaminant index) of the voids (m3)
+/// in place, beside ballast of this mass (kg).
+double p4_of_vci(double vci, const FoulingSettings& settings, double ballast, double voids);
 /// Throws InputError if options contradict each other.
 void check_fouling(const FoulingOptions& options);
 /// Adds the fields to a world before its State is loaded, or empty (add_fouling).

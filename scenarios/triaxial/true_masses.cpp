@@ -2,6 +2,7 @@
 
 #include "components/body.hpp"
 #include "components/kinds.hpp"
+#include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
 
 #include <algorithm>
@@ -31,6 +32,7 @@ double restore_masses(World& world) {
         inertial[b] = mass[b];
         inertial_inertia[b] = inertia[b];
     }
+    show_velocities(world); // and masses: see scale_masses
     return std::min(stable_step(world), stable_step_of_first_contact(world));
 }
 

@@ -4,6 +4,7 @@
 #include "components/kinds.hpp"
 #include "components/load.hpp"
 #include "components/material.hpp"
+#include "components/settings.hpp"
 #include "engine/errors.hpp"
 #include "engine/ordering.hpp"
 #include "systems/contact/stable_step.hpp"
@@ -87,6 +88,8 @@ MassScaling scale_masses(World& world, double dt, double safety, bool only_raise
         result.largest_factor = std::max(result.largest_factor, m / mass[b]);
         result.smallest_factor = std::min(result.smallest_factor, m / mass[b]);
     }
+    // the dashpots of contacts read copies of the masses, which are renewed with the velocities
+    world.resource<ListState>().velocities_changed = true;
     return result;
 }
 

@@ -1,0 +1,37 @@
+#include "scenarios/ballast_box/start_box.hpp"
+
+#include "components/kinds.hpp"
+#include "engine/memory.hpp"
+#include "engine/resume.hpp"
+#include "scenarios/ballast_box/box_run.hpp"
+#include "scenarios/specimens/memory_estimate.hpp"
+#include "scenarios/specimens/start.hpp"
+
+namespace bris {
+
+Simulation make_box_simulation(const BallastBox& box, const Common& common) {
+    check_box(box);
+    World world = make_box_world(box, common.seed);
+    const auto bodies = static_cast<double>(world.table<Bodies>().size());
+    require_memory("rock_scale", bodies, bytes_of_rocks(bodies, 30), common.memory_limit);
+    return start(std::move(world), {.law = LawName::linear_viscous,
+                                    .threads = common.threads,
+                                    .schedule = {.serial = common.serial}});
+}
+
+std::string explain_box(const BallastBox& box, const Common& common) {
+    Simulation simulation = make_box_simulation(box, common);
+    if (fouling_of(box).any()) add_fields(simulation, box); // when the ties are seated
+    return simulation.schedule().explain();
+}
+
+void resume_box(Run& run, Simulation& simulation, const BallastBox& box, const Common& common,
+                const std::vector<std::string_view>& may_differ) {
+    if (common.resume.empty()) return;
+    const Checkpoint from =
+        checkpoint_to_resume(common.resume, common.scenario, common.settings, may_differ);
+    if (from.state.find("fields/box") != nullptr) add_fields(simulation, box);
+    run.resume(common.resume, may_differ);
+}
+
+} // namespace bris

@@ -1,0 +1,55 @@
+#pragma once
+
+#include "engine/ensemble.hpp"
+#include "engine/progress.hpp"
+#include "engine/run.hpp"
+#include "engine/scenario.hpp"
+#include "engine/summary.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <vector>
+
+namespace bris {
+
+// Several tests of one bed, each with a run and a folder of results of its own.
+
+/// Throws InputError unless --resume is empty or a folder of results.
+void require_folder_to_resume(const Common& common);
+
+/// The checkpoint NAME.ckpt.h5 in the folder --resume; empty: there is none.
+std::filesystem::path checkpoint_of(const Common& common, const std::filesystem::path& name);
+
+/// Runs all tests, as many at once as there are threads, and returns them in their order. `make`
+/// (test, threads, report) returns a pointer to the run of a test, whose `go` runs it. `samples`:
+/// of one test, for the progress line.
+template <class Test, class Make>
+auto run_tests(const std::vector<Test>& tests, double samples, const Common& common,
+               Progress& progress, const Make& make) {
+    const auto testers =
+        std::max(1u, std::min(common.threads, static_cast<unsigned>(tests.size())));
+    progress.begin_job(static_cast<double>(tests.size()) * samples);
+    std::vector<decltype(make(tests[0], 1u, ReportProgress()))> runs(tests.size());
+    run_ensemble(tests.size(), testers, [&](std::size_t k) {
+        runs[k] = make(tests[k], std::max(1u, common.threads / testers),
+                       progress_slot(progress, static_cast<unsigned>(k)));
+        runs[k]->go();
+    });
+    progress.pause();
+    return runs;
+}
+
+/// Adds the summaries of all tests; with several, each key begins with the name of its test.
+template <class Runs>
+void add_results_of_tests(Summary& all, const Runs& runs) {
+    for (const auto& one : runs) {
+        const Summary own = one->summary();
+        for (NamedValue entry : own.entries()) {
+            if (runs.size() > 1) entry.key = one->name() + "_" + entry.key;
+            all.add(entry);
+        }
+    }
+}
+
+} // namespace bris
