@@ -18,8 +18,8 @@ struct MassScaling {
 /// is chosen so that the total mass stays the true one. With `only_raise`, scaled masses never
 /// decrease. The weight is that of the true mass. Bodies on springs to the ground keep at least
 /// their true mass, for which their dashpots are made. Dashpots of contacts must follow from a
-/// restitution, so that their ratio of critical damping does not depend on the masses; they read the
-/// new masses in the next step.
+/// restitution, so that their ratio of critical damping does not depend on the masses; they read
+/// the new masses in the next step.
 MassScaling scale_masses(World& world, double dt, double safety, bool only_raise);
 
 } // namespace bris
