@@ -10,6 +10,7 @@
 
 #include <fmt/format.h>
 
+#include <pybind11/stl.h>
 #include <vector>
 
 namespace bris {
