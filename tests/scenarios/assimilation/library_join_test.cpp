@@ -1,7 +1,7 @@
 #include "engine/errors.hpp"
 #include "scenarios/assimilation/library_join.hpp"
-#include "tests/about.hpp"
 #include "tests/scenarios/assimilation/synthetic_library.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
 
