@@ -115,13 +115,16 @@ bool is_at_home(const std::string& file, const Library& library) {
 }
 
 bool may_include_library(const std::string& file, const std::string& target) {
-    static const std::array<Library, 7> libraries{{
+    static const std::array<Library, 8> libraries{{
         {{"tbb/", "oneapi/"},
          {"engine/parallel.hpp", "engine/parallel.cpp", "engine/schedule.cpp"}},
         {{"hdf5", "H5"}, {"engine/io/hdf5.cpp"}},
         {{"nanoflann"}, {"scenarios/rocks/nearest_point.cpp"}},
         {{"openvdb/"}, {"systems/fields/*.cpp", "scenarios/rocks/fill_clump.cpp"}},
-        {{"nlohmann/"}, {"engine/summary.cpp", "engine/io/json_numbers.cpp"}},
+        {{"nlohmann/"},
+         {"engine/summary.cpp", "engine/io/json_numbers.cpp",
+          "scenarios/monitoring/state_publisher.cpp", "scenarios/monitoring/recording_replay.cpp"}},
+        {{"mosquitto", "mqtt_protocol"}, {"engine/io/broker_client.cpp"}},
         {{"boost/"},
          {"engine/estimation/chi_squared.cpp", "engine/estimation/detection.cpp",
           "engine/estimation/moderated_variance.cpp", "engine/estimation/student_t.cpp"}},

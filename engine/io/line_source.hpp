@@ -10,10 +10,8 @@
 
 namespace bris {
 
-/// Lines as they arrive from the standard input ("-"), a pipe or a growing file. A separate thread
-/// reads them, stamps them with the time of arrival and queues them. While the queue is full
-/// nothing is read, so that the writer of a pipe has to wait; no line is lost.
-class LineSource {
+/// Lines that arrive one after the other from somewhere.
+class Lines {
 public:
     struct Line {
         std::uint64_t number; ///< counted from 1
@@ -22,18 +20,29 @@ public:
         /// False: cut off by the end of the input, or longer than `longest`.
         bool whole = true;
     };
+    virtual ~Lines() = default;
+    /// The next line; waits at most `timeout` (s) for it. Returns nothing if no line arrived, the
+    /// input has ended or the user stops the run.
+    virtual std::optional<Line> next(double timeout) = 0;
+    /// Whether the input has ended and all lines were taken.
+    virtual bool over() const = 0;
+};
+
+/// Lines as they arrive from the standard input ("-"), a pipe or a growing file. A separate thread
+/// reads them, stamps them with the time of arrival and queues them. While the queue is full
+/// nothing is read, so that the writer of a pipe has to wait; no line is lost.
+class LineSource : public Lines {
+public:
     /// Longest line in bytes; the rest of a longer line is skipped.
     static constexpr std::size_t longest = 1 << 16;
 
     /// Opens the source; `capacity`: lines in the queue. Throws OutputError if it cannot be opened.
     explicit LineSource(const std::filesystem::path& path, std::size_t capacity = 100'000);
-    ~LineSource();
+    ~LineSource() override;
 
-    /// The next line; waits at most `timeout` (s) for it. Returns nothing if no line arrived, the
-    /// input has ended or the user stops the run.
-    std::optional<Line> next(double timeout);
-    /// Whether the input has ended and all lines were taken. A growing file never ends.
-    bool over() const;
+    std::optional<Line> next(double timeout) override;
+    /// A growing file never ends.
+    bool over() const override;
 
 private:
     struct Reader;

@@ -73,7 +73,11 @@ std::string logged(const LineSource::Line& line) {
 
 LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path log,
                    std::vector<SensorInfo> infos, const LiveSettings& settings)
-    : lines_(stream), infos_(std::move(infos)), settings_(settings) {
+    : LiveTest(std::make_unique<LineSource>(stream), std::move(log), std::move(infos), settings) {}
+
+LiveTest::LiveTest(std::unique_ptr<Lines> lines, std::filesystem::path log,
+                   std::vector<SensorInfo> infos, const LiveSettings& settings)
+    : lines_(std::move(lines)), infos_(std::move(infos)), settings_(settings) {
     require(!infos_.empty(), "stream: expected at least one SmartRock, found none");
     for (const SensorInfo& info : infos_) sensors_[info.id].clock_offset = info.clock_offset;
     std::string kept = std::filesystem::exists(log) ? read_whole(log) : "";
@@ -92,7 +96,7 @@ LiveTest::LiveTest(const std::filesystem::path& stream, std::filesystem::path lo
 LiveTest::~LiveTest() {
     std::string remaining;
     if (!over_)
-        while (const auto line = lines_.next(0)) remaining += logged(*line);
+        while (const auto line = lines_->next(0)) remaining += logged(*line);
     const bool written =
         std::fwrite(remaining.data(), 1, remaining.size(), log_) == remaining.size();
     if (std::fclose(log_) != 0 || !written)
@@ -142,12 +146,12 @@ bool LiveTest::follow_to(double strain) {
             continue;
         }
         const auto line =
-            lines_.next(std::max(0.0, settings_.timeout - seconds_since(waiting_since_)));
+            lines_->next(std::max(0.0, settings_.timeout - seconds_since(waiting_since_)));
         if (line)
             take_line(*line, false);
         else if (interrupted())
             continue;
-        else if (lines_.over())
+        else if (lines_->over())
             end(fmt::format("the stream ended after {} lines", taken_), false);
         else
             end(fmt::format("no {} arrived for {:g} s after {} lines",

@@ -9,6 +9,7 @@
 #include <deque>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -46,6 +47,9 @@ public:
     /// sensor.
     LiveTest(const std::filesystem::path& stream, std::filesystem::path log,
              std::vector<SensorInfo> infos, const LiveSettings& settings);
+    /// The same with lines from elsewhere, such as a broker.
+    LiveTest(std::unique_ptr<Lines> lines, std::filesystem::path log, std::vector<SensorInfo> infos,
+             const LiveSettings& settings);
     ~LiveTest();
     LiveTest(const LiveTest&) = delete;
 
@@ -97,7 +101,7 @@ private:
     std::optional<double> clock_ahead(const SensorRecords& sensor) const;
     TriaxialPoint point_of(const StreamRecord& record) const;
 
-    LineSource lines_;
+    std::unique_ptr<Lines> lines_;
     RecordParser parser_;
     std::FILE* log_ = nullptr;
     std::deque<std::string> logged_; // lines of the log that are not processed yet

@@ -1,0 +1,220 @@
+#include "scenarios/recordings/broker_lines.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/io/json_numbers.hpp"
+#include "engine/printable.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace bris {
+
+namespace {
+
+constexpr std::size_t most_kinds = 40; // of faults that are listed apart
+constexpr double health_interval = 1;  // s
+constexpr std::string_view of_sensor = "smartrock/", of_machine = "test_machine/record";
+
+/// JSON has no NaN.
+std::string json_number(double x) { return std::isfinite(x) ? fmt::format("{:.9g}", x) : "null"; }
+
+} // namespace
+
+std::vector<std::string> BrokerLines::topics() {
+    return {"smartrock/+/imu", "smartrock/+/status", std::string(of_machine)};
+}
+
+BrokerLines::BrokerLines(BrokerClient& client, const std::vector<SensorInfo>& infos)
+    : client_(client) {
+    for (const SensorInfo& info : infos) sensors_[info.id];
+}
+
+std::optional<Lines::Line> BrokerLines::next(double timeout) {
+    const Instant began = this_instant();
+    while (ready_.empty()) {
+        if (seconds_since(published_) >= health_interval) publish_health();
+        const double left = timeout - seconds_since(began);
+        const auto message = client_.next(std::clamp(left, 0.0, health_interval));
+        if (message)
+            take(*message);
+        else if (interrupted() || left <= 0)
+            return {};
+    }
+    Line line = std::move(ready_.front());
+    ready_.pop_front();
+    return line;
+}
+
+void BrokerLines::note(const std::string& kind, const std::string& text) {
+    const bool is_new = !notes_.contains(kind);
+    auto& [count, first] = notes_[is_new && notes_.size() >= most_kinds ? "others" : kind];
+    if (count++ == 0) first = printable(text);
+}
+
+void BrokerLines::take(const BrokerMessage& message) {
+    ++messages_;
+    const std::string_view topic = message.topic;
+    if (topic == of_machine) return take_machine(message);
+    const auto slash = topic.rfind('/');
+    if (!topic.starts_with(of_sensor) || slash < of_sensor.size())
+        return note("topic", fmt::format("unknown topic \"{}\"", beginning_of(message.topic)));
+    const auto id = number_of(topic.substr(of_sensor.size(), slash - of_sensor.size()));
+    const bool is_id = id && *id >= 0 && *id < 1e9 && std::floor(*id) == *id;
+    const auto sensor = is_id ? sensors_.find(static_cast<unsigned>(*id)) : sensors_.end();
+    if (sensor == sensors_.end())
+        return note("unknown id",
+                    fmt::format("{}: expected the id of a file rock_NN.txt, found \"{}\"",
+                                beginning_of(message.topic),
+                                beginning_of(std::string(
+                                    topic.substr(of_sensor.size(), slash - of_sensor.size())))));
+    if (topic.substr(slash) == "/status")
+        sensor->second.status =
+            message.payload.find("offline") == std::string::npos ? "online" : "offline";
+    else
+        take_payload(sensor->first, sensor->second, message);
+}
+
+void BrokerLines::take_machine(const BrokerMessage& message) {
+    std::string text = message.payload;
+    std::ranges::replace(text, '\n', ' ');
+    std::ranges::replace(text, '\r', ' ');
+    try {
+        const auto numbers = json_numbers(text);
+        require(!numbers.contains("id"),
+                "expected no id in a record of the test machine, found one");
+    } catch (const InputError& e) {
+        return note("test machine", fmt::format("{}: {}", of_machine, e.what()));
+    }
+    if (message.retained)
+        return note("retained",
+                    fmt::format("{}: a retained record is of another time", of_machine));
+    ++machine_records_;
+    ready_.push_back({++lines_, std::move(text), message.arrived, true});
+}
+
+bool BrokerLines::allows(Sensor& sensor, std::size_t samples, Instant now) const {
+    const double since = std::chrono::duration<double>(now - sensor.filled).count();
+    sensor.filled = std::max(now, sensor.filled);
+    sensor.allowance =
+        std::min(most_samples * burst, sensor.allowance + most_samples * std::max(0.0, since));
+    if (sensor.allowance < static_cast<double>(samples)) return false;
+    sensor.allowance -= static_cast<double>(samples);
+    return true;
+}
+
+void BrokerLines::take_payload(unsigned id, Sensor& sensor, const BrokerMessage& message) {
+    SensorPayload p;
+    try {
+        p = parse_sensor_payload(message.payload);
+    } catch (const InputError& e) {
+        ++sensor.unreadable;
+        return note("payload", fmt::format("{}: {}", message.topic, e.what()));
+    }
+    if (!allows(sensor, p.samples(), message.arrived)) {
+        if (sensor.over_rate++ == 0)
+            note(fmt::format("rate {}", id),
+                 fmt::format("{}: expected at most {:g} samples per second; more are dropped",
+                             message.topic, most_samples));
+        return;
+    }
+    using enum SequenceTrack::Verdict;
+    switch (sensor.track.take({p.sequence, static_cast<std::uint32_t>(p.samples()), p.time,
+                               static_cast<double>(p.interval),
+                               std::hash<std::string>{}(message.payload)})) {
+    case accepted:
+    case late:
+        return add(id, sensor, p, message.arrived);
+    case held_anew:
+        sensor.held.clear();
+        [[fallthrough]];
+    case held:
+        sensor.held.push_back(std::move(p));
+        return;
+    case adopted:
+        note(fmt::format("restart {}", id),
+             fmt::format(
+                 "{}: the sequence or the clock began anew: sequence {}, time {:.6g} s after "
+                 "{:.6g} s",
+                 message.topic, sensor.held.front().sequence, sensor.held.front().time,
+                 sensor.last_time));
+        for (const SensorPayload& before : std::exchange(sensor.held, {}))
+            add(id, sensor, before, message.arrived);
+        return add(id, sensor, p, message.arrived);
+    case contradiction:
+    case rival:
+        sensor.held.clear();
+        return note(fmt::format("two sensors {}", id),
+                    fmt::format("{}: expected one sensor with this id, found two: sequence {} at "
+                                "{:.6g} s beside {:.6g} s; the first is used",
+                                message.topic, p.sequence, p.time, sensor.last_time));
+    case duplicate:
+        return;
+    }
+}
+
+void BrokerLines::add(unsigned id, Sensor& sensor, const SensorPayload& p, Instant arrived) {
+    const auto columns = p.columns();
+    sensor.last_time =
+        p.time + static_cast<double>(p.samples() - 1) * static_cast<double>(p.interval);
+    if ((p.channels & 0x80) != 0) sensor.battery = static_cast<double>(p.numbers.back());
+    if (!std::ranges::all_of(p.numbers, [](float x) { return std::isfinite(x); }))
+        note(fmt::format("not finite {}", id),
+             fmt::format("smartrock/{}/imu: expected numbers, found some that are not finite at "
+                         "{:.6g} s",
+                         id, p.time));
+    for (std::string& line : stream_lines(id, p))
+        ready_.push_back({++lines_, std::move(line), arrived, true});
+}
+
+void BrokerLines::publish_health() {
+    published_ = this_instant();
+    client_.publish("bris/health", health(), BrokerClient::Delivery::retained);
+}
+
+std::string BrokerLines::health() const {
+    const BrokerCounters b = client_.counters();
+    std::string text =
+        fmt::format("{{\"messages\": {}, \"machine_records\": {}, \"breaks\": {}, \"dropped\": {}, "
+                    "\"sensors\": [",
+                    messages_, machine_records_, b.breaks, b.dropped);
+    bool first = true;
+    for (const auto& [id, s] : sensors_) {
+        const auto& c = s.track.counters();
+        text += fmt::format(
+            "{}{{\"id\": {}, \"status\": \"{}\", \"samples\": {}, \"missing\": {}, \"gaps\": {}, "
+            "\"late\": {}, \"duplicates\": {}, \"restarts\": {}, \"refused\": {}, \"battery\": {}, "
+            "\"t\": {}}}",
+            first ? "" : ", ", id, s.status, c.samples, c.missing, c.gaps, c.late, c.duplicates,
+            c.restarts, c.rivals + c.contradictions + c.forgotten + s.over_rate + s.unreadable,
+            json_number(s.battery), json_number(s.last_time));
+        first = false;
+    }
+    return text + "]}";
+}
+
+std::string BrokerLines::report() const {
+    const BrokerCounters b = client_.counters();
+    std::string text = fmt::format(
+        "broker: {} messages, {} breaks of the connection, {} dropped from a full queue, {} too "
+        "large, {} published, {} not published, {} publications refused\n",
+        messages_, b.breaks, b.dropped, b.too_large, b.published, b.unpublished, b.refused);
+    for (const auto& [id, s] : sensors_) {
+        const auto& c = s.track.counters();
+        text += fmt::format(
+            "sensor {}: {} samples, {} missing in {} gaps, {} messages late, {} again, {} "
+            "restarts, {} pauses, {} of another sensor, {} unreadable, {} above the rate, {} "
+            "forgotten\n",
+            id, c.samples, c.missing, c.gaps, c.late, c.duplicates, c.restarts, c.pauses,
+            c.rivals + c.contradictions, s.unreadable, s.over_rate, c.forgotten);
+    }
+    for (const auto& [kind, what] : notes_)
+        text += fmt::format("{} time{}: {}\n", what.first, what.first == 1 ? "" : "s", what.second);
+    return text;
+}
+
+} // namespace bris

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "engine/io/broker_client.hpp"
+#include "engine/io/line_source.hpp"
+#include "scenarios/recordings/recording.hpp"
+#include "scenarios/recordings/sensor_payload.hpp"
+#include "scenarios/recordings/sequence_track.hpp"
+
+#include <deque>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// Records of SmartRocks and of a test machine that a broker delivers, as the lines of a stream.
+/// Topics: smartrock/ID/imu (SensorPayload), smartrock/ID/status (text, "offline" as last will),
+/// test_machine/record (one JSON object of numbers). Payloads that cannot be used, gaps,
+/// duplicates, clocks that jump, unknown ids and two sensors with one id are counted and named, and
+/// a sensor that sends too much is limited; the state of all sensors is published as bris/health.
+class BrokerLines : public Lines {
+public:
+    /// Samples per second of one sensor that are taken; more are dropped and counted.
+    static constexpr double most_samples = 5000;
+    /// s for which a sensor may send more, as after a break.
+    static constexpr double burst = 20;
+
+    /// The topics to subscribe.
+    static std::vector<std::string> topics();
+    /// The client has to live longer. `infos`: the sensors that are known.
+    BrokerLines(BrokerClient& client, const std::vector<SensorInfo>& infos);
+    std::optional<Line> next(double timeout) override;
+    bool over() const override { return false; }
+
+    /// Makes lines of a message.
+    void take(const BrokerMessage& message);
+    /// State of the sensors and of the connection, a JSON object.
+    std::string health() const;
+    /// What was lost or refused, a line for each sensor and kind.
+    std::string report() const;
+
+private:
+    struct Sensor {
+        SequenceTrack track;
+        std::vector<SensorPayload> held;
+        double allowance = most_samples * burst; // samples
+        Instant filled = this_instant();
+        std::uint64_t over_rate = 0, unreadable = 0; // messages
+        double battery = std::numeric_limits<double>::quiet_NaN(), last_time = battery;
+        std::string status = "unknown";
+    };
+    void take_payload(unsigned id, Sensor& sensor, const BrokerMessage& message);
+    void take_machine(const BrokerMessage& message);
+    bool allows(Sensor& sensor, std::size_t samples, Instant now) const;
+    void add(unsigned id, Sensor& sensor, const SensorPayload& payload, Instant arrived);
+    void note(const std::string& kind, const std::string& text);
+    void publish_health();
+
+    BrokerClient& client_;
+    std::map<unsigned, Sensor> sensors_;
+    std::deque<Line> ready_;
+    std::uint64_t lines_ = 0, messages_ = 0, machine_records_ = 0;
+    std::map<std::string, std::pair<std::uint64_t, std::string>> notes_;
+    Instant published_ = this_instant();
+};
+
+} // namespace bris

@@ -1,0 +1,167 @@
+// Recordings over a real broker: mosquitto on a free port of the loopback, with users and an ACL.
+#include "engine/errors.hpp"
+#include "engine/io/broker_client.hpp"
+#include "engine/io/whole_file.hpp"
+#include "scenarios/recordings/broker_lines.hpp"
+#include "tests/scenarios/monitoring/test_broker.hpp"
+
+#include <doctest/doctest.h>
+#include <fmt/format.h>
+
+#include <chrono>
+#include <string>
+#include <thread>
+#include <vector>
+
+using namespace bris;
+using bris::testing::TestBroker;
+
+namespace {
+
+SensorPayload payload(std::uint32_t sequence, double time, int samples = 10) {
+    SensorPayload p{.channels = 0x0f, .sequence = sequence, .time = time, .interval = 0.01f};
+    for (int k = 0; k < 10 * samples; ++k)
+        p.numbers.push_back(static_cast<float>(sequence) + 0.25f * static_cast<float>(k));
+    return p;
+}
+
+std::vector<SensorInfo> two_sensors() {
+    std::vector<SensorInfo> infos(2);
+    infos[0].id = 1;
+    infos[1].id = 2;
+    return infos;
+}
+
+void publish(BrokerClient& client, const std::string& topic, const std::string& bytes) {
+    client.publish(topic, bytes, BrokerClient::Delivery::once_at_most);
+}
+
+std::vector<std::string> all_lines(BrokerLines& lines, std::size_t expected) {
+    std::vector<std::string> texts;
+    while (texts.size() < expected) {
+        const auto line = lines.next(5);
+        if (!line) break;
+        texts.push_back(line->text);
+    }
+    if (const auto more = lines.next(0.3)) texts.push_back(more->text);
+    return texts;
+}
+
+bool contains(const std::string& text, const std::string& part) {
+    const bool found = text.find(part) != std::string::npos;
+    if (!found) MESSAGE("expected \"" << part << "\" in:\n" << text);
+    return found;
+}
+
+} // namespace
+
+TEST_SUITE("monitoring/broker") {
+    TEST_CASE("records of sensors and of the machine arrive as lines, hostile ones are counted") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        BrokerClient receiver(broker.settings("model"), "receiver", BrokerLines::topics());
+        BrokerClient sender(broker.settings("rocks"), "sender", {});
+        BrokerLines lines(receiver, two_sensors());
+        std::this_thread::sleep_for(std::chrono::milliseconds(300)); // for the subscription
+
+        publish(sender, "smartrock/1/imu", bytes_of(payload(0, 1.0)));
+        publish(sender, "smartrock/1/imu", bytes_of(payload(20, 1.2)));      // after a gap of 10
+        publish(sender, "smartrock/1/imu", bytes_of(payload(10, 1.1)));      // which it fills
+        publish(sender, "smartrock/1/imu", bytes_of(payload(20, 1.2)));      // again
+        publish(sender, "smartrock/9/imu", bytes_of(payload(0, 1.0)));       // unknown
+        publish(sender, "smartrock/one/imu", bytes_of(payload(0, 1.0)));     // no id
+        publish(sender, "smartrock/2/imu", bytes_of(payload(0, 1.0)) + "x"); // a length that lies
+        publish(sender, "smartrock/2/imu", "");
+        publish(sender, "test_machine/record", "{\"axial_strain\": 0.001}");
+        publish(sender, "test_machine/record", "{\"axial_strain\": ");
+        publish(sender, "smartrock/2/imu", bytes_of(payload(0, 2.0, 1)));
+        const auto texts = all_lines(lines, 32);
+        REQUIRE(texts.size() == 32);
+        CHECK(texts[0] == "{\"t\": 1, \"id\": 1, \"seq\": 0, \"ax\": 0, \"ay\": 0.25, \"az\": 0.5, "
+                          "\"gx\": 0.75, \"gy\": 1, \"gz\": 1.25, \"mx\": 1.5, \"my\": 1.75, "
+                          "\"mz\": 2, \"strain\": 2.25}");
+        CHECK(texts[30] == "{\"axial_strain\": 0.001}");
+        const std::string report = lines.report();
+        CHECK(contains(report,
+                       "sensor 1: 30 samples, 0 missing in 1 gaps, 1 messages late, 1 again"));
+        CHECK(contains(report, "sensor 2: 1 samples"));
+        CHECK(contains(report, "2 unreadable"));
+        CHECK(contains(report, "expected 420 bytes for 10 samples of 10 columns, found 421"));
+        CHECK(contains(report, "2 times: smartrock/9/imu: expected the id of a file rock_NN.txt"));
+        CHECK(contains(report, "test_machine/record: expected"));
+    }
+
+    TEST_CASE("wrong passwords are refused, and forbidden topics lead nowhere") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        BrokerSettings wrong = broker.settings("model");
+        write_whole(broker.folder() / "wrong", "not the password\n");
+        wrong.password_file = broker.folder() / "wrong";
+        CHECK_THROWS_AS(BrokerClient(wrong, "wrong", {}), OutputError);
+        BrokerSettings nobody = broker.settings("model");
+        nobody.user.clear();
+        CHECK_THROWS_AS(BrokerClient(nobody, "nobody", {}), OutputError);
+
+        BrokerClient model(broker.settings("model"), "model", BrokerLines::topics());
+        BrokerClient rocks(broker.settings("rocks"), "rocks", {"bris/#"});
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        rocks.publish("bris/state", "{}", BrokerClient::Delivery::retained); // not a rock's
+        rocks.publish("smartrock/1/status", "online", BrokerClient::Delivery::retained);
+        model.publish("bris/state", "{}", BrokerClient::Delivery::retained);
+        const auto got = model.next(5);
+        REQUIRE(got);
+        CHECK(got->topic == "smartrock/1/status");
+        rocks.flush(5);
+        CHECK(rocks.counters().refused == 1);
+        CHECK_FALSE(rocks.next(0.5)); // it may not read bris/
+        CHECK(model.counters().refused == 0);
+    }
+
+    TEST_CASE("after a restart of the broker the client is back, with its retained messages") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        BrokerClient model(broker.settings("model"), "model", BrokerLines::topics());
+        BrokerLines lines(model, two_sensors());
+        model.publish("bris/scene", "{\"title\": 1}", BrokerClient::Delivery::retained);
+        model.flush(5);
+        broker.stop();
+        for (int k = 0; k < 100 && model.connected(); ++k)
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        REQUIRE_FALSE(model.connected());
+        model.publish("bris/state", "{}", BrokerClient::Delivery::once_at_most); // nobody there
+        broker.start();
+        REQUIRE(broker.runs());
+        for (int k = 0; k < 200 && !model.connected(); ++k)
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        REQUIRE(model.connected());
+        BrokerClient page(broker.settings("page"), "page", {"bris/#"});
+        const auto scene = page.next(5);
+        REQUIRE(scene);
+        CHECK(scene->payload == "{\"title\": 1}");
+        std::this_thread::sleep_for(std::chrono::milliseconds(300));
+        BrokerClient rocks(broker.settings("rocks"), "rocks", {});
+        publish(rocks, "smartrock/2/imu", bytes_of(payload(5, 3, 1)));
+        CHECK(all_lines(lines, 1).size() == 1);
+        CHECK(model.counters().breaks == 1);
+        CHECK(model.counters().unpublished == 1);
+    }
+
+    TEST_CASE("a broker that is not there, and one that never answers, are errors of one line") {
+        if (!has_broker_client()) return;
+        TestBroker silent(TestBroker::Kind::silent);
+        BrokerSettings s;
+        s.address = silent.address();
+        s.timeout = 0.5;
+        CHECK_THROWS_WITH_AS(BrokerClient(s, "client", {}),
+                             fmt::format("--broker: {}: expected an answer, found none within "
+                                         "0.5 s",
+                                         s.address)
+                                 .c_str(),
+                             OutputError);
+        s.address = "127.0.0.1:1"; // reserved, nothing listens there
+        CHECK_THROWS_AS(BrokerClient(s, "client", {}), OutputError);
+        for (const char* bad : {"127.0.0.1", "host:", ":1883", "host:0", "host:65536", "host:1.5"})
+            CHECK_THROWS_AS(host_and_port(bad), InputError);
+        CHECK(host_and_port("[::1]:1883") == std::pair<std::string, int>{"::1", 1883});
+    }
+}
