@@ -14,6 +14,7 @@
 #include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/live_model.hpp"
+#include "scenarios/assimilation/live_prediction.hpp"
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
@@ -41,6 +42,7 @@ struct Live {
     std::filesystem::path recordings = assets_folder() / "smartrock";
     std::filesystem::path stream;
     BrokerSettings broker;
+    std::filesystem::path library = assets_folder() / "libraries" / "arema_4_400_rocks.h5";
     RockParameters model{0.5, 1};
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     LiveSettings live;
@@ -101,6 +103,9 @@ struct Live {
                "stage of the test until it has caught up.",
                within(2, 10000));
         learning.describe(option);
+        option("library", library, "",
+               "File of a library of specimens (specimen_library), from which the measurements so "
+               "far predict the rest of the test, if the library fits the model. Empty: none.");
         triaxial.describe(option);
     }
 };
@@ -159,6 +164,7 @@ private:
     BodyFrame present_frame() const;
     void follow();
     void record_stage(const RecordedTest& so_far, double latest);
+    void predict(const RecordedTest& so_far);
     void write_frame();
     void draw(const RecordedTest& measured) const;
 
@@ -172,6 +178,7 @@ private:
     std::optional<BrokerClient> client_; // none: no broker
     std::optional<StatePublisher> publisher_;
     const BrokerLines* from_broker_ = nullptr; // of test_
+    std::optional<LivePrediction> prediction_;
     std::optional<LiveModel> model_;
     std::optional<LiveTest> test_;
     std::optional<ModelRun> free_;
@@ -261,6 +268,16 @@ void LiveRun::publish_stage(const RecordedTest& so_far, double latest) {
     }
 }
 
+/// Predicts the rest of the test by the library at each of its strains.
+void LiveRun::predict(const RecordedTest& so_far) {
+    if (!prediction_->update(model_->strain(), measured_test(so_far))) return;
+    prediction_->write(common_.out);
+    if (common_.quiet) return;
+    progress_.pause();
+    fmt::print("          {}\n", described(prediction_->last()));
+    std::fflush(stdout);
+}
+
 /// Writes the positions of all rocks in the analysis, and flushes them to disk with all rows so
 /// far.
 void LiveRun::write_frame() {
@@ -305,12 +322,16 @@ void LiveRun::follow() {
         publish_stage(so_far, latest);
         record_stage(so_far, latest);
         write_frame();
+        predict(so_far);
         model_->advance_members(); // compute the test's present stage before its record arrives
     }
 }
 
-/// Prepares what needs no record: the specimen and the first ensemble members.
+/// Prepares what needs no record: the library, the specimen and the first ensemble members.
 void LiveRun::prepare() {
+    prediction_.emplace(s_.library, common_.settings, test_settings_.core_porosity(),
+                        test_settings_.confining_pressure);
+    if (!prediction_->reason().empty()) fmt::print("{}\n", described(prediction_->last()));
     specimen_ = make_specimen(scene_, test_settings_, common_, progress_slot(progress_)).state;
     progress_.pause();
     Simulation at_start = make_simulation(scene_, 1, common_.serial);
@@ -391,6 +412,13 @@ void LiveRun::draw(const RecordedTest& measured) const {
         friction.curves.push_back(std::move(curve));
     }
     panels.push_back(std::move(friction));
+    if (prediction_->last().not_used.empty()) {
+        const LibraryPrediction& p = prediction_->last().predicted;
+        for (Curve& c : curves_of(prediction_->last(), p.q, 1e-3))
+            panels[0].curves.push_back(std::move(c));
+        for (Curve& c : curves_of(prediction_->last(), p.volume, 100))
+            panels[1].curves.push_back(std::move(c));
+    }
     draw_plots(common_.out / "live_triaxial.png", panels, 3);
 }
 
@@ -427,15 +455,23 @@ void LiveRun::report() {
     summary.add("sensors_refused", measured.refused());
     summary.add("machine_channels_refused", refused_channels(measured));
     summary.add("records", records_);
-    std::ranges::sort(latencies_);
-    const auto latency = [&](double share) {
-        return latencies_.empty() ? std::nan("")
-                                  : latencies_[static_cast<std::size_t>(
-                                        share * static_cast<double>(latencies_.size() - 1))];
+    const auto quantile = [](std::vector<double> times, double share) {
+        std::ranges::sort(times);
+        return times.empty()
+                   ? std::nan("")
+                   : times[static_cast<std::size_t>(share * static_cast<double>(times.size() - 1))];
     };
-    summary.add("latency_median_s", latency(0.5));
-    summary.add("latency_95_percent_s", latency(0.95));
-    summary.add("latency_largest_s", latency(1));
+    summary.add("latency_median_s", quantile(latencies_, 0.5));
+    summary.add("latency_95_percent_s", quantile(latencies_, 0.95));
+    summary.add("latency_largest_s", quantile(latencies_, 1));
+    if (const TestPrediction& last = prediction_->last(); last.not_used.empty()) {
+        summary.add("library_friction", last.predicted.friction.mean[0]);
+        summary.add("library_friction_low", last.predicted.friction.low[0]);
+        summary.add("library_friction_high", last.predicted.friction.high[0]);
+        summary.add("library_distance", last.predicted.distance);
+        summary.add("library_update_median_s", quantile(prediction_->times(), 0.5));
+        summary.add("library_update_largest_s", quantile(prediction_->times(), 1));
+    }
     fmt::print("{}\n", found);
     report_results(common_, summary);
 }

@@ -9,6 +9,7 @@
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/assimilation/library_design.hpp"
+#include "scenarios/assimilation/library_join.hpp"
 #include "scenarios/assimilation/library_results.hpp"
 
 #include <fmt/format.h>
@@ -28,7 +29,7 @@ struct LibraryRun {
     LibraryObservations observed;
     double learning_pressure = 0;
     bool compare = false;
-    std::filesystem::path library = {}, truths = {};
+    std::filesystem::path library = {}, truths = {}, joined = {};
 
     void describe(auto& option) {
         design.describe(option);
@@ -39,6 +40,10 @@ struct LibraryRun {
         option("truths", truths, "",
                "File of another library, whose specimens are predicted instead of those of the "
                "library itself. Default: each specimen is predicted from all others.");
+        option("join", joined, "",
+               "File of another library of the same rocks, of other ranges or another seed, whose "
+               "specimens are added to those of --library; the results of the run are the joined "
+               "library and its scores.");
         observed.describe(option);
         option("learning_pressure", learning_pressure, "Pa",
                "Confining pressure of the measurements that are assimilated. 0: each test is "
@@ -149,6 +154,8 @@ void check_settings(const LibraryRun& s, const Common& common) {
             "--library, --resume: expected one of them; a library that is scored is not continued");
     require(s.truths.empty() || !s.library.empty(),
             "--truths: expected --library, the library that predicts them");
+    require(s.joined.empty() || !s.library.empty(),
+            "--join: expected --library, the library to which the specimens are added");
     if (!s.library.empty()) return;
     check_design(s.design, s.triaxial);
     require(s.triaxial.test.friction == TriaxialSettings{}.friction,
@@ -166,12 +173,20 @@ SpecimenLibrary make_library(const LibraryRun& s, const Common& common) {
     return library;
 }
 
+SpecimenLibrary given_library(const LibraryRun& s, const Common& common) {
+    SpecimenLibrary library = read_library(s.library);
+    if (s.joined.empty()) return library;
+    join(library, read_library(s.joined), s.joined);
+    write_library(common.out / library_file, library);
+    return library;
+}
+
 constexpr std::size_t fewest_scored = 10;
 
 void run(const LibraryRun& s, const Common& common) {
     check_settings(s, common);
     const SpecimenLibrary library =
-        s.library.empty() ? make_library(s, common) : read_library(s.library);
+        s.library.empty() ? make_library(s, common) : given_library(s, common);
     Summary summary;
     summary.add("specimens_made", library.specimens.size());
     std::uint64_t redrawn = 0;

@@ -8,6 +8,7 @@
 #include "engine/run.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/specimens/fouling_options.hpp"
+#include "scenarios/specimens/material_card_file.hpp"
 #include "scenarios/triaxial/make_specimen.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "scenarios/triaxial/triaxial_scene.hpp"
@@ -26,9 +27,14 @@ namespace {
 /// A triaxial test, possibly with fines in the voids.
 struct FouledTriaxial : Triaxial {
     FoulingOptions fouling = {};
+    std::filesystem::path material = {};
 
     void describe(auto& option) {
         Triaxial::describe(option);
+        option(
+            "material", material, "",
+            "Material card (card.csv of material_card), which gives the friction and the contact "
+            "stiffness of the rocks instead of --friction and --clump-stiffness. Empty: none.");
         fouling.describe(option);
     }
 };
@@ -301,7 +307,32 @@ void write_all(const Shared& shared, const std::vector<std::unique_ptr<Test>>& d
     report_results(shared.common, all);
 }
 
-void run(const FouledTriaxial& t, const Common& common) {
+/// Takes friction and contact stiffness from the material card, if there is one, and writes them
+/// into the settings that go with the results.
+FouledTriaxial with_card(FouledTriaxial t, Common& common) {
+    if (t.material.empty()) return t;
+    const Triaxial unchanged;
+    require(t.test.friction == unchanged.test.friction &&
+                t.specimen.clump_stiffness == unchanged.specimen.clump_stiffness,
+            "--material: expected neither --friction nor --clump-stiffness beside a card, which "
+            "gives both");
+    const MaterialCard card = read_material_card(t.material);
+    t.test.friction = card.friction.value;
+    t.specimen.clump_stiffness = card.clump_stiffness.value;
+    for (NamedValue& setting : common.settings) {
+        if (setting.key == "friction") setting.value = t.test.friction;
+        if (setting.key == "clump_stiffness_N_per_m") setting.value = t.specimen.clump_stiffness;
+    }
+    fmt::print("rocks of {}: friction {:.3g} ({:.3g} to {:.3g}), contact stiffness {:.3g} N/m "
+               "({:.3g} to {:.3g})\n",
+               t.material.string(), card.friction.value, card.friction.low, card.friction.high,
+               card.clump_stiffness.value, card.clump_stiffness.low, card.clump_stiffness.high);
+    return t;
+}
+
+void run(const FouledTriaxial& given, const Common& typed) {
+    Common common = typed;
+    const FouledTriaxial t = with_card(given, common);
     require_memory_for(t,
                        std::min(common.threads, static_cast<unsigned>(t.confining_pressure.size())),
                        common.memory_limit);

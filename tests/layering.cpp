@@ -75,7 +75,8 @@ bool may_include_system(const std::string& file, const std::string& target) {
 /// include all.
 constexpr std::array rooms{"rocks",        "specimens",   "recordings",  "triaxial",
                            "bulk",         "ballast_box", "field_tests", "assimilation",
-                           "verification", "stability",   "monitoring",  "network"};
+                           "verification", "stability",   "monitoring",  "network",
+                           "python"};
 
 bool may_include_room(const std::string& file, const std::string& target) {
     const auto order = [](const std::string& path) {

@@ -23,11 +23,13 @@ namespace {
 /// Settings that do not change what a specimen of the library is: those that may differ in every
 /// scenario, and those that say how many specimens there are and how they are judged.
 bool is_of_specimens(const NamedValue& setting) {
-    constexpr std::array others{"specimens",   "library",         "truths",
-                                "compare",     "learning_strain", "learning_pressure_Pa",
-                                "use_force",   "use_volume",      "use_rings",
-                                "use_sensors", "use_tilt",        "use_porosity",
-                                "frame_stages"};
+    constexpr std::array others{"specimens",       "library",
+                                "truths",          "compare",
+                                "learning_strain", "learning_pressure_Pa",
+                                "use_force",       "use_volume",
+                                "use_rings",       "use_sensors",
+                                "use_tilt",        "use_porosity",
+                                "frame_stages",    "join"};
     return std::ranges::count(settings_that_may_differ(), setting.key) == 0 &&
            std::ranges::count(others, setting.key) == 0;
 }

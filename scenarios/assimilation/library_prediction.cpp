@@ -104,7 +104,7 @@ LibraryTargets::LibraryTargets(const SpecimenLibrary& library, std::vector<std::
                static_cast<Eigen::Index>(library.sensors * per_sensor),
                static_cast<Eigen::Index>(2 * FieldCells::count)};
     for (std::size_t b = 0; b < widths_.size(); ++b) per_pressure_ += widths_[b] * lengths_[b];
-    count_ = static_cast<Eigen::Index>(pressures_.size()) * per_pressure_ + 3;
+    count_ = static_cast<Eigen::Index>(pressures_.size()) * per_pressure_;
 }
 
 Eigen::Index LibraryTargets::column(std::size_t pressure, Block block) const {
@@ -128,9 +128,6 @@ Vector LibraryTargets::values(const LibrarySpecimen& s) const {
         if (lengths_[sensors] > 0) add(test.sensors);
         if (lengths_[field] > 0) add(test.field);
     }
-    for (const double x :
-         {std::log(s.rocks.friction), std::log(s.rocks.stiffness), s.core_porosity})
-        numbers.push_back(x);
     return as_vector(numbers);
 }
 
@@ -155,7 +152,6 @@ std::vector<TargetGroup> LibraryTargets::groups() const {
                 add((strain - from) * widths_[b]);
             }
         }
-    for (int k = 0; k < 3; ++k) add(1);
     return groups;
 }
 
@@ -178,24 +174,81 @@ Vector weights_of(const SpecimenLibrary& library, const LibraryObservations& obs
     return as_vector(weights);
 }
 
-LeaveOneOutRegression regression_of(const SpecimenLibrary& library,
-                                    const LibraryObservations& observed, std::size_t measured_at,
-                                    const LibraryTargets& targets) {
+Vector parameter_features_of(const SpecimenLibrary& library, const LibrarySpecimen& specimen,
+                             std::size_t pressure, const LibraryObservations& o) {
+    if (!o.force && !o.volume) return features_of(library, specimen, pressure, o);
+    const LibraryTest& test = specimen.tests.at(pressure);
+    const std::size_t last = observed_strains(library.axis, o.strain).back();
+    std::vector<double> features;
+    if (o.force) {
+        double mean = 0;
+        for (std::size_t k = 0; k <= last; ++k)
+            mean += double{test.q.at(k)} / static_cast<double>(last + 1);
+        features.push_back(log_q(mean, library.pressures[pressure]));
+    }
+    if (o.volume) features.push_back(double{test.volume.at(last)});
+    if (o.porosity) features.push_back(specimen.core_porosity);
+    return as_vector(features);
+}
+
+namespace {
+
+void check_regression(const SpecimenLibrary& library, const LibraryObservations& observed) {
     constexpr std::size_t fewest = 8;
     require(observed.any(), "--use-force, --use-volume, ...: expected a measurement to assimilate, "
                             "found none");
     const std::size_t n = library.specimens.size();
     require(n >= fewest,
             fmt::format("specimen library: expected at least {} specimens, found {}", fewest, n));
-    Matrix features, values(static_cast<Eigen::Index>(n), targets.count());
-    for (std::size_t k = 0; k < n; ++k) {
-        const auto row = static_cast<Eigen::Index>(k);
-        const Vector of_one = features_of(library, library.specimens[k], measured_at, observed);
-        if (k == 0) features.resize(static_cast<Eigen::Index>(n), of_one.size());
-        features.row(row) = of_one.transpose();
-        values.row(row) = targets.values(library.specimens[k]).transpose();
+}
+
+/// A row of numbers for each specimen.
+template <class Numbers>
+Matrix rows_of(const SpecimenLibrary& library, const Numbers& numbers) {
+    Matrix rows;
+    for (std::size_t k = 0; k < library.specimens.size(); ++k) {
+        const Vector row = numbers(library.specimens[k]);
+        if (k == 0) rows.resize(static_cast<Eigen::Index>(library.specimens.size()), row.size());
+        rows.row(static_cast<Eigen::Index>(k)) = row.transpose();
     }
-    return {features, weights_of(library, observed), values, targets.groups()};
+    return rows;
+}
+
+} // namespace
+
+LeaveOneOutRegression regression_of(const SpecimenLibrary& library,
+                                    const LibraryObservations& observed, std::size_t measured_at,
+                                    const LibraryTargets& targets) {
+    check_regression(library, observed);
+    return {rows_of(library,
+                    [&](const LibrarySpecimen& s) {
+                        return features_of(library, s, measured_at, observed);
+                    }),
+            weights_of(library, observed),
+            rows_of(library, [&](const LibrarySpecimen& s) { return targets.values(s); }),
+            targets.groups()};
+}
+
+LeaveOneOutRegression parameter_regression_of(const SpecimenLibrary& library,
+                                              const LibraryObservations& observed,
+                                              std::size_t measured_at) {
+    check_regression(library, observed);
+    const Matrix features = rows_of(library, [&](const LibrarySpecimen& s) {
+        return parameter_features_of(library, s, measured_at, observed);
+    });
+    const bool single = observed.force || observed.volume; // one number of each block
+    const Vector weights = single ? Vector::Ones(features.cols()) : weights_of(library, observed);
+    return {features,
+            weights,
+            rows_of(library,
+                    [](const LibrarySpecimen& s) {
+                        return Vector(Eigen::Vector3d(std::log(s.rocks.friction),
+                                                      std::log(s.rocks.stiffness),
+                                                      s.core_porosity));
+                    }),
+            {{ParameterColumn::ln_friction, 1},
+             {ParameterColumn::ln_stiffness, 1},
+             {ParameterColumn::porosity, 1}}};
 }
 
 LibraryPredictor::LibraryPredictor(const SpecimenLibrary& library,
@@ -203,17 +256,25 @@ LibraryPredictor::LibraryPredictor(const SpecimenLibrary& library,
                                    std::size_t predicted_at, bool motion)
     : library_(library), observed_(observed), measured_at_(measured_at),
       targets_(library, {predicted_at}, motion),
-      regression_(regression_of(library, observed, measured_at, targets_)) {}
+      regression_(regression_of(library, observed, measured_at, targets_)),
+      parameters_(parameter_regression_of(library, observed, measured_at)) {}
 
 LibraryPrediction LibraryPredictor::predict(const LibrarySpecimen& measured) const {
-    return described(regression_.predict(features_of(library_, measured, measured_at_, observed_)));
+    return described(
+        regression_.predict(features_of(library_, measured, measured_at_, observed_)),
+        parameters_.predict(parameter_features_of(library_, measured, measured_at_, observed_)));
 }
 
-LibraryPrediction LibraryPredictor::prior() const { return described(regression_.prior()); }
+LibraryPrediction LibraryPredictor::prior() const {
+    return described(regression_.prior(), parameters_.prior());
+}
 
-LibraryPrediction LibraryPredictor::described(const LeaveOneOutRegression::Prediction& p) const {
+LibraryPrediction
+LibraryPredictor::described(const LeaveOneOutRegression::Prediction& curves,
+                            const LeaveOneOutRegression::Prediction& parameters) const {
     const double t = student_t_quantile(0.95, regression_.freedom());
-    const auto curve = [&](Eigen::Index first, Eigen::Index count, bool logarithmic) {
+    const auto part = [&](const LeaveOneOutRegression::Prediction& p, Eigen::Index first,
+                          Eigen::Index count, bool logarithmic) {
         PredictedCurve c;
         for (Eigen::Index k = first; k < first + count; ++k)
             for (const auto& [to, x] : {std::pair{&c.mean, p.mean[k]},
@@ -224,7 +285,7 @@ LibraryPrediction LibraryPredictor::described(const LeaveOneOutRegression::Predi
     };
     const auto block = [&](LibraryTargets::Block b, LibraryTargets::Block next, bool logarithmic) {
         const Eigen::Index first = targets_.column(0, b);
-        return curve(first, targets_.column(0, next) - first, logarithmic);
+        return part(curves, first, targets_.column(0, next) - first, logarithmic);
     };
     using enum LibraryTargets::Block;
     LibraryPrediction d;
@@ -234,11 +295,11 @@ LibraryPrediction LibraryPredictor::described(const LeaveOneOutRegression::Predi
     d.rings = block(rings, sensors, false);
     d.sensors = block(sensors, field, false);
     const Eigen::Index of_field = targets_.column(0, field);
-    d.field = curve(of_field, targets_.friction() - of_field, false);
-    d.friction = curve(targets_.friction(), 1, true);
-    d.stiffness = curve(targets_.stiffness(), 1, true);
-    d.porosity = curve(targets_.porosity(), 1, false);
-    d.distance = p.distance;
+    d.field = part(curves, of_field, targets_.count() - of_field, false);
+    d.friction = part(parameters, ParameterColumn::ln_friction, 1, true);
+    d.stiffness = part(parameters, ParameterColumn::ln_stiffness, 1, true);
+    d.porosity = part(parameters, ParameterColumn::porosity, 1, false);
+    d.distance = std::max(curves.distance, parameters.distance);
     return d;
 }
 

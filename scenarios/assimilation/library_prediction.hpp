@@ -12,13 +12,14 @@ namespace bris {
 
 /// The measurements of a specimen that are assimilated.
 struct LibraryObservations {
-    double strain = 0.01;  ///< axial strain up to which there are measurements
-    bool force = true;     ///< q
-    bool volume = true;    ///< volumetric strain
-    bool rings = false;    ///< radial strain of the rings, at `strain`
-    bool tracked = false;  ///< displacement and rotation of the sensor rocks, before `strain`
-    bool tilt = false;     ///< rotation of the sensor rocks about horizontal axes only
-    bool porosity = false; ///< of the core at the start of shearing
+    double strain = 0.01; ///< axial strain up to which there are measurements
+    bool force = true;    ///< q
+    bool volume = true;   ///< volumetric strain
+    bool rings = false;   ///< radial strain of the rings, at `strain`
+    bool tracked = false; ///< displacement and rotation of the sensor rocks, before `strain`
+    bool tilt = false;    ///< rotation of the sensor rocks about horizontal axes only
+    /// Porosity of the core at the start of shearing, which mass and volume give in a laboratory.
+    bool porosity = true;
 
     bool any() const { return force || volume || rings || tracked || tilt || porosity; }
     void describe(auto& option);
@@ -26,8 +27,7 @@ struct LibraryObservations {
 
 /// Numbers that a library predicts, as the columns of a matrix: for some of its pressures, by
 /// strain, ln q, ln of smoothed q, volumetric strain, radial strain of the rings; on request the
-/// motion of the sensor rocks and the displacement field; then the logarithms of friction and
-/// stiffness, and the porosity.
+/// motion of the sensor rocks and the displacement field.
 class LibraryTargets {
 public:
     /// `pressures`: indices into those of the library.
@@ -38,9 +38,6 @@ public:
     Eigen::Index column(std::size_t pressure, Block block) const;
     /// Columns of a block for each strain.
     Eigen::Index width(Block block) const { return widths_[block]; }
-    Eigen::Index friction() const { return count_ - 3; }
-    Eigen::Index stiffness() const { return count_ - 2; }
-    Eigen::Index porosity() const { return count_ - 1; }
     Eigen::Index count() const { return count_; }
     const std::vector<std::size_t>& pressures() const { return pressures_; }
 
@@ -62,6 +59,19 @@ Vector features_of(const SpecimenLibrary& library, const LibrarySpecimen& specim
 /// Weights of these features: one over the square root of their number within each block, so that
 /// blocks of many correlated numbers do not outweigh the others.
 Vector weights_of(const SpecimenLibrary& library, const LibraryObservations& observed);
+
+/// The parameters of a specimen, as columns of the regression that estimates them.
+struct ParameterColumn {
+    static constexpr Eigen::Index ln_friction = 0, ln_stiffness = 1, porosity = 2;
+};
+
+/// The features from which parameters are estimated: for each block that is observed, one number:
+/// ln of the mean of q, volumetric strain at the last strain, porosity. Parameters are single
+/// targets, for which the strength of regularisation is chosen from few residuals; with ten
+/// correlated numbers of a block it is often chosen too low, and the estimates are too far from the
+/// mean. If neither q nor volume is observed, the features are those of the curves.
+Vector parameter_features_of(const SpecimenLibrary& library, const LibrarySpecimen& specimen,
+                             std::size_t pressure, const LibraryObservations& observed);
 
 /// A posterior predictive: mean, and lower and upper end of the 90 % band.
 struct PredictedCurve {
@@ -92,16 +102,24 @@ public:
     LibraryPrediction predict(const LibrarySpecimen& measured) const;
     LibraryPrediction prior() const; ///< without measurements
     const LeaveOneOutRegression& regression() const { return regression_; }
+    const LeaveOneOutRegression& parameters() const { return parameters_; }
 
 private:
-    LibraryPrediction described(const LeaveOneOutRegression::Prediction& p) const;
+    LibraryPrediction described(const LeaveOneOutRegression::Prediction& curves,
+                                const LeaveOneOutRegression::Prediction& parameters) const;
 
     const SpecimenLibrary& library_;
     LibraryObservations observed_;
     std::size_t measured_at_;
     LibraryTargets targets_;
-    LeaveOneOutRegression regression_;
+    LeaveOneOutRegression regression_, parameters_;
 };
+
+/// A regression of the parameters (ParameterColumn) on their features over the specimens of a
+/// library.
+LeaveOneOutRegression parameter_regression_of(const SpecimenLibrary& library,
+                                              const LibraryObservations& observed,
+                                              std::size_t measured_at);
 
 /// A regression of targets on features over the specimens of a library.
 LeaveOneOutRegression regression_of(const SpecimenLibrary& library,
@@ -119,7 +137,8 @@ void LibraryObservations::describe(auto& option) {
            "Assimilate displacement and rotation of the sensor rocks at --learning-strain.");
     option("use_tilt", tilt, "", "Assimilate the tilt of the sensor rocks at --learning-strain.");
     option("use_porosity", porosity, "",
-           "Assimilate the porosity of the core at the start of shearing.");
+           "Assimilate the porosity of the core at the start of shearing, which a laboratory "
+           "knows from mass and volume.");
 }
 
 } // namespace bris

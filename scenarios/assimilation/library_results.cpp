@@ -117,13 +117,14 @@ std::vector<Variant> compared_variants(const LibraryObservations& asked, bool ca
         {"volume", with(&O::volume)},
         {"porosity", with(&O::porosity)},
         {"force_volume_porosity", with(&O::force, &O::volume, &O::porosity)},
-        {"force_volume_rings", with(&O::force, &O::volume, &O::rings)}};
+        {"force_volume_porosity_rings", with(&O::force, &O::volume, &O::porosity, &O::rings)}};
     if (can_observe_sensors) {
         variants.push_back({"tilt", with(&O::tilt)});
         variants.push_back({"sensors", with(&O::tracked)});
-        variants.push_back({"force_volume_sensors", with(&O::force, &O::volume, &O::tracked)});
+        variants.push_back({"force_volume_porosity_sensors",
+                            with(&O::force, &O::volume, &O::porosity, &O::tracked)});
     }
-    variants.push_back({"sham", with(&O::force, &O::volume), true});
+    variants.push_back({"sham", with(&O::force, &O::volume, &O::porosity), true});
     return variants;
 }
 
@@ -145,9 +146,7 @@ void add_scores(Summary& summary, const std::string& prefix, const ScoredVariant
     const LinearFit fit = true_on_learned(v.scores);
     const auto errors =
         over(v.scores, [](const SpecimenScore& s) { return s.learned_friction - s.friction; });
-    const auto inside = std::ranges::count_if(v.scores, [](const SpecimenScore& s) {
-        return std::abs(s.learned_friction - s.friction) <= 1.66 * s.friction_deviation;
-    });
+    const auto inside = std::ranges::count_if(v.scores, &SpecimenScore::friction_inside);
     summary.add(prefix + "friction_true_on_learned_slope", fit.slope);
     summary.add(prefix + "friction_true_on_learned_slope_error", fit.slope_error);
     summary.add(prefix + "friction_log_rms_error", root_mean_square(errors));

@@ -103,11 +103,6 @@ SpecimenScore ScoreOfCase::score(double learned) const {
     const double last = library_.axis.strain(library_.axis.count - 1);
     for (std::size_t k = 0; k < scored_count; ++k)
         s.of[k] = score_of(part_of(static_cast<Scored>(k), learned, last));
-    s.friction = truth_[targets_.friction()];
-    s.learned_friction = predicted_.mean[targets_.friction()];
-    s.friction_deviation = predicted_.deviation[targets_.friction()];
-    s.stiffness = truth_[targets_.stiffness()];
-    s.learned_stiffness = predicted_.mean[targets_.stiffness()];
     s.distance = predicted_.distance;
     for (std::size_t k = 0; k < library_.axis.count; ++k) {
         const auto at = static_cast<Eigen::Index>(k);
@@ -131,6 +126,7 @@ public:
     Scorer(const SpecimenLibrary& library, const Scoring& scoring)
         : library_(library), scoring_(scoring), targets_(library, {scoring.predicted_at}, false),
           regression_(regression_of(library, scoring.observed, scoring.measured_at, targets_)),
+          parameters_(parameter_regression_of(library, scoring.observed, scoring.measured_at)),
           members_(static_cast<Eigen::Index>(library.specimens.size()), targets_.count()) {
         for (std::size_t k = 0; k < library.specimens.size(); ++k)
             members_.row(static_cast<Eigen::Index>(k)) =
@@ -139,17 +135,28 @@ public:
     /// The score of a specimen when the measurements of `measured` are assimilated.
     SpecimenScore score(const LibrarySpecimen& truth, const LibrarySpecimen& measured) const {
         const Vector values = targets_.values(truth);
-        return ScoreOfCase(library_, targets_, members_, regression_,
-                           features_of(library_, measured, scoring_.measured_at, scoring_.observed),
-                           values)
-            .score(scoring_.observed.strain);
+        SpecimenScore s =
+            ScoreOfCase(library_, targets_, members_, regression_,
+                        features_of(library_, measured, scoring_.measured_at, scoring_.observed),
+                        values)
+                .score(scoring_.observed.strain);
+        const auto p = parameters_.predict(
+            parameter_features_of(library_, measured, scoring_.measured_at, scoring_.observed));
+        s.friction = std::log(truth.rocks.friction);
+        s.learned_friction = p.mean[ParameterColumn::ln_friction];
+        s.friction_deviation = p.deviation[ParameterColumn::ln_friction];
+        s.friction_inside = std::abs(s.learned_friction - s.friction) <=
+                            student_t_quantile(0.95, parameters_.freedom()) * s.friction_deviation;
+        s.stiffness = std::log(truth.rocks.stiffness);
+        s.learned_stiffness = p.mean[ParameterColumn::ln_stiffness];
+        return s;
     }
 
 private:
     const SpecimenLibrary& library_;
     const Scoring& scoring_;
     LibraryTargets targets_;
-    LeaveOneOutRegression regression_;
+    LeaveOneOutRegression regression_, parameters_;
     Matrix members_;
 };
 

@@ -44,8 +44,9 @@ struct QuantityScore {
 struct SpecimenScore {
     std::array<QuantityScore, scored_count> of = {};
     double friction = 0, learned_friction = 0, friction_deviation = 0; ///< logarithms
-    double stiffness = 0, learned_stiffness = 0;                       ///< logarithms
-    double distance = 0; ///< of its measurements (LibraryPrediction)
+    bool friction_inside = false;                ///< the true friction lies in its 90 % band
+    double stiffness = 0, learned_stiffness = 0; ///< logarithms
+    double distance = 0;                         ///< of its measurements (LibraryPrediction)
     /// By strain: errors of ln q and of volumetric strain, of the prediction and of the prior.
     std::vector<double> q, prior_q, volume, prior_volume;
     /// Probabilities of the measured smoothed q in its predictive distribution, by strain beyond

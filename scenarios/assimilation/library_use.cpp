@@ -82,18 +82,14 @@ std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& mo
     return {};
 }
 
-TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& model,
-                            const MeasuredTest& measured, LibraryObservations observed) {
-    TestPrediction t{reason_against(library, model), {}, {}, {}};
-    if (!t.not_used.empty()) return t;
-    const std::size_t p = pressure_index(library, model.pressure);
+LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pressure,
+                                  const MeasuredTest& measured, LibraryObservations& observed) {
     LibrarySpecimen specimen;
     specimen.tests.resize(library.pressures.size());
-    LibraryTest& test = specimen.tests[p];
+    LibraryTest& test = specimen.tests[pressure];
     for (std::size_t k = 0; k < library.axis.count; ++k) {
         const double strain = library.axis.strain(k);
-        t.strain.push_back(strain);
-        if (strain > observed.strain * (1 + 1e-9)) continue;
+        if (strain > observed.strain * (1 + 1e-9)) break;
         test.q.push_back(value_at(measured, measured.q, strain, library.axis.step));
         test.volume.push_back(
             value_at(measured, measured.volumetric_strain, strain, library.axis.step));
@@ -103,8 +99,19 @@ TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& m
     };
     observed.force = observed.force && is_complete(test.q);
     observed.volume = observed.volume && is_complete(test.volume);
-    observed.rings = observed.tracked = observed.tilt = observed.porosity = false;
-    if (!observed.any()) {
+    observed.rings = observed.tracked = observed.tilt = false;
+    return specimen;
+}
+
+TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& model,
+                            const MeasuredTest& measured, LibraryObservations observed) {
+    TestPrediction t{reason_against(library, model), {}, {}, {}};
+    if (!t.not_used.empty()) return t;
+    const std::size_t p = pressure_index(library, model.pressure);
+    for (std::size_t k = 0; k < library.axis.count; ++k) t.strain.push_back(library.axis.strain(k));
+    LibrarySpecimen specimen = measured_specimen(library, p, measured, observed);
+    specimen.core_porosity = model.core_porosity;
+    if (!observed.force && !observed.volume) {
         t.not_used = fmt::format("neither q nor volumetric strain was measured at all of its "
                                  "strains to {:g}",
                                  observed.strain);
@@ -118,14 +125,16 @@ TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& m
 std::string described(const TestPrediction& t) {
     if (!t.not_used.empty()) return "the library of specimens is not used: " + t.not_used;
     const LibraryPrediction& p = t.predicted;
-    std::string text = fmt::format(
-        "the library of specimens predicts from {} to {:g} % of strain: friction {:.2f} ({:.2f} to "
-        "{:.2f} with 90 %), q at {:g} % {:.0f} kPa ({:.0f} to {:.0f})",
-        t.used.force && t.used.volume ? "q and volume"
-        : t.used.force                ? "q"
-                                      : "volume",
-        100 * t.used.strain, p.friction.mean[0], p.friction.low[0], p.friction.high[0],
-        100 * t.strain.back(), p.q.mean.back() / 1e3, p.q.low.back() / 1e3, p.q.high.back() / 1e3);
+    std::string text = fmt::format("the library of specimens predicts from {}{} to {:g} % of "
+                                   "strain: friction {:.2f} ({:.2f} to "
+                                   "{:.2f} with 90 %), q at {:g} % {:.0f} kPa ({:.0f} to {:.0f})",
+                                   t.used.porosity ? "porosity and " : "",
+                                   t.used.force && t.used.volume ? "q and volume"
+                                   : t.used.force                ? "q"
+                                                                 : "volume",
+                                   100 * t.used.strain, p.friction.mean[0], p.friction.low[0],
+                                   p.friction.high[0], 100 * t.strain.back(), p.q.mean.back() / 1e3,
+                                   p.q.low.back() / 1e3, p.q.high.back() / 1e3);
     if (p.distance > 1)
         text += fmt::format("; these measurements are {:.1f} times as far from its specimens as 95 "
                             "% of them are from the others: the bands are wider by this factor",

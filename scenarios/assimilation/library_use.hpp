@@ -30,8 +30,15 @@ struct TestPrediction {
 /// pressure that it does not have, or a porosity outside its range. Empty: it fits.
 std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& model);
 
+/// A measured test at the strains of a library up to `observed.strain`, as a specimen whose test at
+/// the `pressure`-th pressure has q and volumetric strain; what was not measured at all of these
+/// strains is taken out of `observed`.
+LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pressure,
+                                  const MeasuredTest& measured, LibraryObservations& observed);
+
 /// Predicts a test from its measured q and volumetric strain up to the strain `observed.strain`,
-/// each as far as it is asked for and measured at the strains of the library. Where the library
+/// each as far as it is asked for and measured at the strains of the library, and from the core
+/// porosity of its model. Where the library
 /// does not fit the test, or nothing was measured, `not_used` says why, and there is no prediction.
 TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& model,
                             const MeasuredTest& measured, LibraryObservations observed);

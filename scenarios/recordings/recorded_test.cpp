@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/column_map.hpp"
 #include "scenarios/recordings/bench_hdf5.hpp"
+#include "scenarios/recordings/machine_file.hpp"
 #include "scenarios/recordings/machine_quality_control.hpp"
 #include "scenarios/recordings/naming.hpp"
 
@@ -77,10 +78,11 @@ std::vector<Recording> with_poses(std::vector<Recording> recordings,
 
 /// Reads a CSV file, whose form a column map may describe; `option` gives the map.
 auto read_mapped(const char* option, const std::filesystem::path& map,
-                 const std::vector<KnownColumn>& known, auto&& read) {
+                 const std::vector<KnownColumn>& known, auto&& read,
+                 const char* read_by = "--recordings") {
     const CsvForm form =
         map.empty() ? CsvForm{} : naming(option, [&] { return read_column_map(map, known); });
-    return naming("--recordings", [&] {
+    return naming(read_by, [&] {
         try {
             return read(form);
         } catch (const InputError& e) {
@@ -183,6 +185,15 @@ Bench bench_of(const std::filesystem::path& of_test, double pressure,
 }
 
 } // namespace
+
+std::vector<TriaxialPoint> read_machine_file(const char* option, const std::filesystem::path& csv,
+                                             const char* map_option,
+                                             const std::filesystem::path& map) {
+    return read_mapped(
+               map_option, map, machine_columns(),
+               [&](const CsvForm& form) { return read_test(csv, form); }, option)
+        .points;
+}
 
 std::string hint_at_pressure(double pressure, const std::vector<std::string>& folders) {
     const bool in_kilopascal = std::ranges::count(folders, folder_of(1e3 * pressure)) > 0;

@@ -84,12 +84,32 @@ TEST_SUITE("assimilation/library_prediction") {
               5 * (near.volume.high[40] - near.volume.low[40]));
     }
 
+    TEST_CASE("friction is estimated from one number of each measured block") {
+        SpecimenLibrary library = testing::synthetic_library(40, 1);
+        for (LibrarySpecimen& s : library.specimens) s.core_porosity = s.porosity;
+        const LibrarySpecimen& s = library.specimens[2];
+        const Vector f = parameter_features_of(library, s, 1, {});
+        REQUIRE(f.size() == 3);
+        double mean = 0;
+        for (std::size_t k = 0; k < 10; ++k) mean += double{s.tests[1].q[k]} / 10;
+        CHECK(f[0] == about(std::log(mean)).epsilon(1e-6));
+        CHECK(f[1] == about(double{s.tests[1].volume[9]}).epsilon(1e-6));
+        CHECK(f[2] == s.porosity);
+        LibraryObservations o{.force = false, .volume = false, .tilt = true, .porosity = false};
+        CHECK(parameter_features_of(library, s, 1, o) == features_of(library, s, 1, o));
+        // the packing's strength of 0.1 hides friction, and nothing else does
+        const auto regression = parameter_regression_of(library, {}, 1);
+        const double rms =
+            std::sqrt(regression.residuals().col(ParameterColumn::ln_friction).squaredNorm() / 40);
+        CHECK(rms == about(0.1).epsilon(0.3));
+    }
+
     TEST_CASE("each measurement can be left out, but not all of them") {
         const SpecimenLibrary library = testing::synthetic_library(20, 1);
         const auto features = [&](const LibraryObservations& o) {
             return features_of(library, library.specimens[2], 0, o).size();
         };
-        const LibraryObservations none{.force = false, .volume = false};
+        const LibraryObservations none{.force = false, .volume = false, .porosity = false};
         LibraryObservations o = none;
         o.force = true;
         CHECK(features(o) == 10);
@@ -102,7 +122,7 @@ TEST_SUITE("assimilation/library_prediction") {
         o.porosity = true;
         CHECK(features(o) == 29);
         CHECK(weights_of(library, o).size() == 29);
-        o = {.strain = 0.0035};
+        o = {.strain = 0.0035, .porosity = false};
         CHECK(features(o) == 6); // three strains of q and of volume
         CHECK_THROWS_AS(LibraryPredictor(library, none, 0, 0), InputError);
         CHECK_THROWS_AS(LibraryPredictor(library, {.strain = 0.09}, 0, 0), InputError);

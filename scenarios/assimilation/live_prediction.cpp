@@ -1,0 +1,54 @@
+#include "scenarios/assimilation/live_prediction.hpp"
+
+#include "engine/io/csv.hpp"
+#include "engine/stopwatch.hpp"
+
+#include <cmath>
+#include <utility>
+
+namespace bris {
+
+LivePrediction::LivePrediction(const std::filesystem::path& library,
+                               std::vector<NamedValue> settings, double core_porosity,
+                               double pressure)
+    : settings_(std::move(settings)), model_{settings_, core_porosity, pressure} {
+    if (library.empty())
+        reason_ = "none was given";
+    else {
+        library_ = read_library(library);
+        reason_ = reason_against(library_, model_);
+    }
+    last_.not_used = reason_.empty() ? "nothing has been measured yet" : reason_;
+}
+
+bool LivePrediction::update(double strain, const MeasuredTest& so_far) {
+    if (!reason_.empty()) return false;
+    const auto steps = static_cast<std::size_t>(std::floor(strain / library_.axis.step + 1e-6));
+    if (steps <= used_ || steps > library_.axis.count) return false;
+    used_ = steps;
+    const auto began = this_instant();
+    last_ = predict_test(library_, model_, so_far,
+                         {.strain = static_cast<double>(steps) * library_.axis.step});
+    times_.push_back(seconds_since(began));
+    if (!last_.not_used.empty()) return false;
+    const LibraryPrediction& p = last_.predicted;
+    rows_.push_back({last_.used.strain, p.friction.mean[0], p.friction.low[0], p.friction.high[0],
+                     p.smoothed_q.mean.back(), p.smoothed_q.low.back(), p.smoothed_q.high.back(),
+                     p.volume.mean.back(), p.volume.low.back(), p.volume.high.back(), p.distance});
+    return true;
+}
+
+void LivePrediction::write(const std::filesystem::path& folder) const {
+    if (rows_.empty()) return;
+    if (last_.not_used.empty()) write_prediction(folder / "predicted.csv", last_);
+    write_csv(folder / "predictions.csv",
+              {"axial_strain", "friction", "friction_low", "friction_high", "last_smoothed_q_Pa",
+               "last_smoothed_q_low_Pa", "last_smoothed_q_high_Pa", "last_volumetric_strain",
+               "last_volumetric_strain_low", "last_volumetric_strain_high", "distance"},
+              rows_,
+              {"what a library of specimens predicts for its last strain from the measurements up "
+               "to axial_strain, with 90 % bands"},
+              6);
+}
+
+} // namespace bris

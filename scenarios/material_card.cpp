@@ -1,0 +1,144 @@
+// A material card from one measured triaxial curve: the friction and stiffness of the rocks with
+// their bands, predicted curves at other pressures, and which further test would tell most.
+
+#include "engine/assets.hpp"
+#include "engine/errors.hpp"
+#include "engine/scenario.hpp"
+#include "engine/summary.hpp"
+#include "scenarios/assimilation/library_use.hpp"
+#include "scenarios/assimilation/material_estimate.hpp"
+#include "scenarios/recordings/machine_file.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+struct CardRun {
+    std::filesystem::path test = assets_folder() / "smartrock" / "110kPa" / "test.csv", columns;
+    std::filesystem::path library = assets_folder() / "libraries" / "arema_4_400_rocks.h5";
+    double pressure = 110e3, porosity = 0, diameter = 0, learning_strain = 0;
+
+    void describe(auto& option) {
+        option.group("Test");
+        option("test", test, "",
+               "CSV file of the measured test with the columns axial_strain, "
+               "deviatoric_stress_Pa and, if it was measured, volumetric_strain. Default: the "
+               "example of the assets at 110 kPa.");
+        option("columns", columns, "",
+               "File that maps the columns of the test if another program wrote it: names, units, "
+               "signs, delimiter.");
+        option("pressure", pressure, "Pa", "Confining pressure of the test.",
+               above(0, 1e9).usually(1e3, 1e7));
+        option("porosity", porosity, "",
+               "Porosity of the core at the start of shearing; 0: not known.", within(0, 0.6));
+        option("diameter", diameter, "m",
+               "Diameter of the specimen; 0: that of the library's specimens.", within(0, 10));
+        option("learning_strain", learning_strain, "",
+               "Axial strain up to which measurements are used; 0: all of them.", within(0, 0.5));
+        option("library", library, "",
+               "File of a library of specimens (specimen_library) of the same rocks.");
+    }
+};
+
+std::string setting_of(const SpecimenLibrary& library, const std::string& key) {
+    const auto found = std::ranges::find(library.settings, key, &NamedValue::key);
+    if (found == library.settings.end()) return "unknown";
+    return std::visit([](const auto& x) { return fmt::format("{}", x); }, found->value);
+}
+
+void require_size(const SpecimenLibrary& library, double diameter) {
+    constexpr double tolerance = 1.25; // 4 000 rocks instead of 400 are 2.2 times as wide
+    const auto [low, high] = std::ranges::minmax(library.specimens, {}, &LibrarySpecimen::diameter);
+    require(diameter == 0 ||
+                (diameter > low.diameter / tolerance && diameter < high.diameter * tolerance),
+            fmt::format("--diameter: expected a specimen about as wide as those of the library, "
+                        "{:.3g} to {:.3g} m, found {:g}: strength depends on size, so make a "
+                        "library of that size (specimen_library --bodies)",
+                        low.diameter, high.diameter, diameter));
+}
+
+void add_band(Summary& summary, const std::string& name, const std::string& unit,
+              const NumberWithBand& n) {
+    summary.add(name + unit, n.value);
+    summary.add(name + "_low" + unit, n.low);
+    summary.add(name + "_high" + unit, n.high);
+}
+
+Summary card_of(const MaterialEstimate& e, const SpecimenLibrary& library) {
+    Summary card;
+    add_band(card, "friction", "", e.card.friction);
+    add_band(card, "clump_stiffness", "_N_per_m", e.card.clump_stiffness);
+    add_band(card, "core_porosity", "", e.card.core_porosity);
+    card.add("ln_friction_prior_deviation", e.ln_friction_prior);
+    card.add("library_distance", e.distance);
+    card.add("strain_used", e.used.strain);
+    card.add("volume_used", e.used.volume);
+    card.add("porosity_used", e.used.porosity);
+    for (const PredictedTest& t : e.tests) {
+        const auto largest = [&](const std::vector<double>& q) {
+            return *std::ranges::max_element(q);
+        };
+        add_band(card, folder_of(t.pressure) + "_largest_smoothed_q", "_Pa",
+                 {largest(t.predicted.smoothed_q.mean), largest(t.predicted.smoothed_q.low),
+                  largest(t.predicted.smoothed_q.high)});
+    }
+    if (e.further_tests.size() > 1) {
+        card.add("most_telling_further_test", e.further_tests[1].what);
+        card.add("ln_friction_error_now", e.further_tests[0].ln_friction);
+        card.add("ln_friction_error_after_it", e.further_tests[1].ln_friction);
+    }
+    for (const char* key : {"grading", "clumps", "bodies", "density_kg_per_m3"})
+        card.add(std::string("library_") + key, setting_of(library, key));
+    std::string notes;
+    for (const std::string& note : e.notes) notes += (notes.empty() ? "" : "; ") + note;
+    card.add("notes", notes);
+    return card;
+}
+
+void run(const CardRun& s, const Common& common) {
+    TestOfMaterial test{measured_test(read_machine_file("--test", s.test, "--columns", s.columns)),
+                        s.pressure, s.porosity, s.learning_strain > 0 ? s.learning_strain : 1};
+    const SpecimenLibrary library = read_library(s.library);
+    require(!library.specimens.empty(), "--library: expected specimens, found none");
+    require_size(library, s.diameter);
+    const MaterialEstimate e = estimate_material(library, test);
+    write_material_card(common.out / "card.csv", e.card);
+    const Summary card = card_of(e, library);
+    card.write(common.out / "card.json");
+    for (const PredictedTest& t : e.tests) {
+        TestPrediction predicted;
+        predicted.strain = e.strain;
+        predicted.predicted = t.predicted;
+        write_prediction(common.out / (folder_of(t.pressure) + ".csv"), predicted);
+    }
+    write_further_tests(common.out / "further_tests.csv", e);
+    draw_material(common.out / "card.png", e, test);
+    fmt::print("The card holds for rocks as those of the library ({} rocks of {}), with friction "
+               "{} to {} and stiffness {} to {} times its own.\n",
+               setting_of(library, "bodies"), setting_of(library, "grading"),
+               setting_of(library, "lowest_friction"), setting_of(library, "highest_friction"),
+               setting_of(library, "lowest_stiffness"), setting_of(library, "highest_stiffness"));
+    for (const std::string& note : e.notes) fmt::print("Note: {}.\n", note);
+    report_results(common, card);
+}
+
+} // namespace
+
+} // namespace bris
+
+int main(int argc, char** argv) {
+    return bris::run_scenario<bris::CardRun>(
+        argc, argv,
+        {.name = "material_card",
+         .description = "Estimates the friction and stiffness of rocks from one measured triaxial "
+                        "test, and predicts tests at other pressures.",
+         .cannot_resume = "a card takes seconds",
+         .cannot_explain = "it simulates nothing"},
+        bris::run);
+}

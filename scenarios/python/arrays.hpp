@@ -1,0 +1,22 @@
+#pragma once
+
+#include "engine/archive.hpp"
+#include "engine/column.hpp"
+
+#include <pybind11/numpy.h>
+
+namespace bris {
+
+/// NumPy type of the numbers of an array. Integers are unsigned. Throws InputError for a size that
+/// no NumPy type has.
+pybind11::dtype dtype_of(Scalar scalar, std::size_t scalar_size);
+
+/// Copies of all arrays of an archive by their paths, as "bodies/position"; rows are in the order
+/// of the ids. An array with one column has one dimension, any other has the shape (rows, columns).
+pybind11::dict arrays_of(const Archive& archive);
+
+/// An array that shows the memory of a State column itself, by row. `owner` lives at least as long
+/// as the array.
+pybind11::array view_of(Column& column, const pybind11::object& owner, bool writable);
+
+} // namespace bris

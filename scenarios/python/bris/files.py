@@ -1,0 +1,88 @@
+"""Files of BRIS as NumPy arrays."""
+import json
+from pathlib import Path
+
+import h5py
+import numpy as np
+
+
+class RunFile:
+    """A run file NAME.vtkhdf: frames, series and settings. Use it in a with statement, or call close().
+
+    times   times of the frames, s
+    fields  names of the arrays of a frame
+    units   unit of each array by its name; empty: none
+    meta    settings and versions of the run
+    """
+
+    def __init__(self, path):
+        self._file = h5py.File(path, 'r')
+        if 'VTKHDF' not in self._file:
+            self._file.close()
+            raise ValueError(f'{path}: expected a run file, found no group VTKHDF')
+        self._grid = self._file['VTKHDF']
+        self.times = self._grid['Steps/Values'][:]
+        self.fields = sorted(self._grid['PointData'])
+        self.units = {name: _text(self._grid['PointData'][name].attrs.get('unit', '')) for name in self.fields}
+        self.meta = {key: _text(value) for key, value in self._file['meta'].attrs.items()} if 'meta' in self._file else {}
+
+    def __len__(self):
+        return len(self.times)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        self._file.close()
+
+    def frame(self, k):
+        """The arrays of frame k (negative: from the last one) by their names, and `position` (m), a row for each rock."""
+        k = range(len(self.times))[k]
+        parts, steps = self._grid['NumberOfPoints'], self._grid['Steps']
+        points = int(parts[int(steps['PartOffsets'][k])])
+        first = int(steps['PointOffsets'][k])
+        arrays = {'position': self._grid['Points'][first:first + points]}
+        for name in self.fields:
+            start = int(steps['PointDataOffsets'][name][k])
+            arrays[name] = self._grid['PointData'][name][start:start + points]
+        rocks = arrays['id'] >= 0 if 'id' in arrays else slice(None)  # corners of the membrane have the id -1
+        return {name: values[rocks] for name, values in arrays.items()}
+
+    def series(self, name):
+        """The time series of that name, an array for each column. Names: see `series_names`."""
+        return {column: values[:] for column, values in self._file['tracks'][name].items()}
+
+    @property
+    def series_names(self):
+        return sorted(self._file['tracks']) if 'tracks' in self._file else []
+
+
+def open_run(path):
+    """Opens a run file, or the only one of a folder of results."""
+    path = Path(path)
+    if path.is_dir():
+        found = sorted(path.glob('*.vtkhdf'))
+        if len(found) != 1:
+            raise ValueError(f'{path}: expected one run file, found {len(found)}')
+        path = found[0]
+    return RunFile(path)
+
+
+def read_summary(path):
+    """The settings and results of summary.json, by their keys; `path` is the file or its folder."""
+    path = Path(path)
+    return json.loads((path / 'summary.json' if path.is_dir() else path).read_text())
+
+
+def read_csv(path):
+    """The columns of a CSV file with a heading, by their names; lines that begin with # are comments."""
+    lines = [line for line in Path(path).read_text().splitlines() if line.strip() and not line.startswith('#')]
+    table = np.genfromtxt(lines, delimiter=',', names=True, dtype=None, encoding='utf-8')
+    return {name: np.atleast_1d(table[name]) for name in table.dtype.names}
+
+
+def _text(value):
+    return value.decode() if isinstance(value, bytes) else value

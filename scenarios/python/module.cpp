@@ -1,0 +1,152 @@
+// The Python module: functions that build, step and read a simulation. Files are read in
+// bris/files.py.
+#include "engine/errors.hpp"
+#include "engine/io/checkpoint.hpp"
+#include "engine/version.hpp"
+#include "scenarios/python/arrays.hpp"
+#include "scenarios/python/steered_simulation.hpp"
+#include "systems/contact/stable_step.hpp"
+#include "systems/output/quantities.hpp"
+
+#include <array>
+#include <pybind11/stl.h>
+#include <pybind11/stl/filesystem.h>
+
+namespace {
+
+namespace py = pybind11;
+using namespace bris;
+using namespace py::literals;
+
+using Triple = std::array<double, 3>;
+using Quadruple = std::array<double, 4>;
+
+Vec3 vector(const Triple& t) { return {t[0], t[1], t[2]}; }
+Triple triple(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
+
+py::dict quantities_of(const World& world) {
+    const Quantities q = compute_quantities(world);
+    return py::dict(
+        "kinetic_energy_J"_a = q.kinetic_energy, "elastic_energy_J"_a = q.elastic_energy,
+        "coordination"_a = q.coordination, "contacts"_a = q.contacts,
+        "mean_overlap_m"_a = q.mean_overlap, "largest_overlap_m"_a = q.largest_overlap,
+        "mean_normal_force_N"_a = q.mean_normal_force, "unbalanced_ratio"_a = q.unbalanced_ratio,
+        "boundary_force_N"_a = triple(q.boundary_force));
+}
+
+void define_scene(py::module_& m) {
+    py::class_<SceneBuilder>(m, "Scene", "A scene that is being built; SI units.")
+        .def(py::init([](const std::string& grains, double step, const Triple& gravity) {
+                 return SceneBuilder(grains, step, vector(gravity));
+             }),
+             "grains"_a = "spheres", "step"_a, "gravity"_a = Triple{0, 0, -9.81},
+             "grains: spheres or clumps; step: time step, s; gravity: m/s2.")
+        .def("add_material", &SceneBuilder::add_material,
+             "Adds a material by the properties density, normal_stiffness, ...; returns its index.")
+        .def(
+            "add_sphere",
+            [](SceneBuilder& s, const Triple& x, double radius, std::uint32_t material,
+               const std::string& motion) {
+                return s.add_sphere(vector(x), radius, material, motion);
+            },
+            "position"_a, "radius"_a, "material"_a, "motion"_a = "free",
+            "Adds a sphere (m) and returns the id of its body.")
+        .def(
+            "add_rock",
+            [](SceneBuilder& s, const std::filesystem::path& clump, double size, const Triple& x,
+               const Quadruple& q, std::uint32_t material, const std::string& motion) {
+                return s.add_rock(clump, size, vector(x), Quat(q[3], q[0], q[1], q[2]), material,
+                                  motion);
+            },
+            "clump"_a, "size"_a, "position"_a, "orientation"_a = Quadruple{0, 0, 0, 1},
+            "material"_a, "motion"_a = "free",
+            "Adds a rock in the shape of a clump file; size: sieve size, m; orientation: "
+            "quaternion x, y, z, w.")
+        .def(
+            "add_plane",
+            [](SceneBuilder& s, const Triple& point, const Triple& normal, std::uint32_t material,
+               const std::string& motion) {
+                return s.add_plane(vector(point), vector(normal), material, motion);
+            },
+            "point"_a, "normal"_a, "material"_a, "motion"_a = "fixed",
+            "Adds a plane whose normal points to the grains; returns the id of its body.")
+        .def(
+            "set_velocity",
+            [](SceneBuilder& s, EntityId body, const Triple& v) {
+                s.set_velocity(body, vector(v));
+            },
+            "body"_a, "velocity"_a, "Sets the velocity of a body, m/s.");
+}
+
+void define_simulation(py::module_& m) {
+    using Self = SteeredSimulation;
+    py::class_<Self>(m, "Simulation", "A simulation of a scene, which it takes over.")
+        .def(py::init<SceneBuilder&, const std::string&, unsigned>(), "scene"_a,
+             "law"_a = "linear_viscous", "threads"_a = 1, "threads: 0: all cores.")
+        .def("advance", &Self::advance, "steps"_a = 1,
+             "Runs time steps. Raises SimulationError if a guard stops the run.")
+        .def_property_readonly("time", [](Self& s) { return s.world().resource<Clock>().time(); })
+        .def_property_readonly("step", [](Self& s) { return s.world().resource<Clock>().step; })
+        .def_property_readonly("fingerprint", &Self::fingerprint,
+                               "Hash of all State: the same bits give the same number.")
+        .def(
+            "view",
+            [](const py::object& self, const std::string& table, const std::string& column,
+               bool write) { return self.cast<Self&>().view(self, table, column, write); },
+            "table"_a, "column"_a, "write"_a = false,
+            "Array that shows a column's own memory, by row. Delete it before the next step.")
+        .def("state", &Self::state,
+             "Copies of all State, by names as bodies/position, in the order of the ids.")
+        .def("contacts", &Self::contacts,
+             "Touching pairs: kind, owner, partner (ids of bodies), point (m), force on the owner "
+             "(N), normal_force (N), overlap (m).")
+        .def(
+            "quantities", [](Self& s) { return quantities_of(s.world()); },
+            "Energies, coordination number, overlaps, unbalanced force ratio.")
+        .def(
+            "stable_step", [](Self& s) { return stable_step(s.world()); },
+            "Largest stable time step (s) of the contacts of the last step.")
+        .def(
+            "force", [](Self& s, EntityId b) { return triple(value_of<Force>(s.world(), b)); },
+            "body"_a, "Resultant force on a body in the last step, N.")
+        .def(
+            "position",
+            [](Self& s, EntityId b) { return triple(value_of<Position>(s.world(), b)); }, "body"_a,
+            "Position of a body, m.")
+        .def(
+            "drive",
+            [](Self& s, EntityId b, const Triple& v) {
+                require(value_of<MotionOf>(s.world(), b) ==
+                            static_cast<std::uint32_t>(Motion::prescribed),
+                        "drive: expected a body whose motion is prescribed, found id " +
+                            std::to_string(b));
+                value_of<DriveVelocity>(s.world(), b) = vector(v);
+            },
+            "body"_a, "velocity"_a, "Sets the velocity (m/s) of a body of prescribed motion.")
+        .def("save", &Self::save, "path"_a, "Writes a checkpoint.")
+        .def("load", &Self::load, "path"_a, "Restores a checkpoint of the same scene.");
+}
+
+} // namespace
+
+PYBIND11_MODULE(_bris, m) {
+    py::register_exception<InputError>(m, "InputError", PyExc_ValueError);
+    py::register_exception<SimulationError>(m, "SimulationError", PyExc_RuntimeError);
+    py::register_exception<OutputError>(m, "OutputError", PyExc_OSError);
+    m.attr("version") = bris::detail::build_facts.version;
+    m.def("laws", &law_names, "Names of the contact laws.");
+    m.def(
+        "read_checkpoint",
+        [](const std::filesystem::path& path) {
+            const Checkpoint checkpoint = read_checkpoint(path);
+            py::dict settings;
+            for (const NamedValue& s : checkpoint.settings)
+                settings[py::str(s.key)] = py::cast(s.value);
+            return py::dict("scenario"_a = checkpoint.scenario, "step"_a = checkpoint.step,
+                            "settings"_a = settings, "state"_a = arrays_of(checkpoint.state));
+        },
+        "path"_a,
+        "Scenario, step, settings and State of a checkpoint, whose seal is checked first.");
+    define_scene(m);
+    define_simulation(m);
+}

@@ -1,0 +1,43 @@
+#pragma once
+
+#include "scenarios/specimens/scene.hpp"
+
+#include <filesystem>
+#include <pybind11/pybind11.h>
+#include <string>
+
+namespace bris {
+
+/// A scene that is being built from Python. A Simulation takes it over, after which it is empty.
+class SceneBuilder {
+public:
+    /// `grains`: "spheres" or "clumps"; `step`: time step, s, above 0; `gravity`: m/s2.
+    SceneBuilder(const std::string& grains, double step, const Vec3& gravity);
+
+    /// Adds a material with the properties of Material, given by their names, and returns its
+    /// index. Throws InputError for an unknown name.
+    std::uint32_t add_material(const pybind11::kwargs& properties);
+    EntityId add_sphere(const Vec3& position, double radius, std::uint32_t material,
+                        const std::string& motion);
+    /// Adds a rock in the shape of a clump file, at a sieve size (m), turned by the orientation.
+    EntityId add_rock(const std::filesystem::path& clump, double size, const Vec3& position,
+                      const Quat& orientation, std::uint32_t material, const std::string& motion);
+    /// Adds a plane on a body of its own; the normal points to the grains.
+    EntityId add_plane(const Vec3& point, const Vec3& normal, std::uint32_t material,
+                       const std::string& motion);
+    void set_velocity(EntityId body, const Vec3& velocity);
+
+    /// Hands over the world. Throws InputError if a simulation has taken it already.
+    World take();
+
+private:
+    World& world();
+    void check(std::uint32_t material) const;
+    World world_;
+    bool taken_ = false;
+};
+
+/// What moves a body, by its name: free, fixed or prescribed. Throws InputError.
+Motion motion_named(const std::string& name);
+
+} // namespace bris

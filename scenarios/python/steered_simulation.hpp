@@ -1,0 +1,44 @@
+#pragma once
+
+#include "engine/simulation.hpp"
+#include "scenarios/python/scene_builder.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <pybind11/numpy.h>
+#include <string>
+
+namespace bris {
+
+/// A simulation that Python steers. Arrays may show the memory of its columns; while one of them
+/// exists, no step is taken, because a step can move the columns to other memory.
+class SteeredSimulation {
+public:
+    SteeredSimulation(SceneBuilder& scene, const std::string& law, unsigned threads);
+
+    World& world() { return simulation_.world(); }
+    /// Throws pybind11::buffer_error while arrays show columns.
+    void advance(std::uint64_t steps);
+    std::uint64_t fingerprint() const;
+
+    /// Array that shows a State column. Throws InputError if there is none of this name. `self` is
+    /// the Python object of this simulation.
+    pybind11::array view(const pybind11::object& self, const std::string& table,
+                         const std::string& column, bool write);
+    /// Copies of all State, in the order of the ids.
+    pybind11::dict state() const;
+    /// The touching pairs of the last step, an array for each quantity.
+    pybind11::dict contacts() const;
+
+    void save(const std::filesystem::path& path) const;
+    /// Restores State that was saved from the same scene.
+    void load(const std::filesystem::path& path);
+
+private:
+    void require_no_views() const;
+    Simulation simulation_;
+    std::shared_ptr<int> views_ = std::make_shared<int>(0);
+    bool moved_ = false, written_ = false; // through writable arrays, since the last step
+};
+
+} // namespace bris

@@ -1,0 +1,148 @@
+"""Tests of the Python module. Run by ctest with the folder of the module on PYTHONPATH."""
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import bris
+
+BINARIES = Path(os.environ['BRIS_BINARIES'])
+
+
+def column_of_spheres(threads=1, count=30):
+    """Spheres that fall on each other in a narrow shaft."""
+    scene = bris.Scene('spheres', step=1e-5)
+    rock = scene.add_material(density=2600, normal_stiffness=1e6, shear_stiffness=1e6, friction=0.5, normal_damping=3000)
+    scene.add_plane((0, 0, 0), (0, 0, 1), rock)
+    for normal in ((1, 0, 0), (-1, 0, 0), (0, 1, 0), (0, -1, 0)):
+        scene.add_plane(tuple(-0.013 * n for n in normal), normal, rock)
+    for k in range(count):
+        scene.add_sphere((0.002 * (-1)**k, 0.001 * (-1)**(k // 2), 0.011 + 0.021 * k), 0.01, rock)
+    return bris.Simulation(scene, threads=threads)
+
+
+class ModuleTest(unittest.TestCase):
+    def test_a_view_shows_the_memory_of_the_simulation(self):
+        s = column_of_spheres()
+        s.advance(100)
+        velocity = s.view('bodies', 'velocity', write=True)
+        velocity[:, 2] = 0.25
+        again = s.view('bodies', 'velocity')
+        self.assertTrue(np.shares_memory(velocity, again))
+        self.assertTrue((s.state()['bodies/velocity'][:, 2] == 0.25).all())
+
+    def test_no_step_is_taken_while_an_array_shows_a_column(self):
+        s = column_of_spheres()
+        height = s.view('bodies', 'position')[:, 2]
+        with self.assertRaises(BufferError):
+            s.advance()
+        self.assertEqual(s.step, 0)
+        del height
+        s.advance()
+        self.assertEqual(s.step, 1)
+
+    def test_a_view_keeps_its_simulation_alive_and_is_read_only_unless_asked_for(self):
+        view = column_of_spheres().view('bodies', 'position')
+        self.assertAlmostEqual(view[:, 2].max(), 0.011 + 0.021 * 29)
+        with self.assertRaises(ValueError):
+            view[0, 0] = 1
+
+    def test_a_sphere_moved_through_a_view_makes_new_contacts(self):
+        s = column_of_spheres(count=2)
+        s.advance(10)
+        self.assertEqual(len(s.contacts()['kind']), 0)
+        position = s.view('bodies', 'position', write=True)
+        position[position[:, 2] > 0.005, 2] -= 0.0011  # all spheres; planes lie at 0
+        del position
+        s.advance(1)
+        self.assertIn('plane', s.contacts()['kind'])
+
+    def test_the_same_bits_on_one_and_two_threads_and_after_a_checkpoint(self):
+        one, two = column_of_spheres(1), column_of_spheres(2)
+        one.advance(3000)
+        two.advance(1000)
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / 'state.ckpt.h5'
+            two.save(path)
+            third = column_of_spheres()
+            third.load(path)
+            third.advance(2000)
+            checkpoint = bris.read_checkpoint(path)
+        two.advance(2000)
+        self.assertEqual(one.fingerprint, two.fingerprint)
+        self.assertEqual(one.fingerprint, third.fingerprint)
+        self.assertEqual((checkpoint['scenario'], checkpoint['step']), ('python', 1000))
+        self.assertEqual(checkpoint['state']['bodies/position'].shape[1], 3)
+
+    def test_contact_forces_on_the_floor_carry_the_weight(self):
+        s = column_of_spheres()
+        s.advance(60000)
+        contacts = s.contacts()
+        weight = 30 * 2600 * 4 / 3 * np.pi * 0.01**3 * 9.81
+        planes = np.array(contacts['kind']) == 'plane'
+        self.assertTrue((contacts['partner'][planes] < 5).all())  # spheres own their contacts with planes
+        self.assertAlmostEqual(contacts['force'][planes, 2].sum() / weight, 1, delta=1e-3)
+        self.assertAlmostEqual(s.quantities()['boundary_force_N'][2] / weight, -1, delta=1e-3)
+
+    def test_rows_of_a_state_are_in_the_order_of_the_ids(self):
+        s = column_of_spheres()
+        s.advance(2000)
+        self.assertTrue((np.diff(s.state()['bodies/id'].astype(int)) > 0).all())
+
+    def test_bad_input_is_named(self):
+        with self.assertRaisesRegex(bris.InputError, 'expected one of density, .*found colour'):
+            bris.Scene('spheres', step=1e-5).add_material(colour=1)
+        with self.assertRaisesRegex(ValueError, 'expected spheres or clumps, found cubes'):
+            bris.Scene('cubes', step=1e-5)
+        with self.assertRaisesRegex(bris.InputError, 'index below 0'):
+            bris.Scene('spheres', step=1e-5).add_sphere((0, 0, 0), 1, 0)
+        s = column_of_spheres()
+        with self.assertRaisesRegex(bris.InputError, 'found bodies.colour'):
+            s.view('bodies', 'colour')
+        with self.assertRaisesRegex(bris.InputError, 'prescribed'):
+            s.drive(0, (0, 0, 1))
+        with self.assertRaises(OSError):
+            s.load('no/such/file.ckpt.h5')
+
+    def test_a_step_beyond_the_stable_one_is_refused(self):
+        scene = bris.Scene('spheres', step=1e-2)
+        rock = scene.add_material(density=2600, normal_stiffness=1e6, friction=0.5)
+        scene.add_plane((0, 0, 0), (0, 0, 1), rock)
+        scene.add_sphere((0, 0, 1), 0.01, rock)
+        with self.assertRaisesRegex(bris.InputError, 'stable step'):
+            bris.Simulation(scene)
+        with self.assertRaisesRegex(bris.InputError, 'no simulation has taken over'):
+            scene.add_sphere((0, 0, 2), 0.01, rock)
+
+    def test_a_guard_that_stops_the_run_raises_simulation_error(self):
+        s = column_of_spheres()
+        velocity = s.view('bodies', 'velocity', write=True)
+        velocity[7, 2] = 1e5
+        del velocity
+        with self.assertRaisesRegex(bris.SimulationError, 'step'):
+            s.advance(10)
+
+    def test_a_run_file_gives_the_frames_that_were_written(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([BINARIES / 'settle', '--spheres=200', '--duration=0.02', '--quiet', f'--out={folder}'], check=True,
+                           stdout=subprocess.DEVNULL)
+            summary, table = bris.read_summary(folder), bris.read_csv(Path(folder) / 'settle.csv')
+            with bris.open_run(folder) as run:
+                last, series = run.frame(-1), run.series('motion')
+                self.assertAlmostEqual(run.times[-1], 0.02)
+                self.assertEqual(run.units['velocity'], 'm/s')
+        self.assertEqual(last['position'].shape, (200, 3))
+        self.assertEqual(summary['spheres'], 200)
+        np.testing.assert_allclose(series['kinetic_energy'], table['kinetic_energy_J'], rtol=1e-6)
+
+    def test_a_folder_without_a_run_file_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder, self.assertRaisesRegex(ValueError, 'found 0'):
+            bris.open_run(folder)
+
+
+if __name__ == '__main__':
+    unittest.main(argv=sys.argv[:1])
