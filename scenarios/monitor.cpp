@@ -6,11 +6,15 @@
 #include "scenarios/monitoring/monitor_page.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
+#include "scenarios/monitoring/state_publisher.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
+#include "scenarios/recordings/broker_lines.hpp"
 
 #include <fmt/format.h>
 
 #include <cstdio>
+#include <memory>
+#include <optional>
 #include <sys/resource.h>
 
 namespace bris {
@@ -24,6 +28,7 @@ struct Monitor {
     SyntheticVibration synthetic;
     MonitorSettings settings;
     PassageStreamSettings of_stream;
+    BrokerSettings broker;
 
     void describe(auto& option) {
         option.group("Recordings");
@@ -46,6 +51,8 @@ struct Monitor {
                within(0, 1e6));
         option("timeout", of_stream.timeout, "s",
                "Time without a record after which the stream counts as ended.", above(0, 1e7));
+        option.group("Broker");
+        broker.describe(option);
         option.group("Synthetic recordings");
         option("write_example", example, "",
                "Write synthetic recordings, FOLDER/baseline and FOLDER/recordings, and end.");
@@ -106,9 +113,10 @@ void check(const Monitor& m) {
     (void)welch(std::vector<double>(s.segment, 0.0), 1, {.segment = s.segment}); // a fast length
     require(m.stream.empty() || m.recordings.empty(),
             "--stream, --recordings: expected one of the two, found both");
-    const bool given = !m.recordings.empty() || !m.stream.empty();
+    const bool given = !m.recordings.empty() || !m.stream.empty() || !m.broker.address.empty();
     require(given == !m.baseline.empty(),
-            fmt::format("--baseline: expected together with --recordings or --stream, found {}",
+            fmt::format("--baseline: expected together with --recordings, --stream or --broker, "
+                        "found {}",
                         given ? "none" : "it alone"));
     if (!m.stream.empty() && m.stream != "-" && !std::filesystem::exists(m.stream))
         throw OutputError(fmt::format("--stream: cannot read '{}'", m.stream.string()));
@@ -129,11 +137,14 @@ public:
             recordings = common_.out / "example" / "recordings";
             what_ = fmt::format("synthetic recordings ({})", m_.example_state);
         } else {
-            what_ = m_.stream.empty() ? recordings.string() : "stream " + m_.stream.string();
+            what_ = !m_.recordings.empty() ? recordings.string()
+                    : !m_.stream.empty()   ? "stream " + m_.stream.string()
+                                           : "broker " + m_.broker.address;
         }
         baseline_ = baseline.string();
         baselines_ = baselines_of(read_passages(baseline, m_.columns, "--baseline"), settings_);
-        if (m_.stream.empty())
+        if (!m_.broker.address.empty()) connect();
+        if (m_.broker.address.empty() ? m_.stream.empty() : !m_.recordings.empty())
             for (const Passage& p : read_passages(recordings, m_.columns, "--recordings")) take(p);
         else
             follow(baseline);
@@ -141,9 +152,38 @@ public:
     }
 
 private:
+    /// Connects before the baseline is read: what arrives until then waits in the client's queue.
+    void connect() {
+        const bool reads = m_.stream.empty() && m_.recordings.empty();
+        client_.emplace(m_.broker, common_.scenario,
+                        reads ? BrokerLines::topics() : std::vector<std::string>{});
+        publisher_.emplace(*client_);
+    }
+
+    void publish(const PassageResult& passage) {
+        if (!publisher_) return;
+        for (const SensorResult& s : passage.sensors) {
+            publisher_->publish(
+                {s.id, s.verdict == Verdict::changed, text_of(s.verdict), s.reason, recorded_});
+            publisher_->publish_state({{"sensor", static_cast<double>(s.id)},
+                                       {"recorded_time_s", recorded_},
+                                       {"outlier_share", s.outlier_share},
+                                       {"rms_ratio", s.level_ratio},
+                                       {"power_ratio", s.power_ratio}});
+        }
+    }
+
+    std::unique_ptr<Lines> lines_of(const std::vector<SensorInfo>& infos) {
+        if (!m_.stream.empty()) return std::make_unique<LineSource>(m_.stream);
+        auto lines = std::make_unique<BrokerLines>(*client_, infos);
+        from_broker_ = lines.get();
+        return lines;
+    }
+
     void take(const Passage& passage) {
         recorded_ += recorded_time(passage);
         passages_.push_back(judge_passage(passage, baselines_, settings_));
+        publish(passages_.back());
         if (common_.quiet) return;
         const OverallVerdict v = overall_verdict({passages_.back()});
         fmt::print("{}: {}: {}\n", passage.name, text_of(v.verdict), v.reason);
@@ -152,10 +192,11 @@ private:
 
     void follow(const std::filesystem::path& metadata) {
         settings_.rest = m_.of_stream.window; // a train may pass when a window begins
-        PassageStream stream(m_.stream, sensor_infos_in(metadata, "--baseline"), m_.of_stream);
+        const auto infos = sensor_infos_in(metadata, "--baseline");
+        PassageStream stream(lines_of(infos), infos, m_.of_stream);
         began_ = processor_time();
         while (const auto passage = stream.next()) {
-            stream_report_ = stream.report();
+            stream_report_ = report_of(stream);
             const double recorded = recorded_time(*passage);
             if (stream.over() && !passages_.empty() &&
                 recorded < settings_.least_duration + m_.of_stream.late) {
@@ -169,7 +210,13 @@ private:
             write_page(common_.out, report());
             write_history(common_.out, passages_);
         }
-        stream_report_ = stream.report() + ended_;
+        stream_report_ = report_of(stream) + ended_;
+        from_broker_ = nullptr; // it ends with the stream
+        if (client_) client_->flush(2);
+    }
+
+    std::string report_of(const PassageStream& stream) const {
+        return stream.report() + (from_broker_ != nullptr ? from_broker_->report() : "");
     }
 
     /// Keeps what the page shows: the most serious result of each sensor.
@@ -205,7 +252,10 @@ private:
     std::string what_, baseline_, stream_report_, ended_;
     std::vector<SensorBaseline> baselines_;
     std::vector<PassageResult> passages_;
-    double recorded_ = 0, began_ = 0; // s; of a stream without the time for the baseline
+    std::optional<BrokerClient> client_; // none: no broker
+    std::optional<StatePublisher> publisher_;
+    const BrokerLines* from_broker_ = nullptr; // while a stream is followed
+    double recorded_ = 0, began_ = 0;          // s; of a stream without the time for the baseline
 };
 
 void run(const Monitor& monitor, const Common& common) { MonitorRun(monitor, common).run(); }

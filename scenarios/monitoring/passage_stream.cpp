@@ -39,7 +39,11 @@ constexpr std::array attitude_names{"qw", "qx", "qy", "qz"};
 
 PassageStream::PassageStream(const std::filesystem::path& source, std::vector<SensorInfo> infos,
                              const PassageStreamSettings& settings)
-    : lines_(source), infos_(std::move(infos)), settings_(settings) {
+    : PassageStream(std::make_unique<LineSource>(source), std::move(infos), settings) {}
+
+PassageStream::PassageStream(std::unique_ptr<Lines> lines, std::vector<SensorInfo> infos,
+                             const PassageStreamSettings& settings)
+    : lines_(std::move(lines)), infos_(std::move(infos)), settings_(settings) {
     require(!infos_.empty(), "stream: expected at least one file rock_NN.txt, found none");
 }
 
@@ -59,12 +63,12 @@ std::optional<Passage> PassageStream::next() {
         if (over_ && !pending) return {};
         if (over_) return close_window();
         const auto line =
-            lines_.next(std::max(0.0, settings_.timeout - seconds_since(waiting_since)));
+            lines_->next(std::max(0.0, settings_.timeout - seconds_since(waiting_since)));
         if (line) {
             waiting_since = this_instant();
             take(*line);
         } else if (!interrupted() &&
-                   (lines_.over() || seconds_since(waiting_since) >= settings_.timeout)) {
+                   (lines_->over() || seconds_since(waiting_since) >= settings_.timeout)) {
             over_ = true;
         }
     }

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -29,6 +30,9 @@ public:
     /// Throws OutputError if the source cannot be opened, InputError without a sensor.
     PassageStream(const std::filesystem::path& source, std::vector<SensorInfo> infos,
                   const PassageStreamSettings& settings);
+    /// The same with lines from elsewhere, such as a broker.
+    PassageStream(std::unique_ptr<Lines> lines, std::vector<SensorInfo> infos,
+                  const PassageStreamSettings& settings);
     /// The next window with records, with a recording for each sensor; nothing: the stream has
     /// ended. Throws Interrupted.
     std::optional<Passage> next();
@@ -46,7 +50,7 @@ private:
     Recording recording_of(const SensorInfo& info, double end);
     void note(const std::string& kind, const std::string& text);
 
-    LineSource lines_;
+    std::unique_ptr<Lines> lines_;
     RecordParser parser_;
     std::vector<SensorInfo> infos_;
     PassageStreamSettings settings_;

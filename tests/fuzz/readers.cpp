@@ -10,6 +10,7 @@
 #include "scenarios/recordings/record_stream.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/recordings/recording.hpp"
+#include "scenarios/recordings/sensor_payload.hpp"
 #include "scenarios/rocks/clump_library.hpp"
 #include "scenarios/rocks/grading.hpp"
 #include "scenarios/rocks/read_mesh.hpp"
@@ -55,6 +56,14 @@ Texts column_maps(const fs::path&, const fs::path&) {
             "t = \"Time [ms]\", ms\nid = Nr\nax = -AccY, mg\nay = AccX, g\naz = AccZ, m/s2\n",
             "# a comment\ncomment = %\ndelimiter = tab\nt = Time, s\nid = device\n"
             "temp = T, C\ngx = wx, deg/s\ngy = wy, deg/s\ngz = wz, deg/s\n"};
+}
+
+Texts payloads(const fs::path&, const fs::path&) {
+    SensorPayload p{.channels = 0x0f, .sequence = 7, .time = 12.5, .interval = 0.005f};
+    for (int k = 0; k < 30; ++k) p.numbers.push_back(0.5f * static_cast<float>(k));
+    SensorPayload all{.channels = 0xff, .sequence = 0xfffffff0u, .time = -1, .interval = 0};
+    all.numbers.assign(19, 1.0f);
+    return {bytes_of(p), bytes_of(all)};
 }
 
 Texts streams(const fs::path& assets, const fs::path&) {
@@ -225,6 +234,13 @@ constexpr std::array readers{
                  },
                  [](const fs::path& file) { (void)json_numbers(read_whole(file)); }},
     FuzzedReader{"stream", ".ndjson", streams, read_stream},
+    FuzzedReader{"payload", ".bin", payloads,
+                 [](const fs::path& file) {
+                     const SensorPayload p = parse_sensor_payload(read_whole(file));
+                     if (stream_lines(1, p).size() != p.samples())
+                         throw std::logic_error("a sample has no line");
+                 },
+                 true},
     FuzzedReader{"config", ".toml", configurations, read_config},
     FuzzedReader{"grading", ".csv",
                  [](const fs::path& assets, const fs::path&) -> Texts {

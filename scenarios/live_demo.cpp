@@ -1,0 +1,148 @@
+// The whole live system on one computer: a broker, the sample recordings as sensors and test
+// machine, the model that follows them, and the page that shows it.
+#include "engine/assets.hpp"
+#include "engine/errors.hpp"
+#include "engine/interrupt.hpp"
+#include "engine/io/broker_client.hpp"
+#include "engine/scenario.hpp"
+#include "engine/stopwatch.hpp"
+#include "engine/summary.hpp"
+#include "scenarios/monitoring/local_broker.hpp"
+#include "scenarios/monitoring/recording_replay.hpp"
+#include "scenarios/recordings/recorded_stream.hpp"
+
+#include <fmt/format.h>
+
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+namespace bris {
+
+namespace {
+
+struct Demo {
+    std::filesystem::path recordings = assets_folder() / "smartrock" / "55kPa";
+    double speed = 20, final_strain = 0.01, start = 0, keep = 0;
+    unsigned bodies = 400, members = 6;
+    std::string host = "127.0.0.1";
+    unsigned port = 0;
+
+    void describe(auto& option) {
+        option("recordings", recordings, "",
+               "Folder with recordings.csv and test.csv of a test at 55 kPa; the folder above it "
+               "has the metadata of the sensors.");
+        option("speed", speed, "", "Speed of the replay relative to the times of the records.",
+               within(0.01, 1e4));
+        option("final_axial_strain", final_strain, "", "Axial strain at which the model ends.",
+               within(0.001, 0.08));
+        option("bodies", bodies, "", "Number of rocks in the model, besides the sensor rocks.",
+               within(20, 1e5));
+        option("members", members, "", "Number of ensemble members.", within(3, 1000));
+        option("host", host, "",
+               "Address on which the page and its websockets listen. Anybody who can reach another "
+               "one than the loopback can read and send.");
+        option("port", port, "", "Port of the page. 0: a free one.", within(0, 65535));
+        option("start_after", start, "s", "Time between the model's start and the replay's.",
+               within(0, 1e6));
+        option("keep", keep, "s", "Time for which the page stays after the end.", within(0, 1e7));
+    }
+};
+
+void pause(double seconds) {
+    const Instant began = this_instant();
+    while (seconds_since(began) < seconds && !interrupted())
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+}
+
+std::vector<std::string> words_of_model(const Demo& d, const Common& common,
+                                        const std::string& broker) {
+    const auto program =
+        std::filesystem::read_symlink("/proc/self/exe").parent_path() / "live_triaxial";
+    const std::string out = (common.out / "model").string();
+    std::vector<std::string> words{program.string(),
+                                   "--broker",
+                                   broker,
+                                   "--out",
+                                   out,
+                                   "--recordings",
+                                   d.recordings.parent_path().string(),
+                                   "--bodies",
+                                   std::to_string(d.bodies),
+                                   "--members",
+                                   std::to_string(d.members),
+                                   "--final-axial-strain",
+                                   fmt::format("{:g}", d.final_strain),
+                                   "--compare=false",
+                                   "--least-diameter",
+                                   "1",
+                                   "--longest-preparation",
+                                   "30000",
+                                   "--porosity",
+                                   "0.5",
+                                   "--porosity-tolerance",
+                                   "0.1",
+                                   "--preparation-friction",
+                                   "0.7",
+                                   "--taps",
+                                   "0",
+                                   "--threads",
+                                   std::to_string(common.threads),
+                                   "--seed",
+                                   std::to_string(common.seed)};
+    if (common.quiet) words.emplace_back("--quiet");
+    return words;
+}
+
+void run(const Demo& d, const Common& common) {
+    const auto lines = stream_of(d.recordings, 1.2, 12);
+    LocalBroker broker(
+        {common.out, assets_folder() / "live_page", d.host, static_cast<int>(d.port)});
+    fmt::print("page: {}\n", broker.page());
+    std::fflush(stdout);
+    BrokerSettings settings;
+    settings.address = broker.address();
+    auto topics = RecordingReplay::topics();
+    topics.emplace_back("bris/scene");
+    BrokerClient client(settings, "sensors", topics);
+    ChildProgram model(words_of_model(d, common, broker.address()));
+    // the scene says that the specimen is made: the test begins
+    bool is_ready = false;
+    while (!is_ready && model.runs() && !interrupted())
+        if (const auto message = client.next(0.1)) is_ready = message->topic == "bris/scene";
+    pause(d.start);
+    RecordingReplay replay(client, lines, d.speed);
+    while (replay.advance() && model.runs() && !interrupted()) pause(0.01);
+    while (model.runs() && !interrupted()) {
+        (void)replay.advance(); // settings are acknowledged until the end
+        pause(0.05);
+    }
+    const Instant ended = this_instant();
+    while (seconds_since(ended) < d.keep && !interrupted()) {
+        (void)replay.advance();
+        pause(0.05);
+    }
+    if (interrupted()) throw Interrupted("interrupted; the model's results so far are written");
+    if (model.exit_code() != 0)
+        throw SimulationError(fmt::format("the model ended with exit code {}", model.exit_code()));
+    Summary summary;
+    summary.add("records_sent", replay.sent());
+    summary.add("records_withheld", replay.withheld());
+    summary.add("breaks_of_connection", client.counters().breaks);
+    report_results(common, summary);
+}
+
+} // namespace
+
+} // namespace bris
+
+int main(int argc, char** argv) {
+    return bris::run_scenario<bris::Demo>(
+        argc, argv,
+        {.name = "live_demo",
+         .description = "Runs a broker, a replay of the sample recordings, the model that follows "
+                        "them and the page that shows the rocks.",
+         .cannot_resume = "it is a replay; the model's own results are in the folder model",
+         .cannot_explain = "it runs no time steps itself"},
+        bris::run);
+}

@@ -1,0 +1,20 @@
+// Bundles the page into one self-contained file, assets/live_page/index.html: `npm ci && npm run build`.
+import { build } from "esbuild";
+import { mkdir, readFile, writeFile } from "node:fs/promises";
+
+const here = new URL(".", import.meta.url).pathname;
+const result = await build({
+  entryPoints: [here + "page.js"], bundle: true, minify: true, format: "iife", target: "es2020",
+  platform: "browser", write: false, legalComments: "inline", charset: "ascii",
+  define: { "process.env.NODE_ENV": '"production"' },
+});
+// a classic script: brokers serve files without a content type, so modules would be refused
+const script = result.outputFiles[0].text.replaceAll("</script", "<\\/script");
+const style = (await readFile(here + "node_modules/uplot/dist/uPlot.min.css", "utf8")) +
+  (await readFile(here + "page.css", "utf8"));
+const page = (await readFile(here + "page.html", "utf8"))
+  .replace("/*STYLE*/", () => style).replace("/*SCRIPT*/", () => script);
+const out = here + "../../../assets/live_page/";
+await mkdir(out, { recursive: true });
+await writeFile(out + "index.html", page);
+console.log(`assets/live_page/index.html: ${page.length} characters`);

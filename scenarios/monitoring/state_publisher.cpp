@@ -1,0 +1,125 @@
+#include "scenarios/monitoring/state_publisher.hpp"
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/sphere.hpp"
+#include "engine/ordering.hpp"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace bris {
+
+namespace {
+
+using Delivery = BrokerClient::Delivery;
+
+template <class T>
+void append(std::string& bytes, T number) {
+    std::array<char, sizeof number> raw;
+    std::memcpy(raw.data(), &number, sizeof number);
+    bytes.append(raw.data(), raw.size());
+}
+
+/// Attitude of a body of a frame: w x y z.
+std::array<float, 4> attitude_in(const BodyFrame& frame, std::size_t body) {
+    if (frame.orientations.empty()) return {1, 0, 0, 0};
+    const float* q = &frame.orientations[4 * body];
+    return {q[0], q[1], q[2], q[3]};
+}
+
+std::int64_t shape_in(const BodyFrame& frame, std::size_t body) {
+    return frame.shapes.empty() ? 0 : frame.shapes[body];
+}
+
+} // namespace
+
+std::string scene_json(const World& world, const BodyFrame& frame,
+                       const std::map<std::int64_t, unsigned>& sensors, const std::string& title) {
+    std::map<std::int64_t, std::size_t> first; // body of each shape
+    for (std::size_t b = 0; b < frame.ids.size(); ++b) first.emplace(shape_in(frame, b), b);
+    std::map<std::int64_t, std::int64_t> shape_of; // by body, of the first ones alone
+    for (const auto& [shape, body] : first) shape_of[frame.ids[body]] = shape;
+    nlohmann::json shapes = nlohmann::json::object(), bodies = nlohmann::json::array();
+    const auto rounded = [](double x) { return std::round(1e5 * x) / 1e5; };
+    const auto parent = world.column<Spheres, ParentId>();
+    const auto ball = world.column<Spheres, LocalBall>();
+    for (std::size_t s = 0; s < ball.size(); ++s) {
+        const auto found = shape_of.find(static_cast<std::int64_t>(parent[s]));
+        if (found == shape_of.end()) continue;
+        const auto radius = static_cast<double>(frame.radii[first.at(found->second)]);
+        const Vec3 c = ball[s].centre / radius;
+        shapes[std::to_string(found->second)].push_back(
+            {rounded(c.x()), rounded(c.y()), rounded(c.z()), rounded(ball[s].radius / radius)});
+    }
+    for (std::size_t b = 0; b < frame.ids.size(); ++b) {
+        const auto sensor = sensors.find(frame.ids[b]);
+        bodies.push_back({frame.ids[b], shape_in(frame, b),
+                          std::round(1e7 * static_cast<double>(frame.radii[b])) / 1e7,
+                          sensor == sensors.end() ? 0u : sensor->second});
+    }
+    return nlohmann::json{{"title", title}, {"shapes", shapes}, {"bodies", bodies}}.dump();
+}
+
+std::string poses_bytes(const BodyFrame& frame) {
+    std::string bytes;
+    bytes.reserve(16 + 28 * frame.ids.size());
+    append(bytes, std::uint32_t{1}); // version, and three bytes that are not used
+    append(bytes, static_cast<std::uint32_t>(frame.ids.size()));
+    append(bytes, frame.time);
+    for (std::size_t b = 0; b < frame.ids.size(); ++b) {
+        for (int k = 0; k < 3; ++k) append(bytes, static_cast<float>(frame.positions[b][k]));
+        for (const float part : attitude_in(frame, b)) append(bytes, part);
+    }
+    return bytes;
+}
+
+void StatePublisher::publish_scene(const World& world, const BodyFrame& frame,
+                                   const std::map<std::int64_t, unsigned>& sensors,
+                                   const std::string& title) {
+    sensors_ = sensors;
+    client_.publish("bris/scene", scene_json(world, frame, sensors, title), Delivery::retained);
+    publish_poses(frame);
+}
+
+void StatePublisher::publish_poses(const BodyFrame& frame) {
+    client_.publish("bris/poses", poses_bytes(frame), Delivery::retained);
+    for (std::size_t b = 0; b < frame.ids.size(); ++b) {
+        const auto sensor = sensors_.find(frame.ids[b]);
+        if (sensor == sensors_.end()) continue;
+        const Vec3& p = frame.positions[b];
+        const auto q = attitude_in(frame, b);
+        client_.publish(
+            fmt::format("smartrock/{}/pose", sensor->second),
+            nlohmann::json{{"t", frame.time}, {"position", {p.x(), p.y(), p.z()}}, {"attitude", q}}
+                .dump(),
+            Delivery::once_at_most);
+    }
+}
+
+void StatePublisher::publish_state(const std::vector<NamedValue>& numbers) {
+    nlohmann::json state = nlohmann::json::object();
+    for (const NamedValue& n : numbers)
+        if (const double* x = std::get_if<double>(&n.value))
+            state[n.key] = std::isfinite(*x) ? nlohmann::json(*x) : nlohmann::json();
+    client_.publish("bris/state", state.dump(), Delivery::once_at_most);
+}
+
+void StatePublisher::publish(const SensorAlarm& alarm) {
+    const std::string text = fmt::format("{} {} {}", alarm.active, alarm.verdict, alarm.reason);
+    if (std::exchange(alarms_[alarm.sensor], text) == text) return;
+    client_.publish(fmt::format("smartrock/{}/alarm", alarm.sensor),
+                    nlohmann::json{{"active", alarm.active},
+                                   {"verdict", alarm.verdict},
+                                   {"reason", alarm.reason},
+                                   {"t", std::isfinite(alarm.time) ? nlohmann::json(alarm.time)
+                                                                   : nlohmann::json()}}
+                        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                    Delivery::retained);
+}
+
+} // namespace bris

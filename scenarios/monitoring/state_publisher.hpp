@@ -1,0 +1,54 @@
+#pragma once
+
+#include "engine/io/broker_client.hpp"
+#include "engine/named_value.hpp"
+#include "engine/world.hpp"
+#include "systems/output/frames.hpp"
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// An alarm of one sensor, or its end.
+struct SensorAlarm {
+    unsigned sensor = 0;
+    bool active = true;
+    std::string verdict, reason;
+    double time = 0; ///< s, or the axial strain of a triaxial test
+};
+
+/// Publishes what a model finds, for pages and other programs that listen to the broker:
+///     bris/scene   JSON, retained: spheres of each shape (over its bounding radius); of each body
+///                  its id, shape, bounding radius (m) and sensor (0: none)
+///     bris/poses   binary, little-endian, retained: u8 version (1), u8, u16, u32 bodies, f64 time,
+///                  then for each body of the scene f32 x y z (m) and qw qx qy qz
+///     bris/state   JSON: numbers by name
+///     smartrock/ID/pose   JSON: t, position (m), attitude (w x y z)
+///     smartrock/ID/alarm  JSON, retained: active, verdict, reason, t
+/// The scene is published before poses; they have the same bodies in the same order.
+class StatePublisher {
+public:
+    /// The client has to live longer.
+    explicit StatePublisher(BrokerClient& client) : client_(client) {}
+    /// `sensors`: id of the sensor in a body, by the id of the body.
+    void publish_scene(const World& world, const BodyFrame& frame,
+                       const std::map<std::int64_t, unsigned>& sensors, const std::string& title);
+    void publish_poses(const BodyFrame& frame);
+    void publish_state(const std::vector<NamedValue>& numbers);
+    /// Publishes the alarm if it is not what was published last of this sensor.
+    void publish(const SensorAlarm& alarm);
+
+private:
+    BrokerClient& client_;
+    std::map<std::int64_t, unsigned> sensors_;
+    std::map<unsigned, std::string> alarms_; // as published last, without the time
+};
+
+/// bris/scene and bris/poses, for tests and other publishers.
+std::string scene_json(const World& world, const BodyFrame& frame,
+                       const std::map<std::int64_t, unsigned>& sensors, const std::string& title);
+std::string poses_bytes(const BodyFrame& frame);
+
+} // namespace bris

@@ -1,0 +1,241 @@
+#!/usr/bin/env python3
+"""The live page in headless Chromium, with a mosquitto of its own on free ports of the loopback.
+
+Checks that the pose of a rock on screen is the published one, that an alarm appears within a second, that a
+changed setting is published retained and its acknowledgement is shown, and that the page is back after a restart
+of the broker. Prints what it measures. Exit code 77: skipped, a program is missing.
+page_test.py PAGE_FOLDER [--picture FILE] [--bodies N]
+"""
+import argparse, base64, json, math, os, random, shutil, socket, struct, subprocess, sys, tempfile, time, urllib.request
+
+
+def free_port():
+    with socket.socket() as s:
+        s.bind(('127.0.0.1', 0))
+        return s.getsockname()[1]
+
+
+def wait_for(what, condition, seconds=20):
+    began = time.monotonic()
+    while time.monotonic() - began < seconds:
+        found = condition()
+        if found:
+            return found, time.monotonic() - began
+        time.sleep(0.02)
+    sys.exit(f'page_test.py: expected {what} within {seconds} s, found none')
+
+
+class Broker:
+    def __init__(self, folder, page):
+        self.mqtt, self.web = free_port(), free_port()
+        self.file = os.path.join(folder, 'broker.conf')
+        with open(self.file, 'w') as f:
+            f.write(f'allow_anonymous true\npersistence false\nlog_dest none\n'
+                    f'{"user root" if os.geteuid() == 0 else ""}\nlistener {self.mqtt} 127.0.0.1\n'
+                    f'listener {self.web} 127.0.0.1\nprotocol websockets\nhttp_dir {page}\n')
+        self.start()
+
+    def start(self):
+        self.process = subprocess.Popen([MOSQUITTO, '-c', self.file])
+        wait_for('an answer of the broker', self.answers)
+
+    def answers(self):
+        with socket.socket() as s:
+            return s.connect_ex(('127.0.0.1', self.web)) == 0
+
+    def stop(self):
+        self.process.terminate()
+        self.process.wait()
+
+    def publish(self, topic, payload, retained=True):
+        subprocess.run(['mosquitto_pub', '-p', str(self.mqtt), '-t', topic, '-q', '1', '-s'] + ['-r'] * retained,
+                       input=payload if isinstance(payload, bytes) else json.dumps(payload).encode(), check=True)
+
+    def retained(self, topic):
+        found = subprocess.run(['mosquitto_sub', '-p', str(self.mqtt), '-t', topic, '-C', '1', '-W', '5'],
+                               capture_output=True, check=False).stdout
+        return json.loads(found) if found else None
+
+
+class Browser:
+    """Chromium by its DevTools protocol."""
+
+    def __init__(self, folder, url, width=1200, height=1500):
+        self.number = 0
+        port = free_port()
+        self.process = subprocess.Popen(
+            ['chromium', '--headless=new', '--no-sandbox', '--disable-dev-shm-usage', '--use-gl=angle',
+             '--use-angle=swiftshader', '--enable-unsafe-swiftshader', f'--user-data-dir={folder}/profile',
+             f'--window-size={width},{height}', f'--remote-debugging-port={port}', url],
+            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+        def page():
+            try:
+                with urllib.request.urlopen(f'http://127.0.0.1:{port}/json', timeout=2) as f:
+                    return [t for t in json.load(f) if t['type'] == 'page']
+            except OSError:
+                return None
+        (target, *_), _ = wait_for('Chromium', page, 90)
+        self.socket = socket.create_connection(('127.0.0.1', port), timeout=60)
+        path = target['webSocketDebuggerUrl'].split(str(port), 1)[1]
+        key = base64.b64encode(os.urandom(16)).decode()
+        self.socket.sendall(f'GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
+                            f'Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n'.encode())
+        self.stream = self.socket.makefile('rb')
+        while self.stream.readline() not in (b'\r\n', b''):
+            pass
+
+    def call(self, method, **parameters):
+        self.number += 1
+        data = json.dumps({'id': self.number, 'method': method, 'params': parameters}).encode()
+        mask = os.urandom(4)
+        self.socket.sendall(b'\x81' + (bytes([0x80 | len(data)]) if len(data) < 126 else struct.pack('>BH', 0xfe, len(data)))
+                            + mask + bytes(b ^ mask[k % 4] for k, b in enumerate(data)))
+        while True:
+            answer = json.loads(self.frame())
+            if answer.get('id') == self.number:
+                return answer['result']
+
+    def frame(self):
+        data, final = b'', False
+        while not final:
+            first, size = self.stream.read(2)
+            final = bool(first & 0x80)
+            if size == 126:
+                size, = struct.unpack('>H', self.stream.read(2))
+            elif size == 127:
+                size, = struct.unpack('>Q', self.stream.read(8))
+            data += self.stream.read(size)
+        return data
+
+    def value(self, expression):
+        result = self.call('Runtime.evaluate', expression=expression, returnByValue=True)
+        if 'exceptionDetails' in result:
+            return None
+        return result['result'].get('value')
+
+    def picture(self, file):
+        with open(file, 'wb') as f:
+            f.write(base64.b64decode(self.call('Page.captureScreenshot', format='png')['data']))
+
+    def close(self):
+        self.process.terminate()
+        self.process.wait()
+
+
+def scene_and_poses(bodies, clump):
+    """A column of rocks; the first ten have sensors."""
+    generator = random.Random(1)
+    reach = max(math.dist((0, 0, 0), b[:3]) + b[3] for b in clump)
+    scene = {'title': 'Triaxial test with SmartRocks', 'shapes': {'0': [[x / reach for x in b] for b in clump]},
+             'bodies': [[k, 0, 0.022, k + 1 if k < 10 else 0] for k in range(bodies)]}
+    poses = []
+    for _ in range(bodies):
+        r, a, q = 0.14 * math.sqrt(generator.random()), 2 * math.pi * generator.random(), [generator.gauss(0, 1) for _ in range(4)]
+        norm = math.hypot(*q)
+        poses.append([r * math.cos(a), r * math.sin(a), 0.6 * generator.random(), *(x / norm for x in q)])
+    return scene, poses
+
+
+def pose_bytes(poses, when):
+    return struct.pack('<IId', 1, len(poses), when) + b''.join(struct.pack('<7f', *p) for p in poses)
+
+
+def read_clump(file):
+    with open(file) as f:
+        rows = [line.split(',') for line in f if line.strip() and not line.startswith('#')]
+    return [[float(x) for x in row[:4]] for row in rows if row[0].strip().lstrip('-').replace('.', '', 1).replace('e-', '', 1).isdigit()]
+
+
+def check_pose(browser, poses, body):
+    shown = browser.value(f'(() => {{ const p = bris.rocks.placed[{body}]; return [...p.position.toArray(), p.attitude.w, '
+                          'p.attitude.x, p.attitude.y, p.attitude.z]; })()')
+    error = max(abs(a - b) for a, b in zip(shown, poses[body]))
+    assert error < 1e-6, f'expected the pose {poses[body]}, found {shown}'
+    # the sphere of the body nearest to the camera must be where the projection says: the pixel is not the background
+    instance = browser.value('(() => { const m = bris.rocks.mesh.instanceMatrix.array, b = bris.rocks.bodies; let k = 0; '
+                             f'for (let i = 0; i < {body}; ++i) k += b[i].balls.length; '
+                             f'return [m[16 * k + 12], m[16 * k + 13], m[16 * k + 14], b[{body}].balls[0], b[{body}].radius]; }})()')
+    x, y, z, ball, radius = instance
+    w, i, j, k = poses[body][3:]
+    v = [radius * c for c in ball[:3]]
+    cross = lambda a, b: [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+    u = [i, j, k]
+    t = [2 * c for c in cross(u, v)]
+    turned = [v[n] + w * t[n] + cross(u, t)[n] for n in range(3)]
+    place = max(abs(a - b - c) for a, b, c in zip((x, y, z), turned, poses[body]))
+    assert place < 1e-6, f'a sphere of body {body} is {place} m from where its pose puts it'
+    return error, place
+
+
+def main(a, folder):
+    broker = Broker(folder, os.path.abspath(a.page))
+    browser = Browser(folder, f'http://127.0.0.1:{broker.web}/index.html')
+    try:
+        state = lambda: browser.value('document.getElementById("connection").dataset.state')
+        wait_for('a connected page', lambda: state() == 'connected', 60)
+        clump = read_clump(os.path.join(a.page, '..', 'clumps', 'rock_01.csv'))
+        scene, poses = scene_and_poses(a.bodies, clump)
+        broker.publish('bris/scene', scene)
+        broker.publish('bris/poses', pose_bytes(poses, 0.01))
+        wait_for('poses', lambda: browser.value('bris.rocks.placed && bris.rocks.placed.length') == a.bodies)
+        errors = [check_pose(browser, poses, b) for b in (0, 7, a.bodies - 1)]
+        print(f'poses: {a.bodies} rocks of {len(clump)} spheres, largest error {max(map(max, errors)):.2g} m')
+
+        broker.publish('bris/poses', pose_bytes([[2.0] * 7] * (a.bodies - 1), 1))  # does not fit the scene
+        broker.publish('bris/poses', b'\x01')
+        broker.publish('bris/scene', b'not JSON', False)
+        broker.publish('smartrock/3/alarm', {'active': True, 'verdict': 'left out', 'reason': 'gravity: found 12 m/s2', 't': 0.01})
+        shown = 'document.querySelector("#alarms li.alarm[data-sensor=\'3\']") !== null'
+        began = time.monotonic()
+        wait_for('an alarm', lambda: browser.value(shown), 1)
+        print(f'alarm: shown {time.monotonic() - began:.3f} s after its publication')
+
+        broker.publish('bris/health', {'messages': 4000, 'machine_records': 80, 'breaks': 0, 'dropped': 0, 'sensors': [
+            {'id': k, 'status': 'online', 'samples': 400, 'missing': k % 3, 'duplicates': 0, 'refused': 0, 'battery': 3.7}
+            for k in range(1, 11)]})
+        wait_for('sensors', lambda: browser.value('document.getElementById("config-sensor").options.length') == 10)
+        browser.value('(() => { document.getElementById("config-sensor").value = "4"; document.getElementById("config-rate").value = "50"; '
+                      'document.getElementById("config-strategy").value = "triggered"; document.getElementById("settings").requestSubmit(); })()')
+        config, _ = wait_for('a retained configuration', lambda: broker.retained('smartrock/4/config'))
+        assert (config['rate_hz'], config['strategy'], config['threshold']) == (50, 'triggered', 5), config
+        shown = 'document.getElementById("config-state").textContent'
+        assert 'not acknowledged' in browser.value(shown)
+        broker.publish('smartrock/4/config/ack', {'accepted': True, 'revision': config['revision']})
+        _, waited = wait_for('an acknowledgement', lambda: browser.value(shown) == 'sensor 4: acknowledged', 5)
+        print(f'setting: published retained, acknowledgement shown within {waited:.3f} s')
+
+        for k in range(60):
+            e = 1e-4 * k
+            broker.publish('bris/state', {'axial_strain': e, 'q_Pa': 4e5 * (1 - math.exp(-400 * e)), 'measured_q_Pa': 4.1e5 * (1 - math.exp(-380 * e)),
+                                          'volumetric_strain': 0.3 * e, 'measured_volumetric_strain': 0.28 * e, 'friction': 0.6 + 0.1 * math.exp(-500 * e),
+                                          'friction_deviation': 0.1 * math.exp(-300 * e), 'stiffness_ratio': 0.9, 'stiffness_ratio_deviation': 0.1}, False)
+        wait_for('curves', lambda: browser.value('bris.curves.rows.length') == 60)
+        if a.picture:
+            time.sleep(1)
+            browser.picture(a.picture)
+
+        broker.stop()
+        wait_for('a page without connection', lambda: state() == 'broken')
+        broker.start()
+        _, waited = wait_for('a page that is back', lambda: state() == 'connected', 30)
+        broker.publish('smartrock/3/alarm', {'active': False, 'verdict': 'in use', 'reason': '', 't': 0.02})
+        wait_for('the end of the alarm', lambda: browser.value('document.querySelector("#alarms li.alarm") === null'))
+        print(f'restart of the broker: the page is back {waited:.2f} s later and subscribed')
+    finally:
+        browser.close()
+        broker.stop()
+
+
+if __name__ == '__main__':
+    parser = argparse.ArgumentParser()
+    parser.add_argument('page')
+    parser.add_argument('--picture')
+    parser.add_argument('--bodies', type=int, default=100)
+    MOSQUITTO = shutil.which('mosquitto') or '/usr/sbin/mosquitto'
+    missing = [p for p in (MOSQUITTO, 'mosquitto_pub', 'chromium') if not shutil.which(p)]
+    if missing:
+        print(f'skipped: {", ".join(missing)} not installed (Debian: mosquitto mosquitto-clients chromium)')
+        sys.exit(77)
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as place:
+        main(parser.parse_args(), place)
