@@ -8,15 +8,11 @@ namespace bris {
 
 namespace py = pybind11;
 
-namespace {
-
 std::vector<py::ssize_t> shape_of(std::size_t rows, std::size_t columns) {
     std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(rows)};
     if (columns != 1) shape.push_back(static_cast<py::ssize_t>(columns));
     return shape;
 }
-
-} // namespace
 
 py::dtype dtype_of(Scalar scalar, std::size_t scalar_size) {
     const bool real = scalar == Scalar::real;

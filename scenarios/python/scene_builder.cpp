@@ -42,14 +42,14 @@ Grains grains_named(const std::string& name) {
     return name == "spheres" ? Grains::spheres : Grains::clumps;
 }
 
-} // namespace
-
 Motion motion_named(const std::string& name) {
     if (name == "free") return Motion::free;
     if (name == "fixed") return Motion::fixed;
     if (name == "prescribed") return Motion::prescribed;
     throw InputError("motion: expected free, fixed or prescribed, found " + name);
 }
+
+} // namespace
 
 SceneBuilder::SceneBuilder(const std::string& grains, double step, const Vec3& gravity)
     : world_(make_world(grains_named(grains))) {

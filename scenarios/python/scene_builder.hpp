@@ -37,7 +37,4 @@ private:
     bool taken_ = false;
 };
 
-/// What moves a body, by its name: free, fixed or prescribed. Throws InputError.
-Motion motion_named(const std::string& name);
-
 } // namespace bris

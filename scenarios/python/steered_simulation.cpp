@@ -69,9 +69,7 @@ void add_contacts(const World& world, const char* kind, ContactColumns& to) {
 
 template <class T>
 py::array array_of(const std::vector<T>& values, std::size_t columns = 1) {
-    std::vector<py::ssize_t> shape{static_cast<py::ssize_t>(values.size() / columns)};
-    if (columns != 1) shape.push_back(static_cast<py::ssize_t>(columns));
-    return py::array_t<T>(shape, values.data());
+    return py::array_t<T>(shape_of(values.size() / columns, columns), values.data());
 }
 
 } // namespace
