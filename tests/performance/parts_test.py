@@ -101,3 +101,4 @@ with tempfile.TemporaryDirectory() as name:
     check('triaxial_campaign', ['--seeds', '1,2', '--variants', 'default,report,no_taps,gravity'], programs, root / 'triaxial')
     check('twin_campaign', ['--seeds', '1,2,3,4', '--levels', 'A,B'], programs, root / 'twin')
     check('variants_campaign', ['--seeds', '1,2'], programs, root / 'variants')
+    check('preparation_campaign', ['gradings', '--seeds', '2', '--bodies', '100'], programs, root / 'preparation')
