@@ -13,11 +13,10 @@
 #include "scenarios/ballast_box/draw_box.hpp"
 #include "scenarios/ballast_box/start_box.hpp"
 #include "scenarios/recordings/recorded_motion.hpp"
+#include "scenarios/specimens/last_quantities.hpp"
 #include "scenarios/specimens/scene.hpp"
-#include "systems/contact/stable_step.hpp"
 #include "systems/fields/field_set.hpp"
 #include "systems/output/frames.hpp"
-#include "systems/output/quantities.hpp"
 
 #include <fmt/format.h>
 
@@ -181,10 +180,12 @@ void run(const BallastBox& box, const Common& common) {
     const World& world = simulation.world();
     BoxTestRun test(simulation, box, common.seed);
     Series samples("box", cycle_columns());
+    LastQuantities last(simulation);
     Run run(simulation, common, "ballast_box");
     run.keep(samples);
+    run.keep(last);
     resume_box(run, simulation, box, common, {"cycles"});
-    FrameWriter frames(run.file("ballast_box", ".vtkhdf"), common.settings);
+    FrameWriter frames(run.file("ballast_box", ".vtkhdf"), common.settings, box.written.extras());
     std::vector<Phase> phases = test.preparation();
     phases.push_back(test.loading(run, samples, [&] { frames.add(world); }));
     run.go(phases);
@@ -214,9 +215,9 @@ void run(const BallastBox& box, const Common& common) {
     summary.add("subgrade_settlement_largest_mm",
                 1e3 * std::ranges::max(samples.column("subgrade_settlement")));
     summary.add("time_step_s", world.resource<Clock>().dt);
-    summary.add("stable_step_s", stable_step(world));
+    summary.add("stable_step_s", last.stable_step());
     write_sensors(summary, world, common);
-    add_quantities(summary, compute_quantities(world));
+    add_quantities(summary, last.quantities());
     run.describe(summary);
     report_results(common, summary);
 }

@@ -79,7 +79,8 @@ public:
     }
 
     void go() {
-        FrameWriter frames(run_->file("direct_shear", ".vtkhdf"), common_.settings);
+        FrameWriter frames(run_->file("direct_shear", ".vtkhdf"), common_.settings,
+                           box_.written.extras());
         run_->go(shear_phases(box_, test_, curve_, [&](const World& world) {
             frames.add(world);
             note_view(world);

@@ -22,8 +22,8 @@
 #include "scenarios/recordings/broker_lines.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_stream.hpp"
+#include "scenarios/specimens/write_option.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
-#include "systems/output/frames.hpp"
 
 #include <fmt/format.h>
 
@@ -47,6 +47,7 @@ struct Live {
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     LiveSettings live;
     double stage_time = 1.2;
+    WriteOption written;
     bool compare = true;
     unsigned catch_up = 3;
 
@@ -107,6 +108,8 @@ struct Live {
                "File of a library of specimens (specimen_library), from which the measurements so "
                "far predict the rest of the test, if the library fits the model. Empty: none.");
         triaxial.describe(option);
+        option.group("Files");
+        written.describe(option, write_of_estimate);
     }
 };
 
@@ -183,6 +186,7 @@ private:
     std::optional<LiveTest> test_;
     std::optional<ModelRun> free_;
     Archive specimen_;
+    std::optional<Simulation> at_start_; // has the shapes of the rocks
     BodyFrame first_frame_;
     std::optional<FrameWriter> frames_;
     std::vector<std::vector<double>> rows_;
@@ -283,7 +287,7 @@ void LiveRun::predict(const RecordedTest& so_far) {
 void LiveRun::write_frame() {
     if ((model_->state().points.size() - 1) % s_.triaxial.frame_stages != 0 && !model_->done())
         return;
-    frames_->add(present_frame());
+    frames_->add(at_start_->world(), present_frame());
 }
 
 BodyFrame LiveRun::present_frame() const {
@@ -334,12 +338,13 @@ void LiveRun::prepare() {
     if (!prediction_->reason().empty()) fmt::print("{}\n", described(prediction_->last()));
     specimen_ = make_specimen(scene_, test_settings_, common_, progress_slot(progress_)).state;
     progress_.pause();
-    Simulation at_start = make_simulation(scene_, 1, common_.serial);
-    at_start.restore(specimen_);
-    first_frame_ = frame_of_bodies(at_start.world());
+    at_start_.emplace(make_simulation(scene_, 1, common_.serial));
+    at_start_->restore(specimen_);
+    first_frame_ = frame_of_bodies(at_start_->world());
     first_frame_.corners.clear(); // the analysis has no shape of the membrane
     frames_.emplace(common_.out / "live_triaxial.vtkhdf",
-                    common_.settings); // a resumed run reads its log first and rewrites this file
+                    common_.settings, // a resumed run reads its log first and rewrites this file
+                    s_.written.extras());
     frames_->file().add_track("stages", columns);
     frames_->file().flush(); // the file is readable from now on
     model_.emplace(LiveModelSettings{s_.model, s_.learning, test_settings_.stage_strain,
@@ -348,7 +353,7 @@ void LiveRun::prepare() {
                        return begin_models(scene_, test_settings_, specimen_, variants, common_,
                                            progress_);
                    });
-    publish_scene(at_start.world());
+    publish_scene(at_start_->world());
 }
 
 void LiveRun::run() {

@@ -3,11 +3,12 @@
 #include "engine/memory.hpp"
 #include "engine/run.hpp"
 #include "scenarios/specimens/check_scene.hpp"
+#include "scenarios/specimens/last_quantities.hpp"
 #include "scenarios/specimens/memory_estimate.hpp"
 #include "scenarios/specimens/relax.hpp"
 #include "scenarios/specimens/sphere_bed.hpp"
 #include "scenarios/specimens/start.hpp"
-#include "systems/output/frames.hpp"
+#include "scenarios/specimens/write_option.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/sleep/sleep.hpp"
 
@@ -24,6 +25,7 @@ struct Settle {
     SphereBed bed;
     double duration = 0.5, sleep = 0;
     bool relax = false;
+    WriteOption written;
 
     void describe(auto& option) {
         bed.describe(option);
@@ -34,6 +36,7 @@ struct Settle {
                within(0, 10));
         option("relax", relax, "",
                "Relax deep overlaps of the start before the simulation begins.");
+        written.describe(option, write_of_spheres);
     }
 };
 
@@ -80,25 +83,25 @@ void run(const Settle& settings, const Common& common) {
                              {"unbalanced_ratio", ""},
                              {"stable_step", "s"}});
     Run run(simulation, common, "settle");
+    LastQuantities last(simulation);
     run.keep(motion);
+    run.keep(last);
     if (!common.resume.empty()) {
         run.resume(common.resume, {"duration_s"});
         run.require_steps_left(total, "duration");
     }
-    FrameWriter frames(run.file("settle", ".vtkhdf"), common.settings);
+    FrameWriter frames(run.file("settle", ".vtkhdf"), common.settings, settings.written.extras());
     if (!run.is_resumed()) frames.add(world);
-    Quantities last;
     const auto sample = [&](Simulation&, std::uint64_t step) {
         const double stable = checked_stable_step(world);
-        last = compute_quantities(world);
-        motion.add({world.resource<Clock>().time(), last.kinetic_energy, last.elastic_energy,
-                    last.boundary_force_over_weight(), last.coordination, last.unbalanced_ratio,
-                    stable});
+        const Quantities& q = last.quantities();
+        motion.add({world.resource<Clock>().time(), q.kinetic_energy, q.elastic_energy,
+                    q.boundary_force_over_weight(), q.coordination, q.unbalanced_ratio, stable});
         if (step % (samples_per_frame * sample_every) == 0 || step == total) frames.add(world);
         return true;
     };
     const auto status = [&](const World&) {
-        return fmt::format("coordination number {:.2f}", last.coordination);
+        return fmt::format("coordination number {:.2f}", last.quantities().coordination);
     };
     run.go({run.timed({"settle", total, sample_every, sample, status})});
     draw(world, motion, common);
@@ -109,9 +112,10 @@ void run(const Settle& settings, const Common& common) {
     const StepCount& count = simulation.count();
     summary.add("particle_steps_per_s",
                 static_cast<double>(count.steps) * settings.bed.spheres / count.wall_time);
-    summary.add("floor_force_over_weight", last.boundary_force_over_weight());
-    summary.add("floor_force_error", std::abs(last.boundary_force_over_weight() - 1));
-    add_quantities(summary, last);
+    const double carried = last.quantities().boundary_force_over_weight();
+    summary.add("floor_force_over_weight", carried);
+    summary.add("floor_force_error", std::abs(carried - 1));
+    add_quantities(summary, last.quantities());
     if (settings.sleep > 0) summary.add("sleepers", sleepers(world));
     summary.add("rebuilds", world.resource<ListState>().rebuilds);
     summary.add("prunes", world.resource<ListState>().prunes);

@@ -18,8 +18,8 @@
 #include "scenarios/assimilation/run_models.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
+#include "scenarios/specimens/write_option.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
-#include "systems/output/frames.hpp"
 #include "systems/output/picture.hpp"
 
 #include <fmt/format.h>
@@ -41,6 +41,7 @@ struct Smart {
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     Corrections corrections;
     QualityControlSettings quality_control;
+    WriteOption written;
     double change = 0.03, stage_time = 1.2, displacement_deviation = 1e-3, rotation_deviation = 0.1;
 
     Smart() {
@@ -106,6 +107,8 @@ struct Smart {
         option("stage_time", stage_time, "s",
                "Time that the real test took for 0.01 % of axial strain.", above(0, 1e6));
         triaxial.describe(option);
+        option.group("Files");
+        written.describe(option, write_of_clumps);
     }
 };
 
@@ -238,8 +241,9 @@ void Computation::learn() {
 std::unique_ptr<FrameWriter> Computation::make_frames(const RecordedTest& test) const {
     auto settings = common_.settings;
     settings.emplace_back("quality_control", quality_control_report(test));
-    return std::make_unique<FrameWriter>(
-        common_.out / folder_of(test.pressure) / "smart_triaxial.vtkhdf", settings);
+    return std::make_unique<FrameWriter>(common_.out / folder_of(test.pressure) /
+                                             "smart_triaxial.vtkhdf",
+                                         settings, s_.written.extras());
 }
 
 void Computation::show(std::size_t test, const World& world, const TriaxialPoint& point,
@@ -252,7 +256,7 @@ void Computation::show(std::size_t test, const World& world, const TriaxialPoint
     if (stage % s_.triaxial.frame_stages != 0 && !shown) return;
     if (!frames) frames = make_frames(tests_[test]);
     BodyFrame frame = frame_of_bodies(world);
-    frames->add(frame);
+    frames->add(world, frame);
     if (!shown) return;
     const auto& sensors = world.resource<Specimen>().smart_rocks;
     frame.ids.assign(sensors.begin(), sensors.end());

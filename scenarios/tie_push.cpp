@@ -59,7 +59,8 @@ public:
     }
 
     void go() {
-        FrameWriter frames(run_->file("tie_push", ".vtkhdf"), common_.settings);
+        FrameWriter frames(run_->file("tie_push", ".vtkhdf"), common_.settings,
+                           bed_.written.extras());
         run_->go(push_phases(bed_, test_, curve_, [&](const World& world) { frames.add(world); }));
         curve_.write_csv(common_.out / "curve.csv");
         if (frames.frames() > 0) {

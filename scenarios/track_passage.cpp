@@ -13,10 +13,9 @@
 #include "scenarios/monitoring/passage.hpp"
 #include "scenarios/monitoring/vibration.hpp"
 #include "scenarios/recordings/recorded_motion.hpp"
+#include "scenarios/specimens/last_quantities.hpp"
 #include "scenarios/specimens/scene.hpp"
-#include "systems/contact/stable_step.hpp"
 #include "systems/output/frames.hpp"
-#include "systems/output/quantities.hpp"
 
 #include <fmt/format.h>
 
@@ -131,7 +130,7 @@ void draw(const Series& samples, const World& world, const std::vector<Recording
 }
 
 void summarise(Summary& summary, const TrackPassage& t, const Train& train, const Series& samples,
-               const World& world, const std::vector<Recording>& last) {
+               const World& world, const std::vector<Recording>& recordings, LastQuantities& last) {
     std::size_t rocks = 0;
     for (const auto& course : world.resource<BoxBodies>().rocks) rocks += course.size();
     summary.add("rocks", rocks);
@@ -150,10 +149,11 @@ void summarise(Summary& summary, const TrackPassage& t, const Train& train, cons
         summary.add(name + "largest_support_kN", 1e-3 * r.largest_support);
     }
     const auto& sensors = world.resource<BoxBodies>().sensors;
-    for (std::size_t k = 0; k < sensors.size(); ++k) add_sensor(summary, sensors[k].name, last[k]);
+    for (std::size_t k = 0; k < sensors.size(); ++k)
+        add_sensor(summary, sensors[k].name, recordings[k]);
     summary.add("time_step_s", world.resource<Clock>().dt);
-    summary.add("stable_step_s", stable_step(world));
-    add_quantities(summary, compute_quantities(world));
+    summary.add("stable_step_s", last.stable_step());
+    add_quantities(summary, last.quantities());
 }
 
 void run(const TrackPassage& t, const Common& common) {
@@ -162,13 +162,16 @@ void run(const TrackPassage& t, const Common& common) {
     const World& world = simulation.world();
     BoxTestRun test(simulation, t.box, common.seed);
     Series samples("passages", passage_columns());
+    LastQuantities last(simulation);
     Run run(simulation, common, "track_passage");
     run.keep(samples);
+    run.keep(last);
     std::vector<std::string_view> may_differ{"passages"};
     if (common.resume.filename() == "bed.ckpt.h5") // the finished bed serves any train
         may_differ.insert(may_differ.end(), {"train", "speed_m_per_s"});
     resume_box(run, simulation, t.box, common, may_differ);
-    FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings);
+    FrameWriter frames(run.file("track_passage", ".vtkhdf"), common.settings,
+                       t.box.written.extras());
     const PassageActions actions{
         .frame = [&] { frames.add(world); },
         .completed = [&](unsigned number) { write_passage(world, t, number, common.out); }};
@@ -176,13 +179,13 @@ void run(const TrackPassage& t, const Common& common) {
     for (Phase& phase : passage_phases(test, run, t, train, samples, actions))
         phases.push_back(std::move(phase));
     run.go(phases);
-    const std::vector<Recording> last = recordings_of(world);
-    draw(samples, world, last, common);
+    const std::vector<Recording> recordings = recordings_of(world);
+    draw(samples, world, recordings, common);
     samples.write_csv(common.out / "samples.csv");
     samples.write_track(frames.file());
     frames.file().close();
     Summary summary;
-    summarise(summary, t, train, samples, world, last);
+    summarise(summary, t, train, samples, world, recordings, last);
     run.describe(summary);
     report_results(common, summary);
 }

@@ -9,11 +9,11 @@
 #include "engine/summary.hpp"
 #include "scenarios/specimens/fouling_options.hpp"
 #include "scenarios/specimens/material_card_file.hpp"
+#include "scenarios/specimens/write_option.hpp"
 #include "scenarios/triaxial/make_specimen.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 #include "scenarios/triaxial/triaxial_scene.hpp"
 #include "systems/fields/field_set.hpp"
-#include "systems/output/frames.hpp"
 #include "systems/output/picture.hpp"
 
 #include <fmt/format.h>
@@ -28,6 +28,7 @@ namespace {
 struct FouledTriaxial : Triaxial {
     FoulingOptions fouling = {};
     std::filesystem::path material = {};
+    WriteOption written = {};
 
     void describe(auto& option) {
         Triaxial::describe(option);
@@ -36,6 +37,8 @@ struct FouledTriaxial : Triaxial {
             "Material card (card.csv of material_card), which gives the friction and the contact "
             "stiffness of the rocks instead of --friction and --clump-stiffness. Empty: none.");
         fouling.describe(option);
+        option.group("Files");
+        written.describe(option, write_of_clumps);
     }
 };
 
@@ -166,11 +169,12 @@ void Test::record() {
     const World& world = simulation_.world();
     if (stage == 0) write_sensor_drift(common_.out / "sensor_rocks.csv", world);
     if (!frames_)
-        frames_ = std::make_unique<FrameWriter>(file("triaxial", ".vtkhdf"), common_.settings);
+        frames_ = std::make_unique<FrameWriter>(file("triaxial", ".vtkhdf"), common_.settings,
+                                                shared_.settings.written.extras());
     const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
     if (stage % shared_.settings.frame_stages != 0 && !shown) return;
     const BodyFrame frame = frame_of_bodies(world);
-    frames_->add(frame);
+    frames_->add(world, frame);
     if (!shown) return;
     views_.push_back(view_of_bodies(world, frame, [&](std::size_t index) {
         const auto id = static_cast<EntityId>(frame.ids[index]);

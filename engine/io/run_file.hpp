@@ -1,7 +1,6 @@
 #pragma once
 
-#include "engine/io/hdf5.hpp"
-#include "engine/io/xdmf_file.hpp"
+#include "engine/io/vtkhdf_file.hpp"
 #include "engine/math.hpp"
 #include "engine/named_value.hpp"
 
@@ -14,13 +13,9 @@
 
 namespace bris {
 
-/// All results of a run in one file, NAME.vtkhdf: frames for ParaView (temporal VTKHDF
-/// UnstructuredGrid 2.0), the settings under /meta, time series under /tracks. A rock is a vertex
-/// at its centre, to be drawn as a glyph; a membrane element is a quad with four corner points of
-/// its own. The cells are written once and hold as long as their numbers do not change. Every frame
-/// is on disk when add_frame returns, so that an aborted run leaves a readable file. Beside it,
-/// NAME.xdmf lists the same frames for programs that read only the first frame of a VTKHDF file, as
-/// ParaView before 5.12; the frames of a resumed run are added to the same list.
+/// All results of a run in one file, NAME.vtkhdf: frames for ParaView (see VtkhdfFile), the
+/// settings under /meta, time series under /tracks. A rock is a vertex at its centre, to be drawn
+/// as a glyph; a membrane element is a quad with four corner points of its own.
 class RunFile {
 public:
     /// A named array with `components` (1 to 4) numbers per rock.
@@ -54,7 +49,7 @@ public:
 
     /// Writes attributes of /meta: settings, versions and other information on the origin of the
     /// run.
-    void add_meta(const std::vector<NamedValue>& entries);
+    void add_meta(const std::vector<NamedValue>& entries) { grid_.add_meta(entries); }
 
     /// Declares the cells of the following frames and the data that stay constant on them. Called
     /// before the first frame, and again whenever rocks or quads are added or removed. The names
@@ -62,7 +57,7 @@ public:
     void begin_part(std::size_t rocks, std::size_t quads, const std::vector<Labels>& labels,
                     const std::vector<Field>& fields = {});
     void add_frame(const Frame& frame);
-    std::size_t frames() const { return frames_; }
+    std::size_t frames() const { return grid_.frames(); }
 
     /// Creates a table /tracks/NAME, one dataset per column with its unit as an attribute.
     void add_track(const std::string& name, const std::vector<Column>& columns);
@@ -72,35 +67,20 @@ public:
     void close();
 
     /// The underlying file, for other content of the run: /sensors, /checkpoint, /monitor.
-    Hdf5File& file() { return file_; }
+    Hdf5File& file() { return grid_.file(); }
 
 private:
-    struct Array { // an array of PointData
-        unsigned components = 1;
-        bool integer = false;
-        bool fixed = false;
-        std::int64_t rows = 0;  // written so far
-        std::int64_t start = 0; // first row of the block that the current frame shows
-    };
     struct Track {
         std::vector<std::string> columns;
         std::vector<std::vector<double>> pending; // per column
     };
-    void append_field(const Field& field, bool fixed);
-    void append_labels(const Labels& labels);
-    Array& array(const std::string& name, unsigned components, bool integer, bool fixed);
-    void append_points(const Frame& frame);
-    void append_step(double time);
-    void list_frame(double time);
+    void put_field(const Field& field, bool fixed);
+    void put_labels(const Labels& labels);
     void write_tracks();
 
-    Hdf5File file_;
-    XdmfFile list_;
-    std::map<std::string, Array> arrays_;
+    VtkhdfFile grid_;
     std::map<std::string, Track> tracks_;
-    std::size_t rocks_ = 0, quads_ = 0, frames_ = 0;
-    std::int64_t parts_ = 0, cells_before_ = 0, connectivity_before_ = 0, points_ = 0;
-    std::int64_t point_start_ = 0;
+    std::size_t rocks_ = 0, quads_ = 0;
 };
 
 } // namespace bris

@@ -46,27 +46,37 @@ std::string item(const std::string& file, const XdmfFile::Array& array, std::uin
         array.rows, number, escaped(file), escaped(array.dataset));
 }
 
-/// A block of cells with `corners` points each.
-std::string block(const std::string& file, const XdmfFile::Frame& frame, bool quads) {
-    const std::uint64_t cells = quads ? frame.quads : frame.bodies, corners = quads ? 4 : 1,
-                        first = quads ? frame.bodies : 0, points = cells * corners;
-    if (cells == 0) return {};
-    std::string text =
-        fmt::format("<Grid Name=\"{}\" GridType=\"Uniform\">\n", quads ? "facets" : "bodies");
-    text += fmt::format("<Topology TopologyType=\"{}\" NumberOfElements=\"{}\"{}>\n",
-                        quads ? "Quadrilateral" : "Polyvertex", cells,
-                        quads ? "" : " NodesPerElement=\"1\"");
-    text += item(file, frame.connectivity, 0, points); // 0, 1, 2, ...
+std::string topology(CellKind kind, std::uint64_t cells) {
+    const bool any_number = kind == CellKind::vertex || kind == CellKind::line; // of corners
+    return fmt::format("<Topology TopologyType=\"{}\" NumberOfElements=\"{}\"{}>\n",
+                       kind == CellKind::vertex     ? "Polyvertex"
+                       : kind == CellKind::line     ? "Polyline"
+                       : kind == CellKind::triangle ? "Triangle"
+                                                    : "Quadrilateral",
+                       cells,
+                       any_number ? fmt::format(" NodesPerElement=\"{}\"", corners_of(kind)) : "");
+}
+
+/// A block of cells, whose first point and cell are those of these numbers in the frame.
+std::string block_text(const std::string& file, const XdmfFile::Frame& frame,
+                       const XdmfFile::Block& block, std::uint64_t first_point,
+                       std::uint64_t first_cell) {
+    if (block.cells == 0) return {};
+    std::string text = fmt::format("<Grid Name=\"{}\" GridType=\"Uniform\">\n", block.name);
+    text += topology(block.kind, block.cells);
+    text += item(file, frame.connectivity, 0, block.cells * corners_of(block.kind));
     text += "</Topology>\n<Geometry GeometryType=\"XYZ\">\n";
-    text += item(file, frame.points, first, points) + "</Geometry>\n";
+    text += item(file, frame.points, first_point, block.points) + "</Geometry>\n";
     for (const XdmfFile::Array& array : frame.data)
-        text += fmt::format("<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"Node\">\n{}"
+        text += fmt::format("<Attribute Name=\"{}\" AttributeType=\"{}\" Center=\"{}\">\n{}"
                             "</Attribute>\n",
                             escaped(array.name),
                             array.components == 1   ? "Scalar"
                             : array.components == 3 ? "Vector"
                                                     : "Matrix",
-                            item(file, array, first, points));
+                            array.of_cells ? "Cell" : "Node",
+                            array.of_cells ? item(file, array, first_cell, block.cells)
+                                           : item(file, array, first_point, block.points));
     return text + "</Grid>\n";
 }
 
@@ -89,15 +99,20 @@ void write_at(const std::filesystem::path& path, std::uint64_t at, std::string_v
 
 } // namespace
 
+std::pair<std::string, std::string> name_and_part(const std::filesystem::path& run_file) {
+    const std::string name = run_file.stem().string();
+    const auto end = name.find_last_not_of("0123456789");
+    if (end == std::string::npos || end + 1 == name.size()) return {name, ""};
+    for (const std::string_view from : {"_from_", "_from_stage_"})
+        if (const std::string_view before(name.data(), end + 1); before.ends_with(from))
+            return {name.substr(0, end + 1 - from.size()), name.substr(end + 1 - from.size())};
+    return {name, ""};
+}
+
 XdmfFile::XdmfFile(const std::filesystem::path& run_file)
     : path_(run_file), run_file_(run_file.filename().string()) {
-    std::string name = run_file.stem().string();
-    const auto from = name.rfind("_from_");
-    if (from != std::string::npos && from + 6 < name.size() &&
-        name.find_first_not_of("0123456789", from + 6) == std::string::npos) {
-        goes_on_ = true;
-        name.resize(from);
-    }
+    const auto [name, part] = name_and_part(run_file);
+    goes_on_ = !part.empty();
     path_.replace_filename(name + ".xdmf");
 }
 
@@ -127,9 +142,14 @@ void XdmfFile::keep_frames_before(double time) {
 void XdmfFile::add(const Frame& frame) {
     if (!begun_) keep_frames_before(frame.time);
     begun_ = true;
-    const std::string text = fmt::format("{}{:.17g}\"/>\n", frame_begin, frame.time) +
-                             block(run_file_, frame, false) + block(run_file_, frame, true) +
-                             "</Grid>\n";
+    std::string text = fmt::format("{}{:.17g}\"/>\n", frame_begin, frame.time);
+    std::uint64_t first_point = 0, first_cell = 0;
+    for (const Block& block : frame.blocks) {
+        text += block_text(run_file_, frame, block, first_point, first_cell);
+        first_point += block.points;
+        first_cell += block.cells;
+    }
+    text += "</Grid>\n";
     write_at(path_, end_, text + std::string(tail));
     end_ += text.size();
 }

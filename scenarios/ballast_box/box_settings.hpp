@@ -6,6 +6,7 @@
 #include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/fouling_options.hpp"
 #include "scenarios/specimens/rock_material.hpp"
+#include "scenarios/specimens/write_option.hpp"
 
 #include <algorithm>
 #include <array>
@@ -33,6 +34,7 @@ struct BallastBox {
     std::string imu = "smartrock-like";
     double sampling_rate = 500;
     FoulingOptions fouling = {.settings = {.voxel = 0.01}};
+    WriteOption written = {};
 
     void describe(auto& option);
     // the groups of options, which other scenarios of the box share
@@ -193,6 +195,7 @@ void BallastBox::describe_simulation(auto& option) {
            {"ideal", "lab-grade", "smartrock-like", "cheap"});
     option("sampling_rate", sampling_rate, "Hz", "Sampling rate of the inertial sensors.",
            within(10, 5000));
+    written.describe(option, write_of_clumps);
 }
 
 } // namespace bris

@@ -9,14 +9,13 @@
 #include "engine/resume.hpp"
 #include "scenarios/specimens/start.hpp"
 #include "systems/broadphase/lists.hpp"
-#include "systems/contact/stable_step.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <string_view>
+#include <tuple>
 
 namespace bris {
 
@@ -59,9 +58,18 @@ BulkRun::BulkRun(const Common& common, const BulkSettings& settings, BulkCase bu
       sample_every_(steps_of(settings.sample_interval, settings.bed.step, "sample-interval")),
       simulation_(simulation), series_("curve", with_common_columns(case_.columns)),
       maker_(simulation_, settings.bed), progress_(make_progress(common)),
-      run_(simulation_, common, common.scenario, progress_slot(progress_)),
-      least_stable_step_(std::numeric_limits<double>::infinity()) {
+      run_(simulation_, common, common.scenario, progress_slot(progress_)), last_(simulation) {
     run_.keep(series_);
+    run_.keep(last_);
+    run_.keep(extremes_);
+}
+
+void BulkRun::Extremes::save(Archive& archive) const {
+    put_fields(archive, "run/extremes", std::tie(stable_step, overlap));
+}
+void BulkRun::Extremes::load(const Archive& archive) {
+    if (archive.find("run/extremes") != nullptr) // older checkpoints have none
+        get_fields(archive, "run/extremes", std::tie(stable_step, overlap));
 }
 
 std::vector<Curve> BulkRun::reference() const {
@@ -146,8 +154,8 @@ void BulkRun::begin_case() {
 }
 
 void BulkRun::open_frames() {
-    frames_ =
-        std::make_unique<FrameWriter>(run_.file(common_.scenario, ".vtkhdf"), common_.settings);
+    frames_ = std::make_unique<FrameWriter>(run_.file(common_.scenario, ".vtkhdf"),
+                                            common_.settings, settings_.written.extras());
     frames_->add(world());
     keep_view();
 }
@@ -164,9 +172,8 @@ bool BulkRun::at_sample(std::uint64_t step) {
 
 // before the case can edit the scene, which makes the contacts of the last step invalid
 void BulkRun::measure_contacts() {
-    last_ = compute_quantities(world());
-    deepest_ = std::max(deepest_, last_.largest_overlap);
-    least_stable_step_ = std::min(least_stable_step_, stable_step(world()));
+    extremes_.overlap = std::max(extremes_.overlap, last_.quantities().largest_overlap);
+    extremes_.stable_step = std::min(extremes_.stable_step, last_.stable_step());
 }
 
 void BulkRun::take_sample() {
@@ -194,15 +201,15 @@ void BulkRun::report(const Summary& results, std::vector<Plot> plots) {
     Summary summary = results;
     summary.add("simulated_time_s", clock().time());
     summary.add("step_s", clock().dt);
-    summary.add("largest_overlap_of_all_samples_m", deepest_);
-    summary.add("least_stable_step_s", least_stable_step_);
-    summary.add("step_over_least_stable_step", clock().dt / least_stable_step_);
+    summary.add("largest_overlap_of_all_samples_m", extremes_.overlap);
+    summary.add("least_stable_step_s", extremes_.stable_step);
+    summary.add("step_over_least_stable_step", clock().dt / extremes_.stable_step);
     summary.add("bed_steps", bed().steps);
     summary.add("bed_kinetic_ratio", bed().kinetic_ratio);
     summary.add("bed_unbalanced_ratio", bed().unbalanced_ratio);
     summary.add("bed_at_rest", maker_.at_rest());
     summary.add("bed_coordination", bed().coordination);
-    add_quantities(summary, last_);
+    add_quantities(summary, last_.quantities());
     summary.add("rebuilds", world().resource<ListState>().rebuilds);
     summary.add("prunes", world().resource<ListState>().prunes);
     run_.describe(summary);

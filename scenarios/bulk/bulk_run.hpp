@@ -7,12 +7,13 @@
 #include "engine/simulation.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/bulk/bulk_bed.hpp"
-#include "systems/output/frames.hpp"
+#include "scenarios/specimens/last_quantities.hpp"
+#include "scenarios/specimens/write_option.hpp"
 #include "systems/output/picture.hpp"
-#include "systems/output/quantities.hpp"
 
 #include <filesystem>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -25,6 +26,7 @@ struct BulkSettings {
     std::filesystem::path bed_file = {}, reference = {};
     bool fill_only = false;
     BedSettings bed = {};
+    WriteOption written = {};
 
     void describe(auto& option);
 };
@@ -86,9 +88,13 @@ private:
     Run run_;
     std::unique_ptr<FrameWriter> frames_;
     std::vector<View> views_;
-    double least_stable_step_; // s, of all samples
-    Quantities last_;
-    double deepest_ = 0; // m, largest overlap of all samples
+    LastQuantities last_;
+    struct Extremes {                                                 // of all samples
+        double stable_step = std::numeric_limits<double>::infinity(); ///< s, the least
+        double overlap = 0;                                           ///< m, the largest
+        void save(Archive& archive) const;
+        void load(const Archive& archive);
+    } extremes_;
 };
 
 /// Starts the simulation of a case, with the viscous Hertz-Mindlin law.
@@ -110,6 +116,7 @@ void BulkSettings::describe(auto& option) {
     option("sample_interval", sample_interval, "s", "Simulated time between points of the curve.",
            above(0, 1e6));
     option("frames", frames, "", "Number of frames in the run file.", within(1, 1e6));
+    written.describe(option, write_of_spheres);
     option("reference", reference, "",
            "CSV file of a curve to show for comparison: two columns, time in s and value.");
     option.group("Bed");

@@ -7,6 +7,7 @@
 #include "scenarios/field_tests/rock_bed.hpp"
 #include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/fouling_options.hpp"
+#include "scenarios/specimens/write_option.hpp"
 
 #include <functional>
 #include <string>
@@ -28,6 +29,7 @@ struct ShearBox {
     double displacement = 0.03, speed = 0.03, interval = 1e-4;
     double safety = 0.5, tolerance = 2e-3;
     FoulingOptions fouling = {.settings = {.voxel = 0.01}};
+    WriteOption written = {};
 
     void describe(auto& option);
     double area() const { return length * width; }
@@ -134,6 +136,8 @@ void ShearBox::describe(auto& option) {
            "the true one when shearing begins.",
            within(0.05, 0.8));
     fouling.describe(option);
+    option.group("Files");
+    written.describe(option, write_of_clumps);
 }
 
 } // namespace bris

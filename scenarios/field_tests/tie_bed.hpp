@@ -7,6 +7,7 @@
 #include "scenarios/field_tests/rock_bed.hpp"
 #include "scenarios/rocks/own_rocks.hpp"
 #include "scenarios/specimens/fouling_options.hpp"
+#include "scenarios/specimens/write_option.hpp"
 
 #include <functional>
 #include <string>
@@ -28,6 +29,7 @@ struct TieBed {
     double displacement = 0.02, speed = 0.02, interval = 1e-4;
     double safety = 0.5, tolerance = 2e-3;
     FoulingOptions fouling = {.settings = {.voxel = 0.02}};
+    WriteOption written = {};
 
     void describe(auto& option);
     double width() const { return 0.5 * spacing; } ///< m, of the half bay
@@ -118,6 +120,8 @@ void TieBed::describe(auto& option) {
     option("safety", safety, "", "Time step over the stable step for which masses are scaled.",
            within(0.05, 0.8));
     fouling.describe(option);
+    option.group("Files");
+    written.describe(option, write_of_clumps);
 }
 
 } // namespace bris

@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "scenarios/rocks/fill_clump.hpp"
 #include "scenarios/rocks/mass_properties.hpp"
+#include "systems/output/surfaces.hpp"
 
 #include <fmt/format.h>
 
@@ -11,38 +12,22 @@
 
 namespace bris {
 
-namespace {
-
-/// Distance from the origin at which a ray leaves the last sphere.
-double way_out(const Clump& clump, const Vec3& direction) {
-    double reach = 0;
-    for (const Ball& ball : clump.balls) {
-        const double along = ball.centre.dot(direction),
-                     aside = ball.centre.squaredNorm() - along * along;
-        const double squared = ball.radius * ball.radius - aside;
-        if (squared > 0) reach = std::max(reach, along + std::sqrt(squared));
-    }
-    require(reach > 0, fmt::format("clump {}: expected its centre of mass inside it", clump.name));
-    return reach;
-}
-
-} // namespace
-
 Polyhedron surface_of(const Clump& clump) {
     constexpr std::size_t rings = 12, sectors = 24; // 15 degrees
-    Polyhedron solid;
-    const auto add = [&](const Vec3& direction) {
-        solid.vertices.push_back(way_out(clump, direction) * direction);
-    };
-    add(Vec3::UnitZ());
+    std::vector<Vec3> directions{Vec3::UnitZ()};
     for (std::size_t r = 1; r < rings; ++r)
         for (std::size_t s = 0; s < sectors; ++s) {
             const double down = pi * static_cast<double>(r) / rings,
                          round = 2 * pi * static_cast<double>(s) / sectors;
-            add(Vec3(std::sin(down) * std::cos(round), std::sin(down) * std::sin(round),
-                     std::cos(down)));
+            directions.emplace_back(std::sin(down) * std::cos(round),
+                                    std::sin(down) * std::sin(round), std::cos(down));
         }
-    add(-Vec3::UnitZ());
+    directions.push_back(-Vec3::UnitZ());
+    Polyhedron solid;
+    solid.vertices = surface_corners(clump.balls, directions);
+    for (const Vec3& corner : solid.vertices)
+        require(corner != Vec3::Zero(),
+                fmt::format("clump {}: expected its centre of mass inside it", clump.name));
     const std::size_t bottom = solid.vertices.size() - 1;
     const auto at = [&](std::size_t r, std::size_t s) {
         return 1 + (r - 1) * sectors + s % sectors;

@@ -3,56 +3,41 @@
 #include "engine/io/run_file.hpp"
 #include "engine/named_value.hpp"
 #include "engine/world.hpp"
-#include "systems/output/picture.hpp"
+#include "systems/output/body_frame.hpp"
+#include "systems/output/contact_frames.hpp"
+#include "systems/output/surface_frames.hpp"
 
 #include <cstdint>
 #include <filesystem>
-#include <functional>
+#include <optional>
 #include <vector>
 
 namespace bris {
 
-/// State of all bodies with spheres and of all facets, as written to a run file. Bodies are in the
-/// order of their ids, regardless of their rows. n: number of bodies.
-struct BodyFrame {
-    double time = 0;                  ///< s
-    std::vector<std::int64_t> ids;    ///< n
-    std::vector<std::int64_t> shapes; ///< n, index in the clump library; empty in scenes of spheres
-    std::vector<Vec3> positions;      ///< n, m
-    std::vector<float> radii;         ///< n, m, bounding radius
-    std::vector<float> velocities;    ///< n x 3, m/s, at the time of the positions
-    std::vector<float> angular_velocities; ///< n x 3, rad/s
-    std::vector<float> orientations;       ///< n x 4 (w, x, y, z); empty in scenes of spheres
-    std::vector<float> coordination;       ///< n, touching bodies (boundaries count)
-    std::vector<Vec3> corners;             ///< 4 per facet, m
-    std::size_t quads() const { return corners.size() / 4; }
+/// What is written beside the bodies, to files of their own.
+struct Extras {
+    bool surfaces = false; ///< NAME_surfaces.vtkhdf, see SurfaceFrames
+    bool contacts = false; ///< NAME_contacts.vtkhdf, see ContactFrames
 };
-
-/// Gathers a frame from the world after the last step. Reads only.
-BodyFrame frame_of_bodies(const World& world);
-
-/// The bodies of a frame as a view to be drawn, sphere by sphere, at their present positions in the
-/// world. `colour` is called with the index of a body in the frame. Facets become outlines.
-View view_of_bodies(const World& world, const BodyFrame& frame,
-                    const std::function<Colour(std::size_t index)>& colour);
-
-/// The bodies of the world coloured by coordination number, from blue (0) to yellow (`most` and
-/// more).
-View view_by_coordination(const World& world, double most = 8);
 
 /// Writes frames of a world to NAME.vtkhdf: id, shape, radius, velocity, angular velocity,
 /// orientation and coordination number of every body; facets as quads. Throws OutputError.
 class FrameWriter {
 public:
-    FrameWriter(const std::filesystem::path& path, const std::vector<NamedValue>& meta);
-    void add(const World& world) { add(frame_of_bodies(world)); }
-    void add(const BodyFrame& frame);
+    FrameWriter(const std::filesystem::path& path, const std::vector<NamedValue>& meta,
+                const Extras& extras = {});
+    void add(const World& world) { add(world, frame_of_bodies(world)); }
+    /// A frame of the bodies of a world, whose poses may be others than those of the world;
+    /// contacts are those of the world.
+    void add(const World& world, const BodyFrame& frame);
     std::size_t frames() const { return file_.frames(); }
     /// The file, for tracks and other data of the run.
     RunFile& file() { return file_; }
 
 private:
     RunFile file_;
+    std::optional<SurfaceFrames> surfaces_;
+    std::optional<ContactFrames> contacts_;
     std::vector<std::int64_t> ids_; // of the part begun last
     std::vector<float> radii_;
     std::size_t quads_ = 0;

@@ -1,5 +1,6 @@
 """Files of BRIS as NumPy arrays."""
 import json
+import re
 from pathlib import Path
 
 import h5py
@@ -10,7 +11,8 @@ class RunFile:
     """A run file NAME.vtkhdf: frames, series and settings. Use it in a with statement, or call close().
 
     times   times of the frames, s
-    fields  names of the arrays of a frame
+    fields  names of the arrays of a frame, a row for each point
+    cell_fields  names of those with a row for each cell
     units   unit of each array by its name; empty: none
     meta    settings and versions of the run
     """
@@ -23,7 +25,9 @@ class RunFile:
         self._grid = self._file['VTKHDF']
         self.times = self._grid['Steps/Values'][:]
         self.fields = sorted(self._grid['PointData'])
-        self.units = {name: _text(self._grid['PointData'][name].attrs.get('unit', '')) for name in self.fields}
+        self.cell_fields = sorted(self._grid.get('CellData', ()))
+        self.units = {name: _text(self._grid[kind][name].attrs.get('unit', ''))
+                      for kind, names in (('PointData', self.fields), ('CellData', self.cell_fields)) for name in names}
         self.meta = {key: _text(value) for key, value in self._file['meta'].attrs.items()} if 'meta' in self._file else {}
 
     def __len__(self):
@@ -51,6 +55,22 @@ class RunFile:
         rocks = arrays['id'] >= 0 if 'id' in arrays else slice(None)  # corners of the membrane have the id -1
         return {name: values[rocks] for name, values in arrays.items()}
 
+    def cells(self, k):
+        """The cells of frame k of a file with contacts or surfaces: `corners` (cells x corners), the rows of their points in
+        `frame(k)`, and the arrays with a row for each cell by their names."""
+        k = range(len(self.times))[k]
+        steps = self._grid['Steps']
+        part, first = int(steps['PartOffsets'][k]), int(steps['CellOffsets'][k, 0])
+        count, numbers = int(self._grid['NumberOfCells'][part]), int(self._grid['NumberOfConnectivityIds'][part])
+        start = int(steps['ConnectivityIdOffsets'][k, 0])
+        if count and len(set(self._grid['Types'][first:first + count])) > 1:
+            raise ValueError(f'{self._file.filename}: expected cells of one kind, found several')
+        arrays = {'corners': self._grid['Connectivity'][start:start + numbers].reshape(count, -1 if count else 0)}
+        for name in self.cell_fields:
+            start = int(steps['CellDataOffsets'][name][k])
+            arrays[name] = self._grid['CellData'][name][start:start + count]
+        return arrays
+
     def series(self, name):
         """The time series of that name, an array for each column. Names: see `series_names`."""
         return {column: values[:] for column, values in self._file['tracks'][name].items()}
@@ -61,10 +81,10 @@ class RunFile:
 
 
 def open_run(path):
-    """Opens a run file, or the only one of a folder of results."""
+    """Opens a run file, or the only one of a folder of results; files of --write are opened by their paths."""
     path = Path(path)
     if path.is_dir():
-        found = sorted(path.glob('*.vtkhdf'))
+        found = sorted(file for file in path.glob('*.vtkhdf') if not re.search('_(surfaces|contacts)($|_from_)', file.stem))
         if len(found) != 1:
             raise ValueError(f'{path}: expected one run file, found {len(found)}')
         path = found[0]

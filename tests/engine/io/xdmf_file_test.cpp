@@ -104,6 +104,17 @@ TEST_SUITE("engine/io/xdmf_file") {
         CHECK(times_of(read_whole(directory / "run.xdmf")) == std::vector<double>{0});
     }
 
+    TEST_CASE("the name of a run file says which run it belongs to, and since when") {
+        const auto parts = [](const char* path) { return name_and_part(path); };
+        using Parts = std::pair<std::string, std::string>;
+        CHECK(parts("out/settle.vtkhdf") == Parts("settle", ""));
+        CHECK(parts("out/settle_from_20.vtkhdf") == Parts("settle", "_from_20"));
+        CHECK(parts("triaxial_from_stage_7.vtkhdf") == Parts("triaxial", "_from_stage_7"));
+        CHECK(parts("run_2.vtkhdf") == Parts("run_2", ""));
+        CHECK(parts("from_2.vtkhdf") == Parts("from_2", ""));
+        CHECK(parts("7.vtkhdf") == Parts("7", ""));
+    }
+
     TEST_CASE("the arrays of a run file carry their units") {
         const TemporaryDirectory directory;
         write_frames(directory / "run.vtkhdf", 5, 0, 1);

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "engine/archive.hpp"
+#include "engine/simulation.hpp"
+#include "systems/output/quantities.hpp"
+
+namespace bris {
+
+/// The quantities of the last step of a run, and its stable step. They are kept in the checkpoints
+/// of the run (Run::keep): they are made of contact forces, which are not State, so that a run that
+/// is resumed after its last step would have none to report.
+class LastQuantities {
+public:
+    /// The simulation must outlive this object.
+    explicit LastQuantities(const Simulation& simulation) : simulation_(simulation) {}
+
+    /// Of the present state; of the checkpoint if no step has been run since it was loaded.
+    const Quantities& quantities() { return updated().quantities; }
+    double stable_step() { return updated().stable_step; } ///< s
+
+    void save(Archive& archive);
+    void load(const Archive& archive);
+
+private:
+    struct Values {
+        Quantities quantities;
+        double stable_step = 0;
+        std::uint64_t steps = 0; ///< that the simulation had run
+    };
+    const Values& updated();
+
+    const Simulation& simulation_;
+    Values values_;
+};
+
+} // namespace bris
