@@ -1,5 +1,6 @@
 // The Python module: functions that build, step and read a simulation. Files are read in
 // bris/files.py.
+#include "components/platen.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "engine/version.hpp"
@@ -71,6 +72,25 @@ void define_scene(py::module_& m) {
             "point"_a, "normal"_a, "material"_a, "motion"_a = "fixed",
             "Adds a plane whose normal points to the grains; returns the id of its body.")
         .def(
+            "add_facets",
+            [](SceneBuilder& s, const std::vector<std::vector<Triple>>& facets,
+               std::uint32_t material, const std::string& motion) {
+                std::vector<std::vector<Vec3>> all;
+                for (const auto& facet : facets) {
+                    auto& corners = all.emplace_back();
+                    for (const Triple& corner : facet) corners.push_back(vector(corner));
+                }
+                return s.add_facets(all, material, motion);
+            },
+            "facets"_a, "material"_a, "motion"_a = "fixed",
+            "Adds triangles or quads (3 or 4 corners each, m, counter-clockwise as seen from the "
+            "grains) on one body; returns its id.")
+        .def("add_membrane", &SceneBuilder::add_membrane, "radius"_a, "height"_a, "rings"_a = 8,
+             "sectors"_a = 12, "pressure"_a, "contact_stiffness"_a, "material"_a,
+             "Adds a membrane around the z axis, from z = 0 upwards, with a platen at either end; "
+             "its servo keeps the pressure (Pa) of each ring. contact_stiffness: of a grain on an "
+             "element, N/m.")
+        .def(
             "set_velocity",
             [](SceneBuilder& s, EntityId body, const Triple& v) {
                 s.set_velocity(body, vector(v));
@@ -123,6 +143,22 @@ void define_simulation(py::module_& m) {
                 value_of<DriveVelocity>(s.world(), b) = vector(v);
             },
             "body"_a, "velocity"_a, "Sets the velocity (m/s) of a body of prescribed motion.")
+        .def(
+            "move_platen",
+            [](Self& s, double speed) {
+                require(s.world().has_resource<Platen>(),
+                        "move_platen: expected a scene with a membrane, found none");
+                s.world().resource<Platen>().speed = speed;
+            },
+            "speed"_a, "Sets the speed (m/s, downwards) of the upper platen of a membrane.")
+        .def(
+            "membrane_pressure",
+            [](Self& s) {
+                require(s.world().has_resource<Membrane>(),
+                        "membrane_pressure: expected a scene with a membrane, found none");
+                return s.world().resource<Membrane>().pressure;
+            },
+            "Pressure (Pa) on each ring of the membrane in the last step.")
         .def("save", &Self::save, "path"_a, "Writes a checkpoint.")
         .def("load", &Self::load, "path"_a, "Restores a checkpoint of the same scene.");
 }
@@ -133,6 +169,7 @@ PYBIND11_MODULE(_bris, m) {
     py::register_exception<InputError>(m, "InputError", PyExc_ValueError);
     py::register_exception<SimulationError>(m, "SimulationError", PyExc_RuntimeError);
     py::register_exception<OutputError>(m, "OutputError", PyExc_OSError);
+    py::register_exception<BusyError>(m, "BusyError", PyExc_RuntimeError);
     m.attr("version") = bris::detail::build_facts.version;
     m.def("laws", &law_names, "Names of the contact laws.");
     m.def(

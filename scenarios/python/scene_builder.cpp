@@ -2,9 +2,11 @@
 
 #include "engine/errors.hpp"
 #include "scenarios/rocks/clump_library.hpp"
+#include "scenarios/specimens/bench.hpp"
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <utility>
 
@@ -100,6 +102,50 @@ EntityId SceneBuilder::add_plane(const Vec3& point, const Vec3& normal, std::uin
     const EntityId host = add_boundary(scene, point, material, moved);
     bris::add_plane(scene, host, Vec3::Zero(), normal);
     return host;
+}
+
+EntityId SceneBuilder::add_facets(const std::vector<std::vector<Vec3>>& facets,
+                                  std::uint32_t material, const std::string& motion) {
+    check(material);
+    const Motion moved = motion_named(motion);
+    require(moved != Motion::free, "facets: expected fixed or prescribed, found free");
+    require(!facets.empty(), "facets: expected at least one, found none");
+    Vec3 middle = Vec3::Zero();
+    double corners = 0, reach = 0;
+    for (const auto& facet : facets) {
+        require(facet.size() == 3 || facet.size() == 4,
+                fmt::format("facets: expected 3 or 4 corners, found {}", facet.size()));
+        const double area = (facet[1] - facet[0]).cross(facet.back() - facet[0]).norm();
+        require(area > 0, "facets: expected corners that span a plane, found three on a line");
+        for (const Vec3& corner : facet) middle += corner;
+        corners += static_cast<double>(facet.size());
+    }
+    middle /= corners;
+    for (const auto& facet : facets)
+        for (const Vec3& corner : facet) reach = std::max(reach, (corner - middle).norm());
+    const EntityId host = add_boundary(world(), middle, material, moved, reach);
+    for (const auto& facet : facets)
+        add_facet(
+            world(), host,
+            {{facet[0] - middle, facet[1] - middle, facet[2] - middle, facet.back() - middle}});
+    return host;
+}
+
+void SceneBuilder::add_membrane(double radius, double height, unsigned rings, unsigned sectors,
+                                double pressure, double contact_stiffness, std::uint32_t material) {
+    check(material);
+    require(!world().has_resource<Membrane>(), "membrane: expected one, found two");
+    const auto positive = [](const char* name, double value) {
+        require(value > 0, fmt::format("membrane: expected a {} above 0, found {:g}", name, value));
+    };
+    positive("radius", radius);
+    positive("height", height);
+    positive("pressure", pressure);
+    positive("contact_stiffness", contact_stiffness);
+    require(rings >= 1 && sectors >= 4,
+            fmt::format("membrane: expected at least 1 ring and 4 sectors, found {} and {}", rings,
+                        sectors));
+    add_tube(world(), {rings, sectors, radius, height, pressure, contact_stiffness}, material);
 }
 
 void SceneBuilder::set_velocity(EntityId body, const Vec3& velocity) {

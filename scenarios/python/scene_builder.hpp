@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <pybind11/pybind11.h>
 #include <string>
+#include <vector>
 
 namespace bris {
 
@@ -25,6 +26,15 @@ public:
     /// Adds a plane on a body of its own; the normal points to the grains.
     EntityId add_plane(const Vec3& point, const Vec3& normal, std::uint32_t material,
                        const std::string& motion);
+    /// Adds facets of three or four corners each (m, counter-clockwise as seen from the grains) on
+    /// one body, whose position is the mean of all corners.
+    EntityId add_facets(const std::vector<std::vector<Vec3>>& facets, std::uint32_t material,
+                        const std::string& motion);
+    /// Adds a membrane around the z axis, from z = 0 to `height` (m), whose servo keeps the
+    /// pressure (Pa) of each ring, and a platen at either end; the upper one moves (move_platen).
+    /// `contact_stiffness`: N/m, of a grain on an element.
+    void add_membrane(double radius, double height, unsigned rings, unsigned sectors,
+                      double pressure, double contact_stiffness, std::uint32_t material);
     void set_velocity(EntityId body, const Vec3& velocity);
 
     /// Hands over the world. Throws InputError if a simulation has taken it already.

@@ -1,12 +1,12 @@
 #include "scenarios/python/steered_simulation.hpp"
 
-#include "components/pair.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "scenarios/python/arrays.hpp"
 #include "scenarios/specimens/start.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
+#include "systems/output/contact_list.hpp"
 
 #include <fmt/format.h>
 
@@ -40,32 +40,17 @@ Column& column_named(World& world, const std::string& table, const std::string& 
                                  table, column));
 }
 
-/// Columns of the table of contacts that Python sees.
-struct ContactColumns {
-    std::vector<std::string> kind;
-    std::vector<EntityId> owner, partner;
-    std::vector<double> point, force, normal_force, overlap;
-};
+/// Sets a flag for as long as it lives.
+class Busy {
+public:
+    explicit Busy(bool& flag) : flag_(flag) { flag_ = true; }
+    Busy(const Busy&) = delete;
+    Busy& operator=(const Busy&) = delete;
+    ~Busy() { flag_ = false; }
 
-template <class Pairs>
-void add_contacts(const World& world, const char* kind, ContactColumns& to) {
-    if (!world.has<Pairs>()) return;
-    const auto near = world.column<typename Pairs::Near, NearPair>();
-    const auto force = world.column<typename Pairs::Near, PairForce>();
-    const auto rows = world.column<Pairs, PairRows>();
-    const auto body = world.column<Listed, ListedBody>();
-    const auto id = world.column<Bodies, BodyId>();
-    world.resource<NearIndex<Pairs>>().for_touching([&](Row k) {
-        const ForceRow& f = force[k];
-        to.kind.emplace_back(kind);
-        to.owner.push_back(id[body[near[k].owner]]);
-        to.partner.push_back(id[rows[near[k].pair].partner_body]);
-        to.point.insert(to.point.end(), {f.px, f.py, f.pz});
-        to.force.insert(to.force.end(), {f.fx, f.fy, f.fz});
-        to.normal_force.push_back(f.normal_force);
-        to.overlap.push_back(f.overlap);
-    });
-}
+private:
+    bool& flag_;
+};
 
 template <class T>
 py::array array_of(const std::vector<T>& values, std::size_t columns = 1) {
@@ -83,6 +68,13 @@ SteeredSimulation::SteeredSimulation(SceneBuilder& scene, const std::string& law
                         longest, dt));
 }
 
+const Simulation& SteeredSimulation::idle() const {
+    if (busy_)
+        throw BusyError("another thread is running time steps of this simulation; wait until its "
+                        "call of advance has returned");
+    return simulation_;
+}
+
 void SteeredSimulation::require_no_views() const {
     if (*views_ > 0)
         throw py::buffer_error(
@@ -92,18 +84,20 @@ void SteeredSimulation::require_no_views() const {
 }
 
 void SteeredSimulation::advance(std::uint64_t steps) {
+    Simulation& simulation = idle();
     require_no_views();
     if (moved_)
         invalidate_lists(world());
     else if (written_)
         show_velocities(world());
     moved_ = written_ = false;
+    const Busy busy(busy_); // ends after the lock has been taken again
     const py::gil_scoped_release release;
-    simulation_.advance(steps);
+    simulation.advance(steps);
 }
 
 std::uint64_t SteeredSimulation::fingerprint() const {
-    return bris::fingerprint(simulation_.snapshot());
+    return bris::fingerprint(idle().snapshot());
 }
 
 py::array SteeredSimulation::view(const py::object& self, const std::string& table,
@@ -125,36 +119,42 @@ py::array SteeredSimulation::view(const py::object& self, const std::string& tab
     return view_of(found, owner, write);
 }
 
-py::dict SteeredSimulation::state() const { return arrays_of(simulation_.snapshot()); }
+py::dict SteeredSimulation::state() const { return arrays_of(idle().snapshot()); }
 
 py::dict SteeredSimulation::contacts() const {
-    ContactColumns all;
-    const World& world = simulation_.world();
-    add_contacts<SpherePairs>(world, "sphere", all);
-    add_contacts<FacetPairs>(world, "facet", all);
-    add_contacts<PlanePairs>(world, "plane", all);
-    add_contacts<MembranePairs>(world, "membrane", all);
+    std::vector<std::string> kind;
+    std::vector<EntityId> owner, partner;
+    std::vector<double> point, force, normal_force, overlap;
+    for (const Contact& c : contacts_of(idle().world())) {
+        kind.emplace_back(contact_kinds[c.kind]);
+        owner.push_back(c.owner);
+        partner.push_back(c.partner);
+        point.insert(point.end(), c.point.begin(), c.point.end());
+        force.insert(force.end(), c.force.begin(), c.force.end());
+        normal_force.push_back(c.normal_force);
+        overlap.push_back(c.overlap);
+    }
     py::dict columns;
-    columns["kind"] = py::cast(all.kind);
-    columns["owner"] = array_of(all.owner);
-    columns["partner"] = array_of(all.partner);
-    columns["point"] = array_of(all.point, 3);
-    columns["force"] = array_of(all.force, 3);
-    columns["normal_force"] = array_of(all.normal_force);
-    columns["overlap"] = array_of(all.overlap);
+    columns["kind"] = py::cast(kind);
+    columns["owner"] = array_of(owner);
+    columns["partner"] = array_of(partner);
+    columns["point"] = array_of(point, 3);
+    columns["force"] = array_of(force, 3);
+    columns["normal_force"] = array_of(normal_force);
+    columns["overlap"] = array_of(overlap);
     return columns;
 }
 
 void SteeredSimulation::save(const std::filesystem::path& path) const {
-    write_checkpoint(path, {scenario_of_checkpoints,
-                            simulation_.world().resource<Clock>().step,
-                            {},
-                            simulation_.snapshot()});
+    write_checkpoint(
+        path,
+        {scenario_of_checkpoints, idle().world().resource<Clock>().step, {}, idle().snapshot()});
 }
 
 void SteeredSimulation::load(const std::filesystem::path& path) {
+    Simulation& simulation = idle();
     require_no_views();
-    simulation_.restore(read_checkpoint(path).state);
+    simulation.restore(read_checkpoint(path).state);
     moved_ = written_ = false;
 }
 

@@ -6,17 +6,25 @@
 #include <filesystem>
 #include <memory>
 #include <pybind11/numpy.h>
+#include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace bris {
 
+/// A simulation was used by a Python thread while another one runs its time steps.
+struct BusyError : std::runtime_error {
+    using std::runtime_error::runtime_error;
+};
+
 /// A simulation that Python steers. Arrays may show the memory of its columns; while one of them
-/// exists, no step is taken, because a step can move the columns to other memory.
+/// exists, no step is taken, because a step can move the columns to other memory. `advance` lets
+/// other Python threads run; until it has returned, every member throws BusyError in them.
 class SteeredSimulation {
 public:
     SteeredSimulation(SceneBuilder& scene, const std::string& law, unsigned threads);
 
-    World& world() { return simulation_.world(); }
+    World& world() { return idle().world(); }
     /// Throws pybind11::buffer_error while arrays show columns.
     void advance(std::uint64_t steps);
     std::uint64_t fingerprint() const;
@@ -35,8 +43,13 @@ public:
     void load(const std::filesystem::path& path);
 
 private:
+    /// The simulation. Throws BusyError while steps are run.
+    const Simulation& idle() const;
+    Simulation& idle() { return const_cast<Simulation&>(std::as_const(*this).idle()); }
     void require_no_views() const;
+
     Simulation simulation_;
+    bool busy_ = false; // changed and read only by the thread that holds Python's lock
     std::shared_ptr<int> views_ = std::make_shared<int>(0);
     bool moved_ = false, written_ = false; // through writable arrays, since the last step
 };

@@ -3,6 +3,7 @@ import os
 import subprocess
 import sys
 import tempfile
+import threading
 import unittest
 from pathlib import Path
 
@@ -44,6 +45,27 @@ class ModuleTest(unittest.TestCase):
         del height
         s.advance()
         self.assertEqual(s.step, 1)
+
+    def test_a_thread_that_uses_a_simulation_while_another_one_steps_it_is_refused(self):
+        s = column_of_spheres()
+        undisturbed = column_of_spheres()
+        undisturbed.advance(60000)
+        stepping = threading.Thread(target=s.advance, args=(60000,))
+        stepping.start()
+        calls = {'time': lambda: s.time, 'fingerprint': lambda: s.fingerprint, 'advance': s.advance, 'state': s.state,
+                 'contacts': s.contacts, 'quantities': s.quantities, 'view': lambda: s.view('bodies', 'position', write=True),
+                 'save': lambda: s.save('busy.ckpt.h5'), 'load': lambda: s.load('busy.ckpt.h5'), 'force': lambda: s.force(0),
+                 'drive': lambda: s.drive(0, (0, 0, 1)), 'stable_step': s.stable_step, 'position': lambda: s.position(5)}
+        try:
+            while stepping.is_alive():
+                self.assertEqual(s.step, 0)  # the steps have not begun
+        except bris.BusyError:
+            pass
+        for name, call in calls.items():
+            with self.subTest(name), self.assertRaisesRegex(bris.BusyError, 'another thread is running time steps'):
+                call()
+        stepping.join()
+        self.assertEqual(s.fingerprint, undisturbed.fingerprint)
 
     def test_a_view_keeps_its_simulation_alive_and_is_read_only_unless_asked_for(self):
         view = column_of_spheres().view('bodies', 'position')
@@ -88,6 +110,40 @@ class ModuleTest(unittest.TestCase):
         self.assertAlmostEqual(contacts['force'][planes, 2].sum() / weight, 1, delta=1e-3)
         self.assertAlmostEqual(s.quantities()['boundary_force_N'][2] / weight, -1, delta=1e-3)
 
+    def test_facets_carry_spheres_as_the_plane_that_they_lie_in(self):
+        heights = {}
+        for walls in ('plane', 'facet'):
+            scene = bris.Scene('spheres', step=1e-5)
+            rock = scene.add_material(density=2600, normal_stiffness=1e6, shear_stiffness=1e6, friction=0.5, normal_damping=3000)
+            if walls == 'plane':
+                scene.add_plane((0, 0, 0), (0, 0, 1), rock)
+            else:
+                corners = np.array([[[-1, -1, 0], [1, -1, 0], [1, 1, 0]], [[-1, -1, 0], [1, 1, 0], [-1, 1, 0]]]) / 10
+                scene.add_facets(corners, rock)
+            ball = scene.add_sphere((0.01, 0.02, 0.012), 0.01, rock)
+            simulation = bris.Simulation(scene)
+            simulation.advance(20000)
+            self.assertEqual(set(simulation.contacts()['kind']), {walls})
+            heights[walls] = simulation.position(ball)[2]
+        self.assertAlmostEqual(heights['plane'], heights['facet'], delta=1e-12)
+
+    def test_a_membrane_keeps_its_pressure_while_the_platen_moves(self):
+        scene = bris.Scene('spheres', step=1e-5, gravity=(0, 0, 0))
+        rock = scene.add_material(density=2600, normal_stiffness=1e6, shear_stiffness=1e6, friction=0.3)
+        draw = np.random.default_rng(1)
+        for layer in range(6):
+            for k in range(7):
+                angle = k * np.pi / 3 + layer
+                at = (0, 0) if k == 6 else (0.021 * np.cos(angle), 0.021 * np.sin(angle))
+                scene.add_sphere((*at, 0.0102 + 0.0203 * layer), 0.01 * draw.uniform(0.97, 1), rock)
+        scene.add_membrane(radius=0.0325, height=0.122, rings=3, sectors=8, pressure=1e4, contact_stiffness=1e6, material=rock)
+        simulation = bris.Simulation(scene, law='linear')
+        simulation.advance(40000)
+        simulation.move_platen(0.005)
+        simulation.advance(40000)
+        np.testing.assert_allclose(simulation.membrane_pressure(), 1e4, rtol=0.05)
+        self.assertIn('membrane', simulation.contacts()['kind'])
+
     def test_rows_of_a_state_are_in_the_order_of_the_ids(self):
         s = column_of_spheres()
         s.advance(2000)
@@ -105,6 +161,11 @@ class ModuleTest(unittest.TestCase):
             s.view('bodies', 'colour')
         with self.assertRaisesRegex(bris.InputError, 'prescribed'):
             s.drive(0, (0, 0, 1))
+        scene = bris.Scene('clumps', step=1e-5)
+        with self.assertRaisesRegex(bris.InputError, 'three on a line'):
+            scene.add_facets([[(0, 0, 0), (1, 0, 0), (2, 0, 0)]], scene.add_material(density=2600))
+        with self.assertRaisesRegex(bris.InputError, 'membrane'):
+            s.move_platen(1)
         with self.assertRaises(OSError):
             s.load('no/such/file.ckpt.h5')
 
@@ -138,6 +199,22 @@ class ModuleTest(unittest.TestCase):
         self.assertEqual(last['position'].shape, (200, 3))
         self.assertEqual(summary['spheres'], 200)
         np.testing.assert_allclose(series['kinetic_energy'], table['kinetic_energy_J'], rtol=1e-6)
+
+    def test_contacts_of_a_run_file_are_those_of_its_summary(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run([BINARIES / 'settle', '--spheres=200', '--duration=0.5', '--quiet', '--write=contacts', f'--out={folder}'],
+                           check=True, stdout=subprocess.DEVNULL)
+            summary = bris.read_summary(folder)
+            with bris.open_run(folder) as run:
+                times = run.times
+            with bris.open_run(Path(folder) / 'settle_contacts.vtkhdf') as run:
+                np.testing.assert_array_equal(run.times, times)
+                self.assertEqual(run.units['normal_force'], 'N')
+                ends, lines = run.frame(-1), run.cells(-1)
+        self.assertEqual(len(lines['normal_force']), summary['contacts'])
+        self.assertEqual(lines['corners'].shape, (summary['contacts'], 2))
+        self.assertEqual(len(ends['position']), 2 * summary['contacts'])
+        self.assertAlmostEqual(lines['normal_force'].mean(), summary['mean_normal_force_N'], delta=1e-5 * summary['mean_normal_force_N'])
 
     def test_a_folder_without_a_run_file_is_refused(self):
         with tempfile.TemporaryDirectory() as folder, self.assertRaisesRegex(ValueError, 'found 0'):
