@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
@@ -24,6 +25,7 @@ namespace bris {
 namespace {
 
 constexpr int failed = 1, out_of_memory = 2; // exit codes of the child
+constexpr std::size_t pipe_size = 1 << 16;   // bytes
 constexpr unsigned longest_wait = 120;       // s, for files on a system that does not answer
 
 #ifdef BRIS_LIMITS_ALLOCATOR
@@ -53,12 +55,23 @@ void limit_memory_of_child(std::uint64_t bytes) {
 void LimitedChild::Pipe::write(const void* data, std::size_t size) {
     const auto* next = static_cast<const char*>(data);
     while (size > 0) {
-        const ssize_t written = ::write(descriptor_, next, size);
+        const std::size_t part = std::min(size, pipe_size - waiting_.size());
+        waiting_.insert(waiting_.end(), next, next + part);
+        if (waiting_.size() == pipe_size) flush();
+        next += part;
+        size -= part;
+    }
+}
+
+void LimitedChild::Pipe::flush() {
+    for (std::size_t done = 0; done < waiting_.size();) {
+        const ssize_t written =
+            ::write(descriptor_, waiting_.data() + done, waiting_.size() - done);
         if (written < 0 && errno == EINTR) continue;
         if (written <= 0) throw OutputError("the pipe is closed");
-        next += written;
-        size -= static_cast<std::size_t>(written);
+        done += static_cast<std::size_t>(written);
     }
+    waiting_.clear();
 }
 
 int LimitedChild::start() {
@@ -107,12 +120,23 @@ LimitedChild::~LimitedChild() {
 void LimitedChild::read(void* data, std::size_t size) {
     auto* next = static_cast<char*>(data);
     while (size > 0) {
-        const ssize_t found = ::read(pipe_, next, size);
-        if (found < 0 && errno == EINTR) continue;
-        if (found <= 0) throw OutputError(wait_for_reason());
-        next += found;
-        size -= static_cast<std::size_t>(found);
+        if (taken_ == received_.size()) receive();
+        const std::size_t part = std::min(size, received_.size() - taken_);
+        std::memcpy(next, received_.data() + taken_, part);
+        taken_ += part;
+        next += part;
+        size -= part;
     }
+}
+
+void LimitedChild::receive() {
+    received_.resize(pipe_size);
+    ssize_t found = -1;
+    do found = ::read(pipe_, received_.data(), received_.size());
+    while (found < 0 && errno == EINTR);
+    received_.resize(static_cast<std::size_t>(std::max<ssize_t>(found, 0)));
+    taken_ = 0;
+    if (received_.empty()) throw OutputError(wait_for_reason());
 }
 
 std::string LimitedChild::wait_for_reason() {

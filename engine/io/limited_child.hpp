@@ -5,6 +5,7 @@
 #include <exception>
 #include <string>
 #include <sys/types.h>
+#include <vector>
 
 namespace bris {
 
@@ -17,14 +18,17 @@ public:
         std::uint64_t bytes;
         unsigned seconds;
     };
-    /// The writing end of the pipe, for the work.
+    /// The writing end of the pipe, for the work. Small pieces are collected: each write to a pipe
+    /// may cost two changes between the processes.
     class Pipe {
     public:
         explicit Pipe(int descriptor) : descriptor_(descriptor) {}
         void write(const void* data, std::size_t size); ///< throws OutputError
+        void flush();                                   ///< throws OutputError
 
     private:
         int descriptor_;
+        std::vector<char> waiting_;
     };
 
     /// Starts `work(pipe)`. Throws OutputError if the system cannot start a process.
@@ -35,6 +39,7 @@ public:
         try {
             Pipe to_parent(pipe);
             work(to_parent);
+            to_parent.flush();
         } catch (const std::exception&) {
             end(false);
         }
@@ -50,11 +55,14 @@ public:
 private:
     int start(); ///< returns the writing end in the child, and -1 in the parent
     [[noreturn]] static void end(bool well);
+    void receive();
     std::string wait_for_reason();
 
     Limits limits_;
     pid_t id_ = -1;
     int pipe_ = -1; ///< reading end
+    std::vector<char> received_;
+    std::size_t taken_ = 0; ///< of `received_`
 };
 
 } // namespace bris

@@ -1,8 +1,8 @@
 #include "scenarios/recordings/bench_hdf5.hpp"
 
 #include "engine/errors.hpp"
-#include "engine/io/hdf5_content.hpp"
 #include "engine/signal/median.hpp"
+#include "scenarios/recordings/hdf5_recordings.hpp"
 
 #include <fmt/format.h>
 
@@ -33,11 +33,10 @@ std::vector<double> areas_of(const std::vector<TriaxialPoint>& points) {
 
 class BenchReader {
 public:
-    explicit BenchReader(const std::filesystem::path& path)
-        : file_(Hdf5Content::read(path, {group})) {
+    explicit BenchReader(const Hdf5Content& file) : file_(file) {
         require(file_.has(group),
                 fmt::format("{}: expected a group {}, or test.csv beside it, found neither",
-                            path.string(), group));
+                            file.path().string(), group));
         require_dataset("time");
         const auto shape = file_.shape(named("time"));
         require(shape.size() == 1,
@@ -133,7 +132,7 @@ private:
                                    all[k]));
     }
 
-    Hdf5Content file_;
+    const Hdf5Content& file_;
     std::size_t records_ = 0;
 };
 
@@ -144,7 +143,11 @@ bool has_bench(const std::filesystem::path& path) {
 }
 
 Bench read_bench(const std::filesystem::path& path, double pressure) {
-    return BenchReader(path).read(pressure);
+    return bench_in(Hdf5Content::read(path, {group}), pressure);
+}
+
+Bench bench_in(const Hdf5Content& file, double pressure) {
+    return BenchReader(file).read(pressure);
 }
 
 void write_bench(const std::filesystem::path& path, const std::vector<TriaxialPoint>& points,

@@ -1,7 +1,6 @@
 #include "engine/errors.hpp"
-#include "engine/io/hdf5_content.hpp"
 #include "scenarios/recordings/device_channels.hpp"
-#include "scenarios/recordings/recording.hpp"
+#include "scenarios/recordings/hdf5_recordings.hpp"
 
 #include <fmt/format.h>
 
@@ -174,7 +173,11 @@ Recording read_one(const Hdf5Content& file, const SensorInfo& info) {
 } // namespace
 
 std::vector<SensorInfo> read_sensor_infos_hdf5(const std::filesystem::path& path) {
-    const auto file = Hdf5Content::read(path, {"/sensors"}, Hdf5Content::Datasets::left_out);
+    return sensor_infos_in(Hdf5Content::read(path, {"/sensors"}, Hdf5Content::Datasets::left_out));
+}
+
+std::vector<SensorInfo> sensor_infos_in(const Hdf5Content& file) {
+    const std::filesystem::path& path = file.path();
     require(file.has("/sensors"),
             fmt::format("{}: expected a group /sensors, found none", path.string()));
     std::vector<SensorInfo> infos;
@@ -203,7 +206,12 @@ std::vector<SensorInfo> read_sensor_infos_hdf5(const std::filesystem::path& path
 
 std::vector<Recording> read_recordings_hdf5(const std::filesystem::path& path,
                                             const std::vector<SensorInfo>& sensors) {
-    const auto file = Hdf5Content::read(path, {"/sensors"});
+    return recordings_in(Hdf5Content::read(path, {"/sensors"}), sensors);
+}
+
+std::vector<Recording> recordings_in(const Hdf5Content& file,
+                                     const std::vector<SensorInfo>& sensors) {
+    const std::filesystem::path& path = file.path();
     require(file.has("/sensors"),
             fmt::format("{}: expected a group /sensors, found none", path.string()));
     for (const std::string& name : file.names("/sensors"))

@@ -6,7 +6,7 @@
 #include "engine/io/json_numbers.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/options.hpp"
-#include "scenarios/recordings/bench_hdf5.hpp"
+#include "scenarios/recordings/hdf5_recordings.hpp"
 #include "scenarios/recordings/record_stream.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/recordings/recording.hpp"
@@ -202,8 +202,9 @@ Texts hdf5_recordings(const fs::path&, const fs::path& folder) {
 }
 
 void read_hdf5_recordings(const fs::path& file) {
-    (void)read_recordings_hdf5(file, read_sensor_infos_hdf5(file));
-    (void)read_bench(file, 55e3);
+    const auto content = Hdf5Content::read(file, {"/sensors", "/bench"});
+    (void)recordings_in(content, sensor_infos_in(content));
+    (void)bench_in(content, 55e3);
 }
 
 constexpr std::array readers{
