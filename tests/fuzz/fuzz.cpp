@@ -1,8 +1,8 @@
-// Reads hostile files: `fuzz [--reader NAME] [--inputs N] [--seed N]`. Each input is made from a
-// valid one by a deterministic mutator. A reader must accept it or refuse it with an InputError or
-// an OutputError, within a second of processor time, and with no more memory than ten times the
-// input and 64 MiB. An input that makes it fail is kept as a file; so is one that ends the process,
-// for example under the address sanitizer.
+// Reads hostile files: `fuzz [--reader NAME] [--inputs N] [--first N] [--seed N]`. Each input is
+// made from a valid one by a deterministic mutator. A reader must accept it or refuse it with an
+// InputError or an OutputError, within a second of processor time, and with no more memory than ten
+// times the input and 64 MiB. An input that makes it fail is kept as a file; so is one that ends
+// the process, for example under the address sanitizer.
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/whole_file.hpp"
@@ -57,18 +57,22 @@ constexpr double longest = 1; ///< s, of processor time
 
 struct Fuzz {
     std::string reader;
-    std::uint64_t inputs = 2000, seed = 1;
+    std::uint64_t inputs = 2000, first = 0, seed = 1;
 
     void describe(Options& option) {
         option("reader", reader, "", "Only this reader. Empty: all.");
         option("inputs", inputs, "", "Number of inputs for each reader.", within(1, 1e12));
+        option("first", first, "", "Number of the first input, to go on with a series.",
+               within(0, 1e12));
         option("seed", seed, "", "Seed of the inputs.");
     }
 };
 
 struct Count {
     std::uint64_t accepted = 0, refused = 0;
-    double slowest = 0, largest = 0; ///< s, and MiB beyond ten times the input
+    double slowest = 0; ///< s
+    double most = 0;    ///< MiB that were allocated at once
+    double beyond = 0;  ///< MiB of these beyond ten times the input
 };
 
 /// Of this process and of those that it has started and that have ended, s.
@@ -99,11 +103,11 @@ std::string failure_of(const FuzzedReader& reader, const fs::path& file, Count& 
         return fmt::format("internal error: {}", error.what());
     }
     const double seconds = processor_time() - began,
-                 beyond = (static_cast<double>(most_memory - before) -
-                           10 * static_cast<double>(fs::file_size(file))) /
-                          0x1p20;
+                 most = static_cast<double>(most_memory - before) / 0x1p20,
+                 beyond = most - 10 * static_cast<double>(fs::file_size(file)) / 0x1p20;
     count.slowest = std::max(count.slowest, seconds);
-    count.largest = std::max(count.largest, beyond);
+    count.most = std::max(count.most, most);
+    count.beyond = std::max(count.beyond, beyond);
     if (seconds > longest) return fmt::format("takes {:.1f} s", seconds);
     if (beyond > 64) return fmt::format("takes {:.0f} MiB and ten times the input", beyond);
     return {};
@@ -114,7 +118,7 @@ void fuzz(const FuzzedReader& reader, const Fuzz& f, const fs::path& folder) {
     const fs::path file =
         fs::absolute(fmt::format("fuzz_{}_{}{}", reader.name, getpid(), reader.extension));
     Count count;
-    for (std::uint64_t number = 0; number < f.inputs; ++number) {
+    for (std::uint64_t number = f.first; number < f.first + f.inputs; ++number) {
         const itimerval time{{0, 0}, {20, 0}}; // a reader that hangs is ended
         setitimer(ITIMER_VIRTUAL, &time, nullptr);
         std::FILE* const out = std::fopen(file.c_str(), "wb"); // without waiting for the disk
@@ -129,9 +133,11 @@ void fuzz(const FuzzedReader& reader, const Fuzz& f, const fs::path& folder) {
                             reader.name, number, f.seed, why, file.string()));
     }
     fs::remove(file);
-    fmt::print("{:12} {} inputs: {} accepted, {} refused, slowest {:.3f} s, most memory {:.1f} MiB "
-               "beyond ten times the input\n",
-               reader.name, f.inputs, count.accepted, count.refused, count.slowest, count.largest);
+    fmt::print(
+        "{:12} {} inputs: {} accepted, {} refused, slowest {:.3f} s, most memory {:.3f} MiB, "
+        "{:.3f} MiB beyond ten times the input\n",
+        reader.name, f.inputs, count.accepted, count.refused, count.slowest, count.most,
+        count.beyond);
     std::fflush(stdout);
 }
 
