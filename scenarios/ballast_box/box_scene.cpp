@@ -179,23 +179,23 @@ void add_rocks(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies
     }
 }
 
-/// Sensor rocks where the report has them: two cubes under the rail seat, and angular ones under
-/// the middle and the end of a tie and, with two ties, between them; 5 and 25 cm below the ties.
+/// Sensor rocks where the report has them: two (cubes) under the rail seat, and (angular) ones
+/// under the middle and the end of a tie and, with two ties, between them; 5 and 25 cm below the
+/// ties.
 void add_sensors(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies& bodies,
                  const std::vector<Clump>& library, std::uint64_t seed) {
     struct Site {
         const char* name;
         double x, y;
-        const char* shape;
     };
+    const auto shapes = sensor_shapes_named(box.sensor_shape, library, "--sensor-shape");
     const double tie = s.ties.front();
-    std::vector<Site> sites{{"rail_seat", tie, s.rail_seat, "cube"},
-                            {"middle", tie, 0.06, "rock_01"},
-                            {"end", tie, s.tie.y() - 0.03, "rock_02"}};
-    if (s.ties.size() > 1) sites.push_back({"between", s.width / 2, s.rail_seat, "rock_03"});
+    std::vector<Site> sites{
+        {"rail_seat", tie, s.rail_seat}, {"middle", tie, 0.06}, {"end", tie, s.tie.y() - 0.03}};
+    if (s.ties.size() > 1) sites.push_back({"between", s.width / 2, s.rail_seat});
     for (const Site& site : sites)
         for (const std::size_t course : {std::size_t{0}, std::size_t{2}}) {
-            const Clump shape = sensor_shapes_named(site.shape, library, "--clumps").front();
+            const Clump& shape = shapes[bodies.sensors.size() / 2 % shapes.size()];
             const Clump rock = scaled(shape, sensor_size / shape.sieve);
             const auto in_library = std::ranges::find(library, shape.name, &Clump::name);
             const auto number = static_cast<double>(bodies.sensors.size());

@@ -24,6 +24,7 @@ struct BallastBox {
     double width = 0.2, rock_scale = 0, smallest_rock = 0.03;
     std::string material = "limestone", grading = "arema_3";
     std::filesystem::path clumps = {};
+    std::string sensor_shape = "cube,rock_01,rock_02,rock_03";
     double friction_factor = 1, stiffness_factor = 1;
     double subgrade_modulus = 200e6, subgrade_damping = 0.2, series_compliance = 0;
     double rail_bending = 1.58e7, tie_support = 3e7;
@@ -151,6 +152,10 @@ void BallastBox::describe_ballast(auto& option) {
            "Rock of the ballast: granite, limestone (assets/materials) or the path of a file.");
     option("grading", grading, "", help_grading);
     option("clumps", clumps, "", help_clumps);
+    option("sensor_shape", sensor_shape, "",
+           "Shapes of the sensor rocks under the rail seat, the middle and the end of a tie and "
+           "between two ties: clumps of --clumps or of assets/clumps or paths of files. Fewer are "
+           "taken in turn.");
     option("friction_factor", friction_factor, "",
            "Factor on the friction between rocks, uniform in the box.", above(0, 1));
     option("stiffness_factor", stiffness_factor, "",

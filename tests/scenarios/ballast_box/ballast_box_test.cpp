@@ -71,6 +71,23 @@ TEST_SUITE("ballast_box") {
         CHECK(fouling_of(box).p200 == 0);
     }
 
+    TEST_CASE("the sensor rocks have the shapes that the user names, place by place") {
+        BallastBox box;
+        const auto shapes_of = [&](const std::string& names) {
+            box.sensor_shape = names;
+            World world = make_box_world(box, 1);
+            std::vector<std::uint32_t> shapes;
+            for (const BoxSensor& sensor : world.resource<BoxBodies>().sensors)
+                shapes.push_back(value_of<ShapeOf>(world, sensor.body));
+            return shapes;
+        };
+        // a slice has three places with two sensors each; the library is in the order of the names
+        using Shapes = std::vector<std::uint32_t>;
+        CHECK(shapes_of(box.sensor_shape) == Shapes{0, 0, 1, 1, 2, 2});
+        CHECK(shapes_of("rock_05,rock_07") == Shapes{5, 5, 7, 7, 5, 5});
+        CHECK(refusal_of([&] { (void)shapes_of("pebble"); }).starts_with("--sensor-shape"));
+    }
+
     TEST_CASE("fields of a file that do not cover the ballast are refused") {
         const TemporaryDirectory folder;
         const VoxelBlocks blocks({Vec3::Constant(0.01), 0.02}, {{0, 0, 0}});
