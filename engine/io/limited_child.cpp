@@ -16,8 +16,13 @@
 #include <utility>
 
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#include <sanitizer/allocator_interface.h>
 #define BRIS_LIMITS_ALLOCATOR
+extern "C" { // of the sanitizers; g++ 12 does not install their <sanitizer/allocator_interface.h>
+std::size_t __sanitizer_get_current_allocated_bytes();
+int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
+                                                                  std::size_t),
+                                              void (*free_hook)(const volatile void*));
+}
 #endif
 
 namespace bris {

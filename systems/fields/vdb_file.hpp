@@ -38,8 +38,10 @@ void write_vdb(const std::filesystem::path& path, const VoxelBlocks& blocks,
                const std::vector<FieldToWrite>& fields, double time,
                const std::vector<NamedValue>& meta);
 
-/// Reads a grid of numbers of single or double precision with cubic voxels. Throws InputError if
-/// the file is no .vdb file, is truncated, or lacks the grid; OutputError if it cannot be opened.
+/// Reads a grid of numbers of single or double precision with cubic voxels, in a child process with
+/// limits of memory and time, because the library takes gigabytes for damaged ones. Throws
+/// InputError if the file is no .vdb file, is truncated, lacks the grid, or claims more blocks of
+/// voxels than 10 240 and one for each 64 bytes; OutputError if it cannot be read.
 VdbField read_vdb(const std::filesystem::path& path, const std::string& grid);
 /// The same, or nothing if the file lacks the grid.
 std::optional<VdbField> find_vdb(const std::filesystem::path& path, const std::string& grid);

@@ -6,6 +6,8 @@
 #include "engine/io/json_numbers.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/options.hpp"
+#include "engine/random.hpp"
+#include "scenarios/ballast_box/train.hpp"
 #include "scenarios/recordings/hdf5_recordings.hpp"
 #include "scenarios/recordings/record_stream.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
@@ -14,7 +16,10 @@
 #include "scenarios/rocks/clump_library.hpp"
 #include "scenarios/rocks/grading.hpp"
 #include "scenarios/rocks/read_mesh.hpp"
+#include "scenarios/specimens/material_card_file.hpp"
+#include "scenarios/specimens/rock_material.hpp"
 #include "scenarios/specimens/sensor_rocks.hpp"
+#include "systems/fields/vdb_file.hpp"
 
 #include <array>
 #include <cstring>
@@ -201,6 +206,26 @@ Texts hdf5_recordings(const fs::path&, const fs::path& folder) {
     return {read_whole(folder / "valid.h5")};
 }
 
+Texts material_cards(const fs::path&, const fs::path& folder) {
+    write_material_card(folder / "card.csv",
+                        {{0.7, 0.5, 0.9}, {6.3e7, 4e7, 9e7}, {0.38, 0.36, 0.4}});
+    return {read_whole(folder / "card.csv")};
+}
+
+/// Two grids on a few blocks.
+Texts vdb_files(const fs::path&, const fs::path& folder) {
+    const Lattice lattice{Vec3(0.1, -0.2, 0.003), 0.01};
+    const Box3 box{lattice.origin, lattice.origin + Vec3::Constant(0.1)};
+    const VoxelBlocks blocks(lattice, std::span(&box, 1));
+    VoxelField values(blocks);
+    for (std::uint32_t n = 0; n < blocks.voxels(); ++n) values[n] = Random(2, n).uniform(0, 5);
+    write_vdb(folder / "valid.vdb", blocks,
+              {{"fines", "kg/m3", "Fines.", {&values}, &values},
+               {"saturation", "1", "Water.", {&values}, &values}},
+              0, {});
+    return {read_whole(folder / "valid.vdb")};
+}
+
 void read_hdf5_recordings(const fs::path& file) {
     const auto content = Hdf5Content::read(file, {"/sensors", "/bench"});
     (void)recordings_in(content, sensor_infos_in(content));
@@ -248,6 +273,18 @@ constexpr std::array readers{
                      return {read_whole(assets / "gradings/arema_4.csv")};
                  },
                  [](const fs::path& file) { (void)read_grading(file); }},
+    FuzzedReader{"material", ".txt",
+                 [](const fs::path& assets, const fs::path&) -> Texts {
+                     return {read_whole(assets / "materials/granite.txt")};
+                 },
+                 [](const fs::path& file) { (void)read_rock_material(file.string()); }},
+    FuzzedReader{"material_card", ".csv", material_cards,
+                 [](const fs::path& file) { (void)read_material_card(file); }},
+    FuzzedReader{"train", ".csv",
+                 [](const fs::path& assets, const fs::path&) -> Texts {
+                     return {head(assets / "trains/freight.csv", 12)};
+                 },
+                 [](const fs::path& file) { (void)train_named(file.string()); }},
     FuzzedReader{"clump", ".csv",
                  [](const fs::path& assets, const fs::path&) -> Texts {
                      return {read_whole(assets / "clumps/rock_01.csv")};
@@ -256,6 +293,8 @@ constexpr std::array readers{
     FuzzedReader{"stl", ".stl", stl_files, [](const fs::path& file) { (void)read_mesh(file); }},
     FuzzedReader{"obj", ".obj", obj_files, [](const fs::path& file) { (void)read_mesh(file); }},
     FuzzedReader{"ply", ".ply", ply_files, [](const fs::path& file) { (void)read_mesh(file); }},
+    FuzzedReader{"vdb", ".vdb", vdb_files,
+                 [](const fs::path& file) { (void)read_vdb(file, "fines"); }, true},
     FuzzedReader{"checkpoint", ".h5", checkpoints,
                  [](const fs::path& file) { (void)read_checkpoint(file); }},
     FuzzedReader{"hdf5", ".h5", hdf5_recordings, read_hdf5_recordings, true}};
