@@ -83,11 +83,15 @@ struct Head {
 constexpr std::uint64_t least_blocks = 10'240, most_extent = std::uint64_t{1} << 22;
 std::uint64_t most_blocks(std::uint64_t file_size) { return least_blocks + file_size / 64; }
 
-void send(Pipe& pipe, Answer answer, const std::string& text) {
+void send_text(Pipe& pipe, const std::string& text) {
     const std::uint64_t size = text.size();
-    pipe.write(&answer, sizeof answer);
     pipe.write(&size, sizeof size);
     pipe.write(text.data(), text.size());
+}
+
+void send(Pipe& pipe, Answer answer, const std::string& text) {
+    pipe.write(&answer, sizeof answer);
+    send_text(pipe, text);
 }
 
 std::string receive_text(LimitedChild& child) {
@@ -157,7 +161,7 @@ void send_grid(Pipe& pipe, const Grid& grid, std::uint64_t most, const std::stri
                     {box.max().x(), box.max().y(), box.max().z()},
                     blocks.count()};
     send(pipe, Answer::grid, text("units"));
-    send(pipe, Answer::grid, text("quantity"));
+    send_text(pipe, text("quantity"));
     pipe.write(&head, sizeof head);
     pipe.write(blocks.first().data(), blocks.count() * sizeof(Voxel));
     const auto accessor = grid.getConstAccessor();
@@ -209,8 +213,6 @@ void answer(Pipe& pipe, const std::filesystem::path& path, const std::string& na
 VdbField receive_field(LimitedChild& child, std::string units, std::uint64_t most) {
     VdbField field;
     field.units = std::move(units);
-    Answer same{};
-    child.read(&same, sizeof same);
     field.quantity = receive_text(child);
     Head head{};
     child.read(&head, sizeof head);
