@@ -41,6 +41,13 @@ void release(void* at) {
 
 } // namespace
 
+#ifdef __SANITIZE_ADDRESS__
+// libraries may allocate with the sanitizer's own operators and free with those below
+extern "C" __attribute__((visibility("default"))) const char* __asan_default_options() {
+    return "alloc_dealloc_mismatch=0";
+}
+#endif
+
 void* operator new(std::size_t size) { return counted(size); }
 void* operator new[](std::size_t size) { return counted(size); }
 void operator delete(void* at) noexcept { release(at); }
