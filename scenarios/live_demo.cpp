@@ -38,7 +38,7 @@ struct Demo {
                within(0.001, 0.08));
         option("bodies", bodies, "", "Number of rocks in the model, besides the sensor rocks.",
                within(20, 1e5));
-        option("members", members, "", "Number of ensemble members.", within(3, 1000));
+        option("members", members, "", "Number of ensemble members.", within(6, 1000));
         option("host", host, "",
                "Address on which the page and its websockets listen. Anybody who can reach another "
                "one than the loopback can read and send.");

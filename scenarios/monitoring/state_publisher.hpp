@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/io/broker_client.hpp"
+#include "engine/io/broker_link.hpp"
 #include "engine/named_value.hpp"
 #include "engine/world.hpp"
 #include "systems/output/frames.hpp"
@@ -24,24 +24,29 @@ struct SensorAlarm {
 ///                  its id, shape, bounding radius (m) and sensor (0: none)
 ///     bris/poses   binary, little-endian, retained: u8 version (1), u8, u16, u32 bodies, f64 time,
 ///                  then for each body of the scene f32 x y z (m) and qw qx qy qz
-///     bris/state   JSON: numbers by name
+///     bris/state   JSON: numbers by name; the same in a replay
+///     bris/timing  JSON: numbers by name that come from clocks
 ///     smartrock/ID/pose   JSON: t, position (m), attitude (w x y z)
 ///     smartrock/ID/alarm  JSON, retained: active, verdict, reason, t
 /// The scene is published before poses; they have the same bodies in the same order.
 class StatePublisher {
 public:
-    /// The client has to live longer.
-    explicit StatePublisher(BrokerClient& client) : client_(client) {}
+    /// The link has to live longer.
+    explicit StatePublisher(BrokerLink& link) : link_(link) {}
     /// `sensors`: id of the sensor in a body, by the id of the body.
     void publish_scene(const World& world, const BodyFrame& frame,
                        const std::map<std::int64_t, unsigned>& sensors, const std::string& title);
     void publish_poses(const BodyFrame& frame);
-    void publish_state(const std::vector<NamedValue>& numbers);
+    void publish_state(const std::vector<NamedValue>& numbers) { publish("bris/state", numbers); }
+    /// Numbers that are others in a replay, since they come from clocks.
+    void publish_timing(const std::vector<NamedValue>& numbers) { publish("bris/timing", numbers); }
     /// Publishes the alarm if it is not what was published last of this sensor.
     void publish(const SensorAlarm& alarm);
 
 private:
-    BrokerClient& client_;
+    void publish(const std::string& topic, const std::vector<NamedValue>& numbers);
+
+    BrokerLink& link_;
     std::map<std::int64_t, unsigned> sensors_;
     std::map<unsigned, std::string> alarms_; // as published last, without the time
 };
