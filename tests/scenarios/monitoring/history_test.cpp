@@ -1,4 +1,5 @@
 // A day over a real broker, and the same day again from the history in the run file.
+#include "engine/errors.hpp"
 #include "engine/io/broker_history.hpp"
 #include "engine/io/whole_file.hpp"
 #include "scenarios/monitoring/recording_replay.hpp"
@@ -10,6 +11,7 @@
 
 #include <chrono>
 #include <fstream>
+#include <optional>
 #include <thread>
 
 using namespace bris;
@@ -51,6 +53,8 @@ std::vector<std::string> verdicts_in(const fs::path& file) {
             found.push_back(m->topic + " " + m->payload);
     return found;
 }
+
+std::vector<std::string> topics() { return {"bris/#", "smartrock/+/status"}; }
 
 } // namespace
 
@@ -123,5 +127,56 @@ TEST_SUITE("monitoring/history") {
                          in("example/baseline"), "--out", in("day"), "--quiet"});
         CHECK(over_itself.code == 2);
         CHECK(is_one_line_of(over_itself.err, "monitor"));
+    }
+
+    TEST_CASE("live_demo shows a history again: every message of it, in order, at its times") {
+        if (!TestBroker().runs()) return;
+        const TemporaryDirectory folder;
+        const auto path = folder.path() / "run.h5";
+        std::vector<std::string> expected;
+        {
+            Hdf5File file = Hdf5File::create(path);
+            BrokerHistory history(file, 1 << 30);
+            history.add({1e9 - 5, BrokerLink::own_topic, "began"});
+            for (int k = 0; k < 40; ++k) {
+                const auto state = fmt::format("{{\"axial_strain\":{}}}", 1e-4 * k);
+                history.add({1e9 + k, "bris/state", state, false, true});
+                history.add({1e9 + k + 0.5, "smartrock/3/status", "online"});
+                expected.push_back("bris/state " + state);
+                expected.emplace_back("smartrock/3/status online");
+            }
+            history.close();
+            file.close();
+        }
+        const auto out = folder.path() / "out";
+        const Instant began = this_instant();
+        Process demo({"live_demo", "--history", path.string(), "--speed", "20", "--start-after",
+                      "3", "--out", out.string(), "--quiet"});
+        const auto port = [&]() -> std::string {
+            std::ifstream in(out / "broker.conf");
+            for (std::string line; std::getline(in, line);)
+                if (line.starts_with("listener ")) return line.substr(9, line.find(' ', 9) - 9);
+            return "";
+        };
+        BrokerSettings settings;
+        std::optional<BrokerClient> page;
+        for (int k = 0; k < 200 && !page; ++k) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            settings.address = "127.0.0.1:" + port();
+            try {
+                if (settings.address.back() != ':') page.emplace(settings, "page", topics());
+            } catch (const OutputError&) { // it does not listen yet
+            }
+        }
+        REQUIRE(page);
+        std::vector<std::string> shown;
+        while (shown.size() < expected.size()) {
+            const auto m = page->next(10);
+            if (!m) break;
+            shown.push_back(m->topic + " " + m->payload);
+        }
+        CHECK(shown == expected);
+        CHECK(seconds_since(began) > 3 + 39.5 / 20 - 0.1);
+        CHECK(demo.wait(30).code == 0);
     }
 }
