@@ -65,17 +65,21 @@ std::string scene_json(const World& world, const BodyFrame& frame,
     return nlohmann::json{{"title", title}, {"shapes", shapes}, {"bodies", bodies}}.dump();
 }
 
-std::string poses_bytes(const BodyFrame& frame) {
-    std::string bytes;
-    bytes.reserve(16 + 28 * frame.ids.size());
-    append(bytes, std::uint32_t{1}); // version, and three bytes that are not used
-    append(bytes, static_cast<std::uint32_t>(frame.ids.size()));
-    append(bytes, frame.time);
+std::vector<std::string> parts_of_poses(const BodyFrame& frame) {
+    constexpr std::size_t bodies_of_part = 140; // below 4 kB
+    std::vector<std::string> parts;
     for (std::size_t b = 0; b < frame.ids.size(); ++b) {
-        for (int k = 0; k < 3; ++k) append(bytes, static_cast<float>(frame.positions[b][k]));
-        for (const float part : attitude_in(frame, b)) append(bytes, part);
+        if (b % bodies_of_part == 0) {
+            std::string& head = parts.emplace_back();
+            append(head, std::uint32_t{2}); // version, and three bytes that are not used
+            append(head, static_cast<std::uint32_t>(frame.ids.size()));
+            append(head, frame.time);
+            append(head, static_cast<std::uint32_t>(b));
+        }
+        for (int k = 0; k < 3; ++k) append(parts.back(), static_cast<float>(frame.positions[b][k]));
+        for (const float part : attitude_in(frame, b)) append(parts.back(), part);
     }
-    return bytes;
+    return parts;
 }
 
 void StatePublisher::publish_scene(const World& world, const BodyFrame& frame,
@@ -87,7 +91,9 @@ void StatePublisher::publish_scene(const World& world, const BodyFrame& frame,
 }
 
 void StatePublisher::publish_poses(const BodyFrame& frame) {
-    link_.publish("bris/poses", poses_bytes(frame), Delivery::retained);
+    const auto parts = parts_of_poses(frame);
+    for (std::size_t k = 0; k < parts.size(); ++k)
+        link_.publish(fmt::format("bris/poses/{}", k), parts[k], Delivery::retained);
     for (std::size_t b = 0; b < frame.ids.size(); ++b) {
         const auto sensor = sensors_.find(frame.ids[b]);
         if (sensor == sensors_.end()) continue;
