@@ -151,8 +151,8 @@ public:
         }
         baseline_ = baseline.string();
         baselines_ = baselines_of(read_passages(baseline, m_.columns, "--baseline"), settings_);
-        log_.emplace(common_.out);
         if (RunBroker::is_needed(m_.broker, m_.stream)) connect();
+        log_.emplace(common_.out);
         if (m_.broker.client.address.empty() ? m_.stream.empty() : !m_.recordings.empty())
             for (const Passage& p : read_passages(recordings, m_.columns, "--recordings")) take(p);
         else

@@ -121,6 +121,7 @@ struct BrokerClient::Connection {
     BrokerCounters counters;
     bool is_connected = false, was_connected = false, closing = false, ended = false;
     bool ends_session = false, has_failed = false, was_refused = false;
+    bool is_late = false;             // what waited for the connection is being sent
     std::string problem, tls_problem; // of the connection; of the library's log
 
     Connection(const BrokerSettings& s, std::pair<std::string, int> to, const std::string& program,
@@ -277,7 +278,6 @@ struct BrokerClient::Connection {
     }
     void on_connect(int code, bool has_session) {
         std::map<std::string, std::string> again;
-        decltype(waiting) late;
         {
             const std::lock_guard lock(mutex);
             has_failed |= code != 0;
@@ -292,7 +292,6 @@ struct BrokerClient::Connection {
                 if (was_connected) again = retained;
                 const bool lost = was_connected && !has_session;
                 counters.lost_sessions += static_cast<std::uint64_t>(lost);
-                late.swap(waiting);
                 tell(lost ? "session lost" : "connected");
             }
             was_connected |= is_connected;
@@ -303,7 +302,22 @@ struct BrokerClient::Connection {
             mosquitto_subscribe_v5(client, nullptr, topic.c_str(), 1, MQTT_SUB_OPT_SEND_RETAIN_NEW,
                                    nullptr);
         for (const auto& [topic, payload] : again) send(topic, payload, Delivery::retained);
-        for (const auto& [topic, payload] : late) send(topic, payload, Delivery::at_least_once);
+        send_waiting();
+    }
+    /// Sends what waited for the connection. What is published meanwhile comes after it.
+    void send_waiting() {
+        for (bool goes_on = true; goes_on;) {
+            std::pair<std::string, std::string> next;
+            {
+                const std::lock_guard lock(mutex);
+                goes_on = is_connected && !waiting.empty();
+                is_late = goes_on;
+                if (!goes_on) return;
+                next = std::move(waiting.front());
+                waiting.pop_front();
+            }
+            (void)publish_now(next.first, next.second, Delivery::at_least_once);
+        }
     }
     void on_disconnect() {
         const std::lock_guard lock(mutex);
@@ -346,11 +360,11 @@ struct BrokerClient::Connection {
     }
 
     bool send(const std::string& topic, const std::string& payload, Delivery delivery) {
-        const bool confirmed = delivery != Delivery::once_at_most;
         {
             const std::lock_guard lock(mutex);
             const bool full = unconfirmed.size() + waiting.size() >= most_unsent;
-            if (!is_connected && !full && delivery == Delivery::at_least_once) {
+            const bool waits = !is_connected || is_late || !waiting.empty();
+            if (waits && !full && delivery == Delivery::at_least_once) {
                 waiting.emplace_back(topic, payload);
                 return true;
             }
@@ -359,6 +373,10 @@ struct BrokerClient::Connection {
                 return false;
             }
         }
+        return publish_now(topic, payload, delivery);
+    }
+    bool publish_now(const std::string& topic, const std::string& payload, Delivery delivery) {
+        const bool confirmed = delivery != Delivery::once_at_most;
         int id = 0;
         const int rc = mosquitto_publish_v5(
             client, &id, topic.c_str(), static_cast<int>(payload.size()), payload.data(),

@@ -211,6 +211,36 @@ TEST_SUITE("monitoring/broker") {
                        "sensor 1: 300 samples, 0 missing in 0 gaps, 0 messages late"));
     }
 
+    TEST_CASE("what a sender publishes while its link is down is sent afterwards, in order") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        TestLink link(broker.port());
+        BrokerSettings through_link = broker.settings("rocks");
+        through_link.address = link.address();
+        BrokerClient rocks(through_link, "rocks", {});
+        BrokerClient model(broker.settings("model"), "model", BrokerLines::topics());
+        BrokerLines lines(model, two_sensors());
+        std::this_thread::sleep_for(std::chrono::milliseconds(300)); // for the subscription
+        constexpr std::uint32_t count = 200;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            if (k == 50) {
+                link.cut(true);
+                REQUIRE(soon([&] { return !rocks.connected(); }));
+            }
+            if (k == 150) link.cut(false); // it connects again while the others are published
+            CHECK(rocks.publish("smartrock/1/imu", bytes_of(payload(k, 0.01 * k, 1)),
+                                Delivery::at_least_once));
+            if (k > 150) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        }
+        const auto texts = all_lines(lines, count);
+        REQUIRE(texts.size() == count);
+        for (std::uint32_t k = 0; k < count; ++k)
+            if (texts[k].find(fmt::format("\"seq\": {},", k)) == std::string::npos)
+                FAIL("line " << k << ": " << texts[k]);
+        CHECK(rocks.counters().unpublished == 0);
+        CHECK(soon([&] { return rocks.counters().acknowledged == count; }));
+    }
+
     TEST_CASE("a named session keeps records for the next client with its name") {
         TestBroker broker;
         if (!broker.runs()) return;
