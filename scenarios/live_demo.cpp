@@ -4,6 +4,7 @@
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
 #include "engine/io/broker_client.hpp"
+#include "engine/io/broker_history.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
@@ -15,6 +16,7 @@
 
 #include <chrono>
 #include <cstdio>
+#include <optional>
 #include <thread>
 
 namespace bris {
@@ -22,7 +24,7 @@ namespace bris {
 namespace {
 
 struct Demo {
-    std::filesystem::path recordings = assets_folder() / "smartrock" / "55kPa";
+    std::filesystem::path recordings = assets_folder() / "smartrock" / "55kPa", history;
     double speed = 20, final_strain = 0.01, start = 0, keep = 0;
     unsigned bodies = 400, members = 6;
     std::string host = "127.0.0.1";
@@ -32,13 +34,16 @@ struct Demo {
         option("recordings", recordings, "",
                "Folder with recordings.csv and test.csv of a test at 55 kPa; the folder above it "
                "has the metadata of the sensors.");
+        option("history", history, "",
+               "Run file of live_triaxial or monitor: the page shows again what came over the "
+               "broker then, and no model runs.");
         option("speed", speed, "", "Speed of the replay relative to the times of the records.",
                within(0.01, 1e4));
         option("final_axial_strain", final_strain, "", "Axial strain at which the model ends.",
                within(0.001, 0.08));
         option("bodies", bodies, "", "Number of rocks in the model, besides the sensor rocks.",
                within(20, 1e5));
-        option("members", members, "", "Number of ensemble members.", within(3, 1000));
+        option("members", members, "", "Number of ensemble members.", within(6, 1000));
         option("host", host, "",
                "Address on which the page and its websockets listen. Anybody who can reach another "
                "one than the loopback can read and send.");
@@ -94,14 +99,52 @@ std::vector<std::string> words_of_model(const Demo& d, const Common& common,
     return words;
 }
 
+/// How a message of a history is published again: sensors and pages retain what describes a state.
+BrokerLink::Delivery delivery_of(const KeptMessage& m) {
+    const bool of_state = m.topic.ends_with("/config") || m.topic.ends_with("/config/ack") ||
+                          m.topic.ends_with("/status");
+    return m.retained || of_state ? BrokerLink::Delivery::retained
+                                  : BrokerLink::Delivery::at_least_once;
+}
+
+/// Publishes all that a run received and published, in its order and at its times.
+void show_history(const Demo& d, const Common& common, BrokerClient& client) {
+    HistoryReader reader(d.history);
+    std::optional<double> first;
+    std::size_t shown = 0;
+    pause(d.start);
+    const Instant began = this_instant();
+    while (const auto m = reader.next()) {
+        if (m->topic == BrokerLink::own_topic) continue;
+        if (!first) first = m->time;
+        while (m->time - *first > d.speed * seconds_since(began) && !interrupted()) pause(0.005);
+        bool sent = client.publish(m->topic, m->payload, delivery_of(*m));
+        for (const Instant due = this_instant(); !sent && seconds_since(due) < 5;) {
+            pause(0.005); // too many are on their way
+            sent = client.publish(m->topic, m->payload, delivery_of(*m));
+        }
+        if (interrupted()) throw Interrupted("interrupted");
+        shown += static_cast<std::size_t>(sent);
+    }
+    client.flush(10);
+    pause(d.keep);
+    Summary summary;
+    summary.add("messages_shown", shown);
+    report_results(common, summary);
+}
+
 void run(const Demo& d, const Common& common) {
-    const auto lines = stream_of(d.recordings, 1.2, 12);
     LocalBroker broker(
         {common.out, assets_folder() / "live_page", d.host, static_cast<int>(d.port)});
     fmt::print("page: {}\n", broker.page());
     std::fflush(stdout);
     BrokerSettings settings;
     settings.address = broker.address();
+    if (!d.history.empty()) {
+        BrokerClient client(settings, "history", {});
+        return show_history(d, common, client);
+    }
+    const auto lines = stream_of(d.recordings, 1.2, 12);
     auto topics = RecordingReplay::topics();
     topics.emplace_back("bris/scene");
     BrokerClient client(settings, "sensors", topics);

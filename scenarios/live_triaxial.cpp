@@ -2,12 +2,10 @@
 // and at every stage the model estimates friction, stiffness and the displacements of all rocks.
 #include "engine/assets.hpp"
 #include "engine/errors.hpp"
-#include "engine/io/broker_client.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
-#include "engine/signal/attitude.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
@@ -18,8 +16,8 @@
 #include "scenarios/assimilation/live_test.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/run_models.hpp"
-#include "scenarios/monitoring/state_publisher.hpp"
-#include "scenarios/recordings/broker_lines.hpp"
+#include "scenarios/monitoring/run_broker.hpp"
+#include "scenarios/monitoring/test_publisher.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_stream.hpp"
 #include "scenarios/specimens/write_option.hpp"
@@ -29,7 +27,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <memory>
 #include <optional>
 
@@ -41,7 +38,7 @@ struct Live {
     Triaxial triaxial{.test = {.preparation = "report"}}; // as the example's specimen
     std::filesystem::path recordings = assets_folder() / "smartrock";
     std::filesystem::path stream;
-    BrokerSettings broker;
+    RunBrokerSettings broker;
     std::filesystem::path library = assets_folder() / "libraries" / "arema_4_400_rocks.h5";
     RockParameters model{0.5, 1};
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
@@ -59,8 +56,9 @@ struct Live {
         option.group("Stream");
         option("stream", stream, "",
                "Source of the records, one JSON object or CSV line each: - (standard input), a "
-               "growing file, a pipe, or a folder with recordings.csv and test.csv to replay. "
-               "Default: the broker, or else the example at 55 kPa.");
+               "growing file, a pipe, or a folder with recordings.csv and test.csv to replay; or "
+               "the run file of a test over a broker. Default: the broker, or else the example at "
+               "55 kPa.");
         option("recordings", recordings, "",
                "Folder with a file rock_NN.txt for each sensor, which describes the sensor rock "
                "before the test.");
@@ -151,7 +149,10 @@ public:
         infos_ = infos_of_test(s_.recordings, test_settings_.confining_pressure,
                                read_sensor_infos(s_.recordings));
         require_sensor_for_each(scene_.poses, infos_);
-        if (!s_.broker.address.empty()) connect();
+        if (RunBroker::is_needed(s_.broker, s_.stream)) {
+            // before the specimen is made: what arrives until then waits in the queue of the client
+            broker_.emplace(s_.broker, s_.stream, 0.0, common_);
+        }
         if (!s_.stream.empty() && s_.stream != "-" && !std::filesystem::exists(s_.stream))
             throw OutputError(fmt::format("--stream: cannot read '{}'", s_.stream.string()));
         source_ = prepare_stream(s_, common);
@@ -160,11 +161,7 @@ public:
     void report();
 
 private:
-    void connect();
     void prepare();
-    void publish_scene(const World& world);
-    void publish_stage(const RecordedTest& so_far, double latest);
-    BodyFrame present_frame() const;
     void follow();
     void record_stage(const RecordedTest& so_far, double latest);
     void predict(const RecordedTest& so_far);
@@ -178,8 +175,9 @@ private:
     std::vector<SensorInfo> infos_;
     std::filesystem::path source_;
     Progress progress_;
-    std::optional<BrokerClient> client_; // none: no broker
-    std::optional<StatePublisher> publisher_;
+    std::optional<FrameWriter> frames_;
+    std::optional<RunBroker> broker_; // none: no broker. It writes into the file of the frames
+    std::optional<TestPublisher> publisher_;
     const BrokerLines* from_broker_ = nullptr; // of test_
     std::optional<LivePrediction> prediction_;
     std::optional<LiveModel> model_;
@@ -188,7 +186,6 @@ private:
     Archive specimen_;
     std::optional<Simulation> at_start_; // has the shapes of the rocks
     BodyFrame first_frame_;
-    std::optional<FrameWriter> frames_;
     std::vector<std::vector<double>> rows_;
     std::string verdict_;           // of quality control, as printed last
     std::vector<double> latencies_; // s, from the machine's record to the analysis
@@ -229,49 +226,6 @@ void LiveRun::record_stage(const RecordedTest& so_far, double latest) {
     std::fflush(stdout);
 }
 
-/// Connects before the specimen is made: what arrives until then waits in the queue of the client.
-void LiveRun::connect() {
-    client_.emplace(s_.broker, common_.scenario,
-                    s_.stream.empty() ? BrokerLines::topics() : std::vector<std::string>{});
-    publisher_.emplace(*client_);
-}
-
-void LiveRun::publish_scene(const World& world) {
-    if (!publisher_) return;
-    std::map<std::int64_t, unsigned> sensors;
-    const ModelRun& run = model_->state();
-    for (std::size_t k = 0; k < run.sensors; ++k)
-        sensors[static_cast<std::int64_t>(run.rocks[k])] = infos_[k].id;
-    publisher_->publish_scene(world, first_frame_, sensors, "Triaxial test with SmartRocks");
-}
-
-/// Poses of all rocks, curves with their estimates, and sensors that are left out.
-void LiveRun::publish_stage(const RecordedTest& so_far, double latest) {
-    if (!publisher_) return;
-    publisher_->publish_poses(present_frame());
-    const TriaxialPoint& now = model_->state().points.back();
-    std::vector<NamedValue> numbers{{"axial_strain", now.axial_strain},
-                                    {"q_Pa", now.deviatoric_stress},
-                                    {"volumetric_strain", now.volumetric_strain},
-                                    {"latency_s", latest}};
-    for (const NamedValue& v : describe(model_->estimate())) numbers.push_back(v);
-    const auto measured = std::ranges::find_if(so_far.measured, [&](const TriaxialPoint& p) {
-        return p.axial_strain >= now.axial_strain - 0.5 * test_settings_.stage_strain;
-    });
-    if (measured != so_far.measured.end()) {
-        numbers.push_back({"measured_q_Pa", measured->deviatoric_stress});
-        numbers.push_back({"measured_volumetric_strain", measured->volumetric_strain});
-    }
-    publisher_->publish_state(numbers);
-    for (const SensorInfo& info : infos_) {
-        SensorAlarm alarm{info.id, false, "in use", "", now.axial_strain};
-        for (const Finding& f : so_far.findings)
-            if (f.sensor == info.id && f.kind == Finding::Kind::refusal)
-                alarm = {info.id, true, "left out", f.check + ": " + f.text, now.axial_strain};
-        publisher_->publish(alarm);
-    }
-}
-
 /// Predicts the rest of the test by the library at each of its strains.
 void LiveRun::predict(const RecordedTest& so_far) {
     if (!prediction_->update(model_->strain(), measured_test(so_far))) return;
@@ -287,27 +241,7 @@ void LiveRun::predict(const RecordedTest& so_far) {
 void LiveRun::write_frame() {
     if ((model_->state().points.size() - 1) % s_.triaxial.frame_stages != 0 && !model_->done())
         return;
-    frames_->add(at_start_->world(), present_frame());
-}
-
-BodyFrame LiveRun::present_frame() const {
-    const ModelRun& run = model_->state();
-    std::map<std::int64_t, std::size_t> index_of;
-    for (std::size_t k = 0; k < run.rocks.size(); ++k)
-        index_of[static_cast<std::int64_t>(run.rocks[k])] = k;
-    BodyFrame frame = first_frame_;
-    frame.time = run.points.back().axial_strain;
-    for (std::size_t b = 0; b < frame.ids.size(); ++b) {
-        const auto found = index_of.find(frame.ids[b]);
-        if (found == index_of.end()) continue;
-        const RockPose& start = run.start[found->second];
-        frame.positions[b] = start.position + run.displacement.back()[found->second];
-        const Quat q = exponential_map(run.rotation.back()[found->second]) * start.orientation;
-        const double numbers[] = {q.w(), q.x(), q.y(), q.z()};
-        for (std::size_t i = 0; i < 4; ++i)
-            frame.orientations[4 * b + i] = static_cast<float>(numbers[i]);
-    }
-    return frame;
+    frames_->add(at_start_->world(), frame_of_model(first_frame_, model_->state()));
 }
 
 void LiveRun::follow() {
@@ -323,7 +257,9 @@ void LiveRun::follow() {
         if (!ages.empty())
             latencies_.push_back(ages.back()); // of the machine's record that was waited for
         const double latest = ages.empty() ? std::nan("") : ages.back();
-        publish_stage(so_far, latest);
+        if (publisher_)
+            publisher_->publish_stage(frame_of_model(first_frame_, model_->state()), *model_,
+                                      so_far, latest);
         record_stage(so_far, latest);
         write_frame();
         predict(so_far);
@@ -342,18 +278,24 @@ void LiveRun::prepare() {
     at_start_->restore(specimen_);
     first_frame_ = frame_of_bodies(at_start_->world());
     first_frame_.corners.clear(); // the analysis has no shape of the membrane
-    frames_.emplace(common_.out / "live_triaxial.vtkhdf",
+    constexpr auto run_file = "live_triaxial.vtkhdf";
+    const auto earlier = broker_ ? put_aside_run_file(common_, run_file) : "";
+    frames_.emplace(common_.out / run_file,
                     common_.settings, // a resumed run reads its log first and rewrites this file
                     s_.written.extras());
     frames_->file().add_track("stages", columns);
+    if (broker_) broker_->keep_in(frames_->file().file(), earlier);
     frames_->file().flush(); // the file is readable from now on
+    if (!earlier.empty()) std::filesystem::remove(earlier);
     model_.emplace(LiveModelSettings{s_.model, s_.learning, test_settings_.stage_strain,
                                      test_settings_.final_axial_strain, s_.catch_up},
                    [this](const std::vector<ModelVariant>& variants) {
                        return begin_models(scene_, test_settings_, specimen_, variants, common_,
                                            progress_);
                    });
-    publish_scene(at_start_->world());
+    if (!broker_) return;
+    publisher_.emplace(broker_->link(), infos_);
+    publisher_->publish_scene(at_start_->world(), first_frame_, model_->state());
 }
 
 void LiveRun::run() {
@@ -362,8 +304,8 @@ void LiveRun::run() {
     live.pressure = test_settings_.confining_pressure;
     live.quality_control.interval =
         std::max(live.quality_control.interval, test_settings_.stage_strain);
-    if (client_ && s_.stream.empty()) {
-        auto lines = std::make_unique<BrokerLines>(*client_, infos_);
+    if (broker_ && broker_->gives_records()) {
+        auto lines = broker_->lines(infos_);
         from_broker_ = lines.get();
         test_.emplace(std::move(lines), common_.out / log_name, infos_, live);
     } else {
@@ -371,10 +313,10 @@ void LiveRun::run() {
     }
     progress_.pause();
     if (!common_.quiet)
-        fmt::print("ready, reading records from {}\n", s_.stream == "-" ? "standard input"
-                                                       : s_.stream.empty()
-                                                           ? "the broker " + s_.broker.address
-                                                           : s_.stream.string());
+        fmt::print("ready, reading records from {}\n",
+                   s_.stream == "-"    ? "standard input"
+                   : s_.stream.empty() ? "the broker " + s_.broker.client.address
+                                       : s_.stream.string());
     try {
         follow();
     } catch (const Interrupted&) {
@@ -431,12 +373,13 @@ void LiveRun::report() {
     const RecordedTest measured = test_->so_far();
     constexpr double drift = 1e-3, turn = 0.1; // m and rad, model errors at the end of the test
     const std::string found = fmt::format(
-        "{}{}\n{}", from_broker_ != nullptr ? from_broker_->report() : "", test_->report(),
+        "{}{}{}\n{}", from_broker_ != nullptr ? from_broker_->report() : "",
+        broker_ ? broker_->report() : "", test_->report(),
         observability_report(measured, test_settings_.final_axial_strain / 1e-4 * s_.stage_time,
                              drift, turn));
     write_whole(common_.out / "quality_control.txt", found);
     frames_->file().add_meta({{"quality_control", found}});
-    if (client_) client_->flush(2);
+    if (broker_) broker_->finish();
     frames_->file().close();
     write_estimates(common_.out / "learned.csv", model_->estimates());
     draw(measured);
@@ -500,7 +443,7 @@ std::string explain(const Live& given, const Common& common) {
 void run(const Live& given, const Common& common) {
     Live s = given;
     s.triaxial = with_recorded_poses(given.triaxial, given.recordings);
-    if (s.stream.empty() && s.broker.address.empty())
+    if (s.stream.empty() && s.broker.client.address.empty())
         s.stream = assets_folder() / "smartrock" / "55kPa";
     require(s.triaxial.confining_pressure.size() == 1,
             "--confining-pressure: expected one pressure, found several");

@@ -4,11 +4,12 @@
 #include "engine/scenario.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/monitoring/monitor_page.hpp"
+#include "scenarios/monitoring/passage_log.hpp"
 #include "scenarios/monitoring/passage_stream.hpp"
+#include "scenarios/monitoring/run_broker.hpp"
 #include "scenarios/monitoring/sensor_verdict.hpp"
 #include "scenarios/monitoring/state_publisher.hpp"
 #include "scenarios/monitoring/synthetic_vibration.hpp"
-#include "scenarios/recordings/broker_lines.hpp"
 
 #include <fmt/format.h>
 
@@ -28,7 +29,8 @@ struct Monitor {
     SyntheticVibration synthetic;
     MonitorSettings settings;
     PassageStreamSettings of_stream;
-    BrokerSettings broker;
+    RunBrokerSettings broker;
+    double speed = 0;
 
     void describe(auto& option) {
         option.group("Recordings");
@@ -42,7 +44,8 @@ struct Monitor {
                "synthetic recordings.");
         option("stream", stream, "",
                "Source of records instead of --recordings: - (standard input), a pipe or a growing "
-               "file. Sensors are those of the metadata of --baseline.");
+               "file; or monitor.h5, the history of a run over a broker. Sensors are those of the "
+               "metadata of --baseline.");
         option("columns", columns, "", "Column map of CSV files of other programs.");
         option("window", of_stream.window, "s", "Recorded time of a stream in one passage.",
                within(1, 1e6));
@@ -53,6 +56,10 @@ struct Monitor {
                "Time without a record after which the stream counts as ended.", above(0, 1e7));
         option.group("Broker");
         broker.describe(option);
+        option("speed", speed, "",
+               "Speed at which a history is given again, relative to the times of arrival. 0: as "
+               "fast as possible.",
+               within(0, 1e6));
         option.group("Synthetic recordings");
         option("write_example", example, "",
                "Write synthetic recordings, FOLDER/baseline and FOLDER/recordings, and end.");
@@ -113,7 +120,8 @@ void check(const Monitor& m) {
     (void)welch(std::vector<double>(s.segment, 0.0), 1, {.segment = s.segment}); // a fast length
     require(m.stream.empty() || m.recordings.empty(),
             "--stream, --recordings: expected one of the two, found both");
-    const bool given = !m.recordings.empty() || !m.stream.empty() || !m.broker.address.empty();
+    const bool given =
+        !m.recordings.empty() || !m.stream.empty() || !m.broker.client.address.empty();
     require(given == !m.baseline.empty(),
             fmt::format("--baseline: expected together with --recordings, --stream or --broker, "
                         "found {}",
@@ -139,12 +147,13 @@ public:
         } else {
             what_ = !m_.recordings.empty() ? recordings.string()
                     : !m_.stream.empty()   ? "stream " + m_.stream.string()
-                                           : "broker " + m_.broker.address;
+                                           : "broker " + m_.broker.client.address;
         }
         baseline_ = baseline.string();
         baselines_ = baselines_of(read_passages(baseline, m_.columns, "--baseline"), settings_);
-        if (!m_.broker.address.empty()) connect();
-        if (m_.broker.address.empty() ? m_.stream.empty() : !m_.recordings.empty())
+        if (RunBroker::is_needed(m_.broker, m_.stream)) connect();
+        log_.emplace(common_.out);
+        if (m_.broker.client.address.empty() ? m_.stream.empty() : !m_.recordings.empty())
             for (const Passage& p : read_passages(recordings, m_.columns, "--recordings")) take(p);
         else
             follow(baseline);
@@ -152,12 +161,13 @@ public:
     }
 
 private:
-    /// Connects before the baseline is read: what arrives until then waits in the client's queue.
+    /// Connects, and keeps what passes in monitor.h5, the run file.
     void connect() {
-        const bool reads = m_.stream.empty() && m_.recordings.empty();
-        client_.emplace(m_.broker, common_.scenario,
-                        reads ? BrokerLines::topics() : std::vector<std::string>{});
-        publisher_.emplace(*client_);
+        const auto& source = m_.recordings.empty() ? m_.stream : m_.recordings;
+        broker_.emplace(m_.broker, source, m_.speed, common_);
+        run_file_.emplace(Hdf5File::create(common_.out / "monitor.h5"));
+        broker_->keep_in(*run_file_);
+        publisher_.emplace(broker_->link());
     }
 
     void publish(const PassageResult& passage) {
@@ -174,18 +184,19 @@ private:
     }
 
     std::unique_ptr<Lines> lines_of(const std::vector<SensorInfo>& infos) {
-        if (!m_.stream.empty()) return std::make_unique<LineSource>(m_.stream);
-        auto lines = std::make_unique<BrokerLines>(*client_, infos);
+        if (!broker_ || !broker_->gives_records()) return std::make_unique<LineSource>(m_.stream);
+        auto lines = broker_->lines(infos);
         from_broker_ = lines.get();
         return lines;
     }
 
     void take(const Passage& passage) {
         recorded_ += recorded_time(passage);
-        passages_.push_back(judge_passage(passage, baselines_, settings_));
-        publish(passages_.back());
+        const PassageResult result = judge_passage(passage, baselines_, settings_);
+        log_->add(result);
+        publish(result);
         if (common_.quiet) return;
-        const OverallVerdict v = overall_verdict({passages_.back()});
+        const OverallVerdict v = overall_verdict({result});
         fmt::print("{}: {}: {}\n", passage.name, text_of(v.verdict), v.reason);
         std::fflush(stdout);
     }
@@ -198,7 +209,7 @@ private:
         while (const auto passage = stream.next()) {
             stream_report_ = report_of(stream);
             const double recorded = recorded_time(*passage);
-            if (stream.over() && !passages_.empty() &&
+            if (stream.over() && log_->count() > 0 &&
                 recorded < settings_.least_duration + m_.of_stream.late) {
                 ended_ = fmt::format("the stream ended {:.3g} s after the last window, too soon "
                                      "for a verdict on that time\n",
@@ -206,36 +217,26 @@ private:
                 break;
             }
             take(*passage);
-            forget_details();
             write_page(common_.out, report());
-            write_history(common_.out, passages_);
         }
         stream_report_ = report_of(stream) + ended_;
         from_broker_ = nullptr; // it ends with the stream
-        if (client_) client_->flush(2);
     }
 
     std::string report_of(const PassageStream& stream) const {
-        return stream.report() + (from_broker_ != nullptr ? from_broker_->report() : "");
-    }
-
-    /// Keeps what the page shows: the most serious result of each sensor.
-    void forget_details() {
-        for (PassageResult& passage : passages_)
-            for (SensorResult& s : passage.sensors)
-                if (most_serious_result(passages_, s.id).sensor != &s) {
-                    s.points = {};
-                    s.spectrum = {};
-                }
+        return stream.report() + (from_broker_ != nullptr ? from_broker_->report() : "") +
+               (broker_ ? broker_->report() : "");
     }
 
     MonitorReport report() const {
-        return {what_, baseline_, settings_, baselines_, passages_, stream_report_};
+        return {what_,        baseline_,     settings_,     baselines_,
+                log_->kept(), log_->count(), stream_report_};
     }
 
     void finish() {
+        if (broker_) broker_->finish();
+        if (run_file_) run_file_->close();
         write_page(common_.out, report());
-        write_history(common_.out, passages_);
         draw_pictures(common_.out, report());
         Summary summary;
         add_results(summary, report());
@@ -251,8 +252,9 @@ private:
     MonitorSettings settings_;
     std::string what_, baseline_, stream_report_, ended_;
     std::vector<SensorBaseline> baselines_;
-    std::vector<PassageResult> passages_;
-    std::optional<BrokerClient> client_; // none: no broker
+    std::optional<PassageLog> log_;
+    std::optional<Hdf5File> run_file_;
+    std::optional<RunBroker> broker_; // none: no broker. It writes into the run file
     std::optional<StatePublisher> publisher_;
     const BrokerLines* from_broker_ = nullptr; // while a stream is followed
     double recorded_ = 0, began_ = 0;          // s; of a stream without the time for the baseline

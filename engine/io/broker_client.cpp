@@ -4,6 +4,7 @@
 #include "engine/interrupt.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/io/json_numbers.hpp"
+#include "engine/io/message_queue.hpp"
 #include "engine/io/whole_file.hpp"
 
 #include <fmt/format.h>
@@ -46,15 +47,17 @@ bool has_broker_client() { return false; }
 struct BrokerClient::Connection {};
 
 BrokerClient::BrokerClient(const BrokerSettings&, const std::string&,
-                           const std::vector<std::string>&) {
+                           const std::vector<std::string>&, Start) {
     throw OutputError("--broker: this build has no broker client; install libmosquitto-dev and "
                       "build again");
 }
 BrokerClient::~BrokerClient() = default;
 std::optional<BrokerMessage> BrokerClient::next(double) { return {}; }
-void BrokerClient::publish(const std::string&, const std::string&, Delivery) {}
+bool BrokerClient::publish(const std::string&, const std::string&, Delivery) { return false; }
 void BrokerClient::flush(double) {}
+void BrokerClient::end_session() {}
 bool BrokerClient::connected() const { return false; }
+std::string BrokerClient::problem() const { return {}; }
 BrokerCounters BrokerClient::counters() const { return {}; }
 
 #else
@@ -63,7 +66,13 @@ bool has_broker_client() { return true; }
 
 namespace {
 
+using Delivery = BrokerLink::Delivery;
+
 constexpr auto glance = std::chrono::milliseconds(20); // interval between checks for a stop
+constexpr int loop_ms = 100;                           // in which the library looks for a stop
+constexpr double shortest_wait = 1, longest_wait = 8;  // s, before connecting again
+constexpr double farewell = 2; // s that the thread of a connection has for its end
+constexpr int keep_alive = 20; // s
 
 std::string password_in(const std::filesystem::path& file) {
     std::string text = read_whole(file);
@@ -73,35 +82,78 @@ std::string password_in(const std::filesystem::path& file) {
     return text;
 }
 
+/// Properties of a packet of version 5.
+class Properties {
+public:
+    Properties() = default;
+    Properties(const Properties&) = delete;
+    ~Properties() { mosquitto_property_free_all(&list_); }
+    void add(int identifier, std::uint32_t value) {
+        mosquitto_property_add_int32(&list_, identifier, value);
+    }
+    const mosquitto_property* get() const { return list_; }
+
+private:
+    mosquitto_property* list_ = nullptr;
+};
+
 } // namespace
 
+/// The connection and the thread that runs it. The library waits for minutes for an address that
+/// never answers, and for ever for a TLS handshake: the thread owns the connection as well, so that
+/// nobody else has to wait for it.
 struct BrokerClient::Connection {
-    std::string address;
+    const BrokerSettings settings;
+    const std::string host, name;
+    const int port;
     std::vector<std::string> topics;
+    bool tells_of_itself = false; // own_topic is subscribed
     mosquitto* client = nullptr;
+    const WallClock clock;
+
     mutable std::mutex mutex; // of all below; never held while the library is called
     std::condition_variable came;
-    std::deque<BrokerMessage> queue;
-    std::size_t bytes = 0;
-    std::map<std::string, std::string> retained; // last payload of each topic
+    MessageQueue queue{queue_bytes};
+    std::map<std::string, std::string> retained;             // last payload of each topic
+    std::deque<std::pair<std::string, std::string>> waiting; // for a connection: topic, payload
+    std::map<int, bool> unconfirmed; // id of a message that was sent; whether it is sent again
+    std::map<int, bool> early;       // confirmed before its id was known: whether by the broker
     BrokerCounters counters;
-    std::size_t unsent = 0;
-    bool is_connected = false, was_connected = false;
-    int answer = -1; // of the broker to the first connection
+    bool is_connected = false, was_connected = false, closing = false, ended = false;
+    bool ends_session = false, has_failed = false, was_refused = false;
+    bool is_late = false;             // what waited for the connection is being sent
+    std::string problem, tls_problem; // of the connection; of the library's log
 
-    Connection(const BrokerSettings& settings, const std::string& name,
-               std::vector<std::string> subscribed)
-        : address(settings.address), topics(std::move(subscribed)) {
-        const auto [host, port] = host_and_port(settings.address);
-        const std::string password =
-            settings.password_file.empty() ? "" : password_in(settings.password_file);
+    Connection(const BrokerSettings& s, std::pair<std::string, int> to, const std::string& program,
+               const std::vector<std::string>& subscribed)
+        : settings(s), host(std::move(to.first)), name(name_of(s, program)), port(to.second) {
+        for (const std::string& topic : subscribed)
+            if (topic == own_topic)
+                tells_of_itself = true;
+            else
+                topics.push_back(topic);
         static const int started = mosquitto_lib_init();
         (void)started;
-        client = mosquitto_new(fmt::format("{}-{}-{}", name, getpid(), next_number()++).c_str(),
-                               true, this);
+        client = mosquitto_new(name.c_str(), false, this);
         if (client == nullptr) throw OutputError("--broker: cannot create a client");
+    }
+    ~Connection() { mosquitto_destroy(client); }
+
+    static std::string name_of(const BrokerSettings& s, const std::string& program) {
+        static std::atomic<unsigned> number = 0;
+        if (!s.session.empty()) return s.session;
+        return fmt::format("{}-{}-{}-{:.0f}", program, getpid(), number++,
+                           1e3 * WallClock().at(this_instant()));
+    }
+    std::string described(const std::string& what) const {
+        return fmt::format("--broker: {}: {}", settings.address, what);
+    }
+    void set_up() {
         mosquitto_int_option(client, MOSQ_OPT_PROTOCOL_VERSION, MQTT_PROTOCOL_V5);
-        mosquitto_reconnect_delay_set(client, 1, 8, true);
+        mosquitto_int_option(client, MOSQ_OPT_TCP_NODELAY, 1);
+        mosquitto_threaded_set(client, true);
+        const std::string password =
+            settings.password_file.empty() ? "" : password_in(settings.password_file);
         if (!settings.user.empty())
             mosquitto_username_pw_set(client, settings.user.c_str(),
                                       password.empty() ? nullptr : password.c_str());
@@ -110,51 +162,14 @@ struct BrokerClient::Connection {
             if (const int rc = mosquitto_tls_set(client, settings.ca_file.c_str(), nullptr, nullptr,
                                                  nullptr, nullptr);
                 rc != MOSQ_ERR_SUCCESS)
-                fail(mosquitto_strerror(rc));
+                throw OutputError(described(mosquitto_strerror(rc)));
         }
         set_callbacks();
-        connect(host, port, settings.timeout);
-    }
-    ~Connection() { close(); }
-
-    static std::atomic<unsigned>& next_number() {
-        static std::atomic<unsigned> number = 0;
-        return number;
-    }
-    void close() {
-        if (client == nullptr) return;
-        mosquitto_disconnect(client);
-        mosquitto_loop_stop(client, true);
-        mosquitto_destroy(client);
-        client = nullptr;
-    }
-    [[noreturn]] void fail(const std::string& why) {
-        close();
-        throw OutputError(fmt::format("--broker: {}: {}", address, why));
-    }
-    void connect(const std::string& host, int port, double timeout) {
-        mosquitto_property* limits = nullptr; // a larger message is dropped by the broker
-        mosquitto_property_add_int32(&limits, MQTT_PROP_MAXIMUM_PACKET_SIZE,
-                                     static_cast<std::uint32_t>(2 * largest));
-        const int rc = mosquitto_connect_bind_v5(client, host.c_str(), port, 20, nullptr, limits);
-        mosquitto_property_free_all(&limits);
-        if (rc == MOSQ_ERR_ERRNO) fail(std::strerror(errno));
-        if (rc != MOSQ_ERR_SUCCESS) fail(mosquitto_strerror(rc));
-        mosquitto_loop_start(client);
-        const Instant began = this_instant();
-        std::unique_lock lock(mutex);
-        while (answer < 0 && seconds_since(began) < timeout && !interrupted())
-            came.wait_for(lock, glance);
-        const int got = answer;
-        lock.unlock();
-        if (got < 0) fail(fmt::format("expected an answer, found none within {:g} s", timeout));
-        if (got > 0)
-            fail(fmt::format("the broker refused the client: {}", mosquitto_reason_string(got)));
     }
     void set_callbacks() {
         mosquitto_connect_v5_callback_set(
-            client, [](mosquitto*, void* self, int code, int, const mosquitto_property*) {
-                static_cast<Connection*>(self)->on_connect(code);
+            client, [](mosquitto*, void* self, int code, int flags, const mosquitto_property*) {
+                static_cast<Connection*>(self)->on_connect(code, (flags & 1) != 0);
             });
         mosquitto_disconnect_v5_callback_set(
             client, [](mosquitto*, void* self, int, const mosquitto_property*) {
@@ -165,87 +180,254 @@ struct BrokerClient::Connection {
                 static_cast<Connection*>(self)->on_message(*message);
             });
         mosquitto_publish_v5_callback_set(
-            client, [](mosquitto*, void* self, int, int code, const mosquitto_property*) {
-                static_cast<Connection*>(self)->on_publish(code);
+            client, [](mosquitto*, void* self, int id, int code, const mosquitto_property*) {
+                static_cast<Connection*>(self)->on_publish(id, code);
             });
+        mosquitto_log_callback_set(client, [](mosquitto*, void* self, int level, const char* text) {
+            if (level == MOSQ_LOG_ERR) static_cast<Connection*>(self)->on_log(text);
+        });
     }
-    void on_connect(int code) {
+
+    // of the thread
+
+    /// Connects, and again after a break, until the connection is to be closed.
+    void run() {
+        Properties properties;
+        properties.add(MQTT_PROP_MAXIMUM_PACKET_SIZE, 2 * largest); // larger: the broker drops it
+        properties.add(MQTT_PROP_SESSION_EXPIRY_INTERVAL,
+                       static_cast<std::uint32_t>(settings.absence));
+        int rc = mosquitto_connect_bind_v5(client, host.c_str(), port, keep_alive, nullptr,
+                                           properties.get());
+        for (double wait = shortest_wait;; wait = std::min(2 * wait, longest_wait)) {
+            while (rc == MOSQ_ERR_SUCCESS && !is_closing()) rc = mosquitto_loop(client, loop_ms, 1);
+            const int error = errno;
+            if (is_closing()) break;
+            if (note_failure(rc, error)) wait = shortest_wait;
+            const Instant since = this_instant();
+            while (seconds_since(since) < wait && !is_closing())
+                std::this_thread::sleep_for(glance);
+            if (is_closing()) break;
+            rc = mosquitto_reconnect(client);
+        }
+        say_farewell();
+        const std::lock_guard lock(mutex);
+        ended = true;
+        came.notify_all();
+    }
+    bool is_closing() const {
+        const std::lock_guard lock(mutex);
+        return closing;
+    }
+    void say_farewell() {
+        bool connected = false, ends = false;
+        {
+            const std::lock_guard lock(mutex);
+            connected = is_connected;
+            ends = ends_session;
+        }
+        if (!connected) return;
+        Properties properties;
+        if (ends) properties.add(MQTT_PROP_SESSION_EXPIRY_INTERVAL, 0);
+        mosquitto_disconnect_v5(client, 0, ends ? properties.get() : nullptr);
+        while (mosquitto_want_write(client))
+            if (mosquitto_loop(client, loop_ms, 1) != MOSQ_ERR_SUCCESS) break;
+    }
+    /// Keeps what is wrong. Returns whether there was a connection before.
+    bool note_failure(int rc, int error) {
+        const std::lock_guard lock(mutex);
+        const bool was = std::exchange(is_connected, false);
+        has_failed = true;
+        if (std::exchange(was_refused, false)) {
+            // what the broker said is known
+        } else if (was)
+            problem = described("the connection is broken");
+        else if (rc == MOSQ_ERR_TLS || !tls_problem.empty())
+            problem = described(fmt::format(
+                "no TLS connection with the authorities of '{}': {}", settings.ca_file.string(),
+                tls_problem.empty() ? "the other side speaks no TLS" : tls_problem));
+        else if (rc == MOSQ_ERR_ERRNO)
+            problem = described(std::strerror(error));
+        else if (rc == MOSQ_ERR_EAI)
+            problem = described(fmt::format("expected the name of a host, found \"{}\"", host));
+        else
+            problem =
+                described(rc == MOSQ_ERR_CONN_LOST
+                              ? fmt::format("the broker closed the connection without an answer{}",
+                                            settings.ca_file.empty()
+                                                ? "; does it expect TLS (--broker-ca-file)?"
+                                                : "; does it speak TLS?")
+                              : mosquitto_strerror(rc));
+        tls_problem.clear();
+        came.notify_all();
+        return was;
+    }
+
+    // called by the library
+
+    void on_log(const std::string& text) {
+        const std::lock_guard lock(mutex);
+        if (text.find("host name") != std::string::npos)
+            tls_problem = fmt::format("the broker's certificate is of another host than {}", host);
+        else if (text.find("certificate verify failed") != std::string::npos) {
+            if (tls_problem.empty())
+                tls_problem = "the broker's certificate is not signed by them, has expired, or is "
+                              "not valid yet";
+        } else if (text.find("SSL") != std::string::npos && tls_problem.empty()) {
+            tls_problem = text.substr(text.rfind(':') + 1);
+        }
+    }
+    void on_connect(int code, bool has_session) {
         std::map<std::string, std::string> again;
         {
             const std::lock_guard lock(mutex);
-            answer = code;
+            has_failed |= code != 0;
+            was_refused = code != 0;
+            problem = code == 0 ? ""
+                                : described(fmt::format("the broker refused the client: {}",
+                                                        mosquitto_reason_string(code)));
             is_connected = code == 0;
-            unsent = 0;
-            if (is_connected && was_connected) again = retained;
+            if (is_connected) {
+                std::erase_if(unconfirmed, [](const auto& one) { return !one.second; });
+                early.clear();
+                if (was_connected) again = retained;
+                const bool lost = was_connected && !has_session;
+                counters.lost_sessions += static_cast<std::uint64_t>(lost);
+                tell(lost ? "session lost" : "connected");
+            }
             was_connected |= is_connected;
             came.notify_all();
         }
         if (code != 0) return;
         for (const std::string& topic : topics)
-            mosquitto_subscribe(client, nullptr, topic.c_str(), 1);
-        for (const auto& [topic, payload] : again) send(topic, payload, true);
+            mosquitto_subscribe_v5(client, nullptr, topic.c_str(), 1, MQTT_SUB_OPT_SEND_RETAIN_NEW,
+                                   nullptr);
+        for (const auto& [topic, payload] : again) send(topic, payload, Delivery::retained);
+        send_waiting();
+    }
+    /// Sends what waited for the connection. What is published meanwhile comes after it.
+    void send_waiting() {
+        for (bool goes_on = true; goes_on;) {
+            std::pair<std::string, std::string> next;
+            {
+                const std::lock_guard lock(mutex);
+                goes_on = is_connected && !waiting.empty();
+                is_late = goes_on;
+                if (!goes_on) return;
+                next = std::move(waiting.front());
+                waiting.pop_front();
+            }
+            (void)publish_now(next.first, next.second, Delivery::at_least_once);
+        }
     }
     void on_disconnect() {
         const std::lock_guard lock(mutex);
         counters.breaks += static_cast<std::uint64_t>(is_connected);
+        if (is_connected) tell("broken");
+        if (is_connected) problem = described("the connection is broken");
         is_connected = false;
+        came.notify_all();
+    }
+    void tell(const char* what) { // the mutex is held
+        if (tells_of_itself) put({own_topic, what});
+    }
+    void put(BrokerMessage message) { // the same
+        message.arrived = this_instant();
+        message.time = clock.at(message.arrived);
+        counters.dropped += queue.push(std::move(message));
         came.notify_all();
     }
     void on_message(const mosquitto_message& message) {
         const std::lock_guard lock(mutex);
         ++counters.received;
         const auto size = static_cast<std::size_t>(message.payloadlen);
-        if (size > largest) {
+        if (size > largest)
             ++counters.too_large;
+        else
+            put({message.topic, std::string(static_cast<const char*>(message.payload), size),
+                 message.retain});
+    }
+    void on_publish(int id, int code) {
+        const std::lock_guard lock(mutex);
+        counters.refused += static_cast<std::uint64_t>(code >= 128);
+        const auto found = unconfirmed.find(id);
+        if (found == unconfirmed.end()) {
+            early[id] = code < 128;
             return;
         }
-        queue.push_back({message.topic,
-                         std::string(static_cast<const char*>(message.payload), size),
-                         message.retain, this_instant()});
-        bytes += size + queue.back().topic.size() + sizeof(BrokerMessage);
-        while (bytes > queue_bytes) {
-            forget_first();
-            ++counters.dropped;
-        }
+        counters.acknowledged += static_cast<std::uint64_t>(found->second && code < 128);
+        unconfirmed.erase(found);
         came.notify_all();
     }
-    void forget_first() {
-        const BrokerMessage& first = queue.front();
-        bytes -= first.payload.size() + first.topic.size() + sizeof(BrokerMessage);
-        queue.pop_front();
-    }
-    void on_publish(int code) {
-        const std::lock_guard lock(mutex);
-        if (unsent > 0) --unsent;
-        counters.refused += static_cast<std::uint64_t>(code >= 128);
-        came.notify_all();
-    }
-    void send(const std::string& topic, const std::string& payload, bool keep) {
+
+    bool send(const std::string& topic, const std::string& payload, Delivery delivery) {
         {
             const std::lock_guard lock(mutex);
-            if (!is_connected || unsent >= most_unsent) {
-                ++counters.unpublished;
-                return;
+            const bool full = unconfirmed.size() + waiting.size() >= most_unsent;
+            const bool waits = !is_connected || is_late || !waiting.empty();
+            if (waits && !full && delivery == Delivery::at_least_once) {
+                waiting.emplace_back(topic, payload);
+                return true;
             }
-            ++unsent;
+            if (!is_connected || full) {
+                ++counters.unpublished;
+                return false;
+            }
         }
-        const int rc =
-            mosquitto_publish_v5(client, nullptr, topic.c_str(), static_cast<int>(payload.size()),
-                                 payload.data(), keep ? 1 : 0, keep, nullptr);
+        return publish_now(topic, payload, delivery);
+    }
+    bool publish_now(const std::string& topic, const std::string& payload, Delivery delivery) {
+        const bool confirmed = delivery != Delivery::once_at_most;
+        int id = 0;
+        const int rc = mosquitto_publish_v5(
+            client, &id, topic.c_str(), static_cast<int>(payload.size()), payload.data(),
+            confirmed ? 1 : 0, delivery == Delivery::retained, nullptr);
         const std::lock_guard lock(mutex);
-        if (rc == MOSQ_ERR_SUCCESS) {
-            ++counters.published;
-        } else {
+        // a message that is to be confirmed is kept by the library and sent after a break
+        if (rc != MOSQ_ERR_SUCCESS && !(confirmed && rc == MOSQ_ERR_NO_CONN)) {
             ++counters.unpublished;
-            if (unsent > 0) --unsent;
+            return false;
         }
+        ++counters.published;
+        if (const auto found = early.find(id); found != early.end()) {
+            counters.acknowledged += static_cast<std::uint64_t>(confirmed && found->second);
+            early.erase(found);
+        } else {
+            unconfirmed[id] = confirmed;
+        }
+        return true;
     }
 };
 
 BrokerClient::BrokerClient(const BrokerSettings& settings, const std::string& name,
-                           const std::vector<std::string>& topics)
-    : connection_(std::make_unique<Connection>(settings, name, topics)) {}
-BrokerClient::~BrokerClient() = default;
+                           const std::vector<std::string>& topics, Start start)
+    : connection_(
+          std::make_shared<Connection>(settings, host_and_port(settings.address), name, topics)) {
+    Connection& c = *connection_;
+    c.set_up();
+    std::thread([connection = connection_] { connection->run(); }).detach();
+    const Instant began = this_instant();
+    std::unique_lock lock(c.mutex);
+    while (!c.is_connected && !c.has_failed && seconds_since(began) < settings.timeout &&
+           !interrupted())
+        c.came.wait_for(lock, glance);
+    if (c.is_connected) return;
+    const bool silent = !c.has_failed;
+    if (silent)
+        c.problem = c.described(
+            fmt::format("expected an answer, found none within {:g} s", settings.timeout));
+    if (silent && start == Start::any) return;
+    c.closing = true;
+    throw OutputError(c.problem);
+}
+
+BrokerClient::~BrokerClient() {
+    Connection& c = *connection_;
+    std::unique_lock lock(c.mutex);
+    c.closing = true;
+    c.ends_session |= c.settings.session.empty();
+    const Instant began = this_instant();
+    while (!c.ended && seconds_since(began) < farewell) c.came.wait_for(lock, glance);
+}
 
 std::optional<BrokerMessage> BrokerClient::next(double timeout) {
     Connection& c = *connection_;
@@ -254,32 +436,39 @@ std::optional<BrokerMessage> BrokerClient::next(double timeout) {
     while (c.queue.empty() && !interrupted() && seconds_since(began) < timeout)
         c.came.wait_for(lock, glance);
     if (c.queue.empty()) return {};
-    BrokerMessage message = c.queue.front();
-    c.forget_first();
-    return message;
+    return c.queue.pop();
 }
 
-void BrokerClient::publish(const std::string& topic, const std::string& payload,
+bool BrokerClient::publish(const std::string& topic, const std::string& payload,
                            Delivery delivery) {
-    const bool keep = delivery == Delivery::retained;
-    if (keep) {
+    if (delivery == Delivery::retained) {
         const std::lock_guard lock(connection_->mutex);
         connection_->retained[topic] = payload;
     }
-    connection_->send(topic, payload, keep);
+    return connection_->send(topic, payload, delivery);
 }
 
 void BrokerClient::flush(double timeout) {
     Connection& c = *connection_;
     const Instant began = this_instant();
     std::unique_lock lock(c.mutex);
-    while (c.unsent > 0 && c.is_connected && seconds_since(began) < timeout)
+    while (!(c.unconfirmed.empty() && c.waiting.empty()) && seconds_since(began) < timeout)
         c.came.wait_for(lock, glance);
+}
+
+void BrokerClient::end_session() {
+    const std::lock_guard lock(connection_->mutex);
+    connection_->ends_session = true;
 }
 
 bool BrokerClient::connected() const {
     const std::lock_guard lock(connection_->mutex);
     return connection_->is_connected;
+}
+
+std::string BrokerClient::problem() const {
+    const std::lock_guard lock(connection_->mutex);
+    return connection_->problem;
 }
 
 BrokerCounters BrokerClient::counters() const {

@@ -1,12 +1,10 @@
 #pragma once
 
+#include "engine/io/broker_link.hpp"
 #include "engine/options.hpp"
-#include "engine/stopwatch.hpp"
 
-#include <cstdint>
 #include <filesystem>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,7 +15,9 @@ struct BrokerSettings {
     std::string address; ///< HOST:PORT; empty: no broker
     std::string user;    ///< empty: the client gives no name
     std::filesystem::path password_file, ca_file;
-    double timeout = 10; ///< s to wait for the first answer
+    double timeout = 10;      ///< s to wait for the first answer
+    double absence = 86400;   ///< s for which the broker keeps messages while the client is away
+    std::string session = {}; ///< name under which it keeps them; empty: one of this client's own
 
     void describe(auto& option) {
         option("broker", address, "",
@@ -31,57 +31,52 @@ struct BrokerSettings {
                "connection is encrypted with TLS if it is given.");
         option("broker_timeout", timeout, "s", "Time to wait for the broker's first answer.",
                within(0.1, 3600));
+        option("broker_absence", absence, "s",
+               "Time for which the broker is asked to keep records while the connection is broken.",
+               within(0, 4e9));
     }
-};
-
-struct BrokerMessage {
-    std::string topic, payload;
-    bool retained = false; ///< kept by the broker from before the subscription
-    Instant arrived;
-};
-
-/// What a client counts.
-struct BrokerCounters {
-    std::uint64_t received = 0, published = 0;
-    std::uint64_t dropped = 0;     ///< received, but the queue was full: the oldest ones
-    std::uint64_t too_large = 0;   ///< received, but longer than `largest`
-    std::uint64_t unpublished = 0; ///< not sent: no connection, or too many wait to be sent
-    std::uint64_t refused = 0;     ///< published, but refused by the broker
-    std::uint64_t breaks = 0;      ///< of the connection
 };
 
 /// Client of an MQTT broker (version 5, libmosquitto). A separate thread receives the messages of
 /// the subscribed topics, stamps them with the time of arrival and queues them; a full queue drops
-/// its oldest. After a break it connects and subscribes again, and publishes the retained messages
-/// again, since a broker may restart without them.
-class BrokerClient {
+/// its oldest. Messages that were sent to the broker with confirmation (QoS 1) come in the order in
+/// which they were sent. After a break the client connects again, and gets those that the broker
+/// kept meanwhile (`BrokerSettings::absence`); it sends again what the broker has not confirmed,
+/// and the retained messages, since a broker may restart without them.
+class BrokerClient : public BrokerLink {
 public:
     static constexpr std::size_t largest = 1 << 16;     ///< bytes of a received message
     static constexpr std::size_t queue_bytes = 1 << 26; ///< of all messages that wait
-    static constexpr std::size_t most_unsent = 1000;    ///< messages that wait to be sent
+    static constexpr std::size_t most_unsent = 1000;    ///< messages that wait to be confirmed
 
+    enum class Start {
+        answered, ///< only a broker that answers in time will do
+        any       ///< without an answer in time the client goes on trying; see `problem`
+    };
     /// Connects. `name`: beginning of the client's identifier. Throws InputError for a bad address
-    /// or password file, OutputError if the broker does not answer within the timeout or refuses
-    /// the client, and if this build has no broker client.
+    /// or password file, OutputError if the broker does not answer within the timeout, is not there
+    /// or refuses the client, and if this build has no broker client.
     BrokerClient(const BrokerSettings& settings, const std::string& name,
-                 const std::vector<std::string>& topics);
-    ~BrokerClient();
+                 const std::vector<std::string>& topics, Start start = Start::answered);
+    /// Ends the session too, unless its name was given: then the broker keeps what arrives.
+    ~BrokerClient() override;
 
-    /// The next message; waits at most `timeout` (s). Nothing: none came, or the user stops the
-    /// run.
-    std::optional<BrokerMessage> next(double timeout);
-    enum class Delivery { once_at_most, retained };
-    /// Publishes; never waits. Retained messages are acknowledged by the broker, and the last one
-    /// of each topic is published again after a break.
-    void publish(const std::string& topic, const std::string& payload, Delivery delivery);
+    std::optional<BrokerMessage> next(double timeout) override;
+    /// While there is no connection, messages of at_least_once wait; others are not sent, but the
+    /// last retained one of each topic is sent after the break.
+    bool publish(const std::string& topic, const std::string& payload, Delivery delivery) override;
     /// Waits at most `timeout` (s) until all messages are sent.
     void flush(double timeout);
+    /// The broker is to forget the session with the end of this client.
+    void end_session();
     bool connected() const;
-    BrokerCounters counters() const;
+    /// What is wrong with the connection, in one line with its address; empty: nothing.
+    std::string problem() const;
+    BrokerCounters counters() const override;
 
 private:
     struct Connection;
-    std::unique_ptr<Connection> connection_;
+    std::shared_ptr<Connection> connection_; // with the thread of the connection
 };
 
 /// Whether this build has a broker client.

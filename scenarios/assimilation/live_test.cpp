@@ -95,8 +95,15 @@ LiveTest::LiveTest(std::unique_ptr<Lines> lines, std::filesystem::path log,
 // Lines that arrived but are not processed yet would be lost, so they are logged.
 LiveTest::~LiveTest() {
     std::string remaining;
-    if (!over_)
-        while (const auto line = lines_->next(0)) remaining += logged(*line);
+    try {
+        while (!over_) {
+            const auto line = lines_->next(0);
+            if (!line) break;
+            remaining += logged(*line);
+        }
+    } catch (const OutputError& e) { // they were to be kept elsewhere too
+        std::fprintf(stderr, "%s\n", e.what());
+    }
     const bool written =
         std::fwrite(remaining.data(), 1, remaining.size(), log_) == remaining.size();
     if (std::fclose(log_) != 0 || !written)

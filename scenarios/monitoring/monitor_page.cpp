@@ -1,7 +1,7 @@
 #include "scenarios/monitoring/monitor_page.hpp"
 
 #include "engine/io/html_page.hpp"
-#include "engine/io/whole_file.hpp"
+#include "scenarios/monitoring/passage_log.hpp"
 
 #include <fmt/format.h>
 
@@ -99,11 +99,11 @@ void add_sensor_table(HtmlPage& page, const MonitorReport& report) {
 }
 
 void add_history(HtmlPage& page, const MonitorReport& report) {
-    if (report.passages.size() < 2) return;
+    if (report.judged < 2) return;
     page.heading("Passages");
     std::vector<std::vector<std::string>> rows{{"passage", "verdict", "reason"}};
     std::vector<std::string> kinds;
-    constexpr std::size_t shown = 200;
+    constexpr std::size_t shown = PassageLog::most_last;
     const std::size_t first = report.passages.size() > shown ? report.passages.size() - shown : 0;
     for (std::size_t k = first; k < report.passages.size(); ++k) {
         const OverallVerdict v = overall_verdict({report.passages[k]});
@@ -115,7 +115,9 @@ void add_history(HtmlPage& page, const MonitorReport& report) {
         kinds.push_back(kind_of(v.verdict));
     }
     page.table(rows, kinds);
-    if (first > 0) page.paragraph(fmt::format("The first {} passages are in history.csv.", first));
+    if (report.judged > shown)
+        page.paragraph(
+            fmt::format("The first {} passages are in history.csv.", report.judged - shown));
 }
 
 std::vector<double> times_since_first(const ChartPoints& points) {
@@ -268,7 +270,7 @@ void add_results(Summary& summary, const MonitorReport& report) {
     const OverallVerdict overall = overall_verdict(report.passages);
     summary.add("verdict", text_of(overall.verdict));
     summary.add("reason", overall.reason);
-    summary.add("passages", report.passages.size());
+    summary.add("passages", report.judged);
     for (const unsigned id : sensors_of(report)) {
         const OverallVerdict v = overall_verdict(report.passages, id);
         const SensorResult& s = *most_serious_result(report.passages, id).sensor;
@@ -293,21 +295,6 @@ void add_results(Summary& summary, const MonitorReport& report) {
         if (b != nullptr) add("baseline_outlier_share", b->outlier_share);
         if (b != nullptr) add("model_order", b->model.order());
     }
-}
-
-void write_history(const std::filesystem::path& folder,
-                   const std::vector<PassageResult>& passages) {
-    const auto cell = [](double x) { return std::isfinite(x) ? fmt::format("{:.6g}", x) : ""; };
-    std::string text = "passage,sensor,verdict,outlier_share,rms_ratio,power_ratio,reason\n";
-    for (const PassageResult& passage : passages)
-        for (const SensorResult& s : passage.sensors) {
-            std::string reason = s.reason;
-            std::ranges::replace(reason, '"', '\'');
-            text += fmt::format("\"{}\",{},{},{},{},{},\"{}\"\n", passage.name, s.id,
-                                text_of(s.verdict), cell(s.outlier_share), cell(s.level_ratio),
-                                cell(s.power_ratio), reason);
-        }
-    write_whole(folder / "history.csv", text);
 }
 
 } // namespace bris

@@ -15,8 +15,9 @@ struct MonitorReport {
     std::string recordings, baseline; ///< what was compared, for the reader
     const MonitorSettings& settings;
     const std::vector<SensorBaseline>& baselines;
-    const std::vector<PassageResult>& passages;
-    std::string stream; ///< report on the stream; empty: a folder was read
+    const std::vector<PassageResult>& passages; ///< that are kept (PassageLog)
+    std::size_t judged = 0;                     ///< all passages
+    std::string stream = {};                    ///< report on the stream; empty: a folder was read
 };
 
 /// Spectrum of the baseline, and of the recording with its 95 % confidence band.
@@ -31,7 +32,5 @@ void write_page(const std::filesystem::path& folder, const MonitorReport& report
 void draw_pictures(const std::filesystem::path& folder, const MonitorReport& report);
 /// Adds the verdicts and numbers: overall, and sensor_ID_... of the most serious result of each.
 void add_results(Summary& summary, const MonitorReport& report);
-/// A line for each sensor and passage, history.csv. Throws OutputError.
-void write_history(const std::filesystem::path& folder, const std::vector<PassageResult>& passages);
 
 } // namespace bris

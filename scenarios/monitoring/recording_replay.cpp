@@ -11,7 +11,7 @@
 
 namespace bris {
 
-using Delivery = BrokerClient::Delivery;
+using Delivery = BrokerLink::Delivery;
 
 NodeConfiguration parse_configuration(const std::string& text) {
     const auto json = nlohmann::json::parse(text, nullptr, false);
@@ -36,9 +36,9 @@ NodeConfiguration parse_configuration(const std::string& text) {
     return c;
 }
 
-RecordingReplay::RecordingReplay(BrokerClient& client, const std::vector<std::string>& lines,
+RecordingReplay::RecordingReplay(BrokerLink& link, const std::vector<std::string>& lines,
                                  double speed)
-    : client_(client), speed_(speed) {
+    : link_(link), speed_(speed) {
     RecordParser parser;
     std::uint64_t number = 0;
     for (const std::string& line : lines)
@@ -50,17 +50,16 @@ RecordingReplay::RecordingReplay(BrokerClient& client, const std::vector<std::st
         records_, [](const auto& r) { return std::isfinite(r.first.number("t")); });
     if (first != records_.end()) first_t_ = first->first.number("t");
     for (const auto& [id, node] : nodes_)
-        client_.publish(fmt::format("smartrock/{}/status", id), "{\"status\": \"online\"}",
-                        Delivery::retained);
+        link_.publish(fmt::format("smartrock/{}/status", id), "{\"status\": \"online\"}",
+                      Delivery::retained);
 }
 
 bool RecordingReplay::advance() {
-    while (const auto message = client_.next(0)) obey(*message);
+    while (const auto message = link_.next(0)) obey(*message);
     const double now = first_t_ + speed_ * seconds_since(began_);
-    while (next_ < records_.size() && !(records_[next_].first.number("t") > now)) {
-        publish(records_[next_].first, records_[next_].second);
+    while (next_ < records_.size() && !(records_[next_].first.number("t") > now) &&
+           publish(records_[next_].first, records_[next_].second))
         ++next_;
-    }
     return next_ < records_.size();
 }
 
@@ -77,16 +76,18 @@ void RecordingReplay::obey(const BrokerMessage& message) {
     } catch (const InputError& e) {
         answer = {{"accepted", false}, {"reason", e.what()}, {"revision", 0}};
     }
-    client_.publish(fmt::format("smartrock/{}/config/ack", id), answer.dump(), Delivery::retained);
+    link_.publish(fmt::format("smartrock/{}/config/ack", id), answer.dump(), Delivery::retained);
 }
 
-void RecordingReplay::publish(const StreamRecord& record, const std::string& line) {
+/// Returns false if the link does not take the record now.
+bool RecordingReplay::publish(const StreamRecord& record, const std::string& line) {
     if (record.has("id")) return publish_sample(static_cast<unsigned>(record.number("id")), record);
-    client_.publish("test_machine/record", line, Delivery::once_at_most);
-    ++sent_;
+    const bool taken = link_.publish("test_machine/record", line, Delivery::at_least_once);
+    sent_ += static_cast<std::size_t>(taken);
+    return taken;
 }
 
-void RecordingReplay::publish_sample(unsigned id, const StreamRecord& record) {
+bool RecordingReplay::publish_sample(unsigned id, const StreamRecord& record) {
     Node& node = nodes_.at(id);
     const NodeConfiguration& c = node.configuration;
     const double t = record.number("t");
@@ -98,11 +99,9 @@ void RecordingReplay::publish_sample(unsigned id, const StreamRecord& record) {
     if (!is_first && (t - node.last_time < (1 - 1e-6) / c.rate_hz ||
                       (c.strategy == "triggered" && !(change > c.threshold)))) {
         ++withheld_;
-        return;
+        return true;
     }
-    node.last_time = t;
-    for (int k = 0; k < 3; ++k) node.last_force[k] = record.number(axes[k]);
-    SensorPayload p{.channels = 0, .sequence = node.sequence++, .time = t, .interval = 0};
+    SensorPayload p{.channels = 0, .sequence = node.sequence, .time = t, .interval = 0};
     for (unsigned bit = 0; bit < 8; ++bit) {
         SensorPayload one{.channels = static_cast<std::uint8_t>(1u << bit)};
         if (!std::ranges::all_of(one.columns(), [&](const auto& n) { return record.has(n); }))
@@ -111,9 +110,14 @@ void RecordingReplay::publish_sample(unsigned id, const StreamRecord& record) {
         for (const auto& name : one.columns())
             p.numbers.push_back(static_cast<float>(record.number(name)));
     }
-    if (p.channels == 0) return;
-    client_.publish(fmt::format("smartrock/{}/imu", id), bytes_of(p), Delivery::once_at_most);
+    if (p.channels == 0) return true;
+    if (!link_.publish(fmt::format("smartrock/{}/imu", id), bytes_of(p), Delivery::at_least_once))
+        return false;
     ++sent_;
+    ++node.sequence;
+    node.last_time = t;
+    for (int k = 0; k < 3; ++k) node.last_force[k] = record.number(axes[k]);
+    return true;
 }
 
 } // namespace bris

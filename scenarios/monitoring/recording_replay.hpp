@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/io/broker_client.hpp"
+#include "engine/io/broker_link.hpp"
 #include "scenarios/recordings/record_stream.hpp"
 
 #include <cstdint>
@@ -27,17 +27,19 @@ NodeConfiguration parse_configuration(const std::string& json);
 class RecordingReplay {
 public:
     static std::vector<std::string> topics() { return {"smartrock/+/config"}; }
-    /// The client, subscribed to the topics, has to live longer. `speed` > 0, relative to the t.
-    RecordingReplay(BrokerClient& client, const std::vector<std::string>& lines, double speed);
-    /// Publishes what is due and obeys what has come. Returns false when all is sent.
+    /// The link, with a subscription of the topics, has to live longer. `speed` > 0, relative to
+    /// the t.
+    RecordingReplay(BrokerLink& link, const std::vector<std::string>& lines, double speed);
+    /// Publishes what is due, with confirmation, as far as the link takes it, and obeys what has
+    /// come. Returns false when all is sent.
     bool advance();
     std::size_t sent() const { return sent_; }
     std::size_t withheld() const { return withheld_; } ///< by the configurations
 
 private:
     void obey(const BrokerMessage& message);
-    void publish(const StreamRecord& record, const std::string& line);
-    void publish_sample(unsigned id, const StreamRecord& record);
+    bool publish(const StreamRecord& record, const std::string& line);
+    bool publish_sample(unsigned id, const StreamRecord& record);
 
     struct Node {
         NodeConfiguration configuration;
@@ -45,7 +47,7 @@ private:
         double last_time = -1e300; ///< s, of the last sample sent
         double last_force[3] = {0, 0, 0};
     };
-    BrokerClient& client_;
+    BrokerLink& link_;
     std::vector<std::pair<StreamRecord, std::string>> records_;
     double speed_, first_t_ = 0;
     Instant began_ = this_instant();

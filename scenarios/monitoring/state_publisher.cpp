@@ -16,7 +16,7 @@ namespace bris {
 
 namespace {
 
-using Delivery = BrokerClient::Delivery;
+using Delivery = BrokerLink::Delivery;
 
 template <class T>
 void append(std::string& bytes, T number) {
@@ -65,35 +65,41 @@ std::string scene_json(const World& world, const BodyFrame& frame,
     return nlohmann::json{{"title", title}, {"shapes", shapes}, {"bodies", bodies}}.dump();
 }
 
-std::string poses_bytes(const BodyFrame& frame) {
-    std::string bytes;
-    bytes.reserve(16 + 28 * frame.ids.size());
-    append(bytes, std::uint32_t{1}); // version, and three bytes that are not used
-    append(bytes, static_cast<std::uint32_t>(frame.ids.size()));
-    append(bytes, frame.time);
+std::vector<std::string> parts_of_poses(const BodyFrame& frame) {
+    constexpr std::size_t bodies_of_part = 140; // below 4 kB
+    std::vector<std::string> parts;
     for (std::size_t b = 0; b < frame.ids.size(); ++b) {
-        for (int k = 0; k < 3; ++k) append(bytes, static_cast<float>(frame.positions[b][k]));
-        for (const float part : attitude_in(frame, b)) append(bytes, part);
+        if (b % bodies_of_part == 0) {
+            std::string& head = parts.emplace_back();
+            append(head, std::uint32_t{2}); // version, and three bytes that are not used
+            append(head, static_cast<std::uint32_t>(frame.ids.size()));
+            append(head, frame.time);
+            append(head, static_cast<std::uint32_t>(b));
+        }
+        for (int k = 0; k < 3; ++k) append(parts.back(), static_cast<float>(frame.positions[b][k]));
+        for (const float part : attitude_in(frame, b)) append(parts.back(), part);
     }
-    return bytes;
+    return parts;
 }
 
 void StatePublisher::publish_scene(const World& world, const BodyFrame& frame,
                                    const std::map<std::int64_t, unsigned>& sensors,
                                    const std::string& title) {
     sensors_ = sensors;
-    client_.publish("bris/scene", scene_json(world, frame, sensors, title), Delivery::retained);
+    link_.publish("bris/scene", scene_json(world, frame, sensors, title), Delivery::retained);
     publish_poses(frame);
 }
 
 void StatePublisher::publish_poses(const BodyFrame& frame) {
-    client_.publish("bris/poses", poses_bytes(frame), Delivery::retained);
+    const auto parts = parts_of_poses(frame);
+    for (std::size_t k = 0; k < parts.size(); ++k)
+        link_.publish(fmt::format("bris/poses/{}", k), parts[k], Delivery::retained);
     for (std::size_t b = 0; b < frame.ids.size(); ++b) {
         const auto sensor = sensors_.find(frame.ids[b]);
         if (sensor == sensors_.end()) continue;
         const Vec3& p = frame.positions[b];
         const auto q = attitude_in(frame, b);
-        client_.publish(
+        link_.publish(
             fmt::format("smartrock/{}/pose", sensor->second),
             nlohmann::json{{"t", frame.time}, {"position", {p.x(), p.y(), p.z()}}, {"attitude", q}}
                 .dump(),
@@ -101,25 +107,25 @@ void StatePublisher::publish_poses(const BodyFrame& frame) {
     }
 }
 
-void StatePublisher::publish_state(const std::vector<NamedValue>& numbers) {
+void StatePublisher::publish(const std::string& topic, const std::vector<NamedValue>& numbers) {
     nlohmann::json state = nlohmann::json::object();
     for (const NamedValue& n : numbers)
         if (const double* x = std::get_if<double>(&n.value))
             state[n.key] = std::isfinite(*x) ? nlohmann::json(*x) : nlohmann::json();
-    client_.publish("bris/state", state.dump(), Delivery::once_at_most);
+    link_.publish(topic, state.dump(), Delivery::once_at_most);
 }
 
 void StatePublisher::publish(const SensorAlarm& alarm) {
     const std::string text = fmt::format("{} {} {}", alarm.active, alarm.verdict, alarm.reason);
     if (std::exchange(alarms_[alarm.sensor], text) == text) return;
-    client_.publish(fmt::format("smartrock/{}/alarm", alarm.sensor),
-                    nlohmann::json{{"active", alarm.active},
-                                   {"verdict", alarm.verdict},
-                                   {"reason", alarm.reason},
-                                   {"t", std::isfinite(alarm.time) ? nlohmann::json(alarm.time)
-                                                                   : nlohmann::json()}}
-                        .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
-                    Delivery::retained);
+    link_.publish(fmt::format("smartrock/{}/alarm", alarm.sensor),
+                  nlohmann::json{{"active", alarm.active},
+                                 {"verdict", alarm.verdict},
+                                 {"reason", alarm.reason},
+                                 {"t", std::isfinite(alarm.time) ? nlohmann::json(alarm.time)
+                                                                 : nlohmann::json()}}
+                      .dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
+                  Delivery::retained);
 }
 
 } // namespace bris

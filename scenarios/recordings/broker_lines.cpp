@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <utility>
 
 namespace bris {
 
@@ -18,6 +19,7 @@ namespace {
 
 constexpr std::size_t most_kinds = 40; // of faults that are listed apart
 constexpr double health_interval = 1;  // s
+constexpr double longest_overtime = 1; // s for which messages that give no line are taken
 constexpr std::string_view of_sensor = "smartrock/", of_machine = "test_machine/record";
 
 /// JSON has no NaN.
@@ -26,11 +28,11 @@ std::string json_number(double x) { return std::isfinite(x) ? fmt::format("{:.9g
 } // namespace
 
 std::vector<std::string> BrokerLines::topics() {
-    return {"smartrock/+/imu", "smartrock/+/status", std::string(of_machine)};
+    return {"smartrock/+/imu",        "smartrock/+/status",    "smartrock/+/config",
+            "smartrock/+/config/ack", std::string(of_machine), BrokerLink::own_topic};
 }
 
-BrokerLines::BrokerLines(BrokerClient& client, const std::vector<SensorInfo>& infos)
-    : client_(client) {
+BrokerLines::BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos) : link_(link) {
     for (const SensorInfo& info : infos) sensors_[info.id];
 }
 
@@ -39,11 +41,13 @@ std::optional<Lines::Line> BrokerLines::next(double timeout) {
     while (ready_.empty()) {
         if (seconds_since(published_) >= health_interval) publish_health();
         const double left = timeout - seconds_since(began);
-        const auto message = client_.next(std::clamp(left, 0.0, health_interval));
+        const auto message = link_.next(std::clamp(left, 0.0, health_interval));
         if (message)
             take(*message);
-        else if (interrupted() || left <= 0)
+        else if (interrupted() || left <= 0 || link_.over())
             return {};
+        if (ready_.empty() && left < -longest_overtime)
+            return {}; // nothing of use, but a lot of it
     }
     Line line = std::move(ready_.front());
     ready_.pop_front();
@@ -57,8 +61,10 @@ void BrokerLines::note(const std::string& kind, const std::string& text) {
 }
 
 void BrokerLines::take(const BrokerMessage& message) {
-    ++messages_;
     const std::string_view topic = message.topic;
+    if (topic == BrokerLink::own_topic) return take_news_of_link(message.payload);
+    ++messages_;
+    if (topic.ends_with("/config") || topic.ends_with("/config/ack")) return; // for the history
     if (topic == of_machine) return take_machine(message);
     const auto slash = topic.rfind('/');
     if (!topic.starts_with(of_sensor) || slash < of_sensor.size())
@@ -79,6 +85,14 @@ void BrokerLines::take(const BrokerMessage& message) {
         take_payload(sensor->first, sensor->second, message);
 }
 
+void BrokerLines::take_news_of_link(const std::string& news) {
+    if (news == "began" && messages_ > 0) // of a history: the model was started again
+        for (auto& [id, sensor] : sensors_) sensor = {};
+    if (news == "session lost")
+        note("session", "the broker kept nothing while the connection was broken: what was sent "
+                        "meanwhile is lost");
+}
+
 void BrokerLines::take_machine(const BrokerMessage& message) {
     std::string text = message.payload;
     std::ranges::replace(text, '\n', ' ');
@@ -97,11 +111,9 @@ void BrokerLines::take_machine(const BrokerMessage& message) {
     ready_.push_back({++lines_, std::move(text), message.arrived, true});
 }
 
-bool BrokerLines::allows(Sensor& sensor, std::size_t samples, Instant now) const {
-    const double since = std::chrono::duration<double>(now - sensor.filled).count();
-    sensor.filled = std::max(now, sensor.filled);
-    sensor.allowance =
-        std::min(most_samples * burst, sensor.allowance + most_samples * std::max(0.0, since));
+bool BrokerLines::allows(Sensor& sensor, std::size_t samples, double now) const {
+    const double since = std::max(0.0, now - std::exchange(sensor.filled, now));
+    sensor.allowance = std::min(most_samples * burst, sensor.allowance + most_samples * since);
     if (sensor.allowance < static_cast<double>(samples)) return false;
     sensor.allowance -= static_cast<double>(samples);
     return true;
@@ -115,7 +127,7 @@ void BrokerLines::take_payload(unsigned id, Sensor& sensor, const BrokerMessage&
         ++sensor.unreadable;
         return note("payload", fmt::format("{}: {}", message.topic, e.what()));
     }
-    if (!allows(sensor, p.samples(), message.arrived)) {
+    if (!allows(sensor, p.samples(), message.time)) {
         if (sensor.over_rate++ == 0)
             note(fmt::format("rate {}", id),
                  fmt::format("{}: expected at most {:g} samples per second; more are dropped",
@@ -123,9 +135,17 @@ void BrokerLines::take_payload(unsigned id, Sensor& sensor, const BrokerMessage&
         return;
     }
     using enum SequenceTrack::Verdict;
-    switch (sensor.track.take({p.sequence, static_cast<std::uint32_t>(p.samples()), p.time,
-                               static_cast<double>(p.interval),
-                               std::hash<std::string>{}(message.payload)})) {
+    const auto gaps = sensor.track.counters().gaps;
+    const auto missing = sensor.track.counters().missing;
+    const auto verdict = sensor.track.take({p.sequence, static_cast<std::uint32_t>(p.samples()),
+                                            p.time, static_cast<double>(p.interval),
+                                            std::hash<std::string>{}(message.payload)});
+    if (sensor.track.counters().gaps > gaps)
+        note(fmt::format("gap {}", id),
+             fmt::format("{}: {} samples are missing after {:.6g} s; some may come late",
+                         message.topic, sensor.track.counters().missing - missing,
+                         sensor.last_time));
+    switch (verdict) {
     case accepted:
     case late:
         return add(id, sensor, p, message.arrived);
@@ -173,15 +193,15 @@ void BrokerLines::add(unsigned id, Sensor& sensor, const SensorPayload& p, Insta
 
 void BrokerLines::publish_health() {
     published_ = this_instant();
-    client_.publish("bris/health", health(), BrokerClient::Delivery::retained);
+    link_.publish("bris/health", health(), BrokerLink::Delivery::retained);
 }
 
 std::string BrokerLines::health() const {
-    const BrokerCounters b = client_.counters();
+    const BrokerCounters b = link_.counters();
     std::string text =
-        fmt::format("{{\"messages\": {}, \"machine_records\": {}, \"breaks\": {}, \"dropped\": {}, "
-                    "\"sensors\": [",
-                    messages_, machine_records_, b.breaks, b.dropped);
+        fmt::format("{{\"messages\": {}, \"machine_records\": {}, \"breaks\": {}, "
+                    "\"lost_sessions\": {}, \"dropped\": {}, \"sensors\": [",
+                    messages_, machine_records_, b.breaks, b.lost_sessions, b.dropped);
     bool first = true;
     for (const auto& [id, s] : sensors_) {
         const auto& c = s.track.counters();
@@ -198,11 +218,13 @@ std::string BrokerLines::health() const {
 }
 
 std::string BrokerLines::report() const {
-    const BrokerCounters b = client_.counters();
+    const BrokerCounters b = link_.counters();
     std::string text = fmt::format(
-        "broker: {} messages, {} breaks of the connection, {} dropped from a full queue, {} too "
-        "large, {} published, {} not published, {} publications refused\n",
-        messages_, b.breaks, b.dropped, b.too_large, b.published, b.unpublished, b.refused);
+        "broker: {} messages, {} breaks of the connection, {} of them without a session, {} "
+        "dropped from a full queue, {} too large, {} published, {} not published, {} publications "
+        "refused\n",
+        messages_, b.breaks, b.lost_sessions, b.dropped, b.too_large, b.published, b.unpublished,
+        b.refused);
     for (const auto& [id, s] : sensors_) {
         const auto& c = s.track.counters();
         text += fmt::format(

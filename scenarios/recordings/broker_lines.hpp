@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/io/broker_client.hpp"
+#include "engine/io/broker_link.hpp"
 #include "engine/io/line_source.hpp"
 #include "scenarios/recordings/recording.hpp"
 #include "scenarios/recordings/sensor_payload.hpp"
@@ -18,6 +18,9 @@ namespace bris {
 /// test_machine/record (one JSON object of numbers). Payloads that cannot be used, gaps,
 /// duplicates, clocks that jump, unknown ids and two sensors with one id are counted and named, and
 /// a sensor that sends too much is limited; the state of all sensors is published as bris/health.
+/// The settings of sensors, smartrock/ID/config, and their acknowledgements pass as well, so that a
+/// history has them. What becomes of a message depends on the messages alone and their times of
+/// arrival: a history gives the same lines again.
 class BrokerLines : public Lines {
 public:
     /// Samples per second of one sensor that are taken; more are dropped and counted.
@@ -27,10 +30,10 @@ public:
 
     /// The topics to subscribe.
     static std::vector<std::string> topics();
-    /// The client has to live longer. `infos`: the sensors that are known.
-    BrokerLines(BrokerClient& client, const std::vector<SensorInfo>& infos);
+    /// The link has to live longer. `infos`: the sensors that are known.
+    BrokerLines(BrokerLink& link, const std::vector<SensorInfo>& infos);
     std::optional<Line> next(double timeout) override;
-    bool over() const override { return false; }
+    bool over() const override { return ready_.empty() && link_.over(); }
 
     /// Makes lines of a message.
     void take(const BrokerMessage& message);
@@ -43,20 +46,21 @@ private:
     struct Sensor {
         SequenceTrack track;
         std::vector<SensorPayload> held;
-        double allowance = most_samples * burst; // samples
-        Instant filled = this_instant();
+        double allowance = most_samples * burst;     // samples
+        double filled = 0;                           // s, time of the last message
         std::uint64_t over_rate = 0, unreadable = 0; // messages
         double battery = std::numeric_limits<double>::quiet_NaN(), last_time = battery;
         std::string status = "unknown";
     };
     void take_payload(unsigned id, Sensor& sensor, const BrokerMessage& message);
     void take_machine(const BrokerMessage& message);
-    bool allows(Sensor& sensor, std::size_t samples, Instant now) const;
+    bool allows(Sensor& sensor, std::size_t samples, double now) const;
+    void take_news_of_link(const std::string& news);
     void add(unsigned id, Sensor& sensor, const SensorPayload& payload, Instant arrived);
     void note(const std::string& kind, const std::string& text);
     void publish_health();
 
-    BrokerClient& client_;
+    BrokerLink& link_;
     std::map<unsigned, Sensor> sensors_;
     std::deque<Line> ready_;
     std::uint64_t lines_ = 0, messages_ = 0, machine_records_ = 0;

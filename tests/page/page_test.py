@@ -3,124 +3,23 @@
 
 Checks that the pose of a rock on screen is the published one, that an alarm appears within a second, that a
 changed setting is published retained and its acknowledgement is shown, and that the page is back after a restart
-of the broker. Prints what it measures. Exit code 77: skipped, a program is missing.
-page_test.py PAGE_FOLDER [--picture FILE] [--bodies N]
+of the broker; that it does not fall behind 400 rocks at 10 Hz; and what page_checks.py says of keyboard, sizes and colours. Prints what it measures. Exit code 77: skipped, a program is missing.
+page_test.py PAGE_FOLDER [--picture FILE] [--pictures FOLDER] [--bodies N]
 """
-import argparse, base64, json, math, os, random, shutil, socket, struct, subprocess, sys, tempfile, time, urllib.request
+import argparse
+import json
+import math
+import os
+import random
+import shutil
+import struct
+import sys
+import tempfile
+import time
 
-
-def free_port():
-    with socket.socket() as s:
-        s.bind(('127.0.0.1', 0))
-        return s.getsockname()[1]
-
-
-def wait_for(what, condition, seconds=20):
-    began = time.monotonic()
-    while time.monotonic() - began < seconds:
-        found = condition()
-        if found:
-            return found, time.monotonic() - began
-        time.sleep(0.02)
-    sys.exit(f'page_test.py: expected {what} within {seconds} s, found none')
-
-
-class Broker:
-    def __init__(self, folder, page):
-        self.mqtt, self.web = free_port(), free_port()
-        self.file = os.path.join(folder, 'broker.conf')
-        with open(self.file, 'w') as f:
-            f.write(f'allow_anonymous true\npersistence false\nlog_dest none\n'
-                    f'{"user root" if os.geteuid() == 0 else ""}\nlistener {self.mqtt} 127.0.0.1\n'
-                    f'listener {self.web} 127.0.0.1\nprotocol websockets\nhttp_dir {page}\n')
-        self.start()
-
-    def start(self):
-        self.process = subprocess.Popen([MOSQUITTO, '-c', self.file])
-        wait_for('an answer of the broker', self.answers)
-
-    def answers(self):
-        with socket.socket() as s:
-            return s.connect_ex(('127.0.0.1', self.web)) == 0
-
-    def stop(self):
-        self.process.terminate()
-        self.process.wait()
-
-    def publish(self, topic, payload, retained=True):
-        subprocess.run(['mosquitto_pub', '-p', str(self.mqtt), '-t', topic, '-q', '1', '-s'] + ['-r'] * retained,
-                       input=payload if isinstance(payload, bytes) else json.dumps(payload).encode(), check=True)
-
-    def retained(self, topic):
-        found = subprocess.run(['mosquitto_sub', '-p', str(self.mqtt), '-t', topic, '-C', '1', '-W', '5'],
-                               capture_output=True, check=False).stdout
-        return json.loads(found) if found else None
-
-
-class Browser:
-    """Chromium by its DevTools protocol."""
-
-    def __init__(self, folder, url, width=1200, height=1500):
-        self.number = 0
-        port = free_port()
-        self.process = subprocess.Popen(
-            ['chromium', '--headless=new', '--no-sandbox', '--disable-dev-shm-usage', '--use-gl=angle',
-             '--use-angle=swiftshader', '--enable-unsafe-swiftshader', f'--user-data-dir={folder}/profile',
-             f'--window-size={width},{height}', f'--remote-debugging-port={port}', url],
-            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-
-        def page():
-            try:
-                with urllib.request.urlopen(f'http://127.0.0.1:{port}/json', timeout=2) as f:
-                    return [t for t in json.load(f) if t['type'] == 'page']
-            except OSError:
-                return None
-        (target, *_), _ = wait_for('Chromium', page, 90)
-        self.socket = socket.create_connection(('127.0.0.1', port), timeout=60)
-        path = target['webSocketDebuggerUrl'].split(str(port), 1)[1]
-        key = base64.b64encode(os.urandom(16)).decode()
-        self.socket.sendall(f'GET {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nUpgrade: websocket\r\nConnection: Upgrade\r\n'
-                            f'Sec-WebSocket-Key: {key}\r\nSec-WebSocket-Version: 13\r\n\r\n'.encode())
-        self.stream = self.socket.makefile('rb')
-        while self.stream.readline() not in (b'\r\n', b''):
-            pass
-
-    def call(self, method, **parameters):
-        self.number += 1
-        data = json.dumps({'id': self.number, 'method': method, 'params': parameters}).encode()
-        mask = os.urandom(4)
-        self.socket.sendall(b'\x81' + (bytes([0x80 | len(data)]) if len(data) < 126 else struct.pack('>BH', 0xfe, len(data)))
-                            + mask + bytes(b ^ mask[k % 4] for k, b in enumerate(data)))
-        while True:
-            answer = json.loads(self.frame())
-            if answer.get('id') == self.number:
-                return answer['result']
-
-    def frame(self):
-        data, final = b'', False
-        while not final:
-            first, size = self.stream.read(2)
-            final = bool(first & 0x80)
-            if size == 126:
-                size, = struct.unpack('>H', self.stream.read(2))
-            elif size == 127:
-                size, = struct.unpack('>Q', self.stream.read(8))
-            data += self.stream.read(size)
-        return data
-
-    def value(self, expression):
-        result = self.call('Runtime.evaluate', expression=expression, returnByValue=True)
-        if 'exceptionDetails' in result:
-            return None
-        return result['result'].get('value')
-
-    def picture(self, file):
-        with open(file, 'wb') as f:
-            f.write(base64.b64decode(self.call('Page.captureScreenshot', format='png')['data']))
-
-    def close(self):
-        self.process.terminate()
-        self.process.wait()
+from broker import MOSQUITTO, Broker, Client, wait_for
+from browser import Browser
+from page_checks import check_frames, check_keyboard, check_sizes_and_colours
 
 
 def scene_and_poses(bodies, clump):
@@ -137,8 +36,11 @@ def scene_and_poses(bodies, clump):
     return scene, poses
 
 
-def pose_bytes(poses, when):
-    return struct.pack('<IId', 1, len(poses), when) + b''.join(struct.pack('<7f', *p) for p in poses)
+def pose_parts(poses, when, bodies=None):
+    """Topics and payloads of bris/poses."""
+    size = 140
+    return [(f'bris/poses/{k // size}', struct.pack('<IIdI', 2, len(poses) if bodies is None else bodies, when, k) +
+             b''.join(struct.pack('<7f', *p) for p in poses[k:k + size])) for k in range(0, len(poses), size)]
 
 
 def read_clump(file):
@@ -153,9 +55,9 @@ def check_pose(browser, poses, body):
     error = max(abs(a - b) for a, b in zip(shown, poses[body]))
     assert error < 1e-6, f'expected the pose {poses[body]}, found {shown}'
     # the sphere of the body nearest to the camera must be where the projection says: the pixel is not the background
-    instance = browser.value('(() => { const m = bris.rocks.mesh.instanceMatrix.array, b = bris.rocks.bodies; let k = 0; '
+    instance = browser.value('(() => { const m = bris.rocks.mesh.geometry.attributes.ball.array, b = bris.rocks.bodies; let k = 0; '
                              f'for (let i = 0; i < {body}; ++i) k += b[i].balls.length; '
-                             f'return [m[16 * k + 12], m[16 * k + 13], m[16 * k + 14], b[{body}].balls[0], b[{body}].radius]; }})()')
+                             f'return [m[16 * k], m[16 * k + 1], m[16 * k + 2], b[{body}].balls[0], b[{body}].radius]; }})()')
     x, y, z, ball, radius = instance
     w, i, j, k = poses[body][3:]
     v = [radius * c for c in ball[:3]]
@@ -177,13 +79,14 @@ def main(a, folder):
         clump = read_clump(os.path.join(a.page, '..', 'clumps', 'rock_01.csv'))
         scene, poses = scene_and_poses(a.bodies, clump)
         broker.publish('bris/scene', scene)
-        broker.publish('bris/poses', pose_bytes(poses, 0.01))
+        for part in pose_parts(poses, 0.01):
+            broker.publish(*part)
         wait_for('poses', lambda: browser.value('bris.rocks.placed && bris.rocks.placed.length') == a.bodies)
         errors = [check_pose(browser, poses, b) for b in (0, 7, a.bodies - 1)]
         print(f'poses: {a.bodies} rocks of {len(clump)} spheres, largest error {max(map(max, errors)):.2g} m')
 
-        broker.publish('bris/poses', pose_bytes([[2.0] * 7] * (a.bodies - 1), 1))  # does not fit the scene
-        broker.publish('bris/poses', b'\x01')
+        for bad in (pose_parts([[2.0] * 7] * (a.bodies - 1), 1), pose_parts([[2.0] * 7] * (a.bodies + 1), 1, a.bodies), [('bris/poses/0', b'\x02')]):
+            broker.publish(*bad[0])  # does not fit the scene
         broker.publish('bris/scene', b'not JSON', False)
         broker.publish('smartrock/3/alarm', {'active': True, 'verdict': 'left out', 'reason': 'gravity: found 12 m/s2', 't': 0.01})
         shown = 'document.querySelector("#alarms li.alarm[data-sensor=\'3\']") !== null'
@@ -205,15 +108,23 @@ def main(a, folder):
         _, waited = wait_for('an acknowledgement', lambda: browser.value(shown) == 'sensor 4: acknowledged', 5)
         print(f'setting: published retained, acknowledgement shown within {waited:.3f} s')
 
+        states = Client(broker.mqtt, 'states')
+        states.connect()
         for k in range(60):
             e = 1e-4 * k
-            broker.publish('bris/state', {'axial_strain': e, 'q_Pa': 4e5 * (1 - math.exp(-400 * e)), 'measured_q_Pa': 4.1e5 * (1 - math.exp(-380 * e)),
-                                          'volumetric_strain': 0.3 * e, 'measured_volumetric_strain': 0.28 * e, 'friction': 0.6 + 0.1 * math.exp(-500 * e),
-                                          'friction_deviation': 0.1 * math.exp(-300 * e), 'stiffness_ratio': 0.9, 'stiffness_ratio_deviation': 0.1}, False)
+            numbers = {'axial_strain': e, 'q_Pa': 4e5 * (1 - math.exp(-400 * e)), 'measured_q_Pa': 4.1e5 * (1 - math.exp(-380 * e)),
+                     'volumetric_strain': 0.3 * e, 'measured_volumetric_strain': 0.28 * e, 'friction': 0.6 + 0.1 * math.exp(-500 * e),
+                     'friction_deviation': 0.1 * math.exp(-300 * e), 'stiffness_ratio': 0.9, 'stiffness_ratio_deviation': 0.1}
+            states.publish('bris/state', json.dumps(numbers).encode())
+            states.poll()
         wait_for('curves', lambda: browser.value('bris.curves.rows.length') == 60)
         if a.picture:
             time.sleep(1)
             browser.picture(a.picture)
+        check_sizes_and_colours(browser, a.pictures)
+        check_keyboard(browser)
+        many, poses = scene_and_poses(400, clump)
+        check_frames(browser, broker, many, pose_parts, poses)
 
         broker.stop()
         wait_for('a page without connection', lambda: state() == 'broken')
@@ -231,8 +142,8 @@ if __name__ == '__main__':
     parser = argparse.ArgumentParser()
     parser.add_argument('page')
     parser.add_argument('--picture')
+    parser.add_argument('--pictures', help='Folder for pictures of the page on a phone and on a desk, light and dark.')
     parser.add_argument('--bodies', type=int, default=100)
-    MOSQUITTO = shutil.which('mosquitto') or '/usr/sbin/mosquitto'
     missing = [p for p in (MOSQUITTO, 'mosquitto_pub', 'chromium') if not shutil.which(p)]
     if missing:
         print(f'skipped: {", ".join(missing)} not installed (Debian: mosquitto mosquitto-clients chromium)')

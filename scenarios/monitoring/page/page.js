@@ -63,7 +63,7 @@ const retained = { alarm: showAlarms, config: showSensors, "config/ack": showSen
 
 function take(topic, payload) {
   if (payload.length > longest) return;
-  if (topic === "bris/poses") {
+  if (topic.startsWith("bris/poses/")) {
     const count = rocks.poses(payload);
     if (count !== null) at("rocks-state").textContent = `${count.bodies} rocks at ${count.time.toPrecision(4)}`;
     return;

@@ -1,23 +1,57 @@
-import { AmbientLight, Color, DirectionalLight, IcosahedronGeometry, InstancedMesh, Matrix4,
-  MeshLambertMaterial, PerspectiveCamera, Quaternion, Scene, Vector3, WebGLRenderer } from "three";
+import { BufferAttribute, BufferGeometry, Color, Mesh, PerspectiveCamera, Quaternion, Scene, ShaderMaterial, Vector3, WebGLRenderer } from "three";
 
 const plain = new Color("#b8ab98"), withSensor = new Color("#2f86d6"), alarmed = new Color("#e0463c");
 
-/// Rocks as clumps of spheres: one instance for each sphere, placed by the pose of its body.
+// A sphere is a square that faces the eye and covers it, in which each pixel finds where its ray meets the sphere: exact, and
+// two triangles instead of hundreds. No instances: a computer without a graphics card draws them one by one.
+const material = () => new ShaderMaterial({
+  uniforms: { sun: { value: new Vector3(1, -0.6, 1.5).normalize() } },
+  vertexShader: `
+    attribute vec4 ball; // centre and radius
+    attribute vec3 tint;
+    varying vec3 place, middle, colour;
+    varying float radius;
+    void main() {
+      middle = (viewMatrix * vec4(ball.xyz, 1.0)).xyz;
+      radius = ball.w;
+      colour = tint;
+      float far = length(middle);
+      vec3 toEye = -middle / far, right = normalize(cross(vec3(0.0, 1.0, 0.0), toEye)), up = cross(toEye, right);
+      float size = radius * far / sqrt(max(far * far - radius * radius, 1e-12));
+      place = middle + size * (position.x * right + position.y * up);
+      gl_Position = projectionMatrix * vec4(place, 1.0);
+    }`,
+  fragmentShader: `
+    uniform vec3 sun;
+    uniform mat4 projectionMatrix;
+    varying vec3 place, middle, colour;
+    varying float radius;
+    void main() {
+      vec3 ray = normalize(place);
+      float along = dot(ray, middle), inside = along * along - dot(middle, middle) + radius * radius;
+      if (inside < 0.0) discard;
+      vec3 hit = (along - sqrt(inside)) * ray, normal = (hit - middle) / radius;
+      vec4 clip = projectionMatrix * vec4(hit, 1.0);
+      gl_FragDepth = 0.5 * clip.z / clip.w + 0.5;
+      float light = 0.35 + 0.7 * max(dot(normal, normalize((viewMatrix * vec4(sun, 0.0)).xyz)), 0.0);
+      gl_FragColor = vec4(colour * light, 1.0);
+      #include <colorspace_fragment>
+    }`,
+});
+
+/// Rocks as clumps of spheres, placed by the poses of their bodies.
 export class Rocks {
   constructor(canvas) {
     this.canvas = canvas;
     this.bodies = [];
     this.alarms = new Set();
+    this.parts = new Map(); // payloads of bris/poses by their first body
     this.view = { turn: 0.7, tilt: 0.35, distance: 1, centre: new Vector3() };
     this.world = new Scene();
     this.camera = new PerspectiveCamera(35, 1, 0.001, 100);
     this.camera.up.set(0, 0, 1);
-    const sun = new DirectionalLight(0xffffff, 2.2);
-    sun.position.set(1, -0.6, 1.5);
-    this.world.add(new AmbientLight(0xffffff, 1.1), sun);
     try {
-      this.renderer = new WebGLRenderer({ canvas, antialias: true, alpha: true, preserveDrawingBuffer: true });
+      this.renderer = new WebGLRenderer({ canvas, antialias: false, alpha: true, preserveDrawingBuffer: true });
     } catch (error) { this.renderer = null; }
     this.listen();
     new ResizeObserver(() => this.draw()).observe(canvas);
@@ -26,37 +60,87 @@ export class Rocks {
   scene({ shapes, bodies }) {
     this.bodies = bodies.map(([id, shape, radius, sensor]) => ({ id, balls: shapes[shape] ?? [], radius, sensor }));
     const count = this.bodies.reduce((sum, b) => sum + b.balls.length, 0);
-    if (this.mesh) { this.world.remove(this.mesh); this.mesh.dispose(); }
-    const detail = count > 30000 ? 1 : 2;
-    this.mesh = new InstancedMesh(new IcosahedronGeometry(1, detail), new MeshLambertMaterial(), Math.max(1, count));
-    this.mesh.count = 0;
+    if (this.mesh) { this.world.remove(this.mesh); this.mesh.geometry.dispose(); this.mesh.material.dispose(); }
+    const geometry = new BufferGeometry(), corners = new Float32Array(12 * count), order = new Uint32Array(6 * count);
+    for (let k = 0; k < count; ++k) {
+      corners.set([-1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0], 12 * k);
+      order.set([0, 1, 2, 0, 2, 3].map((corner) => 4 * k + corner), 6 * k);
+    }
+    geometry.setAttribute("position", new BufferAttribute(corners, 3));
+    geometry.setIndex(new BufferAttribute(order, 1));
+    geometry.setAttribute("ball", new BufferAttribute(new Float32Array(16 * count), 4)); // the same at each corner
+    geometry.setAttribute("tint", new BufferAttribute(new Float32Array(12 * count), 3));
+    geometry.setDrawRange(0, 0);
+    this.mesh = new Mesh(geometry, material());
     this.mesh.frustumCulled = false;
     this.world.add(this.mesh);
-    this.placed = null;
-    if (this.waiting) this.poses(this.waiting);
+    this.placed = this.complete = this.coming = null;
+    for (const part of [...this.parts.values()]) this.poses(part);
   }
 
-  /// Payload of bris/poses; null: it does not fit the scene.
+  /// Payload of a part of bris/poses. Returns the number of bodies and the time when all parts of one time are there;
+  /// null: not yet, or it does not fit the scene. Of poses that come faster than pictures only the newest are drawn.
   poses(payload) {
-    this.waiting = payload;
     const view = new DataView(payload.buffer, payload.byteOffset, payload.byteLength);
-    if (payload.byteLength < 16 || view.getUint8(0) !== 1) return null;
-    const n = view.getUint32(4, true), time = view.getFloat64(8, true);
-    if (payload.byteLength !== 16 + 28 * n || n !== this.bodies.length) return null;
-    this.placed = [];
-    for (let b = 0; b < n; ++b) {
-      const f = (k) => view.getFloat32(16 + 28 * b + 4 * k, true);
-      this.placed.push({ position: new Vector3(f(0), f(1), f(2)), attitude: new Quaternion(f(4), f(5), f(6), f(3)) });
-    }
-    this.time = time;
-    if (!this.aimed) this.aim();
-    this.place();
+    if (payload.byteLength < 20 || view.getUint8(0) !== 2) return null;
+    const n = view.getUint32(4, true), time = view.getFloat64(8, true), first = view.getUint32(16, true);
+    const count = (payload.byteLength - 20) / 28;
+    if (this.parts.size > 10000) this.parts.clear();
+    this.parts.set(first, payload); // the scene may come later
+    if (!Number.isInteger(count) || n !== this.bodies.length || first + count > n) return null;
+    if (!this.coming || this.coming.time !== time) this.coming = { time, numbers: new Float32Array(7 * n), from: new Set(), missing: n };
+    const { numbers, from } = this.coming;
+    for (let k = 0; k < 7 * count; ++k) numbers[7 * first + k] = view.getFloat32(20 + 4 * k, true);
+    if (!from.has(first)) this.coming.missing -= count;
+    from.add(first);
+    if (this.coming.missing > 0) return null;
+    this.complete = this.coming;
+    this.taken = (this.taken ?? 0) + 1;
+    this.schedule();
     return { bodies: n, time };
   }
 
+  /// Draws the newest poses when the picture before is complete: a slow graphics processor never keeps messages waiting.
+  schedule() {
+    this.again = true;
+    if (this.due || this.fence) return;
+    this.due = true;
+    requestAnimationFrame(() => {
+      this.due = this.again = false;
+      this.place();
+      if (this.renderer) this.watch(this.renderer.getContext(), performance.now());
+    });
+  }
+
+  watch(gl, began) {
+    this.fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const look = () => {
+      if (!gl.isContextLost() && gl.getSyncParameter(this.fence, gl.SYNC_STATUS) !== gl.SIGNALED) { setTimeout(look, 4); return; }
+      const took = performance.now() - began;
+      gl.deleteSync(this.fence);
+      this.adapt(took);
+      setTimeout(() => { this.fence = null; if (this.again) this.schedule(); }, took); // half of the time is for others
+    };
+    setTimeout(look, 4);
+  }
+
+  /// A quarter of the pixels while pictures take too long and others wait; all of them at rest.
+  adapt(milliseconds) {
+    const all = Math.min(2, devicePixelRatio);
+    if (milliseconds > 100 && this.again) this.ratio = all / 2;
+    clearTimeout(this.rest);
+    this.rest = setTimeout(() => { if (this.ratio < all) { this.ratio = all; this.draw(); } }, 1000);
+  }
+
   place() {
-    if (!this.placed || !this.mesh) return;
-    const at = new Vector3(), scale = new Vector3(), matrix = new Matrix4();
+    if (!this.complete || !this.mesh) return;
+    const { numbers, time } = this.complete, f = (b, k) => numbers[7 * b + k];
+    this.time = time;
+    this.placed = this.bodies.map((_, b) => ({ position: new Vector3(f(b, 0), f(b, 1), f(b, 2)),
+      attitude: new Quaternion(f(b, 4), f(b, 5), f(b, 6), f(b, 3)) }));
+    if (!this.aimed) this.aim();
+    const at = new Vector3(), { ball, tint } = this.mesh.geometry.attributes;
     let k = 0;
     this.bodies.forEach((body, b) => {
       if (this.onlySensors && !body.sensor) return;
@@ -64,14 +148,14 @@ export class Rocks {
       const colour = this.alarms.has(body.sensor) && body.sensor ? alarmed : body.sensor ? withSensor : plain;
       for (const [x, y, z, r] of body.balls) {
         at.set(x, y, z).multiplyScalar(body.radius).applyQuaternion(attitude).add(position);
-        matrix.compose(at, attitude, scale.setScalar(r * body.radius));
-        this.mesh.setMatrixAt(k, matrix);
-        this.mesh.setColorAt(k++, colour);
+        for (const end = k + 4; k < end; ++k) {
+          ball.setXYZW(k, at.x, at.y, at.z, r * body.radius);
+          tint.setXYZ(k, colour.r, colour.g, colour.b);
+        }
       }
     });
-    this.mesh.count = k;
-    this.mesh.instanceMatrix.needsUpdate = true;
-    if (this.mesh.instanceColor) this.mesh.instanceColor.needsUpdate = true;
+    this.mesh.geometry.setDrawRange(0, 6 * k / 4);
+    ball.needsUpdate = tint.needsUpdate = true;
     this.draw();
   }
 
@@ -83,8 +167,8 @@ export class Rocks {
     this.aimed = true;
   }
 
-  alarm(ids) { this.alarms = ids; this.place(); }
-  only(sensors) { this.onlySensors = sensors; this.place(); }
+  alarm(ids) { this.alarms = ids; this.schedule(); }
+  only(sensors) { this.onlySensors = sensors; this.schedule(); }
 
   /// Where the centre of a body is on the canvas, in CSS pixels; for tests.
   onScreen(b) {
@@ -97,8 +181,11 @@ export class Rocks {
     if (!this.renderer) return;
     const { clientWidth: w, clientHeight: h } = this.canvas;
     if (!w || !h) return;
-    this.renderer.setPixelRatio(Math.min(2, devicePixelRatio));
-    this.renderer.setSize(w, h, false);
+    const ratio = this.ratio ??= Math.min(2, devicePixelRatio);
+    if (this.canvas.width !== Math.floor(w * ratio) || this.canvas.height !== Math.floor(h * ratio)) {
+      this.renderer.setPixelRatio(ratio);
+      this.renderer.setSize(w, h, false);
+    }
     const { turn, tilt, distance, centre } = this.view;
     this.camera.aspect = w / h;
     this.camera.near = distance / 100;
@@ -109,6 +196,7 @@ export class Rocks {
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
     this.renderer.render(this.world, this.camera);
+    this.pictures = (this.pictures ?? 0) + 1;
   }
 
   turn(dx, dy) {

@@ -11,10 +11,13 @@
 #include <chrono>
 #include <string>
 #include <thread>
+#include <tuple>
 #include <vector>
 
 using namespace bris;
 using bris::testing::TestBroker;
+using bris::testing::TestLink;
+using Delivery = BrokerLink::Delivery;
 
 namespace {
 
@@ -33,7 +36,7 @@ std::vector<SensorInfo> two_sensors() {
 }
 
 void publish(BrokerClient& client, const std::string& topic, const std::string& bytes) {
-    client.publish(topic, bytes, BrokerClient::Delivery::once_at_most);
+    client.publish(topic, bytes, Delivery::at_least_once);
 }
 
 std::vector<std::string> all_lines(BrokerLines& lines, std::size_t expected) {
@@ -45,6 +48,30 @@ std::vector<std::string> all_lines(BrokerLines& lines, std::size_t expected) {
     }
     if (const auto more = lines.next(0.3)) texts.push_back(more->text);
     return texts;
+}
+
+/// The next message of the broker.
+std::optional<BrokerMessage> next_of_broker(BrokerClient& client) {
+    auto message = client.next(5);
+    while (message && message->topic == BrokerLink::own_topic) message = client.next(5);
+    return message;
+}
+
+template <class Condition>
+bool soon(Condition&& condition) {
+    for (int k = 0; k < 400 && !condition(); ++k)
+        std::this_thread::sleep_for(std::chrono::milliseconds(50));
+    return condition();
+}
+
+/// The message of the error with which a client cannot connect.
+std::string error_of(const BrokerSettings& settings) {
+    try {
+        const BrokerClient client(settings, "client", {});
+    } catch (const OutputError& e) {
+        return e.what();
+    }
+    return "connected";
 }
 
 bool contains(const std::string& text, const std::string& part) {
@@ -105,10 +132,10 @@ TEST_SUITE("monitoring/broker") {
         BrokerClient model(broker.settings("model"), "model", BrokerLines::topics());
         BrokerClient rocks(broker.settings("rocks"), "rocks", {"bris/#"});
         std::this_thread::sleep_for(std::chrono::milliseconds(300));
-        rocks.publish("bris/state", "{}", BrokerClient::Delivery::retained); // not a rock's
-        rocks.publish("smartrock/1/status", "online", BrokerClient::Delivery::retained);
-        model.publish("bris/state", "{}", BrokerClient::Delivery::retained);
-        const auto got = model.next(5);
+        rocks.publish("bris/state", "{}", Delivery::retained); // not a rock's
+        rocks.publish("smartrock/1/status", "online", Delivery::retained);
+        model.publish("bris/state", "{}", Delivery::retained);
+        const auto got = next_of_broker(model);
         REQUIRE(got);
         CHECK(got->topic == "smartrock/1/status");
         rocks.flush(5);
@@ -122,13 +149,13 @@ TEST_SUITE("monitoring/broker") {
         if (!broker.runs()) return;
         BrokerClient model(broker.settings("model"), "model", BrokerLines::topics());
         BrokerLines lines(model, two_sensors());
-        model.publish("bris/scene", "{\"title\": 1}", BrokerClient::Delivery::retained);
+        model.publish("bris/scene", "{\"title\": 1}", Delivery::retained);
         model.flush(5);
         broker.stop();
         for (int k = 0; k < 100 && model.connected(); ++k)
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
         REQUIRE_FALSE(model.connected());
-        model.publish("bris/state", "{}", BrokerClient::Delivery::once_at_most); // nobody there
+        model.publish("bris/state", "{}", Delivery::once_at_most); // nobody there
         broker.start();
         REQUIRE(broker.runs());
         for (int k = 0; k < 200 && !model.connected(); ++k)
@@ -144,6 +171,164 @@ TEST_SUITE("monitoring/broker") {
         CHECK(all_lines(lines, 1).size() == 1);
         CHECK(model.counters().breaks == 1);
         CHECK(model.counters().unpublished == 1);
+        CHECK(model.counters().lost_sessions == 1); // this broker keeps nothing on the disk
+        CHECK(contains(lines.report(), "the broker kept nothing while the connection was broken"));
+    }
+
+    TEST_CASE("what the broker takes while the link is down arrives afterwards, in order") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        TestLink link(broker.port());
+        BrokerSettings through_link = broker.settings("model");
+        through_link.address = link.address();
+        BrokerClient model(through_link, "model", BrokerLines::topics());
+        BrokerClient rocks(broker.settings("rocks"), "rocks", {});
+        BrokerLines lines(model, two_sensors());
+        std::this_thread::sleep_for(std::chrono::milliseconds(300)); // for the subscription
+        constexpr std::uint32_t count = 300;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            if (k == 50 || k == 150) {
+                link.cut(true);
+                REQUIRE(soon([&] { return !model.connected(); }));
+            }
+            if (k == 120) { // back in between, with what was sent from 50 on
+                link.cut(false);
+                REQUIRE(soon([&] { return model.connected(); }));
+            }
+            publish(rocks, "smartrock/1/imu", bytes_of(payload(k, 0.01 * k, 1)));
+        }
+        rocks.flush(5);
+        CHECK(rocks.counters().acknowledged == count);
+        link.cut(false);
+        const auto texts = all_lines(lines, count);
+        REQUIRE(texts.size() == count);
+        for (std::uint32_t k = 0; k < count; ++k)
+            if (texts[k].find(fmt::format("\"seq\": {},", k)) == std::string::npos)
+                FAIL("line " << k << ": " << texts[k]);
+        CHECK(model.counters().breaks == 2);
+        CHECK(model.counters().lost_sessions == 0);
+        CHECK(contains(lines.report(),
+                       "sensor 1: 300 samples, 0 missing in 0 gaps, 0 messages late"));
+    }
+
+    TEST_CASE("what a sender publishes while its link is down is sent afterwards, in order") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        TestLink link(broker.port());
+        BrokerSettings through_link = broker.settings("rocks");
+        through_link.address = link.address();
+        BrokerClient rocks(through_link, "rocks", {});
+        BrokerClient model(broker.settings("model"), "model", BrokerLines::topics());
+        BrokerLines lines(model, two_sensors());
+        std::this_thread::sleep_for(std::chrono::milliseconds(300)); // for the subscription
+        constexpr std::uint32_t count = 200;
+        for (std::uint32_t k = 0; k < count; ++k) {
+            if (k == 50) {
+                link.cut(true);
+                REQUIRE(soon([&] { return !rocks.connected(); }));
+            }
+            if (k == 150) link.cut(false); // it connects again while the others are published
+            CHECK(rocks.publish("smartrock/1/imu", bytes_of(payload(k, 0.01 * k, 1)),
+                                Delivery::at_least_once));
+            if (k > 150) std::this_thread::sleep_for(std::chrono::milliseconds(50));
+        }
+        const auto texts = all_lines(lines, count);
+        REQUIRE(texts.size() == count);
+        for (std::uint32_t k = 0; k < count; ++k)
+            if (texts[k].find(fmt::format("\"seq\": {},", k)) == std::string::npos)
+                FAIL("line " << k << ": " << texts[k]);
+        CHECK(rocks.counters().unpublished == 0);
+        CHECK(soon([&] { return rocks.counters().acknowledged == count; }));
+    }
+
+    TEST_CASE("a named session keeps records for the next client with its name") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        BrokerSettings settings = broker.settings("model");
+        settings.session = "test-12";
+        const std::vector<std::string> topics{"smartrock/+/imu"};
+        { BrokerClient before(settings, "model", topics); }
+        BrokerClient rocks(broker.settings("rocks"), "rocks", {});
+        publish(rocks, "smartrock/1/imu", "between");
+        rocks.flush(5);
+        {
+            BrokerClient after(settings, "model", topics);
+            const auto got = after.next(5);
+            REQUIRE(got);
+            CHECK(got->payload == "between");
+            after.end_session();
+        }
+        std::this_thread::sleep_for(std::chrono::milliseconds(300)); // for the end of the session
+        publish(rocks, "smartrock/1/imu", "too late");
+        rocks.flush(5);
+        BrokerClient another(settings, "model", topics);
+        CHECK_FALSE(another.next(0.5));
+        another.end_session();
+    }
+
+    TEST_CASE("with TLS only the broker that its authority vouches for is accepted") {
+        TestBroker broker(TestBroker::Kind::with_tls);
+        if (!broker.runs()) return;
+        BrokerSettings right = broker.settings("model");
+        right.ca_file = broker.folder() / "right.pem";
+        BrokerClient model(right, "model", {"bris/#"}); // the ACL forbids to read it
+        CHECK(model.connected());
+        BrokerSettings rocks = broker.settings("rocks");
+        rocks.ca_file = right.ca_file;
+        BrokerClient sender(rocks, "rocks", {});
+        publish(sender, "smartrock/1/imu", "x");
+        sender.flush(5);
+        CHECK(sender.counters().acknowledged == 1);
+
+        const std::string not_trusted = "the broker's certificate is not signed by them, has "
+                                        "expired, or is not valid yet";
+        BrokerSettings wrong = right;
+        wrong.ca_file = broker.folder() / "wrong.pem";
+        CHECK(contains(error_of(wrong), not_trusted));
+        CHECK(contains(error_of(wrong), "--broker: " + right.address));
+        BrokerSettings plain = right;
+        plain.ca_file.clear();
+        CHECK(contains(error_of(plain), "the broker closed the connection without an answer; does "
+                                        "it expect TLS (--broker-ca-file)?"));
+        const TestBroker without_tls;
+        BrokerSettings to_plain = without_tls.settings("model");
+        to_plain.ca_file = right.ca_file;
+        CHECK(contains(error_of(to_plain), "no TLS connection with the authorities of"));
+
+        for (const auto& [host, days, expected] :
+             {std::tuple{"127.0.0.1", -3, not_trusted},
+              {"elsewhere.example", 9,
+               std::string("the broker's certificate is of another host than 127.0.0.1")}}) {
+            broker.stop();
+            TestBroker::make_certificates(broker.folder(), host, days);
+            broker.start();
+            CHECK(contains(error_of(right), expected));
+        }
+    }
+
+    TEST_CASE(
+        "an address that never answers costs the timeout at most, and a run goes on without") {
+        if (!has_broker_client()) return;
+        const TestBroker absent(TestBroker::Kind::absent);
+        BrokerSettings s;
+        s.address = absent.address();
+        s.timeout = 0.5;
+        const std::string expected =
+            fmt::format("--broker: {}: expected an answer, found none within 0.5 s", s.address);
+        const Instant began = this_instant();
+        CHECK(error_of(s) == expected);
+        {
+            BrokerClient client(s, "client", {}, BrokerClient::Start::any);
+            CHECK(client.problem() == expected);
+            for (int k = 0; k < 1000; ++k)
+                CHECK_FALSE(client.publish("bris/state", "{}", Delivery::once_at_most));
+            CHECK(client.counters().unpublished == 1000);
+        }
+        CHECK(seconds_since(began) < 8); // twice the timeout and the farewell, not minutes
+        BrokerSettings nobody = s;
+        nobody.address = "no.such.host.invalid:1883";
+        nobody.timeout = 20;
+        CHECK(contains(error_of(nobody), "no.such.host.invalid"));
     }
 
     TEST_CASE("a broker that is not there, and one that never answers, are errors of one line") {

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "engine/stopwatch.hpp"
+
+#include <chrono>
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace bris {
+
+/// Time since 1970 UTC (s) that only goes forward, whatever becomes of the system's clock.
+class WallClock {
+public:
+    double at(Instant instant) const {
+        return at_beginning_ + std::chrono::duration<double>(instant - began_).count();
+    }
+
+private:
+    Instant began_ = this_instant();
+    double at_beginning_ =
+        std::chrono::duration<double>(std::chrono::system_clock::now().time_since_epoch()).count();
+};
+
+struct BrokerMessage {
+    std::string topic, payload;
+    bool retained = false; ///< kept by the broker from before the subscription
+    Instant arrived = {};
+    double time = 0; ///< s since 1970 UTC, of the arrival
+};
+
+/// What a client counts.
+struct BrokerCounters {
+    std::uint64_t received = 0, published = 0;
+    std::uint64_t acknowledged = 0;  ///< published, and confirmed by the broker
+    std::uint64_t dropped = 0;       ///< received, but the queue was full: the oldest ones
+    std::uint64_t too_large = 0;     ///< received, but longer than `largest`
+    std::uint64_t unpublished = 0;   ///< not sent: no connection, or too many wait to be sent
+    std::uint64_t refused = 0;       ///< published, but refused by the broker
+    std::uint64_t breaks = 0;        ///< of the connection
+    std::uint64_t lost_sessions = 0; ///< breaks after which the broker had kept nothing
+};
+
+/// Messages from and to a broker: a connection (BrokerClient), one whose messages are kept
+/// (RecordedLink), or one that gives again what was kept (ReplayedLink). Used by one thread.
+class BrokerLink {
+public:
+    enum class Delivery {
+        once_at_most,
+        at_least_once, ///< sent again until the broker has confirmed it
+        retained       ///< the same; the broker keeps the last one of each topic
+    };
+    /// Topic under which a link tells, among its messages, what became of itself: "began",
+    /// "broken", "connected", or "session lost" (connected, but nothing was kept meanwhile). Only
+    /// for those who subscribe it; a broker never sees it.
+    static constexpr const char* own_topic = "$link";
+
+    virtual ~BrokerLink() = default;
+    /// The next message; waits at most `timeout` (s). Nothing: none came, the user stops the run,
+    /// or the link is over.
+    virtual std::optional<BrokerMessage> next(double timeout) = 0;
+    /// Whether no message can come any more.
+    virtual bool over() const { return false; }
+    /// Publishes; never waits. Returns false if the message is not sent.
+    virtual bool publish(const std::string& topic, const std::string& payload,
+                         Delivery delivery) = 0;
+    virtual BrokerCounters counters() const = 0;
+};
+
+} // namespace bris
