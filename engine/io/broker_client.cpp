@@ -121,6 +121,7 @@ struct BrokerClient::Connection {
     BrokerCounters counters;
     bool is_connected = false, was_connected = false, closing = false, ended = false;
     bool ends_session = false, has_failed = false, was_refused = false;
+    bool was_broken = false;          // until the thread has noted it
     bool is_late = false;             // what waited for the connection is being sent
     std::string problem, tls_problem; // of the connection; of the library's log
 
@@ -232,16 +233,16 @@ struct BrokerClient::Connection {
         while (mosquitto_want_write(client))
             if (mosquitto_loop(client, loop_ms, 1) != MOSQ_ERR_SUCCESS) break;
     }
-    /// Keeps what is wrong. Returns whether there was a connection before.
+    /// Keeps what is wrong. Returns whether there was a connection before, which the library has
+    /// told on_disconnect.
     bool note_failure(int rc, int error) {
         const std::lock_guard lock(mutex);
-        const bool was = std::exchange(is_connected, false);
+        const bool was_refused_now = std::exchange(was_refused, false),
+                   was_broken_now = std::exchange(was_broken, false);
         has_failed = true;
-        if (std::exchange(was_refused, false)) {
-            // what the broker said is known
-        } else if (was)
-            problem = described("the connection is broken");
-        else if (rc == MOSQ_ERR_TLS || !tls_problem.empty())
+        if (was_refused_now || was_broken_now) {
+            // what is wrong is known
+        } else if (rc == MOSQ_ERR_TLS || !tls_problem.empty())
             problem = described(fmt::format(
                 "no TLS connection with the authorities of '{}': {}", settings.ca_file.string(),
                 tls_problem.empty() ? "the other side speaks no TLS" : tls_problem));
@@ -259,7 +260,7 @@ struct BrokerClient::Connection {
                               : mosquitto_strerror(rc));
         tls_problem.clear();
         came.notify_all();
-        return was;
+        return was_broken_now;
     }
 
     // called by the library
@@ -321,10 +322,11 @@ struct BrokerClient::Connection {
     }
     void on_disconnect() {
         const std::lock_guard lock(mutex);
-        counters.breaks += static_cast<std::uint64_t>(is_connected);
-        if (is_connected) tell("broken");
-        if (is_connected) problem = described("the connection is broken");
-        is_connected = false;
+        if (!std::exchange(is_connected, false)) return; // there was none
+        ++counters.breaks;
+        tell("broken");
+        problem = described("the connection is broken");
+        was_broken = true;
         came.notify_all();
     }
     void tell(const char* what) { // the mutex is held

@@ -80,6 +80,14 @@ bool contains(const std::string& text, const std::string& part) {
     return found;
 }
 
+/// Lines of one sensor whose sequence numbers count from 0.
+void require_all_in_order(const std::vector<std::string>& lines, std::uint32_t count) {
+    REQUIRE(lines.size() == count);
+    for (std::uint32_t k = 0; k < count; ++k)
+        if (lines[k].find(fmt::format("\"seq\": {},", k)) == std::string::npos)
+            FAIL("line " << k << ": " << lines[k]);
+}
+
 } // namespace
 
 TEST_SUITE("monitoring/broker") {
@@ -201,14 +209,29 @@ TEST_SUITE("monitoring/broker") {
         CHECK(rocks.counters().acknowledged == count);
         link.cut(false);
         const auto texts = all_lines(lines, count);
-        REQUIRE(texts.size() == count);
-        for (std::uint32_t k = 0; k < count; ++k)
-            if (texts[k].find(fmt::format("\"seq\": {},", k)) == std::string::npos)
-                FAIL("line " << k << ": " << texts[k]);
+        require_all_in_order(texts, count);
         CHECK(model.counters().breaks == 2);
         CHECK(model.counters().lost_sessions == 0);
         CHECK(contains(lines.report(),
                        "sensor 1: 300 samples, 0 missing in 0 gaps, 0 messages late"));
+    }
+
+    TEST_CASE("after each of several breaks the client is back after a second") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        TestLink link(broker.port());
+        BrokerSettings through_link = broker.settings("model");
+        through_link.address = link.address();
+        BrokerClient model(through_link, "model", {});
+        for (int k = 0; k < 3; ++k) {
+            link.cut(true);
+            REQUIRE(soon([&] { return !model.connected(); }));
+            link.cut(false);
+            const Instant began = this_instant();
+            REQUIRE(soon([&] { return model.connected(); }));
+            CHECK(seconds_since(began) < 2.5); // waits that grew would be 1, 2 and 4 s
+        }
+        CHECK(model.counters().breaks == 3);
     }
 
     TEST_CASE("what a sender publishes while its link is down is sent afterwards, in order") {
@@ -233,10 +256,7 @@ TEST_SUITE("monitoring/broker") {
             if (k > 150) std::this_thread::sleep_for(std::chrono::milliseconds(50));
         }
         const auto texts = all_lines(lines, count);
-        REQUIRE(texts.size() == count);
-        for (std::uint32_t k = 0; k < count; ++k)
-            if (texts[k].find(fmt::format("\"seq\": {},", k)) == std::string::npos)
-                FAIL("line " << k << ": " << texts[k]);
+        require_all_in_order(texts, count);
         CHECK(rocks.counters().unpublished == 0);
         CHECK(soon([&] { return rocks.counters().acknowledged == count; }));
     }
