@@ -230,8 +230,12 @@ struct BrokerClient::Connection {
         Properties properties;
         if (ends) properties.add(MQTT_PROP_SESSION_EXPIRY_INTERVAL, 0);
         mosquitto_disconnect_v5(client, 0, ends ? properties.get() : nullptr);
-        while (mosquitto_want_write(client))
-            if (mosquitto_loop(client, loop_ms, 1) != MOSQ_ERR_SUCCESS) break;
+        // writes only: from now on the library takes anything that it reads for an error, and would
+        // close the connection before the farewell is sent
+        const Instant began = this_instant();
+        while (mosquitto_want_write(client) && seconds_since(began) < farewell &&
+               mosquitto_loop_write(client, 1) == MOSQ_ERR_SUCCESS)
+            std::this_thread::yield();
     }
     /// Keeps what is wrong. Returns whether there was a connection before, which the library has
     /// told on_disconnect.
