@@ -85,7 +85,9 @@ TEST_SUITE("monitoring/history") {
                                1e4);
         rocks.publish("smartrock/1/imu", "no payload", BrokerLink::Delivery::at_least_once);
         while (replay.advance()) std::this_thread::sleep_for(std::chrono::milliseconds(1));
-        rocks.publish("test_machine/record", "{\"end\": 1}", BrokerLink::Delivery::at_least_once);
+        rocks.flush(20); // or the end could be refused behind all that waits to be confirmed
+        REQUIRE(rocks.publish("test_machine/record", "{\"end\": 1}",
+                              BrokerLink::Delivery::at_least_once));
         rocks.flush(20);
         const Outcome ended = day.wait(60);
         CAPTURE(ended.err);
