@@ -118,11 +118,11 @@ void show_history(const Demo& d, const Common& common, BrokerClient& client) {
         if (m->topic == BrokerLink::own_topic) continue;
         if (!first) first = m->time;
         while (m->time - *first > d.speed * seconds_since(began) && !interrupted()) pause(0.005);
-        bool sent = client.publish(m->topic, m->payload, delivery_of(*m));
-        for (const Instant due = this_instant(); !sent && seconds_since(due) < 5;) {
+        const Instant due = this_instant();
+        bool sent = false;
+        while (!(sent = client.publish(m->topic, m->payload, delivery_of(*m))) &&
+               seconds_since(due) < 5)
             pause(0.005); // too many are on their way
-            sent = client.publish(m->topic, m->payload, delivery_of(*m));
-        }
         if (interrupted()) throw Interrupted("interrupted");
         shown += static_cast<std::size_t>(sent);
     }

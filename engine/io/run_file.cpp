@@ -60,8 +60,7 @@ void RunFile::add_frame(const Frame& frame) {
     std::vector<float> points;
     points.reserve(3 * grid_.points());
     for (const auto list : {frame.centres, frame.corners})
-        for (const Vec3& x : list)
-            for (int axis = 0; axis < 3; ++axis) points.push_back(static_cast<float>(x[axis]));
+        for (const Vec3& x : list) append_vector(points, x);
     grid_.put_points(points);
     for (const Field& field : frame.fields) put_field(field, false);
     write_tracks();

@@ -2,6 +2,7 @@
 
 #include "engine/io/hdf5.hpp"
 #include "engine/io/xdmf_file.hpp"
+#include "engine/math.hpp"
 #include "engine/named_value.hpp"
 
 #include <cstdint>
@@ -12,6 +13,11 @@
 #include <vector>
 
 namespace bris {
+
+/// Appends x, y and z of a vector to the numbers of an array.
+inline void append_vector(std::vector<float>& numbers, const Vec3& vector) {
+    for (int axis = 0; axis < 3; ++axis) numbers.push_back(static_cast<float>(vector[axis]));
+}
 
 /// Frames of points and cells for ParaView, NAME.vtkhdf (temporal VTKHDF UnstructuredGrid 2.0),
 /// with information on their origin under /meta. Cells are written once and hold as long as their

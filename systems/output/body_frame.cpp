@@ -6,6 +6,7 @@
 #include "components/membrane_surface.hpp"
 #include "components/settings.hpp"
 #include "components/sphere.hpp"
+#include "engine/io/vtkhdf_file.hpp"
 #include "engine/ordering.hpp"
 #include "systems/output/contacts.hpp"
 
@@ -33,10 +34,6 @@ std::vector<float> coordination_by_id(const World& world) {
     std::vector<float> count(world.table<Bodies>().size());
     for_each_kind_of_pair([&]<class Pairs>() { count_partners<Pairs>(world, count); });
     return count;
-}
-
-void append(std::vector<float>& list, const Vec3& v) {
-    for (int k = 0; k < 3; ++k) list.push_back(static_cast<float>(v[k]));
 }
 
 // Positions are computed from State alone, so they are valid before the first step and after a
@@ -102,8 +99,8 @@ BodyFrame frame_of_bodies(const World& world) {
         frame.ids.push_back(id);
         frame.positions.push_back(bodies.column<Position>()[row]);
         frame.radii.push_back(static_cast<float>(bodies.column<BoundingRadius>()[row]));
-        append(frame.velocities, velocity[row] + 0.5 * clock.dt * acceleration[row]);
-        append(frame.angular_velocities, bodies.column<AngularVelocity>()[row]);
+        append_vector(frame.velocities, velocity[row] + 0.5 * clock.dt * acceleration[row]);
+        append_vector(frame.angular_velocities, bodies.column<AngularVelocity>()[row]);
         frame.coordination.push_back(coordination[id]);
         if (bodies.has<ShapeOf>()) frame.shapes.push_back(bodies.column<ShapeOf>()[row]);
         if (!bodies.has<Orientation>()) continue;

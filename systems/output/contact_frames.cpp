@@ -13,18 +13,14 @@ namespace {
 
 constexpr std::size_t least_chunk = 1024; // lines; the first frame often has no contact
 
-void append(std::vector<float>& list, const Vec3& v) {
-    for (int axis = 0; axis < 3; ++axis) list.push_back(static_cast<float>(v[axis]));
-}
-
 std::vector<float> ends_of(const World& world, const std::vector<Contact>& contacts) {
     const auto rows = rows_by_id(world.column<Bodies, BodyId>());
     const auto position = world.column<Bodies, Position>();
     std::vector<float> ends;
     ends.reserve(6 * contacts.size());
     for (const Contact& c : contacts) {
-        append(ends, position[rows[c.owner]]);
-        append(ends, c.kind == 0 ? position[rows[c.partner]] : c.point);
+        append_vector(ends, position[rows[c.owner]]);
+        append_vector(ends, c.kind == 0 ? position[rows[c.partner]] : c.point);
     }
     return ends;
 }
@@ -49,7 +45,7 @@ void put_number(VtkhdfFile& file, const std::vector<Contact>& contacts, const ch
 void put_vector(VtkhdfFile& file, const std::vector<Contact>& contacts, const char* name,
                 const char* unit, Vec3 Contact::*vector) {
     put<float>(file, contacts, name, unit, 3,
-               [&](std::vector<float>& to, const Contact& c) { append(to, c.*vector); });
+               [&](std::vector<float>& to, const Contact& c) { append_vector(to, c.*vector); });
 }
 
 void put_label(VtkhdfFile& file, const std::vector<Contact>& contacts, const char* name,

@@ -61,10 +61,8 @@ void SurfaceFrames::add(const World& world, const BodyFrame& frame) {
             const float* q = frame.orientations.data() + 4 * b;
             turned = Quat(q[0], q[1], q[2], q[3]).normalized();
         }
-        for (std::size_t k = 0; k < each; ++k) {
-            const Vec3 x = frame.positions[b] + turned * corners_[each * b + k];
-            for (int axis = 0; axis < 3; ++axis) points.push_back(static_cast<float>(x[axis]));
-        }
+        for (std::size_t k = 0; k < each; ++k)
+            append_vector(points, frame.positions[b] + turned * corners_[each * b + k]);
     }
     file_.put_points(points);
     file_.end_frame(frame.time);
