@@ -21,25 +21,30 @@ auto fields_of(Q& q, S& stable_step) {
 
 } // namespace
 
-const LastQuantities::Values& LastQuantities::updated() {
-    const std::uint64_t steps = simulation_.count().steps;
-    if (steps != values_.steps) {
-        const World& world = simulation_.world();
-        values_ = {compute_quantities(world), bris::stable_step(world), steps};
-    }
-    return values_;
+bool LastQuantities::is_outdated(std::uint64_t& steps) const {
+    const std::uint64_t before = std::exchange(steps, simulation_.count().steps);
+    return before != steps;
+}
+
+const Quantities& LastQuantities::quantities() {
+    if (is_outdated(steps_of_quantities_)) quantities_ = compute_quantities(simulation_.world());
+    return quantities_;
+}
+
+double LastQuantities::stable_step() {
+    if (is_outdated(steps_of_stable_step_)) stable_step_ = bris::stable_step(simulation_.world());
+    return stable_step_;
 }
 
 void LastQuantities::save(Archive& archive) {
-    (void)updated();
-    put_fields(archive, path,
-               fields_of(std::as_const(values_.quantities), std::as_const(values_.stable_step)));
+    const double step = stable_step();
+    put_fields(archive, path, fields_of(quantities(), step));
 }
 
 void LastQuantities::load(const Archive& archive) {
     if (archive.find(path) != nullptr) // older checkpoints have none
-        get_fields(archive, path, fields_of(values_.quantities, values_.stable_step));
-    values_.steps = simulation_.count().steps;
+        get_fields(archive, path, fields_of(quantities_, stable_step_));
+    steps_of_quantities_ = steps_of_stable_step_ = simulation_.count().steps;
 }
 
 } // namespace bris

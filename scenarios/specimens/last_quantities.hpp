@@ -15,22 +15,20 @@ public:
     explicit LastQuantities(const Simulation& simulation) : simulation_(simulation) {}
 
     /// Of the present state; of the checkpoint if no step has been run since it was loaded.
-    const Quantities& quantities() { return updated().quantities; }
-    double stable_step() { return updated().stable_step; } ///< s
+    const Quantities& quantities();
+    double stable_step(); ///< s
 
     void save(Archive& archive);
     void load(const Archive& archive);
 
 private:
-    struct Values {
-        Quantities quantities;
-        double stable_step = 0;
-        std::uint64_t steps = 0; ///< that the simulation had run
-    };
-    const Values& updated();
+    /// Whether a value is that of an older state than the present one; it then becomes the latter.
+    bool is_outdated(std::uint64_t& steps) const;
 
     const Simulation& simulation_;
-    Values values_;
+    Quantities quantities_;
+    double stable_step_ = 0;
+    std::uint64_t steps_of_quantities_ = 0, steps_of_stable_step_ = 0; ///< that had been run
 };
 
 } // namespace bris

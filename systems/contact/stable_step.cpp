@@ -108,11 +108,10 @@ Mat6 block(const Touch& t, double normal, double shear, double rolling) {
     return sum;
 }
 
-/// Largest eigenvalue of a positive matrix, from the norm of a high power; at most 0.05 % too
-/// large.
-double largest_eigenvalue(Mat6 m) {
+/// Upper bound of the largest eigenvalue of a positive matrix, from the norm of its power
+/// 2^squarings: at most 0.05 % too large with 12 (6^(1/4096) = 1.0004), a quarter with 2.
+double largest_eigenvalue(Mat6 m, int squarings) {
     double log_scale = 0;
-    constexpr int squarings = 12; // 6^(1/4096) = 1.0004
     for (int k = 0; k < squarings; ++k) {
         const double norm = m.norm();
         if (!(norm > 0)) return 0;
@@ -209,9 +208,13 @@ double stable_step(const World& world) {
     for (Row b = 0; b < bodies.size(); ++b) {
         if (bodies.column<MotionOf>()[b] != free_motion) continue;
         const Mat6 root = inverse_root(bodies, b);
-        step = std::min(step,
-                        limit(largest_eigenvalue(root * stiffness[b] * root),
-                              damping.empty() ? 0 : largest_eigenvalue(root * damping[b] * root)));
+        const Mat6 k = root * stiffness[b] * root,
+                   c = damping.empty() ? Mat6(Mat6::Zero()) : Mat6(root * damping[b] * root);
+        const auto step_of = [&](int squarings) {
+            return limit(largest_eigenvalue(k, squarings), largest_eigenvalue(c, squarings));
+        };
+        // the bound from a low power suffices for all bodies but a few
+        if (step_of(2) < step) step = std::min(step, step_of(12));
     }
     return step;
 }
