@@ -94,6 +94,15 @@ private:
         }
         if constexpr (has_history)
             Tangential::template force<Normal, Damping>(c, k, step, stiffness, dashpots, spring, f);
+        if constexpr (has_history && Normal::varying) {
+            // a contact without stiffness, where rounding has left no overlap, has no history: new
+            // lists would not keep it
+            const LaneMask open = spring.stiffness == 0.0;
+            if (bits(open) != 0)
+                for (Lane* stretch :
+                     {&spring.x, &spring.y, &spring.z, &roll.x, &roll.y, &roll.z, &roll.twist})
+                    *stretch = open ? lanes(0) : *stretch;
+        }
         return f;
     }
 

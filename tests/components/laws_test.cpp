@@ -218,6 +218,20 @@ TEST_SUITE("contact/laws") {
         CHECK(std::hypot(f.x[0], f.y[0]) == about(limit).epsilon(1e-12));
     }
 
+    TEST_CASE("a contact whose overlap rounding has left at zero keeps no history that new lists "
+              "would forget") {
+        Contact<HertzMindlinRolling> contact;
+        (void)contact.step(0, Vec3(0.3, 0.1, 0), 0, Vec3(5, -3, 2));
+        CHECK(contact.spring.stiffness[0] == 0);
+        CHECK(contact.spring.x[0] == 0);
+        CHECK(contact.spring.y[0] == 0);
+        CHECK(contact.roll.x[0] == 0);
+        CHECK(contact.roll.twist[0] == 0);
+        (void)contact.step(1e-5, Vec3(0.3, 0.1, 0), 0, Vec3(5, -3, 2));
+        CHECK(contact.spring.x[0] != 0);
+        CHECK(contact.roll.x[0] != 0);
+    }
+
     TEST_CASE("rolling and twisting have their own limits and histories") {
         Contact<LinearRolling> contact;
         ForceLanes f{};
