@@ -40,7 +40,6 @@ void TriaxialTest::start_consolidation() {
     const double top = platen_height(world);
     membrane.ring_height = top / membrane.rings;
     world.resource<LocalDamping>().fraction = settings_.damping;
-    world.resource<Limits>().impact_allowance = 1;
     for (const EntityId id : world.resource<Specimen>().smart_rocks)
         world.column<Bodies, MotionOf>()[row_of_body(world, id)] =
             static_cast<std::uint32_t>(Motion::free);
@@ -91,6 +90,8 @@ void TriaxialTest::start_shear() {
         state.drift = std::max(state.drift, (d.now - d.given).norm());
         state.rotation = std::max(state.rotation, d.rotation);
     }
+    // not before: a large rock may still press a small one as it did while the specimen was tapped
+    world.resource<Limits>().impact_allowance = 1;
     platen.controlled = false;
     platen.speed = 0;
     state.phase = TriaxialPhase::shear;

@@ -109,7 +109,6 @@ void TriaxialTest::tap() {
 void TriaxialTest::prepare_again(double off) {
     World& world = simulation_.world();
     auto& state = world.resource<TriaxialState>();
-    world.resource<Limits>().impact_allowance = 1;
     state.porosity_before_taps -= off;
     if (state.porosity_before_taps < state.poured_porosity &&
         state.rounds++ < most_rounds * (state.trials + 1)) {

@@ -33,7 +33,7 @@ TriaxialSettings at_porosity(double porosity, double tolerance = 0.01) {
 }
 
 /// Touching pairs per rock of a specimen as it was prepared, under the platen. The limit of
-/// overlaps is higher while rocks are vibrated and tapped, and only then.
+/// overlaps is higher from when rocks are vibrated or tapped until they are sheared, and only then.
 double contacts_of(const TriaxialSettings& settings) {
     Simulation simulation = make_simulation(small_scene(), 1, false);
     TriaxialTest test(simulation, settings);
@@ -46,6 +46,7 @@ double contacts_of(const TriaxialSettings& settings) {
         contacts = static_cast<double>(balance.contacts) / static_cast<double>(balance.free_bodies);
         REQUIRE(test.advance());
     }
+    while (test.state().phase < TriaxialPhase::shear) REQUIRE(test.advance());
     CHECK(simulation.world().resource<Limits>().impact_allowance == 1);
     return contacts;
 }
