@@ -3,6 +3,7 @@
 #include "engine/component.hpp"
 #include "engine/entity.hpp"
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -28,6 +29,15 @@ struct NextSum : Derived<Row> {
 /// First row of the body's list; no_row if it is empty.
 struct SumsFromOthers : Derived<Row> {
     static constexpr auto name = "sums_from_others", unit = "";
+};
+
+__extension__ using WideInteger = __int128;
+
+/// Sums of the contact forces and torques on the boundaries, in units of the ForceGrid and in the
+/// order of Census::boundaries. A boundary may have more contacts than 64 bits can add.
+struct BoundarySums {
+    static constexpr auto name = "boundary_sums";
+    std::vector<std::array<WideInteger, 6>> of;
 };
 
 /// Units of the sums, powers of two. The scene determines them: the force of a contact at the limit

@@ -24,7 +24,8 @@ void catch_interrupts() {
     action.sa_handler = ask_to_stop;
     sigemptyset(&action.sa_mask);
     action.sa_flags = SA_RESTART; // a write in progress is completed and does not fail
-    for (const int signal : {SIGINT, SIGTERM, SIGXCPU}) sigaction(signal, &action, nullptr);
+    for (const int signal : {SIGINT, SIGTERM, SIGUSR1, SIGXCPU})
+        sigaction(signal, &action, nullptr);
     // a file beyond the limit of its size is an error of that write
     action.sa_handler = SIG_IGN;
     sigaction(SIGXFSZ, &action, nullptr);

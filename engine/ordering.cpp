@@ -19,7 +19,8 @@ std::uint64_t spread(std::uint64_t v) {
 } // namespace
 
 std::vector<Row> rows_by_id(std::span<const EntityId> ids) {
-    std::vector<Row> rows(ids.size());
+    std::vector<Row> rows(ids.empty() ? 0 : std::size_t{*std::ranges::max_element(ids)} + 1,
+                          no_row);
     for (Row r = 0; r < ids.size(); ++r) rows[ids[r]] = r;
     return rows;
 }

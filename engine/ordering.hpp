@@ -8,8 +8,8 @@
 
 namespace bris {
 
-/// Row of each id: entry i is the row of id i. Sums over a scene are taken in this order, so that
-/// they do not depend on the order of the rows.
+/// Row of each id: entry i is the row of id i, or no_row. Sums over a scene are taken in this
+/// order, so that they do not depend on the order of the rows.
 std::vector<Row> rows_by_id(std::span<const EntityId> ids);
 
 /// Sum of a column in the order of `rows`.

@@ -2,6 +2,7 @@
 
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
+#include "engine/ranks.hpp"
 #include "engine/resume.hpp"
 
 #include <fmt/format.h>
@@ -26,11 +27,11 @@ void run_loop(const LoopSteps& steps, CheckpointTimer& timer, const ReportProgre
         while (steps.advance()) {
             advanced = true;
             report(steps.progress());
-            if (interrupted()) {
+            if (Ranks::any(interrupted())) {
                 if (steps.save) steps.save();
                 throw Interrupted(fmt::format("interrupted; continue with {}", steps.resume_hint));
             }
-            if (steps.save && timer.is_due()) {
+            if (steps.save && Ranks::any(timer.is_due())) {
                 steps.save();
                 timer.restart();
             }
@@ -99,9 +100,9 @@ void Run::go(const std::vector<Phase>& phases) {
         for (; position_.phase < phases.size(); ++position_.phase, position_.begun = false) {
             const Phase& phase = phases[position_.phase];
             if (!position_.begun) {
-                position_ = {position_.phase, clock().step, true};
+                position_ = {position_.phase, simulation_.step(), true};
                 if (phase.begin) phase.begin(simulation_);
-                position_.first_step = clock().step;
+                position_.first_step = simulation_.step();
             }
             run_loop({.advance = [&] { return phase.advance(simulation_); },
                       .progress = [&] { return phase.progress(simulation_.world()); },
@@ -130,9 +131,10 @@ Phase Run::timed(TimedPhase phase) const {
         if (now >= phase.steps) return false;
         const std::uint64_t next =
             std::min(phase.steps, (now / phase.sample_every + 1) * phase.sample_every);
-        simulation.advance(std::min(next - now, longest_block));
-        const bool at_sample = steps_in_phase() == next;
-        return !at_sample || phase.sample(simulation, next);
+        simulation.advance_unseen(std::min(next - now, longest_block));
+        if (steps_in_phase() != next) return true;
+        simulation.look();
+        return phase.sample(simulation, next);
     };
     return {.advance = advance, .progress = progress, .begin = phase.begin};
 }
@@ -147,6 +149,7 @@ void Run::require_steps_left(std::uint64_t steps, const std::string& option) con
 }
 
 void Run::save_as(const std::string& name) const {
+    simulation_.look();
     Checkpoint checkpoint{common_.scenario, clock().step, common_.settings, simulation_.snapshot()};
     const std::array<std::uint64_t, 3> position{position_.phase, position_.first_step,
                                                 position_.begun ? std::uint64_t{1} : 0};

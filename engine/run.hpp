@@ -120,7 +120,7 @@ public:
     /// index of the current phase in the list given to `go`
     std::uint64_t phase() const { return position_.phase; }
     /// Steps since the current phase began.
-    std::uint64_t steps_in_phase() const { return clock().step - position_.first_step; }
+    std::uint64_t steps_in_phase() const { return simulation_.step() - position_.first_step; }
     /// A file NAME.EXT in the folder of results that cannot be appended to when a run is resumed:
     /// after resuming it is NAME_from_N.EXT, where N is the step within the phase.
     std::filesystem::path file(const std::string& name, const std::string& extension) const;

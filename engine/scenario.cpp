@@ -5,6 +5,7 @@
 #include "engine/interrupt.hpp"
 #include "engine/memory.hpp"
 #include "engine/printable.hpp"
+#include "engine/ranks.hpp"
 #include "engine/version.hpp"
 
 #include <fmt/format.h>
@@ -44,10 +45,34 @@ namespace bris::detail {
 
 namespace {
 
-int report(const std::string& name, std::string message, ExitCode code) {
+int report(std::string name, std::string message, ExitCode code) {
     std::replace(message.begin(), message.end(), '\n', ' ');
-    fmt::print(stderr, "{}: {}\n", name, printable(message));
-    return static_cast<int>(code);
+    const bool first = Ranks::is_first();
+    if (!first) name += fmt::format(", rank {}", Ranks::rank());
+    const auto print = [&] { fmt::print(stderr, "{}: {}\n", name, printable(message)); };
+    if (first) print();
+    if (RanksOfProgram::all_fail()) return static_cast<int>(code);
+    // the other ranks do not know, and would wait for this one
+    if (!first) print();
+    RanksOfProgram::abort(static_cast<int>(code));
+}
+
+/// Prepares this process to compute as one rank of several.
+void join_ranks(Common& common, unsigned wanted, const ScenarioInfo& info) {
+    common.ranks = Ranks::size();
+    require(wanted <= 1 || wanted == common.ranks || common.ranks == 1,
+            fmt::format("--ranks: expected {} as started, found {}", common.ranks, wanted));
+    if (std::max(wanted, common.ranks) == 1) return;
+    require(info.divides, fmt::format("--ranks: {} runs on one rank only", info.name));
+    if (common.ranks == 1) std::exit(start_ranks(wanted, common.arguments));
+    if (Ranks::is_first()) return;
+    common.quiet = true;
+    std::string folder = (std::filesystem::temp_directory_path() / "bris-rank-XXXXXX").string();
+    if (mkdtemp(folder.data()) == nullptr)
+        throw OutputError(fmt::format("cannot create directory '{}'", folder));
+    common.out = folder;
+    if (std::freopen("/dev/null", "w", stdout) == nullptr)
+        throw OutputError("cannot open /dev/null");
 }
 
 void refuse_flag(const char* flag, bool given, const std::string& reason) {
@@ -83,6 +108,7 @@ private:
 struct CommonFlags {
     std::filesystem::path config;
     double memory = 0;
+    unsigned ranks = 1;
 
     void describe(Options& option, Common& common) {
         option.group("Options of every scenario");
@@ -95,6 +121,11 @@ struct CommonFlags {
             "threads", common.threads, "",
             "Largest number of threads to use. 0: all cores. Some scenarios use only one thread.",
             within(0, 4096));
+        option(
+            "ranks", ranks, "",
+            "Number of processes (ranks of MPI) among which the world is divided. The results are "
+            "the same.",
+            within(1, 4096));
         option("memory", memory, "GiB",
                "Stop when the run needs more memory than this. 0: no limit.", within(0, 1 << 20));
         option("config", config, "",
@@ -145,7 +176,9 @@ bool parse_flags(Options& options, Common& common, int argc, char** argv,
             "--assets: expected on the command line, found in a configuration file");
     for (const std::string& warning : options.warnings())
         fmt::print(stderr, "{}: warning: {}\n", info.name, printable(warning));
-    if (common.threads == 0) common.threads = std::max(1u, std::thread::hardware_concurrency());
+    join_ranks(common, flags.ranks, info);
+    if (common.threads == 0)
+        common.threads = std::max(1u, std::thread::hardware_concurrency() / common.ranks);
     common.memory_limit = static_cast<std::uint64_t>(std::floor(flags.memory * 0x1p30));
     limit_memory(common.memory_limit, common.threads);
     common.settings = options.values();
@@ -164,6 +197,7 @@ void run_in_folder(const std::filesystem::path& folder, const std::function<void
             fmt::format("cannot create directory '{}': {}", folder.string(), error.message()));
     const FolderInUse in_use(folder);
     const auto remove_if_empty = [&] {
+        if (!Ranks::is_first()) std::filesystem::remove_all(folder, error); // see join_ranks
         for (const auto& path : made) std::filesystem::remove(path, error);
     };
     try {
@@ -180,6 +214,7 @@ void print_explanation(const std::string& text) {
 }
 
 int exit_code_of(const std::string& name, const std::function<void()>& body) {
+    const RanksOfProgram ranks;
     try {
         catch_interrupts();
         body();

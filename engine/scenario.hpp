@@ -20,7 +20,8 @@ struct Common {
     std::filesystem::path out;    ///< folder of the results; exists when the scenario runs
     std::filesystem::path assets; ///< folder of the assets by --assets; empty: see assets_folder
     std::filesystem::path resume; ///< checkpoint to resume from; empty: start from the beginning
-    unsigned threads = 0;         ///< at least 1 when the scenario runs
+    unsigned threads = 0;         ///< at least 1 when the scenario runs; of each rank
+    unsigned ranks = 1;           ///< processes of this run (Ranks)
     std::uint64_t seed = 1;
     std::uint64_t memory_limit = 0;     ///< bytes; 0: no limit
     bool explain = false;               ///< print the schedule and simulate nothing
@@ -47,6 +48,9 @@ struct ScenarioInfo {
     std::string cannot_resume = {};
     /// Reason for refusing --explain; empty: --explain is supported.
     std::string cannot_explain = {};
+    /// Whether a run may be divided among ranks. All ranks then run the scenario with the same
+    /// settings; those but the first write into a folder that is removed, and print nothing.
+    bool divides = false;
 };
 
 namespace detail {

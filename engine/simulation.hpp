@@ -14,7 +14,19 @@ struct StepCount {
     double wall_time = 0; ///< s, within `advance`
 };
 
+/// How a world is divided among the ranks of a run.
+struct Division {
+    /// This rank's part of the whole world, which all ranks have.
+    World (*take)(World& whole) = nullptr;
+    /// Writes the State of all parts back into the whole world of each rank.
+    void (*give_back)(const World& part, World& whole) = nullptr;
+};
+
 /// A world with its schedule and threads. The world must hold a Clock and a Health.
+///
+/// On several ranks (`divide`) every rank has the whole world, and all call the same functions.
+/// `advance` computes the steps on the parts, but the last one on the whole world, so that whoever
+/// looks finds there what they would find without ranks, to the same bits.
 class Simulation {
 public:
     Simulation(World world, StepList steps, unsigned threads = 1, ScheduleSettings settings = {});
@@ -25,8 +37,22 @@ public:
 
     /// Runs `steps` steps, on one thread if the world is too small for several. Throws
     /// SimulationError (step, time, reason) if a guard reports a problem.
-    void advance(std::uint64_t steps = 1);
+    void advance(std::uint64_t steps = 1) {
+        advance_unseen(steps);
+        look();
+    }
+    /// The same where nobody looks at the world until `look` or `advance` is called: on several
+    /// ranks it is not up to date before.
+    void advance_unseen(std::uint64_t steps);
+    /// Brings the world up to date after advance_unseen.
+    void look();
+    std::uint64_t step() const; ///< number of the present step, up to date in any case
     const StepCount& count() const { return count_; }
+
+    /// Divides the world among the ranks of the run while it advances.
+    void divide(Division division) { division_ = division; }
+    /// This rank's part after advance_unseen; null while there is none.
+    const World* part() const { return part_ ? &part_->world : nullptr; }
     /// Binds the schedule again after tables, columns or resources were added.
     void prepare() { schedule_.prepare(*world_); }
 
@@ -39,9 +65,24 @@ public:
     void on_restore(void (*function)(World&)) { on_restore_ = function; }
 
 private:
+    /// What this rank computes while the world is divided.
+    struct Part {
+        Part(World taken, StepList steps, ScheduleSettings settings)
+            : world(std::move(taken)), schedule(std::move(steps), settings) {
+            schedule.prepare(world);
+        }
+        World world;
+        Schedule schedule;
+    };
+    void run(World& world, Schedule& schedule, std::uint64_t steps, bool observed);
+
     std::unique_ptr<World> world_; // at a fixed address: bound systems point into it
+    Division division_;
+    std::unique_ptr<Part> part_; // null: the whole world is up to date
+    std::uint64_t owed_ = 0;     // steps that the part has not yet done
+    StepList steps_;
+    ScheduleSettings settings_;
     std::unique_ptr<Threads> threads_, alone_;
-    std::size_t least_rows_;
     Schedule schedule_;
     void (*on_restore_)(World&) = nullptr;
     StepCount count_;

@@ -92,16 +92,18 @@ void run(const Settle& settings, const Common& common) {
     }
     FrameWriter frames(run.file("settle", ".vtkhdf"), common.settings, settings.written.extras());
     if (!run.is_resumed()) frames.add(world);
+    double coordination = 0; // in the last sample
     const auto sample = [&](Simulation&, std::uint64_t step) {
         const double stable = checked_stable_step(world);
         const Quantities& q = last.quantities();
+        coordination = q.coordination;
         motion.add({world.resource<Clock>().time(), q.kinetic_energy, q.elastic_energy,
                     q.boundary_force_over_weight(), q.coordination, q.unbalanced_ratio, stable});
         if (step % (samples_per_frame * sample_every) == 0 || step == total) frames.add(world);
         return true;
     };
     const auto status = [&](const World&) {
-        return fmt::format("coordination number {:.2f}", last.quantities().coordination);
+        return fmt::format("coordination number {:.2f}", coordination);
     };
     run.go({run.timed({"settle", total, sample_every, sample, status})});
     draw(world, motion, common);
@@ -130,6 +132,7 @@ std::string explain(const Settle& settings, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Settle>(argc, argv, {"settle", "Spheres settle in a box under gravity."},
-                                run, explain);
+    const ScenarioInfo info{
+        .name = "settle", .description = "Spheres settle in a box under gravity.", .divides = true};
+    return run_scenario<Settle>(argc, argv, info, run, explain);
 }

@@ -14,6 +14,7 @@
 #include "systems/recorder/record_motion.hpp"
 #include "systems/servo/membrane.hpp"
 #include "systems/servo/platen.hpp"
+#include "systems/slabs/slabs.hpp"
 #include "systems/sleep/sleep.hpp"
 
 namespace bris {
@@ -51,6 +52,8 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         when(fouling_is_due, system("update_fouling", update_fouling)),
         // when lists are due: new lists, then all positions that contacts read
         when(due, system("rebuild_pairs", rebuild_pairs)),
+        system("share_census", share_census),
+        system("list_ghosts", list_ghosts),
         when(due, system("prune_pairs", prune_pairs)),
         when(moved, row_local("update_sphere_positions again", update_sphere_positions)),
         when(moved, row_local("update_clump_positions again", update_clump_positions)),
@@ -70,6 +73,8 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         required(collide_facets(law, choices)),
         required(collide_planes(law, choices)),
         required(collide_membrane(law, choices)),
+        system("sum_boundaries", sum_boundaries),
+        system("share_boundary_forces", share_boundary_forces),
         // forces on bodies, and their motion, in one pass over the rows
         row_local("sum_contacts", sum_contacts),
         row_local("apply_gravity", apply_gravity),
@@ -90,6 +95,8 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         row_local("apply_correction_displacement", apply_correction_displacement),
         row_local("hold_spheres", hold_spheres),
         row_local("hold_clumps", hold_clumps),
+        system("pass_spheres", pass_spheres),
+        system("pass_clumps", pass_clumps),
         row_local("update_sphere_positions", update_sphere_positions),
         row_local("update_clump_positions", update_clump_positions),
         row_local("update_kicks", update_kicks),
@@ -98,6 +105,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         row_local("bound_displacement_and_rotation", bound_displacement_and_rotation),
         row_local("watch_motion", watch_motion),
         // boundaries
+        system("share_membrane_forces", share_membrane_forces),
         system("push_membrane", push_membrane),
         system("accumulate_membrane_work", accumulate_membrane_work),
         system("servo_membrane", servo_membrane),
@@ -115,6 +123,11 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         system("guard_planes", guard_contacts<PlanePairs>),
         system("guard_membrane", guard_contacts<MembranePairs>),
         system("guard_motion", guard_motion),
+        // where the world is one rank's part of a whole
+        system("review_candidates", review_candidates),
+        system("agree_on_lists", agree_on_lists),
+        system("note_widest_skin", note_widest_skin),
+        system("exchange_bodies", exchange_bodies),
     };
 }
 

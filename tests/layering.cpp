@@ -115,7 +115,7 @@ bool is_at_home(const std::string& file, const Library& library) {
 }
 
 bool may_include_library(const std::string& file, const std::string& target) {
-    static const std::array<Library, 8> libraries{{
+    static const std::array<Library, 9> libraries{{
         {{"tbb/", "oneapi/"},
          {"engine/parallel.hpp", "engine/parallel.cpp", "engine/schedule.cpp"}},
         {{"hdf5", "H5"}, {"engine/io/hdf5.cpp"}},
@@ -129,6 +129,7 @@ bool may_include_library(const std::string& file, const std::string& target) {
          {"engine/estimation/chi_squared.cpp", "engine/estimation/detection.cpp",
           "engine/estimation/moderated_variance.cpp", "engine/estimation/student_t.cpp"}},
         {{"unsupported/"}, {"engine/signal/fft.cpp"}},
+        {{"mpi"}, {"engine/ranks.cpp"}},
     }};
     return std::none_of(libraries.begin(), libraries.end(), [&](const Library& library) {
         return std::any_of(library.beginnings.begin(), library.beginnings.end(),

@@ -1,16 +1,34 @@
 #include "scenarios/specimens/start.hpp"
 
+#include "engine/errors.hpp"
+#include "engine/ranks.hpp"
 #include "scenarios/specimens/check_scene.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/energy_budget.hpp"
+#include "systems/slabs/slabs.hpp"
 #include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
+
+#include <fmt/format.h>
 
 namespace bris {
 
 Simulation start(World world, const StartSettings& s) {
     check_scene(world, s.law);
     return start_unchecked(std::move(world), s);
+}
+
+void divide_among_ranks(Simulation& simulation) {
+    if (Ranks::size() == 1) return;
+    const std::string reason = reason_not_to_divide(simulation.world());
+    require(reason.empty(),
+            fmt::format("--ranks: expected a scene that can be divided, found {}", reason));
+    simulation.divide({.take =
+                           [](World& whole) {
+                               survey(whole);
+                               return take_slab(whole);
+                           },
+                       .give_back = give_back});
 }
 
 Simulation start_unchecked(World world, const StartSettings& s) {
@@ -25,6 +43,7 @@ Simulation start_unchecked(World world, const StartSettings& s) {
         add_sleep(simulation.world(), {.acceleration = s.sleep * weight});
         simulation.prepare();
     }
+    divide_among_ranks(simulation);
     return simulation;
 }
 

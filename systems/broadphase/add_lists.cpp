@@ -75,6 +75,7 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     world.add_resource(ContactLaw{law});
     world.add_resource<ListState>();
     world.add_resource<ForceGrid>();
+    world.add_resource<BoundarySums>();
     world.add_resource<Census>();
     world.add_resource<Observation>();
 }

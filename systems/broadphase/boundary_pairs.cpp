@@ -1,6 +1,7 @@
 #include "components/boundary.hpp"
 #include "components/material.hpp"
 #include "components/membrane_surface.hpp"
+#include "components/slab.hpp"
 #include "systems/broadphase/carry_over.hpp"
 #include "systems/broadphase/skins.hpp"
 #include "systems/broadphase/sphere_rows.hpp"
@@ -23,6 +24,8 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
     const auto motion = bodies.column<MotionOf>();
     const auto run = bodies.column<SpheresOf>();
     const auto id = bodies.column<BodyId>();
+    // the forces of ghosts on boundaries are found by the ranks that own them
+    const std::uint32_t* ghost = bodies.has<Ghost>() ? bodies.column<Ghost>().data() : nullptr;
     const auto material = bodies.column<MaterialOf>();
     const auto sphere_row = world.column<Spheres, EnlargedSphere>();
     const auto& materials = world.resource<Materials>();
@@ -30,6 +33,7 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
     std::vector<Row> first;
     found.collect(bodies.size(), first, [&](std::vector<Candidate>& list, Row b) {
         if (run[b].count == 0 || motion[b] != static_cast<std::uint32_t>(Motion::free)) return;
+        if (ghost != nullptr && ghost[b] != 0) return;
         const std::size_t begin = list.size();
         for (const Row e : parts_around(b)) {
             if (!near_body(b, e)) continue;

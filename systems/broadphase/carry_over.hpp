@@ -3,6 +3,7 @@
 #include "systems/broadphase/chunk_lists.hpp"
 #include "systems/broadphase/lists.hpp"
 
+#include <algorithm>
 #include <span>
 #include <vector>
 
@@ -87,8 +88,10 @@ template <class Pairs>
 void replace_pairs(World& world, const ChunkLists<Candidate>& found,
                    const std::vector<Row>& first) {
     Table& table = world.table<Pairs>();
-    const Kept<Spring> springs(table, world.table<Bodies>().size());
-    const Kept<Roll> rolls(table, world.table<Bodies>().size());
+    const auto ids = world.column<Bodies, BodyId>();
+    const std::size_t count = ids.empty() ? 0 : std::size_t{*std::ranges::max_element(ids)} + 1;
+    const Kept<Spring> springs(table, count);
+    const Kept<Roll> rolls(table, count);
     table.resize(0);
     table.resize(found.size());
     const auto names = table.column<PairKey>();

@@ -5,6 +5,7 @@
 #include "components/material.hpp"
 #include "components/pair.hpp"
 #include "components/settings.hpp"
+#include "components/slab.hpp"
 #include "components/sphere.hpp"
 #include "engine/world.hpp"
 
@@ -25,6 +26,14 @@ void note_positions(World& world);
 /// rebuilds it first sorts the rows along a Morton curve. It does nothing more than update the
 /// sphere positions while the candidates are still complete. Only here do rows change.
 void rebuild_pairs(World& world);
+
+/// At the end of a step, where a world is divided: marks the lists as stale if the candidates do
+/// not suffice for the next step.
+void review_candidates(const Slab& slab, World& world);
+/// Then, where the lists are stale: the largest skin that new candidates would have (ListState).
+void note_widest_skin(const Slab& slab, World& world);
+/// What must be known of a world before it is divided: spheres of bodies, census, widest skin.
+void survey(World& world);
 
 /// Makes the short lists of pairs within the inner skin, the list of their spheres and the index of
 /// near pairs. Writes Derived data only, except that it clears the springs of pairs that are apart.

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace bris {
 
@@ -75,9 +76,29 @@ void note_positions(World& world) { world.resource<ListState>().velocities_chang
 void show_velocities(World& world) { world.resource<ListState>().velocities_changed = true; }
 void invalidate_lists(World& world) { world.resource<ListState>().stale = true; }
 
+void review_candidates(const Slab&, World& world) {
+    auto& state = world.resource<ListState>();
+    if (state.stale || !lists_are_due(world)) return;
+    state.skins_are_chosen = detail::choose_inner_skins(world);
+    state.stale = !state.skins_are_chosen;
+}
+
+void note_widest_skin(const Slab&, World& world) {
+    auto& state = world.resource<ListState>();
+    if (state.stale) state.widest_skin = detail::widest_skin(world);
+}
+
+void survey(World& world) {
+    detail::find_runs(world);
+    take_census(world);
+    world.resource<ListState>().widest_skin = detail::widest_skin(world);
+}
+
 void rebuild_pairs(World& world) {
     auto& state = world.resource<ListState>();
-    if (!state.stale && detail::choose_inner_skins(world)) return;
+    if (!state.stale &&
+        (std::exchange(state.skins_are_chosen, false) || detail::choose_inner_skins(world)))
+        return;
     const auto& settings = world.resource<ListSettings>();
     detail::find_runs(world);
     if (settings.sort_every > 0 && state.rebuilds % settings.sort_every == 0) {

@@ -251,10 +251,18 @@ void choose_skins(World& world) {
     Table& bodies = world.table<Bodies>();
     const auto inner = bodies.column<InnerSkin>(), outer = bodies.column<OuterSkin>();
     const WantedSkins wanted(world);
+    const double most = world.resource<ListSettings>().widest_skin;
     for_rows(bodies.size(), [&](Row b) {
-        inner[b] = wanted.inner(b);
-        outer[b] = std::max(wanted.outer(b), inner[b]);
+        inner[b] = std::min(wanted.inner(b), most);
+        outer[b] = std::min(std::max(wanted.outer(b), inner[b]), most);
     });
+}
+
+double widest_skin(World& world) {
+    choose_mean_skins(world, world.resource<ListSettings>());
+    const WantedSkins wanted(world);
+    return largest_of_bodies(world.table<Bodies>().size(),
+                             [&](Row b) { return std::max(wanted.outer(b), wanted.inner(b)); });
 }
 
 } // namespace bris::detail

@@ -16,6 +16,9 @@ bool choose_inner_skins(World& world);
 /// Chooses the inner and outer skins for new candidates and new short lists.
 void choose_skins(World& world);
 
+/// Largest skin (m) that `choose_skins` would choose without the limit ListSettings::widest_skin.
+double widest_skin(World& world);
+
 /// Gap (m) beyond the sum of the skins of sphere and facet within which facets must be listed. What
 /// holds a sphere goes from one facet to the next beyond touch, so facets must be listed before
 /// they come within reach of the law. A pair of spheres or of sphere and plane acts beyond touch

@@ -26,8 +26,6 @@ bool may_touch(const Census& bodies, std::uint32_t a, std::uint32_t b) {
            (bodies.grains[b] > 0 && bodies.hosts[a] > 0);
 }
 
-__extension__ using WideInteger = __int128;
-
 void add(SumRow& sum, const SumRow& more) {
     sum.fx += more.fx;
     sum.fy += more.fy;
@@ -50,13 +48,9 @@ void take_list(Row first, const SumRows& sums, Take&& take) {
     }
 }
 
-/// Force and torque on a boundary, which may have more contacts than 64 bits can add.
-void sum_host(Row first, const SumRows& sums, const ForceGrid& grid, Vec3& force, Vec3& torque) {
-    std::array<WideInteger, 6> sum{};
-    take_list(first, sums, [&](const SumRow& r) {
-        const std::array<std::int64_t, 6> more{r.fx, r.fy, r.fz, r.tx, r.ty, r.tz};
-        for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += more[i];
-    });
+/// Force and torque on a boundary.
+void place(const std::array<WideInteger, 6>& sum, const ForceGrid& grid, Vec3& force,
+           Vec3& torque) {
     for (int i = 0; i < 3; ++i) {
         const auto k = static_cast<std::size_t>(i);
         force[i] = grid.force * static_cast<double>(sum[k]);
@@ -109,8 +103,21 @@ void choose_force_grid(const Materials& materials, const ContactLaw& law, const 
     grid.host_torque = grid.torque * longer_arms;
 }
 
+void sum_boundaries(Rows<Bodies, const SumsFromOthers> bodies,
+                    Rows<ForceSums, const NextSum, ContactSum> sums, const Census& census,
+                    BoundarySums& boundaries) {
+    const Row* list = bodies.column<SumsFromOthers>();
+    boundaries.of.assign(census.boundaries.size(), {});
+    for (std::size_t k = 0; k < boundaries.of.size(); ++k)
+        take_list(list[census.boundaries[k]], sums, [&](const SumRow& r) {
+            const std::array<std::int64_t, 6> more{r.fx, r.fy, r.fz, r.tx, r.ty, r.tz};
+            for (std::size_t i = 0; i < more.size(); ++i) boundaries.of[k][i] += more[i];
+        });
+}
+
 void sum_contacts(Rows<Bodies, const SumsFromOthers, const SpheresOf, Force, Torque> bodies,
-                  Rows<ForceSums, const NextSum, ContactSum> sums, const ForceGrid& grid) {
+                  Rows<ForceSums, const NextSum, ContactSum> sums, const ForceGrid& grid,
+                  const Census& census, const BoundarySums& boundaries) {
     const Row* list = bodies.column<SumsFromOthers>();
     const SphereRun* spheres = bodies.column<SpheresOf>();
     SumRow* sum = sums.column<ContactSum>();
@@ -128,8 +135,10 @@ void sum_contacts(Rows<Bodies, const SumsFromOthers, const SpheresOf, Force, Tor
         for (int q = 0; q < rows.count; ++q) {
             const Row b = at(q);
             sum[b] = {};
-            if (list[b] != no_row && spheres[b].count == 0)
-                sum_host(list[b], sums, grid, force[b], torque[b]);
+            if (spheres[b].count > 0) continue;
+            const auto at_row = std::ranges::lower_bound(census.boundaries, b);
+            place(boundaries.of[static_cast<std::size_t>(at_row - census.boundaries.begin())], grid,
+                  force[b], torque[b]);
         }
     });
 }

@@ -2,11 +2,14 @@
 // steps after which the codes are compared, then the timed steps. The result is one line of
 // key=value. With --make it makes the bed instead.
 #include "components/kinds.hpp"
+#include "components/slab.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
+#include "engine/ranks.hpp"
 #include "engine/scenario.hpp"
 #include "engine/simulation.hpp"
 #include "engine/stopwatch.hpp"
+#include "scenarios/specimens/start.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
 #include "systems/output/contacts.hpp"
@@ -135,7 +138,20 @@ struct Outcome {
     std::uint64_t fingerprint = 0, rebuilds = 0, prunes = 0;
     std::size_t sleepers = 0;
     std::map<std::string, double> seconds; ///< s, of each system in the timed steps
+    Ranks::Traffic sent;                   ///< by this rank, in the timed steps
+    double ghost_share = 0; ///< largest of the ranks: ghosts relative to bodies that it computes
 };
+
+Ranks::Traffic operator-(const Ranks::Traffic& a, const Ranks::Traffic& b) {
+    return {a.messages - b.messages, a.bytes - b.bytes, a.reductions - b.reductions};
+}
+
+/// Ghosts relative to bodies that this rank computes.
+double ghost_share(const World& part) {
+    const auto ghost = part.column<Bodies, Ghost>();
+    const auto ghosts = static_cast<double>(std::ranges::count(ghost, 1u));
+    return ghosts / (static_cast<double>(ghost.size()) - ghosts);
+}
 
 Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& bed,
                   unsigned threads) {
@@ -149,6 +165,7 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
                            .timed = s.profile,
                            .least_rows = s.least_rows,
                            .most_graph_rows = s.most_graph_rows});
+    divide_among_ranks(simulation);
     const World& world = simulation.world();
 
     Outcome o;
@@ -169,8 +186,14 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     const ListState before = world.resource<ListState>();
     const std::map<std::string, double> seconds_before = simulation.schedule().seconds();
 
+    const Ranks::Traffic sent = Ranks::traffic();
     const auto began = this_instant();
-    simulation.advance(s.steps);
+    simulation.advance_unseen(s.steps);
+    if (const World* part = simulation.part()) {
+        o.sent = Ranks::traffic() - sent;
+        o.ghost_share = Ranks::largest(ghost_share(*part));
+    }
+    simulation.look();
     o.wall = seconds_since(began);
 
     o.peak_memory = peak_memory();
@@ -184,6 +207,7 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
 }
 
 void report(const Bench& s, const peers::Bed& bed, const Outcome& o) {
+    if (!Ranks::is_first()) return;
     const auto spheres = static_cast<double>(bed.balls.size() * s.worlds);
     for (const Vec3& p : o.pressures)
         fmt::print("pressure {:.9g} {:.9g} {:.9g}\n", p.x(), p.y(), p.z());
@@ -196,6 +220,13 @@ void report(const Bench& s, const peers::Bed& bed, const Outcome& o) {
                o.energy, o.coordination, q.boundary_force.z() / q.weight.z());
     fmt::print("fingerprint={} peak_memory_MB={:.1f} mean_overlap_m={:.6g} ",
                hexadecimal(o.fingerprint), o.peak_memory, q.mean_overlap);
+    const auto per_step = [&](std::uint64_t n) {
+        return static_cast<double>(n) / static_cast<double>(s.steps);
+    };
+    fmt::print("ranks={} ghost_share={:.4g} messages_per_step={:.4g} bytes_per_step={:.5g} "
+               "reductions_per_step={:.4g} ",
+               Ranks::size(), o.ghost_share, per_step(o.sent.messages), per_step(o.sent.bytes),
+               per_step(o.sent.reductions));
     fmt::print("sleepers={} stable_step_s={:.4g} contacts={} rebuilds={} prunes={}\n", o.sleepers,
                o.stable_step, q.contacts, o.rebuilds, o.prunes);
     if (!s.profile) return;

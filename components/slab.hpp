@@ -1,0 +1,48 @@
+#pragma once
+
+#include "engine/component.hpp"
+#include "engine/entity.hpp"
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace bris {
+
+/// Of a rank's part of a world: 1 if another rank computes the motion of the body, else 0. Exists
+/// only where a world is divided among ranks.
+struct Ghost : Derived<std::uint32_t> {
+    static constexpr auto name = "ghost", unit = "";
+};
+
+/// Bodies of which one rank sends the motion to another in every step, by ascending id on both
+/// sides.
+struct GhostRows {
+    unsigned rank = 0;
+    std::vector<Row> send, receive;
+    std::vector<std::byte> sent, received; ///< messages of one step
+};
+
+/// The slab of this rank: the bodies with spheres whose centres lie in it are computed here. Ghosts
+/// are the bodies of other slabs within reach of it. Boundaries are on all ranks.
+struct Slab {
+    static constexpr auto name = "slab";
+    int axis = 0;                  ///< along which the world is divided: 0, 1, 2 for x, y, z
+    std::vector<double> cuts;      ///< m, ranks + 1, ascending; the outer ones are infinite
+    unsigned rank = 0;             ///< of this process
+    double widest_skin = 0;        ///< m, limit of the outer skins
+    std::vector<GhostRows> ghosts; ///< by rank; only those with which bodies are shared
+
+    std::size_t owner_of(double x) const {
+        std::size_t rank_of = 0;
+        while (rank_of + 2 < cuts.size() && !(x < cuts[rank_of + 1])) ++rank_of;
+        return rank_of;
+    }
+    /// Whether a body at x is owned by a rank, or within `reach` (m) of its slab.
+    bool is_near(double x, double reach, std::size_t of_rank) const {
+        return owner_of(x) == of_rank ||
+               (x > cuts[of_rank] - reach && x < cuts[of_rank + 1] + reach);
+    }
+};
+
+} // namespace bris

@@ -1,0 +1,262 @@
+#include "engine/ranks.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/exit_codes.hpp"
+#include "engine/interrupt.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <cstdlib>
+#include <filesystem>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+#include <utility>
+
+#ifdef BRIS_MPI
+#define OMPI_SKIP_MPICXX // only the interface in C
+#include <mpi.h>
+#endif
+
+namespace bris {
+
+namespace {
+Ranks::Traffic sent_so_far; // by the thread that runs main
+}
+
+const Ranks::Traffic& Ranks::traffic() { return sent_so_far; }
+
+#ifdef BRIS_MPI
+
+namespace {
+
+bool runs() {
+    int started = 0, ended = 0;
+    MPI_Initialized(&started);
+    MPI_Finalized(&ended);
+    return started != 0 && ended == 0;
+}
+
+/// Waits for messages. A rank that does not answer for a minute has hung or is lost: then all end,
+/// with one line.
+void wait_for(std::vector<MPI_Request>& requests) {
+    using Clock = std::chrono::steady_clock;
+    constexpr std::chrono::seconds patience{45}, patience_when_stopped{10};
+    const int count = static_cast<int>(requests.size());
+    const auto began = Clock::now();
+    for (std::uint64_t tries = 1;; ++tries) {
+        int done = 0;
+        MPI_Testall(count, requests.data(), &done, MPI_STATUSES_IGNORE);
+        if (done != 0) return;
+        if (tries % 64 == 0) std::this_thread::yield(); // to a rank that shares this core
+        if (tries % 65536 != 0) continue;               // some ten milliseconds
+        const auto waited = Clock::now() - began;
+        if (waited < (interrupted() ? patience_when_stopped : patience)) continue;
+        fmt::print(stderr,
+                   "rank {}: another rank has not answered for {} s: all ranks end; continue from "
+                   "the last "
+                   "checkpoint with --resume\n",
+                   Ranks::rank(), std::chrono::duration_cast<std::chrono::seconds>(waited).count());
+        RanksOfProgram::abort(static_cast<int>(ExitCode::failed));
+    }
+}
+
+void reduce(void* entries, std::size_t count, MPI_Datatype type, MPI_Op operation) {
+    ++sent_so_far.reductions;
+    if (!runs() || count == 0) return;
+    std::vector<MPI_Request> request(1);
+    MPI_Iallreduce(MPI_IN_PLACE, entries, static_cast<int>(count), type, operation, MPI_COMM_WORLD,
+                   request.data());
+    wait_for(request);
+}
+
+// a message longer than an int can count is sent as several
+constexpr std::size_t longest = std::size_t{1} << 30;
+
+void start(const Ranks::Message& message, bool sends, std::vector<MPI_Request>& requests) {
+    for (std::size_t first = 0; first < message.bytes.size(); first += longest) {
+        const auto part =
+            message.bytes.subspan(first, std::min(longest, message.bytes.size() - first));
+        const int count = static_cast<int>(part.size()), other = static_cast<int>(message.rank);
+        MPI_Request& request = requests.emplace_back();
+        sent_so_far.messages += sends ? 1 : 0;
+        sent_so_far.bytes += sends ? part.size() : 0;
+        if (sends)
+            MPI_Isend(part.data(), count, MPI_BYTE, other, 0, MPI_COMM_WORLD, &request);
+        else
+            MPI_Irecv(part.data(), count, MPI_BYTE, other, 0, MPI_COMM_WORLD, &request);
+    }
+}
+
+} // namespace
+
+unsigned Ranks::rank() {
+    int rank = 0;
+    if (runs()) MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+    return static_cast<unsigned>(rank);
+}
+
+unsigned Ranks::size() {
+    int size = 1;
+    if (runs()) MPI_Comm_size(MPI_COMM_WORLD, &size);
+    return static_cast<unsigned>(size);
+}
+
+bool Ranks::available() { return true; }
+
+double Ranks::largest(double here) {
+    reduce(&here, 1, MPI_DOUBLE, MPI_MAX);
+    return here;
+}
+
+void Ranks::sum(std::span<std::int64_t> entries) {
+    reduce(entries.data(), entries.size(), MPI_INT64_T, MPI_SUM);
+}
+
+void Ranks::largest(std::span<std::int64_t> entries) {
+    reduce(entries.data(), entries.size(), MPI_INT64_T, MPI_MAX);
+}
+
+void Ranks::pass(std::span<const Message> send, std::span<const Message> receive) {
+    std::vector<MPI_Request> requests;
+    for (const Message& message : receive) start(message, false, requests);
+    for (const Message& message : send) start(message, true, requests);
+    wait_for(requests);
+}
+
+std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) {
+    const unsigned here = rank();
+    std::vector<std::uint64_t> sent(to.size()), received(to.size());
+    for (std::size_t r = 0; r < to.size(); ++r) sent[r] = to[r].size();
+    received = sent;
+    if (runs()) {
+        std::vector<MPI_Request> request(1);
+        MPI_Ialltoall(sent.data(), 1, MPI_UINT64_T, received.data(), 1, MPI_UINT64_T,
+                      MPI_COMM_WORLD, request.data());
+        wait_for(request);
+    }
+    std::vector<Bytes> from(to.size());
+    from[here] = to[here];
+    std::vector<Message> send, receive;
+    for (unsigned r = 0; r < to.size(); ++r) {
+        if (r == here) continue;
+        from[r].resize(received[r]);
+        // MPI only reads what is sent
+        if (sent[r] > 0) send.push_back({r, {const_cast<std::byte*>(to[r].data()), to[r].size()}});
+        if (received[r] > 0) receive.push_back({r, from[r]});
+    }
+    pass(send, receive);
+    return from;
+}
+
+RanksOfProgram::RanksOfProgram() {
+    for (const char* sign : {"OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMIX_RANK"})
+        if (std::getenv(sign) != nullptr && !runs()) {
+            int provided = 0;
+            MPI_Init_thread(nullptr, nullptr, MPI_THREAD_FUNNELED, &provided);
+            return;
+        }
+}
+
+RanksOfProgram::~RanksOfProgram() {
+    if (runs()) MPI_Finalize();
+}
+
+bool RanksOfProgram::all_fail() {
+    using namespace std::chrono_literals;
+    if (!runs()) return true;
+    MPI_Request request;
+    MPI_Ibarrier(MPI_COMM_WORLD, &request);
+    const auto end = std::chrono::steady_clock::now() + 5s;
+    for (int done = 0; std::chrono::steady_clock::now() < end; std::this_thread::sleep_for(10ms)) {
+        MPI_Test(&request, &done, MPI_STATUS_IGNORE);
+        if (done != 0) return true;
+    }
+    return false;
+}
+
+void RanksOfProgram::abort(int code) {
+    if (runs()) MPI_Abort(MPI_COMM_WORLD, code);
+    std::exit(code);
+}
+
+#else
+
+unsigned Ranks::rank() { return 0; }
+unsigned Ranks::size() { return 1; }
+bool Ranks::available() { return false; }
+double Ranks::largest(double here) { return here; }
+void Ranks::sum(std::span<std::int64_t>) {}
+void Ranks::largest(std::span<std::int64_t>) {}
+void Ranks::pass(std::span<const Message>, std::span<const Message>) {}
+std::vector<Ranks::Bytes> Ranks::exchange(const std::vector<Bytes>& to) { return to; }
+RanksOfProgram::RanksOfProgram() = default;
+RanksOfProgram::~RanksOfProgram() = default;
+bool RanksOfProgram::all_fail() { return true; }
+void RanksOfProgram::abort(int code) { std::exit(code); }
+
+#endif
+
+int start_ranks(unsigned ranks, const std::vector<std::string>& arguments) {
+    require(
+        Ranks::available(),
+        "--ranks: expected a build with MPI, found one without (install libopenmpi-dev and build "
+        "again)");
+    // quiet: the program itself says why it ends
+    std::vector<std::string> command{"mpirun",
+                                     "--quiet",
+                                     "-n",
+                                     std::to_string(ranks),
+                                     "--oversubscribe",
+                                     "--bind-to",
+                                     "none",
+                                     "--mca",
+                                     "odls_base_sigkill_timeout",
+                                     "5",
+                                     "--mca",
+                                     "btl_vader_single_copy_mechanism",
+                                     "none"};
+    if (geteuid() == 0) command.emplace_back("--allow-run-as-root");
+    command.push_back(std::filesystem::read_symlink("/proc/self/exe").string());
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    std::vector<char*> words;
+    for (std::string& word : command) words.push_back(word.data());
+    words.push_back(nullptr);
+    // in a group of its own, because mpirun kills the ranks at Ctrl-C; it passes on SIGUSR1, at
+    // which they save a checkpoint
+    posix_spawnattr_t own_group;
+    posix_spawnattr_init(&own_group);
+    posix_spawnattr_setflags(&own_group, POSIX_SPAWN_SETPGROUP);
+    pid_t child = 0;
+    const int failed = posix_spawnp(&child, words[0], nullptr, &own_group, words.data(), environ);
+    posix_spawnattr_destroy(&own_group);
+    if (failed != 0) throw OutputError("--ranks: cannot start mpirun");
+    int status = 0;
+    bool asked = false;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+        if (interrupted() && !std::exchange(asked, true)) kill(child, SIGUSR1);
+        std::this_thread::sleep_for(std::chrono::milliseconds(20));
+    }
+    const int code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    for (const auto& [known, meaning] : exit_codes)
+        if (code == static_cast<int>(known)) return code;
+    throw SimulationError(fmt::format("a rank ended without a result (signal {}); continue from "
+                                      "the last checkpoint with --resume",
+                                      code - 128));
+}
+
+bool Ranks::any(bool here) {
+    std::int64_t entry = here ? 1 : 0;
+    largest({&entry, 1});
+    return entry != 0;
+}
+
+std::vector<Ranks::Bytes> Ranks::share(const Bytes& here) {
+    return exchange(std::vector<Bytes>(size(), here));
+}
+
+} // namespace bris

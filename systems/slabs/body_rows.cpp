@@ -1,0 +1,204 @@
+#include "systems/slabs/body_rows.hpp"
+
+#include "components/body.hpp"
+#include "components/kinds.hpp"
+#include "components/pair.hpp"
+#include "components/sphere.hpp"
+
+#include <algorithm>
+#include <cstring>
+#include <numeric>
+#include <stdexcept>
+
+namespace bris::detail {
+
+namespace {
+
+/// The rows of a pair table that have a history, by the id of their owner.
+class PairsOfOwners {
+public:
+    PairsOfOwners(const Table& pairs, std::size_t ids) : first_(ids + 1, 0) {
+        std::vector<const Column*> histories;
+        for (const auto& column : pairs.columns())
+            if (column->type().keep != nullptr) histories.push_back(column.get());
+        const auto names = pairs.column<PairKey>();
+        const auto has_history = [&](Row r) {
+            return std::ranges::any_of(histories, [r](const Column* c) {
+                return c->type().keep(c->bytes() + r * c->type().value_size);
+            });
+        };
+        std::vector<Row> kept;
+        for (Row r = 0; r < names.size(); ++r)
+            if (has_history(r)) kept.push_back(r);
+        for (const Row r : kept) ++first_[names[r].owner + 1];
+        std::partial_sum(first_.begin(), first_.end(), first_.begin());
+        rows_.resize(kept.size());
+        std::vector<std::size_t> next(first_.begin(), first_.end() - 1);
+        for (const Row r : kept) rows_[next[names[r].owner]++] = r;
+    }
+    std::span<const Row> of(EntityId owner) const {
+        return {rows_.data() + first_[owner], first_[owner + 1] - first_[owner]};
+    }
+
+private:
+    std::vector<std::size_t> first_;
+    std::vector<Row> rows_;
+};
+
+std::size_t ids_of(const World& world) {
+    const auto ids = world.column<Bodies, BodyId>();
+    return ids.empty() ? 0 : std::size_t{*std::ranges::max_element(ids)} + 1;
+}
+
+std::vector<Row> spheres_of(const World& world, std::span<const Row> bodies) {
+    const auto run = world.column<Bodies, SpheresOf>();
+    std::vector<Row> rows;
+    for (const Row b : bodies)
+        for (Row k = run[b].first; k < run[b].first + run[b].count; ++k) rows.push_back(k);
+    return rows;
+}
+
+template <class Pairs>
+std::vector<Row> pairs_of(const World& world, std::span<const Row> bodies) {
+    const PairsOfOwners pairs(world.table<Pairs>(), ids_of(world));
+    const auto id = world.column<Bodies, BodyId>();
+    std::vector<Row> rows;
+    for (const Row b : bodies)
+        for (const Row r : pairs.of(id[b])) rows.push_back(r);
+    return rows;
+}
+
+void pack(const Table& table, std::span<const Row> rows, Ranks::Bytes& bytes) {
+    const auto append = [&](const void* data, std::size_t size) {
+        const auto* from = static_cast<const std::byte*>(data);
+        bytes.insert(bytes.end(), from, from + size);
+    };
+    const std::uint64_t count = rows.size();
+    append(&count, sizeof count);
+    for (const auto& column : table.columns()) {
+        if (!column->type().is_state) continue;
+        const std::size_t width = column->type().value_size, at = bytes.size();
+        bytes.resize(at + rows.size() * width);
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            std::memcpy(bytes.data() + at + i * width, column->bytes() + rows[i] * width, width);
+    }
+}
+
+/// Reads what `pack` wrote, table by table.
+class Unpacker {
+public:
+    explicit Unpacker(const Ranks::Bytes& bytes) : bytes_(bytes) {}
+
+    void append_to(Table& table) {
+        const std::size_t count = number(), first = table.size();
+        table.resize(first + count);
+        for (const auto& column : table.columns())
+            if (const auto& type = column->type(); type.is_state)
+                std::memcpy(column->bytes() + first * type.value_size,
+                            take(count * type.value_size), count * type.value_size);
+    }
+    /// `row_of`: row of each id.
+    void overwrite(Table& table, std::span<const Row> row_of) {
+        const std::size_t count = number();
+        std::vector<const std::byte*> from; // of each State column
+        std::vector<EntityId> ids(count);
+        for (const auto& column : table.columns()) {
+            if (!column->type().is_state) continue;
+            from.push_back(take(count * column->type().value_size));
+            if (column->type().is_key)
+                std::memcpy(ids.data(), from.back(), count * sizeof(EntityId));
+        }
+        auto next = from.begin();
+        for (const auto& column : table.columns()) {
+            if (!column->type().is_state) continue;
+            const std::size_t width = column->type().value_size;
+            for (std::size_t i = 0; i < count; ++i)
+                std::memcpy(column->bytes() + row_of[ids[i]] * width, *next + i * width, width);
+            ++next;
+        }
+    }
+
+private:
+    const std::byte* take(std::size_t size) {
+        if (size > bytes_.size() - at_)
+            throw std::logic_error("bodies from another rank: too few bytes");
+        at_ += size;
+        return bytes_.data() + (at_ - size);
+    }
+    std::size_t number() {
+        std::uint64_t count = 0;
+        std::memcpy(&count, take(sizeof count), sizeof count);
+        return count;
+    }
+    const Ranks::Bytes& bytes_;
+    std::size_t at_ = 0;
+};
+
+void keep_rows(Table& table, std::vector<Row> kept) {
+    const std::size_t count = kept.size();
+    std::vector<bool> is_kept(table.size(), false);
+    for (const Row r : kept) is_kept[r] = true;
+    for (Row r = 0; r < table.size(); ++r)
+        if (!is_kept[r]) kept.push_back(r);
+    table.permute(kept);
+    table.resize(count);
+}
+
+template <class Visit>
+void for_pair_tables(const World& world, Visit&& visit) {
+    for_each_kind_of_pair([&]<class Pairs>() {
+        if (world.has<Pairs>()) visit.template operator()<Pairs>();
+    });
+}
+
+} // namespace
+
+Ranks::Bytes pack_bodies(const World& world, std::span<const Row> bodies, bool with_spheres) {
+    Ranks::Bytes bytes;
+    pack(world.table<Bodies>(), bodies, bytes);
+    if (with_spheres) pack(world.table<Spheres>(), spheres_of(world, bodies), bytes);
+    for_pair_tables(world, [&]<class Pairs>() {
+        pack(world.table<Pairs>(), pairs_of<Pairs>(world, bodies), bytes);
+    });
+    return bytes;
+}
+
+void append_bodies(World& world, const Ranks::Bytes& packed) {
+    if (packed.empty()) return;
+    Unpacker from(packed);
+    from.append_to(world.table<Bodies>());
+    from.append_to(world.table<Spheres>());
+    for_pair_tables(world, [&]<class Pairs>() { from.append_to(world.table<Pairs>()); });
+}
+
+void overwrite_bodies(World& world, const Ranks::Bytes& packed) {
+    if (packed.empty()) return;
+    Unpacker from(packed);
+    const auto ids = world.column<Bodies, BodyId>();
+    std::vector<Row> row_of(ids_of(world));
+    for (Row r = 0; r < ids.size(); ++r) row_of[ids[r]] = r;
+    from.overwrite(world.table<Bodies>(), row_of);
+    for_pair_tables(world, [&]<class Pairs>() { from.append_to(world.table<Pairs>()); });
+}
+
+std::vector<Row> boundaries_of(const World& world) {
+    const auto ids = world.column<Bodies, BodyId>();
+    std::vector<bool> has_spheres(ids_of(world), false);
+    for (const EntityId parent : world.column<Spheres, ParentId>()) has_spheres[parent] = true;
+    std::vector<Row> rows;
+    for (Row b = 0; b < ids.size(); ++b)
+        if (!has_spheres[ids[b]]) rows.push_back(b);
+    return rows;
+}
+
+void keep_bodies(World& world, std::span<const Row> bodies, std::span<const Row> owners) {
+    std::vector<Row> kept = boundaries_of(world);
+    kept.insert(kept.end(), bodies.begin(), bodies.end());
+    for_pair_tables(world, [&]<class Pairs>() {
+        keep_rows(world.table<Pairs>(), pairs_of<Pairs>(world, owners));
+    });
+    keep_rows(world.table<Spheres>(), spheres_of(world, bodies));
+    keep_rows(world.table<Bodies>(), std::move(kept));
+}
+
+} // namespace bris::detail

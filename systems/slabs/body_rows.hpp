@@ -1,0 +1,32 @@
+#pragma once
+
+#include "engine/ranks.hpp"
+#include "engine/world.hpp"
+
+#include <span>
+
+namespace bris::detail {
+
+// Bodies travel between ranks with all that belongs to them: the State columns of their own rows,
+// of their spheres, and of those pairs with a history that they own (the pair of two bodies is
+// owned by the lower id). The columns are those that the tables have, so that a new component needs
+// no code here. `SpheresOf` must be up to date.
+
+/// What belongs to bodies, as bytes for a rank with the same columns.
+Ranks::Bytes pack_bodies(const World& world, std::span<const Row> bodies, bool with_spheres = true);
+
+/// Appends packed bodies to the tables.
+void append_bodies(World& world, const Ranks::Bytes& packed);
+
+/// Overwrites the State of bodies that the world has with that of packed ones without spheres, and
+/// appends their pairs.
+void overwrite_bodies(World& world, const Ranks::Bytes& packed);
+
+/// Removes all bodies with spheres, and what belongs to them, but those of `bodies`. Of the pairs,
+/// those remain that `owners` own. The bodies without spheres remain and become the first rows.
+void keep_bodies(World& world, std::span<const Row> bodies, std::span<const Row> owners);
+
+/// Bodies without spheres, by row. Does not need `SpheresOf`.
+std::vector<Row> boundaries_of(const World& world);
+
+} // namespace bris::detail

@@ -1,0 +1,57 @@
+#include "engine/health.hpp"
+#include "engine/ranks.hpp"
+#include "systems/slabs/body_rows.hpp"
+#include "systems/slabs/cuts.hpp"
+#include "systems/slabs/slabs.hpp"
+
+#include <algorithm>
+#include <array>
+
+namespace bris {
+
+namespace {
+
+/// All ranks stop for the reason that the first of those in trouble has found.
+void share_trouble(Health& health) {
+    const auto* text = reinterpret_cast<const std::byte*>(health.what.data());
+    for (const auto& what : Ranks::share({text, text + (health.bad ? health.what.size() : 0)}))
+        if (!what.empty()) {
+            health.what.assign(reinterpret_cast<const char*>(what.data()), what.size());
+            break;
+        }
+    health.bad = true;
+}
+
+} // namespace
+
+void agree_on_lists(const Slab&, ListState& lists, Health& health) {
+    std::array<std::int64_t, 2> found{lists.stale ? 1 : 0, health.bad ? 1 : 0};
+    Ranks::largest(found);
+    lists.stale = found[0] != 0;
+    if (found[1] != 0) share_trouble(health);
+}
+
+void exchange_bodies(Slab& slab, World& world) {
+    if (!world.resource<ListState>().stale || world.resource<Health>().bad) return;
+    slab.widest_skin = Ranks::largest(world.resource<ListState>().widest_skin);
+    world.resource<ListSettings>().widest_skin = slab.widest_skin;
+    slab.cuts = detail::even_cuts(detail::work_of_ranks(world, slab.axis),
+                                  static_cast<unsigned>(slab.cuts.size() - 1));
+    const auto ghost = world.column<Bodies, Ghost>();
+    const auto run = world.column<Bodies, SpheresOf>();
+    const auto position = world.column<Bodies, Position>();
+    const detail::Reach reach(world, slab);
+    std::vector<std::vector<Row>> near(slab.cuts.size() - 1); // own bodies, by rank
+    for (Row b = 0; b < run.size(); ++b)
+        for (unsigned r = 0; ghost[b] == 0 && run[b].count > 0 && r < near.size(); ++r)
+            if (slab.is_near(position[b][slab.axis], reach[b], r)) near[r].push_back(b);
+    std::vector<Ranks::Bytes> to(near.size());
+    for (unsigned r = 0; r < near.size(); ++r)
+        if (r != slab.rank && !near[r].empty()) to[r] = detail::pack_bodies(world, near[r]);
+    const auto from = Ranks::exchange(to);
+    detail::keep_bodies(world, near[slab.rank], near[slab.rank]);
+    for (const auto& packed : from) detail::append_bodies(world, packed);
+    detail::mark_ghosts(world);
+}
+
+} // namespace bris

@@ -1,0 +1,71 @@
+#pragma once
+
+#include "components/body.hpp"
+#include "components/boundary.hpp"
+#include "components/census.hpp"
+#include "components/force_sums.hpp"
+#include "components/kinds.hpp"
+#include "components/membrane.hpp"
+#include "components/settings.hpp"
+#include "components/slab.hpp"
+#include "components/sphere.hpp"
+#include "engine/clock.hpp"
+#include "engine/health.hpp"
+#include "engine/rows.hpp"
+
+#include <string>
+
+namespace bris {
+
+// A world that is divided among the ranks of a run: each rank computes the bodies of one slab, and
+// both sides of a cut compute the contacts across it, from the same numbers. The sums of forces are
+// integers, so that the results have the same bits for any number of ranks.
+
+/// Why a world cannot be divided among ranks; empty if it can.
+std::string reason_not_to_divide(const World& world);
+
+/// This rank's part of a world that all ranks have: the bodies of its slab, ghosts, and all
+/// boundaries. The slabs hold equal numbers of spheres. `SpheresOf`, `Census` and the widest skin
+/// of `ListState` must be up to date.
+World take_slab(const World& whole);
+
+/// Writes the State of all parts back into the whole world of each rank.
+void give_back(const World& part, World& whole);
+
+/// At the end of a step: if the candidate pairs of one rank are used up, all ranks make new ones in
+/// the next step. If the guard of one rank has found trouble, all stop.
+void agree_on_lists(const Slab& slab, ListState& lists, Health& health);
+
+/// Before new candidates: cuts move so that the slabs have equal work, and ranks send each other
+/// the bodies that are in or near their slabs.
+void exchange_bodies(Slab& slab, World& world);
+
+/// After new candidates: what the step must know of the bodies of all ranks.
+void share_census(const Slab& slab, const ListState& lists, const Clock& clock, Census& census);
+
+/// After new candidates: which rows are sent to, and received from, each other rank in each step.
+void list_ghosts(
+    Rows<Bodies, const BodyId, const Position, const BoundingRadius, const SpheresOf, const Ghost>
+        bodies,
+    const Census& census, const ListState& lists, const Clock& clock, Slab& slab);
+
+/// Adds the forces on boundaries over all ranks, where they move a boundary or their work is
+/// wanted.
+void share_boundary_forces(Rows<Bodies, const MotionOf> bodies, const Census& census,
+                           const Slab& slab, BoundarySums& sums);
+
+/// Adds the forces on the elements of a membrane over all ranks.
+void share_membrane_forces(const Slab& slab, ElementSums& sums);
+
+/// Gives ghosts the motion that their own ranks have computed. In scenes of single spheres.
+void pass_spheres(Rows<Bodies, const SphereInertia, Position, Velocity, Acceleration,
+                       AngularVelocity, StepAngularVelocity>
+                      bodies,
+                  Slab& slab);
+/// The same in scenes of clumps.
+void pass_clumps(Rows<Bodies, Position, Velocity, Acceleration, AngularVelocity,
+                      StepAngularVelocity, Orientation>
+                     bodies,
+                 Slab& slab);
+
+} // namespace bris

@@ -1,0 +1,224 @@
+#include "components/slab.hpp"
+#include "engine/random.hpp"
+#include "engine/ranks.hpp"
+#include "engine/state.hpp"
+#include "scenarios/specimens/bench.hpp"
+#include "scenarios/specimens/facet_bodies.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cstdlib>
+#include <string>
+
+using namespace bris;
+
+namespace {
+
+/// The first array that differs; empty if all are equal.
+std::string difference(const Archive& a, const Archive& b) {
+    for (const auto& array : a.arrays()) {
+        const auto* other = b.find(array.path);
+        if (other == nullptr) return array.path + " is missing";
+        if (array.bytes != other->bytes) return array.path + " differs";
+    }
+    return a.arrays().size() == b.arrays().size() ? "" : "another number of arrays";
+}
+
+BenchSettings plain() {
+    return {.dt = 2e-5,
+            .law = LawName::linear_viscous,
+            .lists = {.outer_skin = 0.002, .inner_skin = 0.0004, .sort_every = 3, .tune = false},
+            .schedule = {.serial = true, .grain = 16}};
+}
+
+Archive undivided(World world, const BenchSettings& settings, std::uint64_t steps) {
+    Simulation simulation = begin(std::move(world), settings);
+    simulation.divide({});
+    simulation.advance(steps);
+    return simulation.snapshot();
+}
+
+/// A long heap of grains which roll along x, from one slab into the next.
+World long_heap(Grains grains, Walls walls, unsigned bodies, std::uint64_t seed) {
+    World world = bed({.grains = grains, .walls = walls, .bodies = bodies, .seed = seed});
+    world.resource<Gravity>().value = Vec3(30, 0, -30);
+    return world;
+}
+
+/// A tie under a load falls onto clumps; a plate on springs lies under them.
+World tie_scene(std::uint64_t seed) {
+    const Tumble tumble{.grains = Grains::clumps, .bodies = 60};
+    World world = bed({.grains = Grains::clumps, .bodies = 60, .seed = seed});
+    const Vec3 box = box_of(tumble);
+    const EntityId plate = add_block(world, Vec3(box.x() / 2, box.y() / 2, -0.0018),
+                                     Quat(Quat::Identity()), Vec3(0.03, 0.03, 0.004), 0.02, 1);
+    for (const double x : {-0.01, 0.01})
+        for (const double y : {-0.01, 0.01})
+            add_patch(world, plate,
+                      {.point = Vec3(x, y, 0),
+                       .anchor = value_of<Position>(world, plate) + Vec3(x, y, 0),
+                       .stiffness = 4e3,
+                       .damping = 2});
+    const EntityId tie =
+        add_block(world, Vec3(box.x() / 2, box.y() / 2, 0.75 * box.z()),
+                  exponential_map(Vec3(0.2, 0.1, 0)), Vec3(0.02, 0.035, 0.015), 0.02, 1);
+    value_of<Velocity>(world, tie) = Vec3(0, 0, -2);
+    add_load(world, tie,
+             {.force = Vec3(0, 0, -1),
+              .point = Vec3(0.002, 0.01, 0),
+              .history = {.mean = 1, .amplitude = 0.8, .frequency = 100}});
+    return world;
+}
+
+/// Grains in a box inside a membrane whose servo holds a pressure.
+World tube_scene(Grains grains) {
+    World world = bed({.grains = grains, .walls = Walls::planes, .bodies = 45, .seed = 9});
+    const auto wall = world.resource<Materials>().add({"membrane", 0, 4e5, 0, 0, 500, 0});
+    // to the middle of the tube, together with the box
+    for (Vec3& x : world.column<Bodies, Position>()) x -= Vec3(0.028, 0.028, -0.003);
+    add_tube(world,
+             {.rings = 3,
+              .sectors = 8,
+              .radius = 0.045,
+              .height = 0.1,
+              .pressure = 2e3,
+              .contact_stiffness = 8e4},
+             wall);
+    return world;
+}
+
+std::int64_t over_ranks(std::int64_t here) {
+    Ranks::sum({&here, 1});
+    return here;
+}
+
+} // namespace
+
+TEST_SUITE("ranks") {
+    TEST_CASE("a world that is divided among ranks gives the bits of one that is not") {
+        REQUIRE(Ranks::size() > 1);
+        for (const Grains grains : {Grains::spheres, Grains::clumps})
+            for (const Walls walls : {Walls::planes, Walls::facets})
+                for (const bool budget : {false, true}) {
+                    CAPTURE(static_cast<int>(grains));
+                    CAPTURE(static_cast<int>(walls));
+                    CAPTURE(budget);
+                    const auto make = [&] { return long_heap(grains, walls, 90, 7); };
+                    BenchSettings settings = plain();
+                    settings.energy_budget = budget;
+                    const Archive whole = undivided(make(), settings, 1600);
+                    REQUIRE(whole.find("sphere_pairs/key")->rows() > 4);
+                    Simulation divided = begin(make(), settings);
+                    for (const std::uint64_t steps : {1u, 499u, 25u, 300u, 775u})
+                        divided.advance(steps);
+                    CHECK(difference(whole, divided.snapshot()) == "");
+                }
+    }
+
+    TEST_CASE("each body has one owner, and most bodies are on one rank only") {
+        Simulation divided = begin(long_heap(Grains::spheres, Walls::planes, 400, 3), plain());
+        divided.advance_unseen(900);
+        REQUIRE(divided.part() != nullptr);
+        const World& part = *divided.part();
+        std::int64_t own = 0, ghosts = 0, walls = 0;
+        const auto run = part.column<Bodies, SpheresOf>();
+        const auto ghost = part.column<Bodies, Ghost>();
+        for (Row b = 0; b < run.size(); ++b)
+            ++(run[b].count == 0 ? walls : ghost[b] != 0 ? ghosts : own);
+        CHECK(own > 0);
+        CHECK(ghosts > 0);
+        CHECK(over_ranks(own) == 400);
+        CHECK(over_ranks(ghosts) < 400 * (Ranks::size() - 1) / 2 + 100);
+        divided.look();
+        CHECK(divided.part() == nullptr);
+        CHECK(divided.step() == 900);
+    }
+
+    TEST_CASE("ties with loads, and plates on springs, feel the contacts of all ranks") {
+        BenchSettings settings = plain();
+        settings.energy_budget = true;
+        const Archive whole = undivided(tie_scene(5), settings, 1500);
+        Simulation divided = begin(tie_scene(5), settings);
+        divided.advance(1500);
+        CHECK(difference(whole, divided.snapshot()) == "");
+    }
+
+    TEST_CASE("a membrane feels the contacts of all ranks") {
+        for (const Grains grains : {Grains::spheres, Grains::clumps}) {
+            CAPTURE(static_cast<int>(grains));
+            BenchSettings settings = plain();
+            settings.energy_budget = grains == Grains::clumps;
+            const Archive whole = undivided(tube_scene(grains), settings, 1500);
+            Simulation divided = begin(tube_scene(grains), settings);
+            divided.advance(700);
+            divided.advance(800);
+            CHECK(difference(whole, divided.snapshot()) == "");
+        }
+    }
+
+    TEST_CASE("threads on each rank do not change a bit") {
+        const auto make = [] { return long_heap(Grains::clumps, Walls::facets, 90, 11); };
+        BenchSettings settings = plain();
+        const Archive whole = undivided(make(), settings, 800);
+        settings.threads = 2;
+        settings.lists = {};
+        Simulation divided = begin(make(), settings);
+        divided.advance(800);
+        CHECK(difference(whole, divided.snapshot()) == "");
+    }
+
+    TEST_CASE("a fault that one rank finds stops all ranks in the same step") {
+        const auto make = [] {
+            World world = long_heap(Grains::spheres, Walls::planes, 90, 13);
+            world.resource<Limits>().speed = 0.6;
+            return world;
+        };
+        const auto stop_of = [&](bool divided) {
+            Simulation simulation = begin(make(), plain());
+            if (!divided) simulation.divide({});
+            return refusal_of([&] { simulation.advance(5000); });
+        };
+        const std::string alone = stop_of(false), together = stop_of(true);
+        REQUIRE(!alone.empty());
+        CHECK(alone.substr(0, alone.find(':')) == together.substr(0, together.find(':')));
+    }
+
+    TEST_CASE("random scenes give the same bits on any number of ranks") {
+        const char* asked = std::getenv("BRIS_RANDOM_SCENES");
+        const unsigned scenes = asked != nullptr ? static_cast<unsigned>(std::atoi(asked)) : 25;
+        constexpr std::array laws{
+            LawName::linear,         LawName::linear_viscous,        LawName::hertz_mindlin_viscous,
+            LawName::linear_rolling, LawName::hertz_mindlin_rolling, LawName::linear_bridge};
+        const char* first = std::getenv("BRIS_FIRST_SCENE");
+        for (unsigned k = first ? static_cast<unsigned>(std::atoi(first)) : 0; k < scenes; ++k) {
+            Random draw(2026, k);
+            const auto number = [&](double low, double high) {
+                return low + (high - low) * draw.uniform();
+            };
+            const auto grains = number(0, 1) < 0.6 ? Grains::spheres : Grains::clumps;
+            const auto walls = number(0, 1) < 0.5 ? Walls::planes : Walls::facets;
+            const auto bodies = static_cast<unsigned>(number(8, 120));
+            const double push = number(0, 1) < 0.5 ? number(20, 80) : 0;
+            BenchSettings settings = plain();
+            settings.law = laws[static_cast<std::size_t>(number(0, 5.999))];
+            settings.energy_budget = number(0, 1) < 0.3;
+            settings.unlimited = true;
+            settings.lists.outer_skin = number(0.0006, 0.004);
+            settings.lists.inner_skin = settings.lists.outer_skin * number(0.1, 0.9);
+            settings.lists.tune = number(0, 1) < 0.5;
+            const auto make = [&] {
+                World world =
+                    bed({.grains = grains, .walls = walls, .bodies = bodies, .seed = k + 1});
+                // to and fro along x, so that bodies hop over the cuts
+                world.resource<Gravity>().value = Vec3(k % 2 == 0 ? push : -push, push / 3, -9.81);
+                return world;
+            };
+            CAPTURE(k);
+            const Archive whole = undivided(make(), settings, 500);
+            Simulation divided = begin(make(), settings);
+            divided.advance(static_cast<std::uint64_t>(number(30, 300)));
+            divided.advance(500 - divided.step());
+            REQUIRE(difference(whole, divided.snapshot()) == "");
+        }
+    }
+}

@@ -1,0 +1,88 @@
+#!/usr/bin/env python3
+"""Runs a scenario on several ranks: the same results, a killed and a hanging rank, resuming on another number of ranks.
+
+usage: scenario_test.py SETTLE FOLDER, the program and a folder for its results."""
+import filecmp
+import json
+import os
+import pathlib
+import shutil
+import signal
+import subprocess
+import sys
+import time
+
+settle, folder = sys.argv[1], pathlib.Path(sys.argv[2])
+options = ["--spheres", "1500", "--threads", "1", "--quiet"]
+
+
+def run(name, ranks, *more, duration="0.2", wait=True):
+    command = [settle, *options, "--duration", duration, "--ranks", str(ranks), "--out", str(folder / name), *more]
+    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    if not wait:
+        return process
+    out, error = process.communicate(timeout=300)
+    assert process.returncode == 0, f"{command}: exit code {process.returncode}: {error}"
+    return out
+
+
+def fingerprint(name):
+    return json.loads((folder / name / "summary.json").read_text())["fingerprint"]
+
+
+def ranks_of(launcher):
+    """Process ids of the ranks that a scenario has started, the first rank first."""
+    found = []
+    for path in pathlib.Path("/proc").glob("[0-9]*/cmdline"):
+        try:
+            words = path.read_text().split("\0")
+        except OSError:
+            continue
+        if words[0].endswith("settle") and str(folder) in " ".join(words) and int(path.parent.name) != launcher:
+            environment = (path.parent / "environ").read_bytes()
+            rank = int(environment.split(b"OMPI_COMM_WORLD_RANK=")[1].split(b"\0")[0])
+            found.append((rank, int(path.parent.name)))
+    return [process for _, process in sorted(found)]
+
+
+def stop_one(name, stop, ranks):
+    """Stops the last rank by a signal once a checkpoint is there; all must end within a minute, with one line."""
+    process = run(name, ranks, duration="20", wait=False)
+    end = time.time() + 60
+    while len(ranks_of(process.pid)) < ranks and time.time() < end:
+        time.sleep(0.05)
+    time.sleep(3)
+    victims = ranks_of(process.pid)
+    assert len(victims) == ranks, f"expected {ranks} ranks, found {len(victims)}"
+    began = time.time()
+    os.kill(victims[-1], stop)
+    out, error = process.communicate(timeout=120)
+    took = time.time() - began
+    lines = [line for line in error.splitlines() if line.startswith(("settle", "rank"))] # not what MPI says
+    print(f"{name}: exit code {process.returncode} after {took:.1f} s: {lines}")
+    assert process.returncode in (3, 4) and took < 60 and len(lines) <= 2 and "--resume" in error, error
+    assert not ranks_of(process.pid), "a rank is left"
+
+
+shutil.rmtree(folder, ignore_errors=True)
+folder.mkdir(parents=True)
+run("one", 1)
+for ranks in (2, 3):
+    run(f"on_{ranks}", ranks)
+    assert fingerprint(f"on_{ranks}") == fingerprint("one"), f"other bits on {ranks} ranks"
+    for file in ("settle.csv",):
+        assert filecmp.cmp(folder / "one" / file, folder / f"on_{ranks}" / file, shallow=False), file
+assert not list(pathlib.Path("/tmp").glob("bris-rank-*")), "a folder of a rank is left"
+
+# a shorter run on two ranks goes on with three
+run("resumed", 2, duration="0.1")
+run("resumed", 3, "--resume", str(folder / "resumed"))
+assert fingerprint("resumed") == fingerprint("one"), "other bits after resuming"
+
+stop_one("killed", signal.SIGKILL, 2)
+stop_one("hanging", signal.SIGSTOP, 2)
+refused = subprocess.run([settle, "--sleep", "0.1", "--ranks", "2", "--out", str(folder / "refused")], capture_output=True, text=True)
+assert refused.returncode == 2 and len(refused.stderr.splitlines()) == 1 and "bodies that sleep" in refused.stderr, refused
+wrong = subprocess.run([settle, "--ranks", "0"], capture_output=True, text=True)
+assert wrong.returncode == 2, wrong
+print("passed")
