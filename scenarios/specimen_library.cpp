@@ -11,6 +11,7 @@
 #include "scenarios/assimilation/library_design.hpp"
 #include "scenarios/assimilation/library_join.hpp"
 #include "scenarios/assimilation/library_results.hpp"
+#include "scenarios/assimilation/ring_profile.hpp"
 
 #include <fmt/format.h>
 
@@ -133,6 +134,10 @@ void LibraryScore::run(Summary& summary) {
     }
     write_scores(common_.out / "scores.csv", variants, last_);
     fmt::print("{}", table_of(variants, last_));
+    if (!s_.truths.empty() || !s_.compare) return;
+    const std::vector<RingScore> rings = score_rings(library_);
+    write_ring_scores(common_.out / "rings.csv", rings);
+    fmt::print("\n{}", table_of(rings));
 }
 
 void LibraryScore::draw(const Scoring& scoring, const std::vector<SpecimenScore>& scores) const {
