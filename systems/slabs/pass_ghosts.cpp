@@ -1,0 +1,90 @@
+#include "engine/ranks.hpp"
+#include "systems/slabs/cuts.hpp"
+#include "systems/slabs/slabs.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace bris {
+
+namespace {
+
+/// Every step passes position, velocity, acceleration and two angular velocities, and in scenes of
+/// clumps the orientation.
+template <class... Cs, class BodyRows>
+void pass_motion(const BodyRows& bodies, Slab& slab) {
+    constexpr std::size_t width = (sizeof(typename Cs::Value) + ...);
+    const auto for_columns = [&](Row b, auto&& visit) {
+        (visit(bodies.template column<Cs>()[b]), ...);
+    };
+    std::vector<Ranks::Message> send, receive;
+    for (GhostRows& g : slab.ghosts) {
+        g.sent.resize(g.send.size() * width);
+        g.received.resize(g.receive.size() * width);
+        std::byte* to = g.sent.data();
+        for (const Row b : g.send)
+            for_columns(b, [&](const auto& value) {
+                std::memcpy(to, &value, sizeof value);
+                to += sizeof value;
+            });
+        if (!g.sent.empty()) send.push_back({g.rank, g.sent});
+        if (!g.received.empty()) receive.push_back({g.rank, g.received});
+    }
+    Ranks::pass(send, receive);
+    for (const GhostRows& g : slab.ghosts) {
+        const std::byte* from = g.received.data();
+        for (const Row b : g.receive)
+            for_columns(b, [&](auto& value) {
+                std::memcpy(static_cast<void*>(&value), from, sizeof value);
+                from += sizeof value;
+            });
+    }
+}
+
+} // namespace
+
+void list_ghosts(
+    Rows<Bodies, const BodyId, const Position, const BoundingRadius, const SpheresOf, const Ghost>
+        bodies,
+    const Census& census, const ListState& lists, const Clock& clock, Slab& slab) {
+    if (lists.last_rebuild != clock.step) return;
+    const EntityId* id = bodies.column<BodyId>();
+    const Vec3* position = bodies.column<Position>();
+    const double* radius = bodies.column<BoundingRadius>();
+    const SphereRun* run = bodies.column<SpheresOf>();
+    const std::uint32_t* ghost = bodies.column<Ghost>();
+    std::vector<GhostRows> with(slab.cuts.size() - 1);
+    for (Row b = 0; b < bodies.size(); ++b) {
+        if (run[b].count == 0) continue;
+        const double x = position[b][slab.axis], reach = detail::reach_of(radius[b], census, slab);
+        if (ghost[b] != 0) with[slab.owner_of(x)].receive.push_back(b);
+        for (unsigned r = 0; ghost[b] == 0 && r < with.size(); ++r)
+            if (r != slab.rank && slab.is_near(x, reach, r)) with[r].send.push_back(b);
+    }
+    slab.ghosts.clear();
+    for (unsigned r = 0; r < with.size(); ++r) {
+        with[r].rank = r;
+        for (auto* rows : {&with[r].send, &with[r].receive})
+            std::sort(rows->begin(), rows->end(), [&](Row a, Row b) { return id[a] < id[b]; });
+        if (!with[r].send.empty() || !with[r].receive.empty())
+            slab.ghosts.push_back(std::move(with[r]));
+    }
+}
+
+void pass_spheres(Rows<Bodies, const SphereInertia, Position, Velocity, Acceleration,
+                       AngularVelocity, StepAngularVelocity>
+                      bodies,
+                  Slab& slab) {
+    pass_motion<Position, Velocity, Acceleration, AngularVelocity, StepAngularVelocity>(bodies,
+                                                                                        slab);
+}
+
+void pass_clumps(Rows<Bodies, Position, Velocity, Acceleration, AngularVelocity,
+                      StepAngularVelocity, Orientation>
+                     bodies,
+                 Slab& slab) {
+    pass_motion<Position, Velocity, Acceleration, AngularVelocity, StepAngularVelocity,
+                Orientation>(bodies, slab);
+}
+
+} // namespace bris

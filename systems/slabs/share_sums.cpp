@@ -1,0 +1,57 @@
+#include "engine/ranks.hpp"
+#include "systems/slabs/slabs.hpp"
+
+#include <algorithm>
+
+namespace bris {
+
+void share_census(const Slab&, const ListState& lists, const Clock& clock, Census& census) {
+    if (lists.last_rebuild != clock.step) return;
+    census.largest_radius = Ranks::largest(census.largest_radius);
+    census.smallest_free_radius = -Ranks::largest(-census.smallest_free_radius);
+    for (auto* count : {&census.grains, &census.hosts}) {
+        std::vector<std::int64_t> of(count->begin(), count->end());
+        Ranks::sum(of);
+        for (std::size_t k = 0; k < of.size(); ++k) (*count)[k] = static_cast<std::uint32_t>(of[k]);
+    }
+}
+
+void share_boundary_forces(Rows<Bodies, const MotionOf> bodies, const Census& census, const Slab&,
+                           BoundarySums& sums) {
+    const auto* motion = bodies.column<MotionOf>();
+    if (std::ranges::all_of(census.boundaries, [&](Row b) {
+            return motion[b] == static_cast<std::uint32_t>(Motion::fixed);
+        }))
+        return; // nobody reads them within a step
+    // three numbers for each of 128 bits, whose sums over ranks cannot overflow
+    constexpr WideInteger base = WideInteger{1} << 32;
+    std::vector<std::int64_t> limbs;
+    for (const auto& of_body : sums.of)
+        for (WideInteger value : of_body)
+            for (int k = 0; k < 3; ++k) {
+                const auto low = static_cast<std::int64_t>(value & (base - 1));
+                limbs.push_back(k < 2 ? low : static_cast<std::int64_t>(value));
+                value = (value - low) / base;
+            }
+    Ranks::sum(limbs);
+    const std::int64_t* next = limbs.data();
+    for (auto& of_body : sums.of)
+        for (WideInteger& value : of_body) {
+            value = next[0] + base * (next[1] + base * WideInteger{next[2]});
+            next += 3;
+        }
+}
+
+void share_membrane_forces(const Slab&, ElementSums& sums) {
+    std::vector<std::int64_t> total(2 * sums.elements);
+    for (std::size_t k = 0; k < sums.rows.size(); ++k) {
+        total[2 * (k % sums.elements)] += sums.rows[k].push;
+        total[2 * (k % sums.elements) + 1] += sums.rows[k].hold;
+    }
+    Ranks::sum(total);
+    sums.rows.resize(sums.elements);
+    for (std::size_t e = 0; e < sums.elements; ++e)
+        sums.rows[e] = {.push = total[2 * e], .hold = total[2 * e + 1]};
+}
+
+} // namespace bris
