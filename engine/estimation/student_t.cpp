@@ -12,4 +12,9 @@ double student_t_quantile(double probability, double degrees) {
     return quantile(boost::math::students_t(degrees), probability);
 }
 
+double student_t_probability(double t, double degrees) {
+    require(degrees > 0, "Student's t: expected degrees of freedom above 0");
+    return cdf(boost::math::students_t(degrees), t);
+}
+
 } // namespace bris

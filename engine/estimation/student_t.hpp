@@ -6,4 +6,8 @@ namespace bris {
 /// in (0, 1). Throws InputError outside these ranges.
 double student_t_quantile(double probability, double degrees);
 
+/// Probability that a variable with this distribution is below t. Throws InputError unless
+/// `degrees` > 0.
+double student_t_probability(double t, double degrees);
+
 } // namespace bris

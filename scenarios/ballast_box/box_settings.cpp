@@ -31,11 +31,12 @@ FoulingOptions fouling_of(const BallastBox& box) {
     constexpr double p4 = 17, p200 = 3, wet = 0.9; // %, %, saturation
     const BoxTest& test = box_test(box.run);
     FoulingOptions fouling = box.fouling;
-    if (!test.fouled || !fouling.file.empty()) return fouling;
-    if (fouling.p4 == 0) {
+    if (!test.fouled) return fouling;
+    if (fouling.file.empty() && fouling.p4 == 0) {
         fouling.p4 = p4;
         if (fouling.p200 == 0) fouling.p200 = p200;
     }
+    // a file that has a grid of it takes precedence
     if (test.wet && fouling.saturation == 0) fouling.saturation = wet;
     return fouling;
 }
@@ -58,7 +59,7 @@ void check_box(const BallastBox& box) {
     if (!test.fouled || !test.wet)
         expect_none("saturation", fmt::format("{:g}", given.saturation),
                     test.fouled ? "dry" : "clean");
-    check_fouling(fouling_of(box));
+    check_fouling(given.file.empty() ? fouling_of(box) : given);
     check_fouling_file(box);
     require(box.box_ties == 2 || box.box_ties == 4,
             fmt::format("--box-ties: expected 2 or 4, found {}", box.box_ties));

@@ -3,6 +3,7 @@
 #include "components/fouling.hpp"
 #include "components/material.hpp"
 #include "engine/errors.hpp"
+#include "systems/fields/vdb_file.hpp"
 
 #include <fmt/format.h>
 
@@ -26,8 +27,12 @@ void check_fouling(const FoulingOptions& o) {
             fmt::format("--fouling-compacted-void-ratio: expected at most --fouling-void-ratio, "
                         "{:g}, found {:g}",
                         o.settings.void_ratio, o.settings.least_void_ratio));
-    require(o.file.empty() || (o.p4 == 0 && o.saturation == 0),
-            "--fouling-file: expected no --fouling-p4 and no --saturation beside it, found both");
+    require(o.file.empty() || o.p4 == 0,
+            "--fouling-file: expected no --fouling-p4 beside it, found both");
+    require(o.file.empty() || o.saturation == 0 || !find_vdb(o.file, "saturation"),
+            fmt::format("--saturation: expected none beside '{}', which has a grid saturation, "
+                        "found {:g}",
+                        o.file.string(), o.saturation));
 }
 
 void add_fouling(World& world, const FoulingOptions& o) { add_fouling(world, o.settings, o.law); }

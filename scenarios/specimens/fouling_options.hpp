@@ -53,8 +53,8 @@ void FoulingOptions::describe(auto& option) {
     option("fouling_high", high, "",
            "Upper end of the layer as a share of the height of the ballast.", within(0, 1));
     option("fouling_file", file, "",
-           "File .vdb with the grids fines (kg/m3) and saturation (0 to 1), instead of the "
-           "distribution.");
+           "File .vdb with the grid fines (kg/m3), instead of the distribution, and, where it has "
+           "one, the grid saturation (0 to 1), instead of --saturation.");
     option("saturation", saturation, "",
            "Share of the voids left by the fines that water fills. It acts only where there are "
            "fines.",

@@ -18,8 +18,8 @@ struct InitialFouling {
     double low = 0, high = 1; ///< of the layer, as shares of the height of the ballast
     double saturation = 0;    ///< of the voids that the fines leave, in [0, 1]
     std::uint64_t seed = 1;
-    /// For Pattern::file: grid `fines` (kg/m3) and, if present, `saturation`. They replace p4 and
-    /// saturation.
+    /// For Pattern::file: the grid `fines` (kg/m3) replaces p4, and the grid `saturation`, if
+    /// present, replaces saturation.
     std::filesystem::path file = {};
 };
 

@@ -102,6 +102,37 @@ TEST_SUITE("ballast_box") {
               std::string::npos);
     }
 
+    TEST_CASE("a wet run has the water of the file of its fines, or else its own") {
+        const TemporaryDirectory folder;
+        std::vector<Voxel> corners; // blocks of eight voxels, 0.4 m wide
+        for (int x = -1; x < 3; ++x)
+            for (int y = -1; y < 6; ++y)
+                for (int z = -1; z < 3; ++z) corners.push_back({8 * x, 8 * y, 8 * z});
+        const VoxelBlocks blocks({Vec3::Constant(0), 0.05}, corners);
+        VoxelField fines(blocks), shown(blocks);
+        for (std::uint32_t n = 0; n < blocks.voxels(); ++n) fines[n] = shown[n] = 1;
+        std::vector<FieldToWrite> grids{{"fines", "kg/m3", "Fines.", {&fines}, &shown}};
+        write_vdb(folder / "fines.vdb", blocks, grids, 0, {});
+        grids.push_back({"saturation", "1", "Water.", {&shown}, &shown});
+        write_vdb(folder / "both.vdb", blocks, grids, 0, {});
+
+        BallastBox box;
+        box.run = "II.3";
+        box.fouling.file = folder / "fines.vdb";
+        CHECK(refusal_of([&] { check_box(box); }) == "");
+        CHECK(fouling_of(box).saturation == 0.9);
+        CHECK(fouling_of(box).p4 == 0);
+        box.fouling.saturation = 0.5;
+        CHECK(refusal_of([&] { check_box(box); }) == "");
+        CHECK(fouling_of(box).saturation == 0.5);
+        box.fouling.file = folder / "both.vdb";
+        CHECK(refusal_of([&] {
+                  check_box(box);
+              }).ends_with("which has a grid saturation, found 0.5"));
+        box.fouling.saturation = 0;
+        CHECK(refusal_of([&] { check_box(box); }) == "");
+    }
+
     TEST_CASE("fits to the last decade of cycles find a logarithmic and a power law") {
         std::vector<CycleResponse> logarithmic(200), power(200);
         for (std::size_t n = 1; n <= 200; ++n) {

@@ -1,0 +1,178 @@
+#include "scenarios/assimilation/forecast_results.hpp"
+
+#include "engine/io/csv.hpp"
+#include "engine/io/plot.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+constexpr double low = 0.05, high = 0.95; // ends of the 90 % band
+
+void add_rock(Summary& summary, const ForecastResults& r, std::size_t rock) {
+    const DrawdownForecast& f = r.forecast.rocks[rock];
+    const std::string& name = r.names[rock];
+    const auto add = [&](const char* what, double metres) {
+        summary.add(fmt::format("{}_{}_mm", name, what), 1e3 * metres);
+    };
+    if (f.recorded) add("recorded_drawdown", f.recorded->drawdown);
+    add("next_drawdown_median", f.quantile(0.5));
+    add("next_drawdown_low", f.quantile(low));
+    add("next_drawdown_high", f.quantile(high));
+    if (r.found) add("next_drawdown_found", r.found->rocks[rock].drawdown);
+}
+
+/// Share of the members whose rock went down further under the recorded train.
+double share_above(const ForecastResults& r, double threshold) {
+    const auto exceed = std::ranges::count_if(r.members, [&](const MemberMovements& m) {
+        return m.last.rocks[r.rock].drawdown > threshold;
+    });
+    return static_cast<double>(exceed) / static_cast<double>(r.members.size());
+}
+
+Curve load_curve(const std::vector<double>& turns, const std::string& label) {
+    const LoadHistory history = load_through(turns, 0.5);
+    Curve curve{.label = label, .x = history.times, .y = history.values};
+    for (double& y : curve.y) y *= 1e-3;
+    return curve;
+}
+
+Plot loads(const ForecastResults& r) {
+    return {.title = "Load of the rails on a tie",
+            .x_label = "load cycle",
+            .y_label = "load (kN)",
+            .curves = {load_curve(r.last_turns, "recorded train"),
+                       load_curve(r.next_turns, "next train")}};
+}
+
+/// Members as points; the recorded drawdown with the band of the forecast as a vertical line.
+Plot members(const ForecastResults& r) {
+    Curve points{.label = "members", .style = Curve::Style::points},
+        band{.label = "forecast, 90 %"}, found{.label = "site", .style = Curve::Style::points},
+        limit{.label = "threshold"};
+    limit.style = Curve::Style::dashed;
+    double least = 1e9, most = 0;
+    const auto note = [&](double x) {
+        least = std::min(least, x);
+        most = std::max(most, x);
+    };
+    for (const MemberMovements& m : r.members) {
+        points.x.push_back(1e3 * m.last.rocks[r.rock].drawdown);
+        points.y.push_back(1e3 * m.next.rocks[r.rock].drawdown);
+        note(points.x.back());
+    }
+    const DrawdownForecast& f = r.forecast.rocks[r.rock];
+    if (f.recorded) {
+        const double x = 1e3 * f.recorded->drawdown;
+        note(x);
+        band.x = {x, x};
+        band.y = {1e3 * f.quantile(low), 1e3 * f.quantile(high)};
+        if (r.found) {
+            found.x = {x};
+            found.y = {1e3 * r.found->rocks[r.rock].drawdown};
+        }
+    }
+    limit.x = {least, most};
+    limit.y = {1e3 * r.threshold, 1e3 * r.threshold};
+    std::vector<Curve> curves{points, limit};
+    if (f.recorded) curves.push_back(band);
+    if (!found.x.empty()) curves.push_back(found);
+    return {.title = fmt::format("Drawdown of the rock {}", r.names[r.rock]),
+            .x_label = "under the recorded train (mm)",
+            .y_label = "under the next train (mm)",
+            .curves = curves};
+}
+
+Plot probabilities(const ForecastResults& r) {
+    const DrawdownForecast& f = r.forecast.rocks[r.rock];
+    Curve with{.label = f.recorded ? "from the recordings" : "no recording"},
+        without{.label = "members alone", .style = Curve::Style::dashed},
+        limit{.label = "threshold"};
+    limit.style = Curve::Style::dashed;
+    const double most = 1e3 * std::max({2 * r.threshold, f.quantile(0.99)});
+    constexpr int parts = 200;
+    for (int k = 1; k <= parts; ++k) {
+        const double x = most * k / parts;
+        with.x.push_back(x);
+        with.y.push_back(f.probability_above(1e-3 * x));
+        without.x.push_back(x);
+        without.y.push_back(f.members.probability_above(std::log(1e-3 * x)));
+    }
+    limit.x = {1e3 * r.threshold, 1e3 * r.threshold};
+    limit.y = {0, 1};
+    return {.title = "Probability that the drawdown exceeds a value",
+            .x_label = "drawdown under the next train (mm)",
+            .y_label = "probability",
+            .curves = {with, without, limit}};
+}
+
+} // namespace
+
+std::string sentence_of(const ForecastResults& r) {
+    const DrawdownForecast& f = r.forecast.rocks[r.rock];
+    return fmt::format(
+        "under the next train the rock {} goes down by {:.2f} mm (90 %: {:.2f} to {:.2f} mm), and "
+        "by more than {:g} mm with a probability of {:.0f} %\n",
+        r.names[r.rock], 1e3 * f.quantile(0.5), 1e3 * f.quantile(low), 1e3 * f.quantile(high),
+        1e3 * r.threshold, 100 * f.probability_above(r.threshold));
+}
+
+void add_forecast(Summary& summary, const ForecastResults& r) {
+    const DrawdownForecast& f = r.forecast.rocks[r.rock];
+    summary.add("judged_rock", r.names[r.rock]);
+    summary.add("threshold_mm", 1e3 * r.threshold);
+    summary.add("probability_of_exceeding", f.probability_above(r.threshold));
+    summary.add("probability_by_members_alone", f.members.probability_above(std::log(r.threshold)));
+    summary.add("share_of_members_above_threshold_under_recorded_train",
+                share_above(r, r.threshold));
+    if (r.found) summary.add("threshold_exceeded", r.found->rocks[r.rock].drawdown > r.threshold);
+    for (std::size_t rock = 0; rock < r.names.size(); ++rock) add_rock(summary, r, rock);
+    const Predictive& s = r.forecast.settlement;
+    summary.add("tie_next_settlement_median_mm", 1e3 * s.quantile(0.5));
+    summary.add("tie_next_settlement_low_mm", 1e3 * s.quantile(low));
+    summary.add("tie_next_settlement_high_mm", 1e3 * s.quantile(high));
+    if (r.found) summary.add("tie_next_settlement_found_mm", 1e3 * r.found->tie.settlement);
+    std::size_t inside = 0;
+    double squares = 0;
+    for (const auto& [found, forecast] : r.left_out) {
+        inside += found >= forecast.quantile(low) && found <= forecast.quantile(high) ? 1u : 0u;
+        squares += std::pow(std::log(found / forecast.quantile(0.5)), 2);
+    }
+    const auto n = static_cast<double>(r.left_out.size());
+    summary.add("members_within_bands_of_the_others", inside);
+    summary.add("members", r.members.size());
+    summary.add("members_relative_error_from_the_others", std::sqrt(squares / n));
+    summary.add("load_cycles_of_recorded_train", cycles_of(r.last_turns));
+    summary.add("load_cycles_of_next_train", cycles_of(r.next_turns));
+    summary.add("largest_load_of_recorded_train_kN", 1e-3 * std::ranges::max(r.last_turns));
+    summary.add("largest_load_of_next_train_kN", 1e-3 * std::ranges::max(r.next_turns));
+}
+
+void write_probabilities(const std::filesystem::path& csv, const ForecastResults& r) {
+    const DrawdownForecast& f = r.forecast.rocks[r.rock];
+    std::vector<std::vector<double>> rows;
+    for (int k = 1; k <= 30; ++k) {
+        const double threshold = 1e-4 * k; // m
+        rows.push_back({0.1 * k, f.probability_above(threshold),
+                        f.members.probability_above(std::log(threshold)),
+                        share_above(r, threshold)});
+    }
+    write_csv(csv,
+              {"threshold_mm", "probability", "probability_by_members_alone",
+               "share_of_members_under_recorded_train"},
+              rows,
+              {"Probability that the drawdown of the rock " + r.names[r.rock] +
+               " under the next train exceeds a threshold"},
+              8);
+}
+
+void draw_forecast(const std::filesystem::path& png, const ForecastResults& r) {
+    draw_plots(png, {loads(r), members(r), probabilities(r)});
+}
+
+} // namespace bris

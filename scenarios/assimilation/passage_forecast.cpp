@@ -1,0 +1,69 @@
+#include "scenarios/assimilation/passage_forecast.hpp"
+
+#include "engine/errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+constexpr double least_drawdown = 1e-5; // m
+
+double logarithm(double drawdown) { return std::log(std::max(drawdown, least_drawdown)); }
+
+DrawdownForecast forecast_rock(const std::vector<MemberMovements>& members, std::size_t rock,
+                               const std::optional<RecordedMovement>& recorded) {
+    std::vector<double> last, next;
+    for (const MemberMovements& m : members) {
+        last.push_back(logarithm(m.last.rocks.at(rock).drawdown));
+        next.push_back(logarithm(m.next.rocks.at(rock).drawdown));
+    }
+    DrawdownForecast forecast{.members = predict_by_mean(next), .recorded = recorded};
+    forecast.logarithm = recorded ? predict_by_line(last, next, logarithm(recorded->drawdown),
+                                                    recorded->deviation / recorded->drawdown)
+                                  : forecast.members;
+    return forecast;
+}
+
+} // namespace
+
+double DrawdownForecast::probability_above(double drawdown) const {
+    return logarithm.probability_above(std::log(drawdown));
+}
+
+double DrawdownForecast::quantile(double probability) const {
+    return std::exp(logarithm.quantile(probability));
+}
+
+PassageForecast forecast_passage(const std::vector<MemberMovements>& members,
+                                 const std::vector<RecordedMovement>& recorded) {
+    require(members.size() >= 4, "forecast: expected at least 4 members");
+    PassageForecast forecast;
+    for (std::size_t rock = 0; rock < members.front().last.rocks.size(); ++rock) {
+        const auto found = std::ranges::find(recorded, rock, &RecordedMovement::sensor);
+        forecast.rocks.push_back(forecast_rock(
+            members, rock, found == recorded.end() ? std::nullopt : std::optional(*found)));
+    }
+    std::vector<double> settlements;
+    for (const MemberMovements& m : members) settlements.push_back(m.next.tie.settlement);
+    forecast.settlement = predict_by_mean(settlements);
+    return forecast;
+}
+
+std::vector<LeftOut> forecasts_of_members(const std::vector<MemberMovements>& members,
+                                          std::size_t rock, double relative) {
+    std::vector<LeftOut> all;
+    for (std::size_t k = 0; k < members.size(); ++k) {
+        std::vector<MemberMovements> others = members;
+        others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
+        const double drawdown = std::max(members[k].last.rocks.at(rock).drawdown, least_drawdown);
+        all.push_back(
+            {members[k].next.rocks.at(rock).drawdown,
+             forecast_rock(others, rock, RecordedMovement{rock, drawdown, relative * drawdown})});
+    }
+    return all;
+}
+
+} // namespace bris

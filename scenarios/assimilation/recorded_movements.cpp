@@ -1,0 +1,72 @@
+#include "scenarios/assimilation/recorded_movements.hpp"
+
+#include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
+#include "engine/random.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+std::vector<RecordedMovement> recorded(const PassageMovements& movements,
+                                       const RecordingErrors& errors, std::uint64_t seed) {
+    constexpr double least = 1e-5; // m
+    constexpr std::uint64_t stream = 883;
+    Random random(seed, stream);
+    std::vector<RecordedMovement> all;
+    for (std::size_t k = 0; k < movements.rocks.size(); ++k) {
+        const double scale = 1 + errors.relative * random.normal(),
+                     offset = errors.noise * random.normal(),
+                     drawdown = scale * movements.rocks[k].drawdown + offset;
+        if (movements.rocks[k].drawdown < least || drawdown < least) continue;
+        const double deviation = std::hypot(errors.relative * drawdown, errors.noise);
+        all.push_back({k, drawdown, std::min(deviation, drawdown)});
+    }
+    return all;
+}
+
+std::vector<RecordedMovement> read_movements(const std::filesystem::path& file,
+                                             const std::vector<std::string>& names) {
+    constexpr double most = 50; // mm
+    const CsvTable table = read_csv(file);
+    const auto sensor = table.column("sensor"), drawdown = table.column("drawdown_mm"),
+               deviation = table.column("deviation_mm");
+    require(!sensor.empty(), file.string() + ": expected at least one sensor rock, found none");
+    std::vector<RecordedMovement> all;
+    for (std::size_t k = 0; k < sensor.size(); ++k) {
+        const auto expect = [&](bool is_met, const std::string& what, double found) {
+            require(is_met, fmt::format("{}:{}: expected {}, found {:g}", file.string(),
+                                        table.lines[k], what, found));
+        };
+        const auto count = static_cast<double>(names.size());
+        expect(sensor[k] >= 1 && sensor[k] <= count && sensor[k] == std::floor(sensor[k]),
+               fmt::format("a sensor from 1 to {}", names.size()), sensor[k]);
+        const auto index = static_cast<std::size_t>(sensor[k]) - 1;
+        expect(std::ranges::find(all, index, &RecordedMovement::sensor) == all.end(),
+               "one line for each sensor", sensor[k]);
+        expect(drawdown[k] > 0 && drawdown[k] <= most,
+               fmt::format("a drawdown_mm above 0 and at most {:g}", most), drawdown[k]);
+        expect(deviation[k] >= 0 && deviation[k] <= drawdown[k],
+               "a deviation_mm of at least 0 and at most the drawdown", deviation[k]);
+        all.push_back({index, 1e-3 * drawdown[k], 1e-3 * deviation[k]});
+    }
+    return all;
+}
+
+void write_movements(const std::filesystem::path& file,
+                     const std::vector<RecordedMovement>& movements,
+                     const std::vector<std::string>& names) {
+    std::vector<std::string> comments{
+        "Drawdown of sensor rocks in one passage, from recordings with errors. Sensors:"};
+    for (std::size_t k = 0; k < names.size(); ++k)
+        comments.push_back(fmt::format("{}: {}", k + 1, names[k]));
+    std::vector<std::vector<double>> rows;
+    for (const RecordedMovement& m : movements)
+        rows.push_back({static_cast<double>(m.sensor + 1), 1e3 * m.drawdown, 1e3 * m.deviation});
+    write_csv(file, {"sensor", "drawdown_mm", "deviation_mm"}, rows, comments);
+}
+
+} // namespace bris

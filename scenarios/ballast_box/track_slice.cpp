@@ -1,0 +1,138 @@
+#include "scenarios/ballast_box/track_slice.hpp"
+
+#include "components/kinds.hpp"
+#include "engine/errors.hpp"
+#include "scenarios/ballast_box/load_turns.hpp"
+#include "scenarios/ballast_box/start_box.hpp"
+#include "scenarios/specimens/check_scene.hpp"
+#include "scenarios/specimens/scene.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+namespace bris {
+
+namespace {
+
+constexpr auto record_path = "passages/movements", heights_path = "passages/heights";
+constexpr std::uint64_t samples_per_turn = 25;
+
+/// m, of the sensor rocks and the tie.
+std::vector<double> heights_of(const World& world) {
+    const auto& bodies = world.resource<BoxBodies>();
+    const auto& positions = world.column<Bodies, Position>();
+    std::vector<double> heights;
+    for (const BoxSensor& sensor : bodies.sensors)
+        heights.push_back(positions[row_of_body(world, sensor.body)].z());
+    heights.push_back(positions[row_of_body(world, bodies.ties.front())].z());
+    return heights;
+}
+
+void follow(PassageRecord& record, const World& world) {
+    PassageMovements& now = record.passages.back();
+    const std::vector<double> heights = heights_of(world);
+    for (std::size_t k = 0; k < heights.size(); ++k) {
+        Movement& m = k + 1 == heights.size() ? now.tie : now.rocks[k];
+        m.settlement = record.heights[k] - heights[k];
+        m.drawdown = std::max(m.drawdown, m.settlement);
+    }
+}
+
+Phase passage(const BoxTestRun& test, const TrackSlice& slice, const Train& train,
+              std::size_t number, PassageRecord& record, const Run& run) {
+    const std::vector<double> turns = load_turns(train, slice.rails(), dead_load);
+    const std::uint64_t per_turn = slice.box.steps_per_cycle / 2,
+                        steps = per_turn * (turns.size() - 1),
+                        block_steps = std::max<std::uint64_t>(1, per_turn / samples_per_turn);
+    return {.advance =
+                [=, &record, &run](Simulation& s) {
+                    const std::uint64_t done = run.steps_in_phase();
+                    if (done >= steps) return false;
+                    const std::uint64_t turn_ends = (done / per_turn + 1) * per_turn;
+                    s.advance(std::min(block_steps, turn_ends - done));
+                    (void)checked_stable_step(s.world());
+                    follow(record, s.world());
+                    const std::uint64_t now = run.steps_in_phase();
+                    if (now % (2 * per_turn) == 0) raise_masses(s.world());
+                    return now < steps;
+                },
+            .progress =
+                [=, &run](const World&) {
+                    const auto done = static_cast<double>(run.steps_in_phase());
+                    return PhaseProgress{
+                        fmt::format("passage {}", number), done / static_cast<double>(steps),
+                        fmt::format("cycle {:.1f} of {}", done / static_cast<double>(2 * per_turn),
+                                    cycles_of(turns))};
+                },
+            .begin =
+                [=, &test, &record](Simulation& s) {
+                    if (record.passages.empty()) test.note_bed(s.world());
+                    record.heights = heights_of(s.world());
+                    record.passages.push_back(
+                        {.rocks = std::vector<Movement>(record.heights.size() - 1)});
+                    const double dt = s.world().resource<Clock>().dt;
+                    test.begin_passage(s.world(),
+                                       load_through(turns, dt * static_cast<double>(per_turn)));
+                }};
+}
+
+/// The tie is seated under the weight of the rails alone.
+BallastBox seated_by_rails(BallastBox box) {
+    require(box.model == "settlement", "slice of track: expected the settlement model of the box");
+    box.peak_load = 100 * dead_load; // any; the trains' loads are their own
+    box.least_load = 0.01;
+    return box;
+}
+
+} // namespace
+
+void PassageRecord::save(Archive& archive) const {
+    std::vector<double> numbers;
+    for (const PassageMovements& p : passages) {
+        for (const Movement& m : p.rocks) numbers.insert(numbers.end(), {m.drawdown, m.settlement});
+        numbers.insert(numbers.end(), {p.tie.drawdown, p.tie.settlement});
+    }
+    archive.put(record_path, std::span<const double>(numbers));
+    archive.put(heights_path, std::span<const double>(heights));
+}
+
+void PassageRecord::load(const Archive& archive) {
+    heights = archive.get<double>(heights_path);
+    passages.clear();
+    const auto numbers = archive.get<double>(record_path);
+    for (auto next = numbers.begin(); next != numbers.end();) {
+        PassageMovements& p = passages.emplace_back();
+        for (std::size_t k = 0; k < heights.size(); ++k, next += 2) {
+            const Movement m{next[0], next[1]};
+            if (k + 1 == heights.size())
+                p.tie = m;
+            else
+                p.rocks.push_back(m);
+        }
+    }
+}
+
+PassageRecord run_trains(const TrackSlice& slice, const std::vector<Train>& trains,
+                         const Common& common, const std::string& name,
+                         const std::filesystem::path& from,
+                         const std::vector<std::string_view>& may_differ,
+                         const ReportProgress& report) {
+    const BallastBox box = seated_by_rails(slice.box);
+    Common own = common;
+    own.seed = slice.seed;
+    own.resume = from;
+    Simulation simulation = make_box_simulation(box, own);
+    BoxTestRun test(simulation, box, slice.seed);
+    PassageRecord record;
+    Run run(simulation, own, name, report);
+    run.keep(record);
+    resume_box(run, simulation, box, own, may_differ);
+    std::vector<Phase> phases = test.preparation();
+    for (std::size_t k = 0; k < trains.size(); ++k)
+        phases.push_back(passage(test, slice, trains[k], k + 1, record, run));
+    run.go(phases);
+    return record;
+}
+
+} // namespace bris

@@ -1,0 +1,206 @@
+// Forecast of how far ballast moves under the next train. An ensemble of sites, each with a packing
+// and parameters of its own, is passed by a train whose passage was recorded on the real site by
+// sensor rocks. From there the next train passes over the members, and what the recordings say of
+// the site turns their movements into the probability that a threshold will be exceeded there.
+#include "engine/errors.hpp"
+#include "engine/stopwatch.hpp"
+#include "scenarios/assimilation/forecast_results.hpp"
+#include "scenarios/assimilation/site_ensemble.hpp"
+#include "scenarios/ballast_box/start_box.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace {
+
+using namespace bris;
+
+struct Forecast {
+    SiteDesign design{.box = {.width = 0.25, .rock_scale = 1.6, .porosity = 0.41}};
+    std::string train = "inspection", next_train = "freight", sensor = "rail_seat_5cm";
+    std::filesystem::path recordings = {}, ensemble = {};
+    double threshold = 1.5e-3;
+    RecordingErrors errors;
+    std::uint64_t site_seed = 1;
+    unsigned run_in = 2;
+
+    void describe(auto& option) {
+        option.group("Forecast");
+        option("ensemble", ensemble, "",
+               "Folder of results of a run that has made the ensemble. Default: it is made anew.");
+        option("members", design.members, "", "Members of the ensemble.", within(6, 200));
+        option("train", train, "",
+               "Train whose passage was recorded: inspection, passenger, freight (assets/trains), "
+               "or the path of a CSV file with the columns position_m and axle_load_kN.");
+        option("run_in", run_in, "",
+               "Passages of that train before the recorded one: a new bed settles at first.",
+               within(0, 100));
+        option("next_train", next_train, "", "Train that comes next, in the same form.");
+        option("recordings", recordings, "",
+               "CSV file of the drawdowns in the recorded passage, with the columns sensor, "
+               "drawdown_mm and deviation_mm. Default: a site is simulated that no member knows, "
+               "recorded, and compared with its forecast.");
+        option("sensor", sensor, "", "Sensor rock whose movement is judged.",
+               {"rail_seat_25cm", "rail_seat_5cm", "middle_25cm", "middle_5cm", "end_25cm",
+                "end_5cm"});
+        option("threshold", threshold, "m", "Drawdown of that rock that is judged unsafe.",
+               within(1e-5, 0.05));
+        option.group("Simulated site");
+        option("site_seed", site_seed, "", "Seed of parameters, packing and errors of the site.");
+        option("recording_error", errors.relative, "",
+               "Standard deviation of a recorded drawdown's error, over the drawdown.",
+               within(0, 0.5));
+        option("recording_noise", errors.noise, "m",
+               "Standard deviation of what integration adds to a recorded drawdown.",
+               within(0, 1e-3));
+        design.spread.describe(option);
+        BallastBox& box = design.box;
+        option.group("Ballast");
+        option("run", box.run, "",
+               "State of the ballast, as in the runs of table 1 of the report: I.2 clean, I.4 "
+               "without shoulder, II.2 fouled and dry, II.3 fouled and wet, II.4 fouled, wet and "
+               "without shoulder.",
+               {"I.2", "I.4", "II.2", "II.3", "II.4"});
+        option("width", box.width, "m", "Width of the slice along the track.", within(0.1, 0.61));
+        option("rock_scale", box.rock_scale, "", "Factor on all sizes of rocks.", within(1, 4));
+        box.describe_ballast(option);
+        option.group("Track");
+        box.describe_track(option);
+        option.group("Simulation");
+        option("rest", box.rest, "",
+               "Unbalanced force ratio at which a bed is at rest before trains pass.",
+               within(1e-6, 0.1));
+        option("steps_per_cycle", box.steps_per_cycle, "", "Time steps of a load cycle.",
+               within(200, 1e6));
+    }
+};
+
+/// Settings that do not change the members of an ensemble.
+const MayDiffer of_members{"ensemble",   "members",         "next_train",
+                           "recordings", "sensor",          "threshold_m",
+                           "site_seed",  "recording_error", "recording_noise_m"};
+const MayDiffer of_site{"ensemble", "members", "sensor", "threshold_m"};
+
+std::vector<std::string> sensors_of(const Forecast& f, const Common& common) {
+    const World world = make_box_world(f.design.box, common.seed);
+    std::vector<std::string> names;
+    for (const BoxSensor& s : world.resource<BoxBodies>().sensors) names.push_back(s.name);
+    return names;
+}
+
+/// With --resume, checkpoints of the folder are taken over into that of the results.
+void take_over(const Common& common) {
+    if (common.resume.empty()) return;
+    require(
+        std::filesystem::is_directory(common.resume),
+        fmt::format("--resume: expected a folder of results, found '{}'", common.resume.string()));
+    if (std::filesystem::equivalent(common.resume, common.out)) return;
+    for (const char* part : {"members", "site"})
+        if (std::filesystem::exists(common.resume / part))
+            std::filesystem::copy(common.resume / part, common.out / part,
+                                  std::filesystem::copy_options::recursive |
+                                      std::filesystem::copy_options::overwrite_existing);
+}
+
+std::vector<Site> members_of(const Forecast& f, const std::vector<Train>& trains,
+                             const Common& common) {
+    if (f.ensemble.empty())
+        return make_members(f.design, trains, common, common.out / "members",
+                            !common.resume.empty(), of_members);
+    const auto folder = f.ensemble / "members";
+    require(std::filesystem::is_directory(folder),
+            fmt::format("--ensemble: expected the folder of an ensemble, with a folder members, "
+                        "found '{}'",
+                        f.ensemble.string()));
+    return make_members(f.design, trains, common, folder, true, of_members);
+}
+
+void print(const std::string& text) {
+    fmt::print("{}", text);
+    std::fflush(stdout);
+}
+
+/// The part that has to end before the next train comes.
+void forecast(ForecastResults& results, const std::vector<Site>& members,
+              const std::vector<Train>& trains, const std::vector<RecordedMovement>& recorded,
+              const Forecast& f, const Common& common) {
+    const auto next = pass_members(members, trains, common, of_members);
+    for (std::size_t k = 0; k < members.size(); ++k)
+        results.members.push_back({members[k].passages.back(), next[k]});
+    results.forecast = forecast_passage(results.members, recorded);
+    results.left_out = forecasts_of_members(results.members, results.rock, f.errors.relative);
+}
+
+void run_forecast(const Forecast& f, const Common& common) {
+    const std::vector<std::string> names = sensors_of(f, common);
+    const std::vector<Train> before(f.run_in + 1, train_named(f.train));
+    std::vector<Train> trains = before;
+    trains.push_back(train_named(f.next_train));
+    const bool simulated = f.recordings.empty();
+    std::vector<RecordedMovement> recordings;
+    if (!simulated) recordings = read_movements(f.recordings, names);
+    take_over(common);
+    ForecastResults results{
+        .names = names,
+        .rock = static_cast<std::size_t>(std::ranges::find(names, f.sensor) - names.begin()),
+        .threshold = f.threshold};
+    const RailOnTies rails = TrackSlice{f.design.box}.rails();
+    results.last_turns = load_turns(trains.front(), rails, dead_load);
+    results.next_turns = load_turns(trains.back(), rails, dead_load);
+
+    const std::vector<Site> members = members_of(f, before, common);
+    unsigned redrawn = 0;
+    for (const Site& member : members) redrawn += member.redrawn;
+    Site site;
+    if (simulated) {
+        site = make_site(f.design, f.site_seed, before, common, !common.resume.empty(), of_site);
+        recordings = recorded(site.passages.back(), f.errors, f.site_seed);
+        write_movements(common.out / "movements.csv", recordings, names);
+    }
+    const Instant began = this_instant();
+    forecast(results, members, trains, recordings, f, common);
+    const double wall_time = seconds_since(began);
+    print(sentence_of(results));
+    if (simulated) {
+        results.last = site.passages.back();
+        results.found =
+            make_site(f.design, f.site_seed, trains, common, true, of_site).passages.back();
+    }
+    write_probabilities(common.out / "probabilities.csv", results);
+    draw_forecast(common.out / "forecast.png", results);
+    Summary summary;
+    add_forecast(summary, results);
+    summary.add("packings_redrawn", redrawn);
+    summary.add("forecast_wall_time_s", wall_time);
+    for (const int headway : {10, 30, 60})
+        summary.add(fmt::format("in_time_for_headway_of_{}_min", headway),
+                    wall_time < 60 * headway);
+    report_results(common, summary);
+}
+
+void run(const Forecast& f, const Common& common) {
+    try {
+        run_forecast(f, common);
+    } catch (const Interrupted&) {
+        throw Interrupted(
+            fmt::format("interrupted; continue with --resume {}", common.out.string()));
+    }
+}
+
+std::string explain(const Forecast& f, const Common& common) {
+    return explain_box(f.design.box, common);
+}
+
+} // namespace
+
+int main(int argc, char** argv) {
+    return run_scenario<Forecast>(
+        argc, argv,
+        {"forecast",
+         "Forecasts from the recordings of one train how far ballast moves under the next one."},
+        run, explain);
+}

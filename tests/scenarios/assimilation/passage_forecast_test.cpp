@@ -1,0 +1,117 @@
+#include "engine/errors.hpp"
+#include "engine/random.hpp"
+#include "scenarios/assimilation/passage_forecast.hpp"
+#include "tests/about.hpp"
+#include "tests/temporary_directory.hpp"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <fstream>
+
+using namespace bris;
+
+namespace {
+
+/// Movements of a site whose two rocks go down under the next train by 1.5 and 2 times as far as
+/// under the last one, to a few per cent.
+MemberMovements site(Random& random) {
+    MemberMovements m;
+    for (const double factor : {1.5, 2.0}) {
+        const double last = 1e-3 * std::exp(0.4 * random.normal());
+        m.last.rocks.push_back({last, 0});
+        m.next.rocks.push_back({factor * last * std::exp(0.05 * random.normal()), 0});
+    }
+    m.next.tie.settlement = 1e-4 * (3 + random.normal());
+    return m;
+}
+
+std::vector<MemberMovements> sixteen(std::uint64_t seed) {
+    Random random(seed, 1);
+    std::vector<MemberMovements> members;
+    for (int k = 0; k < 16; ++k) members.push_back(site(random));
+    return members;
+}
+
+const std::vector<std::string> three_names{"a", "b", "c"};
+
+std::string error_of(const TemporaryDirectory& folder, const std::string& rows) {
+    const auto file = folder / "movements.csv";
+    std::ofstream(file) << "sensor,drawdown_mm,deviation_mm\n" << rows;
+    return message_of<InputError>([&] { read_movements(file, three_names); });
+}
+
+} // namespace
+
+TEST_SUITE("assimilation") {
+    TEST_CASE("a recorded rock is forecast from its own movement, another one from the members") {
+        const auto members = sixteen(3);
+        const PassageForecast f = forecast_passage(members, {{1, 2e-3, 2e-5}});
+        REQUIRE(f.rocks.size() == 2);
+        CHECK(f.rocks[1].quantile(0.5) == about(4e-3).epsilon(0.05));
+        CHECK(f.rocks[1].probability_above(3e-3) > 0.99);
+        CHECK(f.rocks[1].probability_above(5e-3) < 0.01);
+        CHECK(f.rocks[0].logarithm.scale == f.rocks[0].members.scale);
+        CHECK(f.rocks[0].logarithm.scale > 5 * f.rocks[1].logarithm.scale);
+        CHECK(f.settlement.centre == about(3e-4).epsilon(0.3));
+    }
+
+    TEST_CASE("bands of 90 % contain nine of ten sites that follow the members' distribution") {
+        int inside = 0, sites = 0;
+        for (std::uint64_t seed = 10; seed < 60; ++seed) {
+            const auto members = sixteen(seed);
+            Random random(seed, 2);
+            for (int k = 0; k < 20; ++k, ++sites) {
+                const MemberMovements truth = site(random);
+                const auto f = forecast_passage(
+                    members, recorded(truth.last, {}, 1000 * seed + std::uint64_t(k)));
+                const double found = truth.next.rocks[0].drawdown;
+                inside += found > f.rocks[0].quantile(0.05) && found < f.rocks[0].quantile(0.95);
+            }
+        }
+        CHECK(inside == about(0.9 * sites).epsilon(0.04));
+    }
+
+    TEST_CASE("members left out are forecast without themselves") {
+        auto members = sixteen(5);
+        members[4].next.rocks[0].drawdown *= 100; // must not help its own forecast
+        const auto all = forecasts_of_members(members, 0, 0.05);
+        REQUIRE(all.size() == 16);
+        CHECK(all[4].found > 20 * all[4].forecast.quantile(0.95));
+    }
+
+    TEST_CASE("errors of recordings have the stated size, and rocks at rest are left out") {
+        PassageMovements m;
+        m.rocks.assign(2000, {1e-3, 0});
+        m.rocks.front().drawdown = 0;
+        const auto all = recorded(m, {.relative = 0.1, .noise = 5e-5}, 4);
+        REQUIRE(all.size() == 1999);
+        double squares = 0;
+        for (const RecordedMovement& r : all) squares += std::pow(r.drawdown - 1e-3, 2);
+        const double deviation = std::hypot(1e-4, 5e-5);
+        CHECK(std::sqrt(squares / 1999) == about(deviation).epsilon(0.05));
+    }
+
+    TEST_CASE("a file of movements is read back, and errors name its line") {
+        const TemporaryDirectory folder;
+        const std::vector<RecordedMovement> some{{0, 1.25e-3, 5e-5}, {2, 4e-4, 2e-5}};
+        write_movements(folder / "out.csv", some, three_names);
+        const auto back = read_movements(folder / "out.csv", three_names);
+        REQUIRE(back.size() == 2);
+        CHECK(back[1].sensor == 2);
+        CHECK(back[0].drawdown == about(1.25e-3));
+        CHECK(back[1].deviation == about(2e-5));
+
+        CHECK(error_of(folder, "").ends_with("expected at least one sensor rock, found none"));
+        CHECK(error_of(folder, "1,1,0.1\n4,1,0.1\n")
+                  .ends_with("movements.csv:3: expected a sensor from 1 to 3, found 4"));
+        CHECK(error_of(folder, "1,1,0.1\n1,1,0.1\n")
+                  .ends_with(":3: expected one line for each sensor, found 1"));
+        CHECK(error_of(folder, "1,1e3,0.1\n")
+                  .ends_with(":2: expected a drawdown_mm above 0 and at most 50, found 1000"));
+        CHECK(error_of(folder, "1,,0.1\n").find(":2: expected a drawdown_mm") != std::string::npos);
+        CHECK(error_of(folder, "1,1,2\n")
+                  .ends_with("expected a deviation_mm of at least 0 and at most the drawdown, "
+                             "found 2"));
+    }
+}
