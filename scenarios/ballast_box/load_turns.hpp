@@ -10,7 +10,7 @@ namespace bris {
 
 /// The extremes of the force (N, downwards) of the rails on a whole tie while a train passes
 /// slowly, in their order: `dead_load` (N, of rails and fastenings), then peaks and valleys in
-/// turn, and `dead_load` at the end. The axles of a bogie stand so close that they make one peak.
+/// turn, and `dead_load` at the end. Axles less than about 2 m apart make one peak.
 /// Extremes that differ by less than 5 % of the highest peak are left out. Where the rails would
 /// lift the tie, the force is 0.
 std::vector<double> load_turns(const Train& train, const RailOnTies& rails, double dead_load);
