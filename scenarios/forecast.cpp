@@ -1,7 +1,8 @@
-// Forecast of how far ballast moves under the next train. An ensemble of sites, each with a packing
-// and parameters of its own, is passed by a train whose passage was recorded on the real site by
-// sensor rocks. From there the next train passes over the members, and what the recordings say of
-// the site turns their movements into the probability that a threshold will be exceeded there.
+// Forecast of how far ballast is deflected under the next train. An ensemble of sites, each with a
+// packing and parameters of its own, is passed by a train whose passage was recorded on the real
+// site by sensor rocks. From there the next train passes over the members, and what the recordings
+// say of the site turns their movements into the probability that a threshold will be exceeded
+// there.
 #include "engine/errors.hpp"
 #include "engine/stopwatch.hpp"
 #include "scenarios/assimilation/forecast_results.hpp"
@@ -23,7 +24,7 @@ struct Forecast {
     SiteDesign design{.box = {.width = 0.25, .rock_scale = 1.6, .porosity = 0.41}};
     std::string train = "inspection", next_train = "freight", sensor = "rail_seat_5cm";
     std::filesystem::path recordings = {}, ensemble = {};
-    double threshold = 1.5e-3;
+    double threshold = 1e-3, speed = 20;
     RecordingErrors errors;
     std::uint64_t site_seed = 1;
     unsigned run_in = 2;
@@ -41,21 +42,24 @@ struct Forecast {
                within(0, 100));
         option("next_train", next_train, "", "Train that comes next, in the same form.");
         option("recordings", recordings, "",
-               "CSV file of the drawdowns in the recorded passage, with the columns sensor, "
-               "drawdown_mm and deviation_mm. Default: a site is simulated that no member knows, "
+               "Folder with the recordings of the passage, whose sensors 1 to 6 are those of "
+               "--sensor in their order, or a CSV file of deflections with the columns sensor, "
+               "deflection_mm and deviation_mm. Default: a site is simulated that no member knows, "
                "recorded, and compared with its forecast.");
-        option("sensor", sensor, "", "Sensor rock whose movement is judged.",
+        option("speed", speed, "m/s", "Speed of the train in a folder of recordings.",
+               within(5, 120));
+        option("sensor", sensor, "", "Sensor rock whose deflection is judged.",
                {"rail_seat_25cm", "rail_seat_5cm", "middle_25cm", "middle_5cm", "end_25cm",
                 "end_5cm"});
-        option("threshold", threshold, "m", "Drawdown of that rock that is judged unsafe.",
+        option("threshold", threshold, "m", "Deflection of that rock that is judged unsafe.",
                within(1e-5, 0.05));
         option.group("Simulated site");
         option("site_seed", site_seed, "", "Seed of parameters, packing and errors of the site.");
         option("recording_error", errors.relative, "",
-               "Standard deviation of a recorded drawdown's error, over the drawdown.",
+               "Standard deviation of a recorded deflection's error, over the deflection.",
                within(0, 0.5));
         option("recording_noise", errors.noise, "m",
-               "Standard deviation of what integration adds to a recorded drawdown.",
+               "Standard deviation of what integration adds to a recorded deflection.",
                within(0, 1e-3));
         design.spread.describe(option);
         BallastBox& box = design.box;
@@ -80,16 +84,28 @@ struct Forecast {
 };
 
 /// Settings that do not change the members of an ensemble.
-const MayDiffer of_members{"ensemble",   "members",         "next_train",
-                           "recordings", "sensor",          "threshold_m",
-                           "site_seed",  "recording_error", "recording_noise_m"};
-const MayDiffer of_site{"ensemble", "members", "sensor", "threshold_m"};
+const MayDiffer of_members{
+    "ensemble",    "members",   "next_train",      "recordings",        "sensor",
+    "threshold_m", "site_seed", "recording_error", "recording_noise_m", "speed_m_per_s"};
+const MayDiffer of_site{"ensemble", "members", "sensor", "threshold_m", "speed_m_per_s"};
 
 std::vector<std::string> sensors_of(const Forecast& f, const Common& common) {
     const World world = make_box_world(f.design.box, common.seed);
     std::vector<std::string> names;
     for (const BoxSensor& s : world.resource<BoxBodies>().sensors) names.push_back(s.name);
     return names;
+}
+
+void print(const std::string& text) {
+    fmt::print("{}\n", text);
+    std::fflush(stdout);
+}
+
+std::vector<RecordedMovement> given_movements(const Forecast& f, const Train& train,
+                                              const std::vector<std::string>& names) {
+    if (!std::filesystem::is_directory(f.recordings)) return read_movements(f.recordings, names);
+    const RailOnTies rails = TrackSlice{f.design.box}.rails();
+    return movements_in(f.recordings, passing_load(train, f.speed, rails, dead_load), names, print);
 }
 
 /// With --resume, checkpoints of the folder are taken over into that of the results.
@@ -119,11 +135,6 @@ std::vector<Site> members_of(const Forecast& f, const std::vector<Train>& trains
     return make_members(f.design, trains, common, folder, true, of_members);
 }
 
-void print(const std::string& text) {
-    fmt::print("{}", text);
-    std::fflush(stdout);
-}
-
 /// The part that has to end before the next train comes.
 void forecast(ForecastResults& results, const std::vector<Site>& members,
               const std::vector<Train>& trains, const std::vector<RecordedMovement>& recorded,
@@ -142,7 +153,7 @@ void run_forecast(const Forecast& f, const Common& common) {
     trains.push_back(train_named(f.next_train));
     const bool simulated = f.recordings.empty();
     std::vector<RecordedMovement> recordings;
-    if (!simulated) recordings = read_movements(f.recordings, names);
+    if (!simulated) recordings = given_movements(f, before.back(), names);
     take_over(common);
     ForecastResults results{
         .names = names,
@@ -198,9 +209,8 @@ std::string explain(const Forecast& f, const Common& common) {
 } // namespace
 
 int main(int argc, char** argv) {
-    return run_scenario<Forecast>(
-        argc, argv,
-        {"forecast",
-         "Forecasts from the recordings of one train how far ballast moves under the next one."},
-        run, explain);
+    return run_scenario<Forecast>(argc, argv,
+                                  {"forecast", "Forecasts from recordings of one train the "
+                                               "deflection of the ballast under the next one."},
+                                  run, explain);
 }

@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <unsupported/Eigen/FFT>
 
 namespace bris {
@@ -22,6 +23,12 @@ bool is_fast_length(std::size_t length) {
 std::size_t fast_length_within(std::size_t length) {
     require(length > 0, "Fourier transform: expected a length of at least 1, found 0");
     while (!is_fast_length(length)) --length;
+    return length;
+}
+
+std::size_t fast_length_for(std::size_t length) {
+    length = std::max<std::size_t>(1, length);
+    while (!is_fast_length(length)) ++length;
     return length;
 }
 
@@ -45,6 +52,18 @@ std::vector<std::complex<double>> Fft::transform(std::span<const double> series)
     else
         plan_->fft.fwd(spectrum.data(), series.data(), static_cast<Eigen::Index>(length_));
     return spectrum;
+}
+
+std::vector<double> Fft::series_of(std::span<const std::complex<double>> spectrum) {
+    require(spectrum.size() == length_ / 2 + 1,
+            fmt::format("Fourier transform: expected {} values of a spectrum, found {}",
+                        length_ / 2 + 1, spectrum.size()));
+    std::vector<double> series(length_);
+    if (length_ == 1)
+        series[0] = spectrum[0].real();
+    else
+        plan_->fft.inv(series.data(), spectrum.data(), static_cast<Eigen::Index>(length_));
+    return series;
 }
 
 } // namespace bris

@@ -15,22 +15,22 @@ namespace {
 constexpr double low = 0.05, high = 0.95; // ends of the 90 % band
 
 void add_rock(Summary& summary, const ForecastResults& r, std::size_t rock) {
-    const DrawdownForecast& f = r.forecast.rocks[rock];
+    const DeflectionForecast& f = r.forecast.rocks[rock];
     const std::string& name = r.names[rock];
     const auto add = [&](const char* what, double metres) {
         summary.add(fmt::format("{}_{}_mm", name, what), 1e3 * metres);
     };
-    if (f.recorded) add("recorded_drawdown", f.recorded->drawdown);
-    add("next_drawdown_median", f.quantile(0.5));
-    add("next_drawdown_low", f.quantile(low));
-    add("next_drawdown_high", f.quantile(high));
-    if (r.found) add("next_drawdown_found", r.found->rocks[rock].drawdown);
+    if (f.recorded) add("recorded_deflection", f.recorded->deflection);
+    add("next_deflection_median", f.quantile(0.5));
+    add("next_deflection_low", f.quantile(low));
+    add("next_deflection_high", f.quantile(high));
+    if (r.found) add("next_deflection_found", r.found->rocks[rock].deflection);
 }
 
-/// Share of the members whose rock went down further under the recorded train.
+/// Share of the members whose rock was deflected further under the recorded train.
 double share_above(const ForecastResults& r, double threshold) {
     const auto exceed = std::ranges::count_if(r.members, [&](const MemberMovements& m) {
-        return m.last.rocks[r.rock].drawdown > threshold;
+        return m.last.rocks[r.rock].deflection > threshold;
     });
     return static_cast<double>(exceed) / static_cast<double>(r.members.size());
 }
@@ -50,7 +50,7 @@ Plot loads(const ForecastResults& r) {
                        load_curve(r.next_turns, "next train")}};
 }
 
-/// Members as points; the recorded drawdown with the band of the forecast as a vertical line.
+/// Members as points; the recorded deflection with the band of the forecast as a vertical line.
 Plot members(const ForecastResults& r) {
     Curve points{.label = "members", .style = Curve::Style::points},
         band{.label = "forecast, 90 %"}, found{.label = "site", .style = Curve::Style::points},
@@ -62,19 +62,19 @@ Plot members(const ForecastResults& r) {
         most = std::max(most, x);
     };
     for (const MemberMovements& m : r.members) {
-        points.x.push_back(1e3 * m.last.rocks[r.rock].drawdown);
-        points.y.push_back(1e3 * m.next.rocks[r.rock].drawdown);
+        points.x.push_back(1e3 * m.last.rocks[r.rock].deflection);
+        points.y.push_back(1e3 * m.next.rocks[r.rock].deflection);
         note(points.x.back());
     }
-    const DrawdownForecast& f = r.forecast.rocks[r.rock];
+    const DeflectionForecast& f = r.forecast.rocks[r.rock];
     if (f.recorded) {
-        const double x = 1e3 * f.recorded->drawdown;
+        const double x = 1e3 * f.recorded->deflection;
         note(x);
         band.x = {x, x};
         band.y = {1e3 * f.quantile(low), 1e3 * f.quantile(high)};
         if (r.found) {
             found.x = {x};
-            found.y = {1e3 * r.found->rocks[r.rock].drawdown};
+            found.y = {1e3 * r.found->rocks[r.rock].deflection};
         }
     }
     limit.x = {least, most};
@@ -82,14 +82,14 @@ Plot members(const ForecastResults& r) {
     std::vector<Curve> curves{points, limit};
     if (f.recorded) curves.push_back(band);
     if (!found.x.empty()) curves.push_back(found);
-    return {.title = fmt::format("Drawdown of the rock {}", r.names[r.rock]),
+    return {.title = fmt::format("Deflection of the rock {}", r.names[r.rock]),
             .x_label = "under the recorded train (mm)",
             .y_label = "under the next train (mm)",
             .curves = curves};
 }
 
 Plot probabilities(const ForecastResults& r) {
-    const DrawdownForecast& f = r.forecast.rocks[r.rock];
+    const DeflectionForecast& f = r.forecast.rocks[r.rock];
     Curve with{.label = f.recorded ? "from the recordings" : "no recording"},
         without{.label = "members alone", .style = Curve::Style::dashed},
         limit{.label = "threshold"};
@@ -105,8 +105,8 @@ Plot probabilities(const ForecastResults& r) {
     }
     limit.x = {1e3 * r.threshold, 1e3 * r.threshold};
     limit.y = {0, 1};
-    return {.title = "Probability that the drawdown exceeds a value",
-            .x_label = "drawdown under the next train (mm)",
+    return {.title = "Probability that the deflection exceeds a value",
+            .x_label = "deflection under the next train (mm)",
             .y_label = "probability",
             .curves = {with, without, limit}};
 }
@@ -114,23 +114,24 @@ Plot probabilities(const ForecastResults& r) {
 } // namespace
 
 std::string sentence_of(const ForecastResults& r) {
-    const DrawdownForecast& f = r.forecast.rocks[r.rock];
-    return fmt::format(
-        "under the next train the rock {} goes down by {:.2f} mm (90 %: {:.2f} to {:.2f} mm), and "
-        "by more than {:g} mm with a probability of {:.0f} %\n",
-        r.names[r.rock], 1e3 * f.quantile(0.5), 1e3 * f.quantile(low), 1e3 * f.quantile(high),
-        1e3 * r.threshold, 100 * f.probability_above(r.threshold));
+    const DeflectionForecast& f = r.forecast.rocks[r.rock];
+    return fmt::format("under the next train the rock {} is deflected by {:.2f} mm (90 %: {:.2f} "
+                       "to {:.2f} mm), and "
+                       "by more than {:g} mm with a probability of {:.0f} %",
+                       r.names[r.rock], 1e3 * f.quantile(0.5), 1e3 * f.quantile(low),
+                       1e3 * f.quantile(high), 1e3 * r.threshold,
+                       100 * f.probability_above(r.threshold));
 }
 
 void add_forecast(Summary& summary, const ForecastResults& r) {
-    const DrawdownForecast& f = r.forecast.rocks[r.rock];
+    const DeflectionForecast& f = r.forecast.rocks[r.rock];
     summary.add("judged_rock", r.names[r.rock]);
     summary.add("threshold_mm", 1e3 * r.threshold);
     summary.add("probability_of_exceeding", f.probability_above(r.threshold));
     summary.add("probability_by_members_alone", f.members.probability_above(std::log(r.threshold)));
     summary.add("share_of_members_above_threshold_under_recorded_train",
                 share_above(r, r.threshold));
-    if (r.found) summary.add("threshold_exceeded", r.found->rocks[r.rock].drawdown > r.threshold);
+    if (r.found) summary.add("threshold_exceeded", r.found->rocks[r.rock].deflection > r.threshold);
     for (std::size_t rock = 0; rock < r.names.size(); ++rock) add_rock(summary, r, rock);
     const Predictive& s = r.forecast.settlement;
     summary.add("tie_next_settlement_median_mm", 1e3 * s.quantile(0.5));
@@ -154,7 +155,7 @@ void add_forecast(Summary& summary, const ForecastResults& r) {
 }
 
 void write_probabilities(const std::filesystem::path& csv, const ForecastResults& r) {
-    const DrawdownForecast& f = r.forecast.rocks[r.rock];
+    const DeflectionForecast& f = r.forecast.rocks[r.rock];
     std::vector<std::vector<double>> rows;
     for (int k = 1; k <= 30; ++k) {
         const double threshold = 1e-4 * k; // m
@@ -166,7 +167,7 @@ void write_probabilities(const std::filesystem::path& csv, const ForecastResults
               {"threshold_mm", "probability", "probability_by_members_alone",
                "share_of_members_under_recorded_train"},
               rows,
-              {"Probability that the drawdown of the rock " + r.names[r.rock] +
+              {"Probability that the deflection of the rock " + r.names[r.rock] +
                " under the next train exceeds a threshold"},
               8);
 }

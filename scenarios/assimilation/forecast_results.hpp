@@ -12,8 +12,8 @@ namespace bris {
 /// What is shown of a forecast.
 struct ForecastResults {
     std::vector<std::string> names; ///< of the sensor rocks
-    std::size_t rock = 0;           ///< the one whose drawdown is judged
-    double threshold = 0;           ///< m, of its drawdown
+    std::size_t rock = 0;           ///< the one whose deflection is judged
+    double threshold = 0;           ///< m, of its deflection
     std::vector<MemberMovements> members = {};
     PassageForecast forecast = {};
     std::vector<LeftOut> left_out = {};                    ///< members, each from all others

@@ -9,31 +9,31 @@ namespace bris {
 
 namespace {
 
-constexpr double least_drawdown = 1e-5; // m
+constexpr double least_deflection = 1e-5; // m
 
-double logarithm(double drawdown) { return std::log(std::max(drawdown, least_drawdown)); }
+double logarithm(double deflection) { return std::log(std::max(deflection, least_deflection)); }
 
-DrawdownForecast forecast_rock(const std::vector<MemberMovements>& members, std::size_t rock,
-                               const std::optional<RecordedMovement>& recorded) {
+DeflectionForecast forecast_rock(const std::vector<MemberMovements>& members, std::size_t rock,
+                                 const std::optional<RecordedMovement>& recorded) {
     std::vector<double> last, next;
     for (const MemberMovements& m : members) {
-        last.push_back(logarithm(m.last.rocks.at(rock).drawdown));
-        next.push_back(logarithm(m.next.rocks.at(rock).drawdown));
+        last.push_back(logarithm(m.last.rocks.at(rock).deflection));
+        next.push_back(logarithm(m.next.rocks.at(rock).deflection));
     }
-    DrawdownForecast forecast{.members = predict_by_mean(next), .recorded = recorded};
-    forecast.logarithm = recorded ? predict_by_line(last, next, logarithm(recorded->drawdown),
-                                                    recorded->deviation / recorded->drawdown)
+    DeflectionForecast forecast{.members = predict_by_mean(next), .recorded = recorded};
+    forecast.logarithm = recorded ? predict_by_line(last, next, logarithm(recorded->deflection),
+                                                    recorded->deviation / recorded->deflection)
                                   : forecast.members;
     return forecast;
 }
 
 } // namespace
 
-double DrawdownForecast::probability_above(double drawdown) const {
-    return logarithm.probability_above(std::log(drawdown));
+double DeflectionForecast::probability_above(double deflection) const {
+    return logarithm.probability_above(std::log(deflection));
 }
 
-double DrawdownForecast::quantile(double probability) const {
+double DeflectionForecast::quantile(double probability) const {
     return std::exp(logarithm.quantile(probability));
 }
 
@@ -58,10 +58,11 @@ std::vector<LeftOut> forecasts_of_members(const std::vector<MemberMovements>& me
     for (std::size_t k = 0; k < members.size(); ++k) {
         std::vector<MemberMovements> others = members;
         others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-        const double drawdown = std::max(members[k].last.rocks.at(rock).drawdown, least_drawdown);
-        all.push_back(
-            {members[k].next.rocks.at(rock).drawdown,
-             forecast_rock(others, rock, RecordedMovement{rock, drawdown, relative * drawdown})});
+        const double deflection =
+            std::max(members[k].last.rocks.at(rock).deflection, least_deflection);
+        all.push_back({members[k].next.rocks.at(rock).deflection,
+                       forecast_rock(others, rock,
+                                     RecordedMovement{rock, deflection, relative * deflection})});
     }
     return all;
 }

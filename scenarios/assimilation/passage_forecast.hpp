@@ -16,37 +16,37 @@ struct MemberMovements {
     PassageMovements last, next;
 };
 
-/// Drawdown of a sensor rock under the next train. The distribution is that of its logarithm.
-struct DrawdownForecast {
+/// Deflection of a sensor rock under the next train. The distribution is that of its logarithm.
+struct DeflectionForecast {
     Predictive logarithm = {};
     Predictive members = {}; ///< the same without any recording
     std::optional<RecordedMovement> recorded = {};
-    double probability_above(double drawdown) const; ///< m
-    double quantile(double probability) const;       ///< m
+    double probability_above(double deflection) const; ///< m
+    double quantile(double probability) const;         ///< m
 };
 
 /// The forecast of a passage.
 struct PassageForecast {
-    std::vector<DrawdownForecast> rocks; ///< in the order of BoxBodies::sensors
+    std::vector<DeflectionForecast> rocks; ///< in the order of BoxBodies::sensors
     /// m, of the tie: as the members have it. A SmartRock cannot record a settlement.
     Predictive settlement;
 };
 
 /// Forecasts the next passage on a site from the recordings of the last one. The logarithm of the
-/// next drawdown of each sensor rock is regressed on that of its last one over the members
+/// next deflection of each sensor rock is regressed on that of its last one over the members
 /// (predict_by_line); a rock without recording has the distribution of the members
-/// (predict_by_mean). Drawdowns below 1e-5 m count as 1e-5 m. Throws InputError for fewer than 4
+/// (predict_by_mean). Deflections below 1e-5 m count as 1e-5 m. Throws InputError for fewer than 4
 /// members.
 PassageForecast forecast_passage(const std::vector<MemberMovements>& members,
                                  const std::vector<RecordedMovement>& recorded);
 
-/// The next drawdown (m) of a rock in each member, and its forecast from all other members.
+/// The next deflection (m) of a rock in each member, and its forecast from all other members.
 struct LeftOut {
     double found;
-    DrawdownForecast forecast;
+    DeflectionForecast forecast;
 };
 /// Each member in turn is the site, with recordings without error, whose deviation is taken as
-/// `relative` of the drawdown.
+/// `relative` of the deflection.
 std::vector<LeftOut> forecasts_of_members(const std::vector<MemberMovements>& members,
                                           std::size_t rock, double relative);
 

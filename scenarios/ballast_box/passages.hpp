@@ -52,9 +52,10 @@ PassageResponse passage_response(const Series& samples, unsigned number);
 
 void TrackPassage::describe(auto& option) {
     option.group("Train");
-    option("train", train, "",
-           "Train: passenger, freight (assets/trains), or the path of a CSV file with the columns "
-           "position_m and axle_load_kN.");
+    option(
+        "train", train, "",
+        "Train: passenger, freight, inspection (assets/trains), or the path of a CSV file with the "
+        "columns position_m and axle_load_kN.");
     option("speed", speed, "m/s",
            "Speed of the train. 0: 31.3 m/s (70 mph) for passenger, 20 m/s for others.",
            within(0, 120));

@@ -15,7 +15,8 @@ namespace bris {
 
 namespace {
 
-constexpr auto record_path = "passages/movements", heights_path = "passages/heights";
+constexpr auto record_path = "passages/movements", begin_path = "passages/at_begin",
+               valley_path = "passages/at_valley";
 constexpr std::uint64_t samples_per_turn = 25;
 
 /// m, of the sensor rocks and the tie.
@@ -29,14 +30,15 @@ std::vector<double> heights_of(const World& world) {
     return heights;
 }
 
-void follow(PassageRecord& record, const World& world) {
+void follow(PassageRecord& record, const World& world, bool at_valley) {
     PassageMovements& now = record.passages.back();
     const std::vector<double> heights = heights_of(world);
     for (std::size_t k = 0; k < heights.size(); ++k) {
         Movement& m = k + 1 == heights.size() ? now.tie : now.rocks[k];
-        m.settlement = record.heights[k] - heights[k];
-        m.drawdown = std::max(m.drawdown, m.settlement);
+        m.settlement = record.at_begin[k] - heights[k];
+        m.deflection = std::max(m.deflection, record.at_valley[k] - heights[k]);
     }
+    if (at_valley) record.at_valley = heights;
 }
 
 Phase passage(const BoxTestRun& test, const TrackSlice& slice, const Train& train,
@@ -52,9 +54,10 @@ Phase passage(const BoxTestRun& test, const TrackSlice& slice, const Train& trai
                     const std::uint64_t turn_ends = (done / per_turn + 1) * per_turn;
                     s.advance(std::min(block_steps, turn_ends - done));
                     (void)checked_stable_step(s.world());
-                    follow(record, s.world());
                     const std::uint64_t now = run.steps_in_phase();
-                    if (now % (2 * per_turn) == 0) raise_masses(s.world());
+                    const bool at_valley = now % (2 * per_turn) == 0;
+                    follow(record, s.world(), at_valley);
+                    if (at_valley) raise_masses(s.world());
                     return now < steps;
                 },
             .progress =
@@ -68,9 +71,9 @@ Phase passage(const BoxTestRun& test, const TrackSlice& slice, const Train& trai
             .begin =
                 [=, &test, &record](Simulation& s) {
                     if (record.passages.empty()) test.note_bed(s.world());
-                    record.heights = heights_of(s.world());
+                    record.at_begin = record.at_valley = heights_of(s.world());
                     record.passages.push_back(
-                        {.rocks = std::vector<Movement>(record.heights.size() - 1)});
+                        {.rocks = std::vector<Movement>(record.at_begin.size() - 1)});
                     const double dt = s.world().resource<Clock>().dt;
                     test.begin_passage(s.world(),
                                        load_through(turns, dt * static_cast<double>(per_turn)));
@@ -90,22 +93,25 @@ BallastBox seated_by_rails(BallastBox box) {
 void PassageRecord::save(Archive& archive) const {
     std::vector<double> numbers;
     for (const PassageMovements& p : passages) {
-        for (const Movement& m : p.rocks) numbers.insert(numbers.end(), {m.drawdown, m.settlement});
-        numbers.insert(numbers.end(), {p.tie.drawdown, p.tie.settlement});
+        for (const Movement& m : p.rocks)
+            numbers.insert(numbers.end(), {m.deflection, m.settlement});
+        numbers.insert(numbers.end(), {p.tie.deflection, p.tie.settlement});
     }
     archive.put(record_path, std::span<const double>(numbers));
-    archive.put(heights_path, std::span<const double>(heights));
+    archive.put(begin_path, std::span<const double>(at_begin));
+    archive.put(valley_path, std::span<const double>(at_valley));
 }
 
 void PassageRecord::load(const Archive& archive) {
-    heights = archive.get<double>(heights_path);
+    at_begin = archive.get<double>(begin_path);
+    at_valley = archive.get<double>(valley_path);
     passages.clear();
     const auto numbers = archive.get<double>(record_path);
     for (auto next = numbers.begin(); next != numbers.end();) {
         PassageMovements& p = passages.emplace_back();
-        for (std::size_t k = 0; k < heights.size(); ++k, next += 2) {
+        for (std::size_t k = 0; k < at_begin.size(); ++k, next += 2) {
             const Movement m{next[0], next[1]};
-            if (k + 1 == heights.size())
+            if (k + 1 == at_begin.size())
                 p.tie = m;
             else
                 p.rocks.push_back(m);

@@ -11,10 +11,11 @@
 
 namespace bris {
 
-/// Downward displacements (m) in a passage, since its beginning.
+/// Downward displacements (m) in a passage.
 struct Movement {
-    double drawdown = 0;   ///< the largest one
-    double settlement = 0; ///< what remains at the end; negative: upwards
+    double deflection =
+        0; ///< the largest one within a load cycle, since the beginning of the cycle
+    double settlement = 0; ///< what remains at the end of the passage; negative: upwards
 };
 /// Movements in one passage: of each sensor rock, in the order of BoxBodies::sensors, and the tie.
 struct PassageMovements {
@@ -24,8 +25,9 @@ struct PassageMovements {
 
 /// The passages of a slice of track, kept in its checkpoints.
 struct PassageRecord {
-    std::vector<PassageMovements> passages;
-    std::vector<double> heights; ///< m, of sensor rocks and tie when the last passage began
+    std::vector<PassageMovements> passages = {};
+    /// m, of sensor rocks and tie when the last passage and its present load cycle began.
+    std::vector<double> at_begin = {}, at_valley = {};
 
     void save(Archive& archive) const;
     void load(const Archive& archive);

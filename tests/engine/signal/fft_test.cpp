@@ -38,6 +38,19 @@ TEST_SUITE("engine/signal/fft") {
         }
     }
 
+    TEST_CASE("a series comes back from its transform at every fast length up to 100") {
+        for (std::size_t n = 1; n <= 100; ++n) {
+            if (!is_fast_length(n)) continue;
+            const auto x = random_series(n, 6);
+            Fft fft(n);
+            const auto back = fft.series_of(fft.transform(x));
+            for (std::size_t k = 0; k < n; ++k) CHECK(std::abs(back[k] - x[k]) < 1e-13);
+        }
+        CHECK_THROWS_AS(Fft(6).series_of(std::vector<std::complex<double>>(6)), InputError);
+        CHECK(fast_length_for(97) == 100);
+        CHECK(fast_length_for(0) == 1);
+    }
+
     TEST_CASE("one plan transforms several series alike") {
         Fft fft(720);
         const auto x = random_series(720, 1), y = random_series(720, 2);

@@ -37,7 +37,7 @@ const std::vector<std::string> three_names{"a", "b", "c"};
 
 std::string error_of(const TemporaryDirectory& folder, const std::string& rows) {
     const auto file = folder / "movements.csv";
-    std::ofstream(file) << "sensor,drawdown_mm,deviation_mm\n" << rows;
+    std::ofstream(file) << "sensor,deflection_mm,deviation_mm\n" << rows;
     return message_of<InputError>([&] { read_movements(file, three_names); });
 }
 
@@ -65,7 +65,7 @@ TEST_SUITE("assimilation") {
                 const MemberMovements truth = site(random);
                 const auto f = forecast_passage(
                     members, recorded(truth.last, {}, 1000 * seed + std::uint64_t(k)));
-                const double found = truth.next.rocks[0].drawdown;
+                const double found = truth.next.rocks[0].deflection;
                 inside += found > f.rocks[0].quantile(0.05) && found < f.rocks[0].quantile(0.95);
             }
         }
@@ -74,7 +74,7 @@ TEST_SUITE("assimilation") {
 
     TEST_CASE("members left out are forecast without themselves") {
         auto members = sixteen(5);
-        members[4].next.rocks[0].drawdown *= 100; // must not help its own forecast
+        members[4].next.rocks[0].deflection *= 100; // must not help its own forecast
         const auto all = forecasts_of_members(members, 0, 0.05);
         REQUIRE(all.size() == 16);
         CHECK(all[4].found > 20 * all[4].forecast.quantile(0.95));
@@ -83,11 +83,11 @@ TEST_SUITE("assimilation") {
     TEST_CASE("errors of recordings have the stated size, and rocks at rest are left out") {
         PassageMovements m;
         m.rocks.assign(2000, {1e-3, 0});
-        m.rocks.front().drawdown = 0;
+        m.rocks.front().deflection = 0;
         const auto all = recorded(m, {.relative = 0.1, .noise = 5e-5}, 4);
         REQUIRE(all.size() == 1999);
         double squares = 0;
-        for (const RecordedMovement& r : all) squares += std::pow(r.drawdown - 1e-3, 2);
+        for (const RecordedMovement& r : all) squares += std::pow(r.deflection - 1e-3, 2);
         const double deviation = std::hypot(1e-4, 5e-5);
         CHECK(std::sqrt(squares / 1999) == about(deviation).epsilon(0.05));
     }
@@ -99,7 +99,7 @@ TEST_SUITE("assimilation") {
         const auto back = read_movements(folder / "out.csv", three_names);
         REQUIRE(back.size() == 2);
         CHECK(back[1].sensor == 2);
-        CHECK(back[0].drawdown == about(1.25e-3));
+        CHECK(back[0].deflection == about(1.25e-3));
         CHECK(back[1].deviation == about(2e-5));
 
         CHECK(error_of(folder, "").ends_with("expected at least one sensor rock, found none"));
@@ -108,10 +108,11 @@ TEST_SUITE("assimilation") {
         CHECK(error_of(folder, "1,1,0.1\n1,1,0.1\n")
                   .ends_with(":3: expected one line for each sensor, found 1"));
         CHECK(error_of(folder, "1,1e3,0.1\n")
-                  .ends_with(":2: expected a drawdown_mm above 0 and at most 50, found 1000"));
-        CHECK(error_of(folder, "1,,0.1\n").find(":2: expected a drawdown_mm") != std::string::npos);
+                  .ends_with(":2: expected a deflection_mm above 0 and at most 50, found 1000"));
+        CHECK(error_of(folder, "1,,0.1\n").find(":2: expected a deflection_mm") !=
+              std::string::npos);
         CHECK(error_of(folder, "1,1,2\n")
-                  .ends_with("expected a deviation_mm of at least 0 and at most the drawdown, "
+                  .ends_with("expected a deviation_mm of at least 0 and at most the deflection, "
                              "found 2"));
     }
 }
