@@ -122,17 +122,19 @@ void take_over(const Common& common) {
                                       std::filesystem::copy_options::overwrite_existing);
 }
 
+std::string resumed_by(const Common& common) { return common.resume.empty() ? "" : "--resume"; }
+
 std::vector<Site> members_of(const Forecast& f, const std::vector<Train>& trains,
                              const Common& common) {
     if (f.ensemble.empty())
         return make_members(f.design, trains, common, common.out / "members",
-                            !common.resume.empty(), of_members);
+                            {resumed_by(common), of_members});
     const auto folder = f.ensemble / "members";
     require(std::filesystem::is_directory(folder),
             fmt::format("--ensemble: expected the folder of an ensemble, with a folder members, "
                         "found '{}'",
                         f.ensemble.string()));
-    return make_members(f.design, trains, common, folder, true, of_members);
+    return make_members(f.design, trains, common, folder, {"--ensemble", of_members});
 }
 
 /// The part that has to end before the next train comes.
@@ -168,7 +170,7 @@ void run_forecast(const Forecast& f, const Common& common) {
     for (const Site& member : members) redrawn += member.redrawn;
     Site site;
     if (simulated) {
-        site = make_site(f.design, f.site_seed, before, common, !common.resume.empty(), of_site);
+        site = make_site(f.design, f.site_seed, before, common, {resumed_by(common), of_site});
         recordings = recorded(site.passages.back(), f.errors, f.site_seed);
         write_movements(common.out / "movements.csv", recordings, names);
     }
@@ -177,9 +179,8 @@ void run_forecast(const Forecast& f, const Common& common) {
     const double wall_time = seconds_since(began);
     print(sentence_of(results));
     if (simulated) {
-        results.last = site.passages.back();
         results.found =
-            make_site(f.design, f.site_seed, trains, common, true, of_site).passages.back();
+            make_site(f.design, f.site_seed, trains, common, {"--resume", of_site}).passages.back();
     }
     write_probabilities(common.out / "probabilities.csv", results);
     draw_forecast(common.out / "forecast.png", results);

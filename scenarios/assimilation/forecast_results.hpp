@@ -16,8 +16,8 @@ struct ForecastResults {
     double threshold = 0;           ///< m, of its deflection
     std::vector<MemberMovements> members = {};
     PassageForecast forecast = {};
-    std::vector<LeftOut> left_out = {};                    ///< members, each from all others
-    std::optional<PassageMovements> last = {}, found = {}; ///< on a simulated site
+    std::vector<LeftOut> left_out = {};         ///< members, each from all others
+    std::optional<PassageMovements> found = {}; ///< on a simulated site
     std::vector<double> last_turns = {},
                         next_turns = {}; ///< N, of the load on a tie by both trains
 };

@@ -4,6 +4,7 @@
 #include "engine/errors.hpp"
 #include "engine/estimation/low_discrepancy.hpp"
 #include "engine/random.hpp"
+#include "engine/resume.hpp"
 #include "engine/run.hpp"
 
 #include <fmt/format.h>
@@ -26,26 +27,37 @@ Common within_folder(const Common& common, const std::filesystem::path& folder) 
     return own;
 }
 
+/// Reads the passages of a site from its checkpoint; false if some are still to come.
+bool is_complete(Site& site, std::size_t trains, const Common& own, const GoOn& go_on) {
+    PassageRecord record;
+    record.load(
+        checkpoint_to_resume(site.state, own.scenario, own.settings, go_on.may_differ, go_on.option)
+            .state);
+    site.passages = record.passages;
+    return site.passages.size() == trains;
+}
+
 /// Makes a site, trying one packing after the other, or goes on from its checkpoint in the folder.
 Site made(const SiteDesign& design, Site site, const std::string& name,
-          const std::vector<Train>& trains, const Common& own, bool go_on,
-          const MayDiffer& may_differ, const ReportProgress& report) {
+          const std::vector<Train>& trains, const Common& own, const GoOn& go_on,
+          const ReportProgress& report) {
     const std::uint64_t first = site.seed;
     const auto file = [&](unsigned packing) {
         return own.out / fmt::format("{}_packing_{}.ckpt.h5", name, packing + 1);
     };
     std::optional<unsigned> begun;
-    for (unsigned k = 0; go_on && k < design.packings && !begun; ++k)
+    for (unsigned k = 0; !go_on.option.empty() && k < design.packings && !begun; ++k)
         if (std::filesystem::exists(file(k))) begun = k;
     std::string why;
     for (unsigned k = begun.value_or(0); k < design.packings; ++k) {
         site.seed = first + k;
         site.redrawn = k;
         site.state = file(k);
+        if (begun == k && is_complete(site, trains.size(), own, go_on)) return site;
         const std::string run = fmt::format("{}_packing_{}", name, k + 1);
         try {
             site.passages = run_trains({site.box, site.seed}, trains, own, run,
-                                       begun == k ? site.state : "", may_differ, report)
+                                       begun == k ? site.state : "", go_on.may_differ, report)
                                 .passages;
             return site;
         } catch (const SimulationError& error) {
@@ -76,7 +88,7 @@ BallastBox box_of_site(const BallastBox& middle, const SiteSpread& spread,
 
 std::vector<Site> make_members(const SiteDesign& design, const std::vector<Train>& trains,
                                const Common& common, const std::filesystem::path& folder,
-                               bool go_on, const MayDiffer& may_differ) {
+                               const GoOn& go_on) {
     constexpr std::uint64_t stream = 881; // of the shift of the sequence
     Random random(common.seed, stream);
     std::vector<double> shift(parameters);
@@ -90,7 +102,7 @@ std::vector<Site> make_members(const SiteDesign& design, const std::vector<Train
         const Site site{.box = box_of_site(design.box, design.spread, u),
                         .seed = (common.seed + 2000) * 1'000'000 + 10 * k};
         members[k] = made(design, site, fmt::format("member_{:02}", k + 1), trains, own, go_on,
-                          may_differ, progress_slot(progress, static_cast<unsigned>(k)));
+                          progress_slot(progress, static_cast<unsigned>(k)));
     });
     progress.pause();
     return members;
@@ -114,7 +126,7 @@ std::vector<PassageMovements> pass_members(const std::vector<Site>& members,
 }
 
 Site make_site(const SiteDesign& design, std::uint64_t seed, const std::vector<Train>& trains,
-               const Common& common, bool go_on, const MayDiffer& may_differ) {
+               const Common& common, const GoOn& go_on) {
     constexpr std::uint64_t stream = 882; // of the parameters of sites
     Random random(seed, stream);
     std::vector<double> u(parameters);
@@ -123,7 +135,7 @@ Site make_site(const SiteDesign& design, std::uint64_t seed, const std::vector<T
                     .seed = (seed + 5000) * 1'000'000};
     Progress progress = make_progress(common);
     const Site done = made(design, site, "site", trains, within_folder(common, common.out / "site"),
-                           go_on, may_differ, progress_slot(progress, 0));
+                           go_on, progress_slot(progress, 0));
     progress.pause();
     return done;
 }

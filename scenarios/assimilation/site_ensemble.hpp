@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -44,13 +45,18 @@ struct Site {
 /// Settings in a checkpoint that may differ from those of the run that reads it.
 using MayDiffer = std::vector<std::string_view>;
 
+/// Whether checkpoints that are in a folder already are read, complete or not.
+struct GoOn {
+    std::string option; ///< that names them in messages; empty: all is made anew
+    MayDiffer may_differ = {};
+};
+
 /// Makes the members of an ensemble, over each of which all trains pass, `threads` at a time, with
-/// their checkpoints in `folder`. With `go_on`, members that are there already are read, and those
-/// that have begun go on. Throws SimulationError if none of the packings of a member can be made;
-/// InputError, OutputError, Interrupted.
+/// their checkpoints in `folder`. Throws SimulationError if none of the packings of a member can be
+/// made; InputError, OutputError, Interrupted.
 std::vector<Site> make_members(const SiteDesign& design, const std::vector<Train>& trains,
                                const Common& common, const std::filesystem::path& folder,
-                               bool go_on, const MayDiffer& may_differ);
+                               const GoOn& go_on);
 
 /// Lets the last of all trains pass over each member, whose checkpoint stays as it is. New
 /// checkpoints are in the folder `next` of the results. Throws as make_members.
@@ -61,7 +67,7 @@ std::vector<PassageMovements> pass_members(const std::vector<Site>& members,
 /// A site that no member knows: its parameters and packing follow from `seed`. All trains pass over
 /// it; its checkpoints are in the folder `site` of the results. Throws as make_members.
 Site make_site(const SiteDesign& design, std::uint64_t seed, const std::vector<Train>& trains,
-               const Common& common, bool go_on, const MayDiffer& may_differ);
+               const Common& common, const GoOn& go_on);
 
 void SiteSpread::describe(auto& option) {
     option.group("Spread of the sites about the ballast and track described above");

@@ -31,7 +31,7 @@ std::vector<double> heights_of(const World& world) {
 }
 
 void follow(PassageRecord& record, const World& world, bool at_valley) {
-    PassageMovements& now = record.passages.back();
+    PassageMovements& now = record.now;
     const std::vector<double> heights = heights_of(world);
     for (std::size_t k = 0; k < heights.size(); ++k) {
         Movement& m = k + 1 == heights.size() ? now.tie : now.rocks[k];
@@ -58,7 +58,9 @@ Phase passage(const BoxTestRun& test, const TrackSlice& slice, const Train& trai
                     const bool at_valley = now % (2 * per_turn) == 0;
                     follow(record, s.world(), at_valley);
                     if (at_valley) raise_masses(s.world());
-                    return now < steps;
+                    if (now < steps) return true;
+                    record.passages.push_back(record.now);
+                    return false;
                 },
             .progress =
                 [=, &run](const World&) {
@@ -72,8 +74,7 @@ Phase passage(const BoxTestRun& test, const TrackSlice& slice, const Train& trai
                 [=, &test, &record](Simulation& s) {
                     if (record.passages.empty()) test.note_bed(s.world());
                     record.at_begin = record.at_valley = heights_of(s.world());
-                    record.passages.push_back(
-                        {.rocks = std::vector<Movement>(record.at_begin.size() - 1)});
+                    record.now = {.rocks = std::vector<Movement>(record.at_begin.size() - 1)};
                     const double dt = s.world().resource<Clock>().dt;
                     test.begin_passage(s.world(),
                                        load_through(turns, dt * static_cast<double>(per_turn)));
@@ -92,11 +93,13 @@ BallastBox seated_by_rails(BallastBox box) {
 
 void PassageRecord::save(Archive& archive) const {
     std::vector<double> numbers;
-    for (const PassageMovements& p : passages) {
+    const auto add = [&](const PassageMovements& p) {
         for (const Movement& m : p.rocks)
             numbers.insert(numbers.end(), {m.deflection, m.settlement});
         numbers.insert(numbers.end(), {p.tie.deflection, p.tie.settlement});
-    }
+    };
+    for (const PassageMovements& p : passages) add(p);
+    if (!at_begin.empty()) add(now);
     archive.put(record_path, std::span<const double>(numbers));
     archive.put(begin_path, std::span<const double>(at_begin));
     archive.put(valley_path, std::span<const double>(at_valley));
@@ -109,14 +112,14 @@ void PassageRecord::load(const Archive& archive) {
     const auto numbers = archive.get<double>(record_path);
     for (auto next = numbers.begin(); next != numbers.end();) {
         PassageMovements& p = passages.emplace_back();
-        for (std::size_t k = 0; k < at_begin.size(); ++k, next += 2) {
-            const Movement m{next[0], next[1]};
-            if (k + 1 == at_begin.size())
-                p.tie = m;
-            else
-                p.rocks.push_back(m);
-        }
+        for (std::size_t k = 1; k < at_begin.size(); ++k, next += 2)
+            p.rocks.push_back({next[0], next[1]});
+        p.tie = {next[0], next[1]};
+        next += 2;
     }
+    if (passages.empty()) return; // no train has come yet
+    now = passages.back();
+    passages.pop_back();
 }
 
 PassageRecord run_trains(const TrackSlice& slice, const std::vector<Train>& trains,

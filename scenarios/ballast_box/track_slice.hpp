@@ -25,8 +25,9 @@ struct PassageMovements {
 
 /// The passages of a slice of track, kept in its checkpoints.
 struct PassageRecord {
-    std::vector<PassageMovements> passages = {};
-    /// m, of sensor rocks and tie when the last passage and its present load cycle began.
+    std::vector<PassageMovements> passages = {}; ///< that have ended
+    PassageMovements now = {};                   ///< of the present one
+    /// m, of sensor rocks and tie when the present passage and its load cycle began.
     std::vector<double> at_begin = {}, at_valley = {};
 
     void save(Archive& archive) const;
