@@ -5,6 +5,7 @@
 #include "engine/random.hpp"
 #include "scenarios/monitoring/deflection.hpp"
 #include "scenarios/monitoring/passage.hpp"
+#include "scenarios/monitoring/sensor_baseline.hpp"
 
 #include <fmt/format.h>
 
@@ -66,19 +67,24 @@ std::vector<RecordedMovement> movements_in(const std::filesystem::path& folder,
     require(!passages.empty(),
             fmt::format("--recordings: expected recordings of a passage in '{}', found none",
                         folder.string()));
+    const Passage& passage = passages.back();
+    const auto findings = findings_of(passage, {});
     std::vector<RecordedMovement> all;
-    for (const Recording& r : passages.back().recordings) {
+    for (const Recording& r : passage.recordings) {
         require(r.info.id >= 1 && r.info.id <= names.size(),
                 fmt::format("--recordings: {}: expected sensors with the ids 1 to {}, found {}",
                             folder.string(), names.size(), r.info.id));
         const std::size_t sensor = r.info.id - 1;
-        const RecordedDeflection d = deflection_of(r, load);
-        if (d.impossible_because.empty() && d.largest > 0)
-            all.push_back({sensor, d.largest, std::min(d.deviation, d.largest)});
-        else
-            report(fmt::format("sensor {} ({}) is left out: {}", r.info.id, names[sensor],
-                               d.impossible_because.empty() ? "it does not move"
-                                                            : d.impossible_because));
+        const std::string refusal = refusal_of(findings, r.info.id);
+        std::string why = refusal.empty() ? "" : "refused by quality control: " + refusal;
+        if (why.empty()) {
+            const RecordedDeflection d = deflection_of(r, load);
+            why = d.impossible_because;
+            if (why.empty() && !(d.largest > 0)) why = "it does not move";
+            if (why.empty()) all.push_back({sensor, d.largest, std::min(d.deviation, d.largest)});
+        }
+        if (!why.empty())
+            report(fmt::format("sensor {} ({}) is left out: {}", r.info.id, names[sensor], why));
     }
     require(!all.empty(), fmt::format("--recordings: expected at least one sensor rock with a "
                                       "deflection in '{}', found none: not enough data",

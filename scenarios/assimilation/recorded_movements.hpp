@@ -37,7 +37,8 @@ std::vector<RecordedMovement> read_movements(const std::filesystem::path& file,
                                              const std::vector<std::string>& names);
 /// The deflections of the sensor rocks in the last passage of a folder of recordings
 /// (read_passages), whose ids are the numbers of `names`; `load` is the force of its train on a tie
-/// (deflection_of). Sensors without a deflection are left out, and `report` is told why. Throws
+/// (deflection_of). Sensors that quality control refuses (check_recordings) or whose recording has
+/// no deflection are left out, and `report` is told why. Throws
 /// InputError, naming --recordings, if no sensor has one.
 std::vector<RecordedMovement>
 movements_in(const std::filesystem::path& folder, const LoadHistory& load,

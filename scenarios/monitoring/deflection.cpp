@@ -71,9 +71,10 @@ RecordedDeflection deflection_of(const Recording& recording, const LoadHistory& 
             fmt::format("{:.2g} % of the samples are at the end of the range", 100 * v.saturated);
     else if (gap > longest_gap)
         found.impossible_because = fmt::format("a gap of {:.2g} s", gap);
-    else if (v.duration < 3 / lowest)
+    else if (const double needed = std::max(2 / lowest, 0.95 * load.times.back());
+             v.duration < needed)
         found.impossible_because =
-            fmt::format("{:.2g} s are too short, {:.2g} s are needed", v.duration, 3 / lowest);
+            fmt::format("{:.3g} s are too short, the train needs {:.3g} s", v.duration, needed);
     if (!found.impossible_because.empty()) return found;
     const auto displacement = displacement_of(joined(v), v.rate, lowest);
     const double factor = lost_factor(load, v.rate, lowest);

@@ -20,7 +20,7 @@ struct RecordedDeflection {
 /// passing_load). Samples that are missing for at most 0.05 s are interpolated. The deviation is
 /// that of the sensor's noise and 5 % of the deflection, since a rock does not follow the load
 /// exactly (tests/scenarios/monitoring/deflection_test.cpp). Impossible are recordings shorter than
-/// 3 / lowest, with longer gaps, or with samples at the end of the range.
+/// 95 % of the load or than 2 / lowest, with longer gaps, or with samples at the end of the range.
 RecordedDeflection deflection_of(const Recording& recording, const LoadHistory& load,
                                  double lowest = 0.7);
 

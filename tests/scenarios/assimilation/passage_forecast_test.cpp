@@ -1,7 +1,9 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
 #include "scenarios/assimilation/passage_forecast.hpp"
+#include "scenarios/monitoring/passage.hpp"
 #include "tests/about.hpp"
+#include "tests/scenarios/monitoring/passing_rock.hpp"
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
@@ -10,6 +12,7 @@
 #include <fstream>
 
 using namespace bris;
+using namespace bris::testing;
 
 namespace {
 
@@ -90,6 +93,36 @@ TEST_SUITE("assimilation") {
         for (const RecordedMovement& r : all) squares += std::pow(r.deflection - 1e-3, 2);
         const double deviation = std::hypot(1e-4, 5e-5);
         CHECK(std::sqrt(squares / 1999) == about(deviation).epsilon(0.05));
+    }
+
+    TEST_CASE("deflections come from the recordings that quality control accepts") {
+        const TemporaryDirectory folder;
+        const LoadHistory load =
+            passing_load(train_named("inspection"), 20,
+                         {.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61}, 800);
+        Passage passage{"passage_01", {}};
+        for (unsigned id = 1; id <= 3; ++id)
+            passage.recordings.push_back(recording_under(load, "smartrock-like", 1, id));
+        for (Vec3& f : passage.recordings[1].force) f /= 9.81; // in g, not in m/s2
+        for (std::size_t k = 500; k < 800; ++k)                // stuck
+            passage.recordings[2].force[k] = passage.recordings[2].force[500];
+        write_passages(folder.path(), {passage}, "test");
+        std::vector<std::string> left_out;
+        const auto say = [&](const std::string& line) { left_out.push_back(line); };
+        const auto found = movements_in(folder.path(), load, three_names, say);
+        REQUIRE(found.size() == 1);
+        CHECK(found[0].sensor == 0);
+        CHECK(found[0].deflection == about(0.92e-3).epsilon(0.25));
+        REQUIRE(left_out.size() == 2);
+        CHECK(left_out[0].starts_with("sensor 2 (b) is left out: refused by quality control: "));
+        CHECK(left_out[1].find("stuck") != std::string::npos);
+
+        passage.recordings.erase(passage.recordings.begin());
+        const TemporaryDirectory other;
+        write_passages(other.path(), {passage}, "test");
+        CHECK(message_of<InputError>([&] {
+                  movements_in(other.path(), load, three_names, say);
+              }).ends_with("found none: not enough data"));
     }
 
     TEST_CASE("a file of movements is read back, and errors name its line") {

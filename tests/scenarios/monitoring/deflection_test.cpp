@@ -1,53 +1,29 @@
 // Deflections from recordings of rocks that move as the load of a train on a tie does.
-#include "engine/random.hpp"
-#include "scenarios/ballast_box/load_turns.hpp"
 #include "scenarios/monitoring/deflection.hpp"
-#include "scenarios/recordings/recorded_motion.hpp"
-#include "tests/about.hpp"
+#include "tests/scenarios/monitoring/passing_rock.hpp"
 
 #include <doctest/doctest.h>
 
 #include <cmath>
 
 using namespace bris;
+using namespace bris::testing;
 
 namespace {
 
 constexpr RailOnTies rails{.bending = 1.58e7, .tie_support = 3e7, .spacing = 0.61};
-constexpr double compliance = 1e-8; // m/N, of a rock's displacement and the load on the tie
-
-/// Downward displacement (m): proportional to the load, with a hardening of 20 %, and a settlement
-/// of 0.1 mm in the middle of the passage.
-double displacement(const LoadHistory& load, double time) {
-    const double force = std::max(0.0, load.at(time)), half = 0.5 * load.times.back();
-    return compliance * force / (1 + 0.2 * force / 100e3) +
-           1e-4 / (1 + std::exp(-(time - half) / 0.5));
-}
 
 /// The largest displacement within a load cycle, from its beginning.
 double true_deflection(const LoadHistory& load) {
     std::vector<double> height;
-    for (double t = 0; t < load.times.back(); t += 1e-3) height.push_back(-displacement(load, t));
+    for (double t = 0; t < load.times.back(); t += 1e-3)
+        height.push_back(-displacement_under(load, t));
     double fall = 0, high = height.front();
     for (std::size_t k = 1; k < height.size(); ++k) {
         high = height[k] > height[k - 1] ? height[k] : high;
         fall = std::max(fall, high - height[k]);
     }
     return fall;
-}
-
-Recording recording_under(const LoadHistory& load, const char* device, std::uint64_t seed) {
-    constexpr double h = 4e-3;
-    InertialRecorder recorder{0, Imu(imu_preset(device), Vec3(0, 0, -9.81), seed, 1), {}};
-    const Quat tilted(Eigen::AngleAxisd(0.7, Vec3(1, 2, 0).normalized()));
-    const double step = 1 / recorder.imu.model().rate;
-    for (double t = -1; t < load.times.back() + 1; t += step) {
-        const auto at = [&](double s) { return displacement(load, s); };
-        const double down = (at(t - h) - 2 * at(t) + at(t + h)) / (h * h);
-        recorder.samples.push_back(
-            recorder.imu.sample(t, {.orientation = tilted, .acceleration = Vec3(0, 0, -down)}));
-    }
-    return recording_of(recorder, 1, Vec3::Zero(), tilted);
 }
 
 } // namespace
@@ -78,7 +54,7 @@ TEST_SUITE("monitoring") {
     TEST_CASE("recordings that cannot give a deflection say why") {
         const LoadHistory load = passing_load(train_named("inspection"), 20, rails, 800);
         Recording r = recording_under(load, "ideal", 1);
-        CHECK(deflection_of(r, load, 0.1).impossible_because.find("are needed") !=
+        CHECK(deflection_of(r, load, 0.1).impossible_because.find("are too short") !=
               std::string::npos);
         Recording gap = r;
         for (std::size_t k = 400; k < gap.size(); ++k) gap.time[k] += 0.2;
