@@ -10,7 +10,7 @@
 
 using namespace bris;
 
-TEST_SUITE("estimation") {
+TEST_SUITE("engine/estimation/predictive") {
     TEST_CASE("the band of a new value about the mean of a sample is Student's") {
         // t of 0.95 with 4 degrees of freedom: 2.131847 (NIST/SEMATECH e-Handbook, 1.3.6.7.2)
         const std::vector<double> values{1, 2, 3, 4, 5};

@@ -46,7 +46,7 @@ std::string error_of(const TemporaryDirectory& folder, const std::string& rows) 
 
 } // namespace
 
-TEST_SUITE("assimilation") {
+TEST_SUITE("assimilation/passage_forecast") {
     TEST_CASE("a recorded rock is forecast from its own movement, another one from the members") {
         const auto members = sixteen(3);
         const PassageForecast f = forecast_passage(members, {{1, 2e-3, 2e-5}});

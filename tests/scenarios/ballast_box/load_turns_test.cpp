@@ -22,7 +22,7 @@ Train bogies(const std::vector<double>& centres, double wheelbase, double load) 
 
 } // namespace
 
-TEST_SUITE("ballast_box") {
+TEST_SUITE("ballast_box/load_turns") {
     TEST_CASE("one axle is one load cycle with the peak of the closed form") {
         const Train axle{.name = "axle", .axles = {{0, 200e3}}};
         const auto turns = load_turns(axle, usual, dead);

@@ -28,7 +28,7 @@ double true_deflection(const LoadHistory& load) {
 
 } // namespace
 
-TEST_SUITE("monitoring") {
+TEST_SUITE("monitoring/deflection") {
     TEST_CASE("deflections from recordings are right within their stated deviation") {
         double squares = 0;
         int count = 0;
