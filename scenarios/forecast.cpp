@@ -41,11 +41,13 @@ struct Forecast {
                "Passages of that train before the recorded one: a new bed settles at first.",
                within(0, 100));
         option("next_train", next_train, "", "Train that comes next, in the same form.");
-        option("recordings", recordings, "",
-               "Folder with the recordings of the passage, whose sensors 1 to 6 are those of "
-               "--sensor in their order, or a CSV file of deflections with the columns sensor, "
-               "deflection_mm and deviation_mm. Default: a site is simulated that no member knows, "
-               "recorded, and compared with its forecast.");
+        option(
+            "recordings", recordings, "",
+            "Folder with the recordings of the passage, whose sensors 1 to 6 are those of "
+            "--sensor in their order, or a CSV file of compliances (displacement of the rock over "
+            "load of the rails on a tie) with the columns sensor, compliance_um_per_kN and "
+            "deviation_um_per_kN. Default: a site is simulated that no member knows, "
+            "recorded, and compared with its forecast.");
         option("speed", speed, "m/s", "Speed of the train in a folder of recordings.",
                within(5, 120));
         option("sensor", sensor, "", "Sensor rock whose deflection is judged.",
@@ -56,11 +58,10 @@ struct Forecast {
         option.group("Simulated site");
         option("site_seed", site_seed, "", "Seed of parameters, packing and errors of the site.");
         option("recording_error", errors.relative, "",
-               "Standard deviation of a recorded deflection's error, over the deflection.",
+               "Standard deviation of a recorded compliance's error, over the compliance.",
                within(0, 0.5));
-        option("recording_noise", errors.noise, "m",
-               "Standard deviation of what integration adds to a recorded deflection.",
-               within(0, 1e-3));
+        option("recording_noise", errors.noise, "m/N",
+               "Standard deviation of what noise adds to a recorded compliance.", within(0, 1e-8));
         design.spread.describe(option);
         BallastBox& box = design.box;
         option.group("Ballast");
@@ -84,9 +85,10 @@ struct Forecast {
 };
 
 /// Settings that do not change the members of an ensemble.
-const MayDiffer of_members{
-    "ensemble",    "members",   "next_train",      "recordings",        "sensor",
-    "threshold_m", "site_seed", "recording_error", "recording_noise_m", "speed_m_per_s"};
+const MayDiffer of_members{"ensemble",     "members",         "next_train",
+                           "recordings",   "sensor",          "threshold_m",
+                           "site_seed",    "recording_error", "recording_noise_m_per_N",
+                           "speed_m_per_s"};
 const MayDiffer of_site{"ensemble", "members", "sensor", "threshold_m", "speed_m_per_s"};
 
 std::vector<std::string> sensors_of(const Forecast& f, const Common& common) {

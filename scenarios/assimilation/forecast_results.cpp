@@ -20,7 +20,8 @@ void add_rock(Summary& summary, const ForecastResults& r, std::size_t rock) {
     const auto add = [&](const char* what, double metres) {
         summary.add(fmt::format("{}_{}_mm", name, what), 1e3 * metres);
     };
-    if (f.recorded) add("recorded_deflection", f.recorded->deflection);
+    if (f.recorded)
+        summary.add(name + "_recorded_compliance_um_per_kN", 1e9 * f.recorded->compliance);
     add("next_deflection_median", f.quantile(0.5));
     add("next_deflection_low", f.quantile(low));
     add("next_deflection_high", f.quantile(high));
@@ -62,13 +63,13 @@ Plot members(const ForecastResults& r) {
         most = std::max(most, x);
     };
     for (const MemberMovements& m : r.members) {
-        points.x.push_back(1e3 * m.last.rocks[r.rock].deflection);
+        points.x.push_back(1e9 * m.last.rocks[r.rock].compliance);
         points.y.push_back(1e3 * m.next.rocks[r.rock].deflection);
         note(points.x.back());
     }
     const DeflectionForecast& f = r.forecast.rocks[r.rock];
     if (f.recorded) {
-        const double x = 1e3 * f.recorded->deflection;
+        const double x = 1e9 * f.recorded->compliance;
         note(x);
         band.x = {x, x};
         band.y = {1e3 * f.quantile(low), 1e3 * f.quantile(high)};
@@ -82,9 +83,9 @@ Plot members(const ForecastResults& r) {
     std::vector<Curve> curves{points, limit};
     if (f.recorded) curves.push_back(band);
     if (!found.x.empty()) curves.push_back(found);
-    return {.title = fmt::format("Deflection of the rock {}", r.names[r.rock]),
-            .x_label = "under the recorded train (mm)",
-            .y_label = "under the next train (mm)",
+    return {.title = fmt::format("The rock {}", r.names[r.rock]),
+            .x_label = "compliance under the recorded train (um/kN)",
+            .y_label = "deflection under the next train (mm)",
             .curves = curves};
 }
 

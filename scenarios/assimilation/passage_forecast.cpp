@@ -9,21 +9,23 @@ namespace bris {
 
 namespace {
 
-constexpr double least_deflection = 1e-5; // m
+constexpr double least_deflection = 1e-5;  // m
+constexpr double least_compliance = 1e-10; // m/N
 
-double logarithm(double deflection) { return std::log(std::max(deflection, least_deflection)); }
+double logarithm(double value, double least) { return std::log(std::max(value, least)); }
 
 DeflectionForecast forecast_rock(const std::vector<MemberMovements>& members, std::size_t rock,
                                  const std::optional<RecordedMovement>& recorded) {
     std::vector<double> last, next;
     for (const MemberMovements& m : members) {
-        last.push_back(logarithm(m.last.rocks.at(rock).deflection));
-        next.push_back(logarithm(m.next.rocks.at(rock).deflection));
+        last.push_back(logarithm(m.last.rocks.at(rock).compliance, least_compliance));
+        next.push_back(logarithm(m.next.rocks.at(rock).deflection, least_deflection));
     }
     DeflectionForecast forecast{.members = predict_by_mean(next), .recorded = recorded};
-    forecast.logarithm = recorded ? predict_by_line(last, next, logarithm(recorded->deflection),
-                                                    recorded->deviation / recorded->deflection)
-                                  : forecast.members;
+    forecast.logarithm =
+        recorded ? predict_by_line(last, next, logarithm(recorded->compliance, least_compliance),
+                                   recorded->deviation / recorded->compliance)
+                 : forecast.members;
     return forecast;
 }
 
@@ -58,11 +60,11 @@ std::vector<LeftOut> forecasts_of_members(const std::vector<MemberMovements>& me
     for (std::size_t k = 0; k < members.size(); ++k) {
         std::vector<MemberMovements> others = members;
         others.erase(others.begin() + static_cast<std::ptrdiff_t>(k));
-        const double deflection =
-            std::max(members[k].last.rocks.at(rock).deflection, least_deflection);
+        const double compliance =
+            std::max(members[k].last.rocks.at(rock).compliance, least_compliance);
         all.push_back({members[k].next.rocks.at(rock).deflection,
                        forecast_rock(others, rock,
-                                     RecordedMovement{rock, deflection, relative * deflection})});
+                                     RecordedMovement{rock, compliance, relative * compliance})});
     }
     return all;
 }

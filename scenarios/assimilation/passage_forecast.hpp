@@ -33,10 +33,10 @@ struct PassageForecast {
 };
 
 /// Forecasts the next passage on a site from the recordings of the last one. The logarithm of the
-/// next deflection of each sensor rock is regressed on that of its last one over the members
+/// next deflection of each sensor rock is regressed on that of its last compliance over the members
 /// (predict_by_line); a rock without recording has the distribution of the members
-/// (predict_by_mean). Deflections below 1e-5 m count as 1e-5 m. Throws InputError for fewer than 4
-/// members.
+/// (predict_by_mean). Deflections below 1e-5 m and compliances below 1e-10 m/N count as these.
+/// Throws InputError for fewer than 4 members.
 PassageForecast forecast_passage(const std::vector<MemberMovements>& members,
                                  const std::vector<RecordedMovement>& recorded);
 
@@ -46,7 +46,7 @@ struct LeftOut {
     DeflectionForecast forecast;
 };
 /// Each member in turn is the site, with recordings without error, whose deviation is taken as
-/// `relative` of the deflection.
+/// `relative` of the compliance.
 std::vector<LeftOut> forecasts_of_members(const std::vector<MemberMovements>& members,
                                           std::size_t rock, double relative);
 

@@ -3,7 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/random.hpp"
-#include "scenarios/monitoring/deflection.hpp"
+#include "scenarios/monitoring/compliance.hpp"
 #include "scenarios/monitoring/passage.hpp"
 #include "scenarios/monitoring/sensor_baseline.hpp"
 
@@ -16,27 +16,27 @@ namespace bris {
 
 std::vector<RecordedMovement> recorded(const PassageMovements& movements,
                                        const RecordingErrors& errors, std::uint64_t seed) {
-    constexpr double least = 1e-5; // m
+    constexpr double least = 1e-10; // m/N
     constexpr std::uint64_t stream = 883;
     Random random(seed, stream);
     std::vector<RecordedMovement> all;
     for (std::size_t k = 0; k < movements.rocks.size(); ++k) {
         const double scale = 1 + errors.relative * random.normal(),
                      offset = errors.noise * random.normal(),
-                     deflection = scale * movements.rocks[k].deflection + offset;
-        if (movements.rocks[k].deflection < least || deflection < least) continue;
-        const double deviation = std::hypot(errors.relative * deflection, errors.noise);
-        all.push_back({k, deflection, std::min(deviation, deflection)});
+                     compliance = scale * movements.rocks[k].compliance + offset;
+        if (movements.rocks[k].compliance < least || compliance < least) continue;
+        const double deviation = std::hypot(errors.relative * compliance, errors.noise);
+        all.push_back({k, compliance, std::min(deviation, compliance)});
     }
     return all;
 }
 
 std::vector<RecordedMovement> read_movements(const std::filesystem::path& file,
                                              const std::vector<std::string>& names) {
-    constexpr double most = 50; // mm
+    constexpr double most = 500; // um/kN
     const CsvTable table = read_csv(file);
-    const auto sensor = table.column("sensor"), deflection = table.column("deflection_mm"),
-               deviation = table.column("deviation_mm");
+    const auto sensor = table.column("sensor"), compliance = table.column("compliance_um_per_kN"),
+               deviation = table.column("deviation_um_per_kN");
     require(!sensor.empty(), file.string() + ": expected at least one sensor rock, found none");
     std::vector<RecordedMovement> all;
     for (std::size_t k = 0; k < sensor.size(); ++k) {
@@ -50,11 +50,11 @@ std::vector<RecordedMovement> read_movements(const std::filesystem::path& file,
         const auto index = static_cast<std::size_t>(sensor[k]) - 1;
         expect(std::ranges::find(all, index, &RecordedMovement::sensor) == all.end(),
                "one line for each sensor", sensor[k]);
-        expect(deflection[k] > 0 && deflection[k] <= most,
-               fmt::format("a deflection_mm above 0 and at most {:g}", most), deflection[k]);
-        expect(deviation[k] >= 0 && deviation[k] <= deflection[k],
-               "a deviation_mm of at least 0 and at most the deflection", deviation[k]);
-        all.push_back({index, 1e-3 * deflection[k], 1e-3 * deviation[k]});
+        expect(compliance[k] > 0 && compliance[k] <= most,
+               fmt::format("a compliance_um_per_kN above 0 and at most {:g}", most), compliance[k]);
+        expect(deviation[k] >= 0 && deviation[k] <= compliance[k],
+               "a deviation_um_per_kN of at least 0 and at most the compliance", deviation[k]);
+        all.push_back({index, 1e-9 * compliance[k], 1e-9 * deviation[k]});
     }
     return all;
 }
@@ -78,16 +78,15 @@ std::vector<RecordedMovement> movements_in(const std::filesystem::path& folder,
         const std::string refusal = refusal_of(findings, r.info.id);
         std::string why = refusal.empty() ? "" : "refused by quality control: " + refusal;
         if (why.empty()) {
-            const RecordedDeflection d = deflection_of(r, load);
-            why = d.impossible_because;
-            if (why.empty() && !(d.largest > 0)) why = "it does not move";
-            if (why.empty()) all.push_back({sensor, d.largest, std::min(d.deviation, d.largest)});
+            const RecordedCompliance c = compliance_of(r, load);
+            why = c.impossible_because;
+            if (why.empty()) all.push_back({sensor, c.value, c.deviation});
         }
         if (!why.empty())
             report(fmt::format("sensor {} ({}) is left out: {}", r.info.id, names[sensor], why));
     }
     require(!all.empty(), fmt::format("--recordings: expected at least one sensor rock with a "
-                                      "deflection in '{}', found none: not enough data",
+                                      "compliance in '{}', found none: not enough data",
                                       folder.string()));
     return all;
 }
@@ -96,13 +95,13 @@ void write_movements(const std::filesystem::path& file,
                      const std::vector<RecordedMovement>& movements,
                      const std::vector<std::string>& names) {
     std::vector<std::string> comments{
-        "Deflection of sensor rocks in one passage, from recordings with errors. Sensors:"};
+        "Compliance of sensor rocks in one passage, from recordings with errors. Sensors:"};
     for (std::size_t k = 0; k < names.size(); ++k)
         comments.push_back(fmt::format("{}: {}", k + 1, names[k]));
     std::vector<std::vector<double>> rows;
     for (const RecordedMovement& m : movements)
-        rows.push_back({static_cast<double>(m.sensor + 1), 1e3 * m.deflection, 1e3 * m.deviation});
-    write_csv(file, {"sensor", "deflection_mm", "deviation_mm"}, rows, comments);
+        rows.push_back({static_cast<double>(m.sensor + 1), 1e9 * m.compliance, 1e9 * m.deviation});
+    write_csv(file, {"sensor", "compliance_um_per_kN", "deviation_um_per_kN"}, rows, comments);
 }
 
 } // namespace bris

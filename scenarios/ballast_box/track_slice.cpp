@@ -10,13 +10,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace bris {
 
 namespace {
 
 constexpr auto record_path = "passages/movements", begin_path = "passages/at_begin",
-               valley_path = "passages/at_valley";
+               valley_path = "passages/at_valley", turn_path = "passages/at_turn";
 constexpr std::uint64_t samples_per_turn = 25;
 
 /// m, of the sensor rocks and the tie.
@@ -30,15 +31,31 @@ std::vector<double> heights_of(const World& world) {
     return heights;
 }
 
-void follow(PassageRecord& record, const World& world, bool at_valley) {
-    PassageMovements& now = record.now;
-    const std::vector<double> heights = heights_of(world);
-    for (std::size_t k = 0; k < heights.size(); ++k) {
-        Movement& m = k + 1 == heights.size() ? now.tie : now.rocks[k];
+/// Calls visit(number, movement) for the sensor rocks and the tie in the present passage.
+template <class Visit>
+void for_each_body(PassageRecord& record, Visit&& visit) {
+    for (std::size_t k = 0; k < record.now.rocks.size(); ++k) visit(k, record.now.rocks[k]);
+    visit(record.now.rocks.size(), record.now.tie);
+}
+
+void follow(PassageRecord& record, const std::vector<double>& heights) {
+    for_each_body(record, [&](std::size_t k, Movement& m) {
         m.settlement = record.at_begin[k] - heights[k];
         m.deflection = std::max(m.deflection, record.at_valley[k] - heights[k]);
-    }
-    if (at_valley) record.at_valley = heights;
+    });
+}
+
+/// At extreme number `turn` of the load, from 1.
+void note_turn(PassageRecord& record, const std::vector<double>& heights,
+               const std::vector<double>& turns, std::size_t turn) {
+    double squares = 0;
+    for (std::size_t k = 1; k < turns.size(); ++k) squares += std::pow(turns[k] - turns[k - 1], 2);
+    const double change = turns[turn] - turns[turn - 1];
+    for_each_body(record, [&](std::size_t k, Movement& m) {
+        m.compliance += change * (record.at_turn[k] - heights[k]) / squares;
+    });
+    record.at_turn = heights;
+    if (turn % 2 == 0) record.at_valley = heights;
 }
 
 Phase passage(const BoxTestRun& test, const TrackSlice& slice, const Train& train,
@@ -55,9 +72,10 @@ Phase passage(const BoxTestRun& test, const TrackSlice& slice, const Train& trai
                     s.advance(std::min(block_steps, turn_ends - done));
                     (void)checked_stable_step(s.world());
                     const std::uint64_t now = run.steps_in_phase();
-                    const bool at_valley = now % (2 * per_turn) == 0;
-                    follow(record, s.world(), at_valley);
-                    if (at_valley) raise_masses(s.world());
+                    const std::vector<double> heights = heights_of(s.world());
+                    follow(record, heights);
+                    if (now % per_turn == 0) note_turn(record, heights, turns, now / per_turn);
+                    if (now % (2 * per_turn) == 0) raise_masses(s.world());
                     if (now < steps) return true;
                     record.passages.push_back(record.now);
                     return false;
@@ -73,7 +91,7 @@ Phase passage(const BoxTestRun& test, const TrackSlice& slice, const Train& trai
             .begin =
                 [=, &test, &record](Simulation& s) {
                     if (record.passages.empty()) test.note_bed(s.world());
-                    record.at_begin = record.at_valley = heights_of(s.world());
+                    record.at_begin = record.at_valley = record.at_turn = heights_of(s.world());
                     record.now = {.rocks = std::vector<Movement>(record.at_begin.size() - 1)};
                     const double dt = s.world().resource<Clock>().dt;
                     test.begin_passage(s.world(),
@@ -93,29 +111,33 @@ BallastBox seated_by_rails(BallastBox box) {
 
 void PassageRecord::save(Archive& archive) const {
     std::vector<double> numbers;
-    const auto add = [&](const PassageMovements& p) {
-        for (const Movement& m : p.rocks)
-            numbers.insert(numbers.end(), {m.deflection, m.settlement});
-        numbers.insert(numbers.end(), {p.tie.deflection, p.tie.settlement});
+    const auto add = [&](const Movement& m) {
+        numbers.insert(numbers.end(), {m.deflection, m.settlement, m.compliance});
     };
-    for (const PassageMovements& p : passages) add(p);
-    if (!at_begin.empty()) add(now);
+    std::vector<PassageMovements> all = passages;
+    if (!at_begin.empty()) all.push_back(now);
+    for (const PassageMovements& p : all) {
+        std::ranges::for_each(p.rocks, add);
+        add(p.tie);
+    }
     archive.put(record_path, std::span<const double>(numbers));
     archive.put(begin_path, std::span<const double>(at_begin));
     archive.put(valley_path, std::span<const double>(at_valley));
+    archive.put(turn_path, std::span<const double>(at_turn));
 }
 
 void PassageRecord::load(const Archive& archive) {
     at_begin = archive.get<double>(begin_path);
     at_valley = archive.get<double>(valley_path);
+    at_turn = archive.get<double>(turn_path);
     passages.clear();
     const auto numbers = archive.get<double>(record_path);
     for (auto next = numbers.begin(); next != numbers.end();) {
         PassageMovements& p = passages.emplace_back();
-        for (std::size_t k = 1; k < at_begin.size(); ++k, next += 2)
-            p.rocks.push_back({next[0], next[1]});
-        p.tie = {next[0], next[1]};
-        next += 2;
+        for (std::size_t k = 1; k < at_begin.size(); ++k, next += 3)
+            p.rocks.push_back({next[0], next[1], next[2]});
+        p.tie = {next[0], next[1], next[2]};
+        next += 3;
     }
     if (passages.empty()) return; // no train has come yet
     now = passages.back();

@@ -11,11 +11,13 @@
 
 namespace bris {
 
-/// Downward displacements (m) in a passage.
+/// How far a body moves downwards in a passage.
 struct Movement {
-    double deflection =
-        0; ///< the largest one within a load cycle, since the beginning of the cycle
-    double settlement = 0; ///< what remains at the end of the passage; negative: upwards
+    double deflection = 0; ///< m, the largest within a load cycle, since the beginning of the cycle
+    double settlement = 0; ///< m, what remains at the end of the passage; negative: upwards
+    /// m/N, displacement over the load of the rails on a tie, by least squares over all changes
+    /// from one extreme of the load to the next.
+    double compliance = 0;
 };
 /// Movements in one passage: of each sensor rock, in the order of BoxBodies::sensors, and the tie.
 struct PassageMovements {
@@ -27,8 +29,9 @@ struct PassageMovements {
 struct PassageRecord {
     std::vector<PassageMovements> passages = {}; ///< that have ended
     PassageMovements now = {};                   ///< of the present one
-    /// m, of sensor rocks and tie when the present passage and its load cycle began.
-    std::vector<double> at_begin = {}, at_valley = {};
+    /// m, of sensor rocks and tie when the present passage and its load cycle began, and at the
+    /// last extreme of the load.
+    std::vector<double> at_begin = {}, at_valley = {}, at_turn = {};
 
     void save(Archive& archive) const;
     void load(const Archive& archive);

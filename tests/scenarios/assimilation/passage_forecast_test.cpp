@@ -16,14 +16,14 @@ using namespace bris::testing;
 
 namespace {
 
-/// Movements of a site whose two rocks go down under the next train by 1.5 and 2 times as far as
-/// under the last one, to a few per cent.
+/// Movements of a site whose two rocks are deflected under the next train as 150 and 200 kN would
+/// do by the compliances of the last one, to a few per cent.
 MemberMovements site(Random& random) {
     MemberMovements m;
-    for (const double factor : {1.5, 2.0}) {
-        const double last = 1e-3 * std::exp(0.4 * random.normal());
-        m.last.rocks.push_back({last, 0});
-        m.next.rocks.push_back({factor * last * std::exp(0.05 * random.normal()), 0});
+    for (const double load : {150e3, 200e3}) {
+        const double compliance = 1e-8 * std::exp(0.4 * random.normal());
+        m.last.rocks.push_back({0, 0, compliance});
+        m.next.rocks.push_back({load * compliance * std::exp(0.05 * random.normal()), 0, 0});
     }
     m.next.tie.settlement = 1e-4 * (3 + random.normal());
     return m;
@@ -40,7 +40,7 @@ const std::vector<std::string> three_names{"a", "b", "c"};
 
 std::string error_of(const TemporaryDirectory& folder, const std::string& rows) {
     const auto file = folder / "movements.csv";
-    std::ofstream(file) << "sensor,deflection_mm,deviation_mm\n" << rows;
+    std::ofstream(file) << "sensor,compliance_um_per_kN,deviation_um_per_kN\n" << rows;
     return message_of<InputError>([&] { read_movements(file, three_names); });
 }
 
@@ -49,7 +49,7 @@ std::string error_of(const TemporaryDirectory& folder, const std::string& rows) 
 TEST_SUITE("assimilation/passage_forecast") {
     TEST_CASE("a recorded rock is forecast from its own movement, another one from the members") {
         const auto members = sixteen(3);
-        const PassageForecast f = forecast_passage(members, {{1, 2e-3, 2e-5}});
+        const PassageForecast f = forecast_passage(members, {{1, 2e-8, 2e-10}});
         REQUIRE(f.rocks.size() == 2);
         CHECK(f.rocks[1].quantile(0.5) == about(4e-3).epsilon(0.05));
         CHECK(f.rocks[1].probability_above(3e-3) > 0.99);
@@ -85,17 +85,17 @@ TEST_SUITE("assimilation/passage_forecast") {
 
     TEST_CASE("errors of recordings have the stated size, and rocks at rest are left out") {
         PassageMovements m;
-        m.rocks.assign(2000, {1e-3, 0});
-        m.rocks.front().deflection = 0;
-        const auto all = recorded(m, {.relative = 0.1, .noise = 5e-5}, 4);
+        m.rocks.assign(2000, {0, 0, 1e-8});
+        m.rocks.front().compliance = 0;
+        const auto all = recorded(m, {.relative = 0.1, .noise = 5e-10}, 4);
         REQUIRE(all.size() == 1999);
         double squares = 0;
-        for (const RecordedMovement& r : all) squares += std::pow(r.deflection - 1e-3, 2);
-        const double deviation = std::hypot(1e-4, 5e-5);
+        for (const RecordedMovement& r : all) squares += std::pow(r.compliance - 1e-8, 2);
+        const double deviation = std::hypot(1e-9, 5e-10);
         CHECK(std::sqrt(squares / 1999) == about(deviation).epsilon(0.05));
     }
 
-    TEST_CASE("deflections come from the recordings that quality control accepts") {
+    TEST_CASE("compliances come from the recordings that quality control accepts") {
         const TemporaryDirectory folder;
         const LoadHistory load =
             passing_load(train_named("inspection"), 20,
@@ -112,7 +112,7 @@ TEST_SUITE("assimilation/passage_forecast") {
         const auto found = movements_in(folder.path(), load, three_names, say);
         REQUIRE(found.size() == 1);
         CHECK(found[0].sensor == 0);
-        CHECK(found[0].deflection == about(0.92e-3).epsilon(0.25));
+        CHECK(found[0].compliance == about(0.8e-8).epsilon(0.25));
         REQUIRE(left_out.size() == 2);
         CHECK(left_out[0].starts_with("sensor 2 (b) is left out: refused by quality control: "));
         CHECK(left_out[1].find("stuck") != std::string::npos);
@@ -127,13 +127,13 @@ TEST_SUITE("assimilation/passage_forecast") {
 
     TEST_CASE("a file of movements is read back, and errors name its line") {
         const TemporaryDirectory folder;
-        const std::vector<RecordedMovement> some{{0, 1.25e-3, 5e-5}, {2, 4e-4, 2e-5}};
+        const std::vector<RecordedMovement> some{{0, 1.25e-8, 5e-10}, {2, 4e-9, 2e-10}};
         write_movements(folder / "out.csv", some, three_names);
         const auto back = read_movements(folder / "out.csv", three_names);
         REQUIRE(back.size() == 2);
         CHECK(back[1].sensor == 2);
-        CHECK(back[0].deflection == about(1.25e-3));
-        CHECK(back[1].deviation == about(2e-5));
+        CHECK(back[0].compliance == about(1.25e-8));
+        CHECK(back[1].deviation == about(2e-10));
 
         CHECK(error_of(folder, "").ends_with("expected at least one sensor rock, found none"));
         CHECK(error_of(folder, "1,1,0.1\n4,1,0.1\n")
@@ -141,11 +141,12 @@ TEST_SUITE("assimilation/passage_forecast") {
         CHECK(error_of(folder, "1,1,0.1\n1,1,0.1\n")
                   .ends_with(":3: expected one line for each sensor, found 1"));
         CHECK(error_of(folder, "1,1e3,0.1\n")
-                  .ends_with(":2: expected a deflection_mm above 0 and at most 50, found 1000"));
-        CHECK(error_of(folder, "1,,0.1\n").find(":2: expected a deflection_mm") !=
+                  .ends_with(
+                      ":2: expected a compliance_um_per_kN above 0 and at most 500, found 1000"));
+        CHECK(error_of(folder, "1,,0.1\n").find(":2: expected a compliance_um_per_kN") !=
               std::string::npos);
         CHECK(error_of(folder, "1,1,2\n")
-                  .ends_with("expected a deviation_mm of at least 0 and at most the deflection, "
-                             "found 2"));
+                  .ends_with("expected a deviation_um_per_kN of at least 0 and at most the "
+                             "compliance, found 2"));
     }
 }

@@ -60,6 +60,11 @@ TEST_SUITE("slow") {
         }
         CHECK(second.tie.deflection > 1.5 * first.tie.deflection);
         CHECK(first.tie.deflection > 1e-5);
+        for (const PassageMovements* p : {&first, &second}) {
+            const double load = p == &first ? 100e3 : 300e3;
+            CHECK(p->tie.compliance * 0.4 * load > 0.5 * p->tie.deflection);
+            CHECK(p->tie.compliance * 0.4 * load < 2 * p->tie.deflection);
+        }
         CHECK(second.tie.deflection < 0.03);
         // the same train once more moves less: most of the settlement is that of the first passage
         const PassageRecord again =

@@ -8,27 +8,34 @@
 
 namespace bris::testing {
 
-/// Downward displacement (m) of a rock under a train: proportional to the load, with a hardening of
-/// 20 % at 100 kN, and a settlement of 0.1 mm in the middle of the passage.
-inline double displacement_under(const LoadHistory& load, double time) {
-    constexpr double compliance = 1e-8; // m/N
-    const double force = std::max(0.0, load.at(time)), half = 0.5 * load.times.back();
-    return compliance * force / (1 + 0.2 * force / 100e3) +
-           1e-4 / (1 + std::exp(-(time - half) / 0.5));
+/// Downward displacement (m) of a rock under a load (N): 10 um/kN, with a hardening of 20 % at
+/// 100 kN.
+inline double hardening_displacement(double load) {
+    const double force = std::max(0.0, load);
+    return 1e-8 * force / (1 + 0.2 * force / 100e3);
 }
 
-/// Its recording by a device (imu_preset), from a second before the load to a second after it.
+/// The recording of such a rock by a device (imu_preset) under a train, from `early` + 1 s before
+/// the load to a second after it. The rock settles by 0.1 mm and tilts by `tilt` (rad) in the
+/// middle of the passage.
 inline Recording recording_under(const LoadHistory& load, const char* device, std::uint64_t seed,
-                                 unsigned id = 1) {
+                                 unsigned id = 1, double tilt = 0, double early = 0) {
     constexpr double h = 4e-3; // s
+    const double half = 0.5 * load.times.back();
+    const auto share = [&](double t) { return 1 / (1 + std::exp(-(t - half) / 0.3)); };
+    const auto height = [&](double t) {
+        return -hardening_displacement(load.at(t)) - 1e-4 * share(t);
+    };
     InertialRecorder recorder{0, Imu(imu_preset(device), Vec3(0, 0, -9.81), seed, id), {}};
     const Quat tilted(Eigen::AngleAxisd(0.7, Vec3(1, 2, 0).normalized()));
     const double step = 1 / recorder.imu.model().rate;
-    for (double t = -1; t < load.times.back() + 1; t += step) {
-        const auto at = [&](double s) { return displacement_under(load, s); };
-        const double down = (at(t - h) - 2 * at(t) + at(t + h)) / (h * h);
-        recorder.samples.push_back(
-            recorder.imu.sample(t, {.orientation = tilted, .acceleration = Vec3(0, 0, -down)}));
+    for (double t = -1 - early; t < load.times.back() + 1; t += step) {
+        const double up = (height(t - h) - 2 * height(t) + height(t + h)) / (h * h),
+                     turning = tilt * (share(t + h) - share(t - h)) / (2 * h);
+        recorder.samples.push_back(recorder.imu.sample(
+            t, {.orientation = Quat(Eigen::AngleAxisd(tilt * share(t), Vec3::UnitX())) * tilted,
+                .acceleration = Vec3(0, 0, up),
+                .angular_velocity = Vec3(turning, 0, 0)}));
     }
     return recording_of(recorder, id, Vec3::Zero(), tilted);
 }

@@ -1,0 +1,112 @@
+#include "scenarios/monitoring/compliance.hpp"
+
+#include "engine/signal/matched_shape.hpp"
+#include "engine/signal/spectrum.hpp"
+#include "scenarios/monitoring/vibration.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bris {
+
+namespace {
+
+constexpr double longest_gap = 0.05; // s
+constexpr double rest = 0.1;         // s, that gives the direction of gravity
+
+/// s, of the longest gap between runs.
+double gap_in(const Vibration& v) {
+    double longest = 0;
+    for (std::size_t r = 1; r < v.runs.size(); ++r)
+        longest = std::max(longest, v.begins[r] - v.begins[r - 1] -
+                                        static_cast<double>(v.runs[r - 1].size() - 1) / v.rate);
+    return longest;
+}
+
+/// All runs as one series; samples between them lie on straight lines.
+std::vector<double> joined(const Vibration& v) {
+    std::vector<double> series;
+    for (std::size_t r = 0; r < v.runs.size(); ++r) {
+        const auto begin = static_cast<std::size_t>(
+            std::max(0LL, std::llround((v.begins[r] - v.begins.front()) * v.rate)));
+        const std::size_t before = series.size();
+        for (std::size_t k = before; k < begin; ++k) {
+            const double part =
+                static_cast<double>(k - before + 1) / static_cast<double>(begin - before + 1);
+            series.push_back(series[before - 1] + part * (v.runs[r].front() - series[before - 1]));
+        }
+        series.insert(series.end(), v.runs[r].begin(), v.runs[r].end());
+    }
+    return series;
+}
+
+/// The recording with its specific force in the axes that the rock had at the beginning, by its
+/// angular rates less their mean at rest: a rock that tilts turns gravity into its other axes.
+Recording turned_back(Recording r) {
+    if (r.rate.size() < 2 || r.force.empty()) return r;
+    Vec3 bias = Vec3::Zero();
+    double samples = 0;
+    for (std::size_t k = 0; k < r.size() && r.time[k] <= r.time.front() + rest; ++k, ++samples)
+        bias += r.rate[k];
+    bias /= samples;
+    Quat turned = Quat::Identity();
+    for (std::size_t k = 1; k < r.size(); ++k) {
+        const Vec3 rate = 0.5 * (r.rate[k] + r.rate[k - 1]) - bias;
+        turned = turned * exponential_map((r.time[k] - r.time[k - 1]) * rate);
+        r.force[k] = turned * r.force[k];
+    }
+    return r;
+}
+
+/// The load at the samples, less its value at rest; the rails do not lift the tie.
+std::vector<double> load_at_samples(const LoadHistory& load, double rate) {
+    std::vector<double> series;
+    const auto samples = static_cast<std::size_t>(std::ceil(load.times.back() * rate));
+    for (std::size_t k = 0; k <= samples; ++k)
+        series.push_back(std::max(0.0, load.at(static_cast<double>(k) / rate)) -
+                         load.values.front());
+    return series;
+}
+
+std::string reason_against(const Vibration& v, const LoadHistory& load, double lowest) {
+    if (!v.impossible_because.empty()) return v.impossible_because;
+    if (v.saturated > 0)
+        return fmt::format("{:.2g} % of the samples are at the end of the range",
+                           100 * v.saturated);
+    if (const double gap = gap_in(v); gap > longest_gap)
+        return fmt::format("a gap of {:.2g} s", gap);
+    const double needed = std::max(2 / lowest, 0.95 * load.times.back());
+    if (v.duration >= needed) return {};
+    return fmt::format("{:.3g} s are too short, the train needs {:.3g} s", v.duration, needed);
+}
+
+} // namespace
+
+RecordedCompliance compliance_of(const Recording& recording, const LoadHistory& load,
+                                 double lowest) {
+    constexpr double reach = 0.5;     // s, of the beginning of the load
+    constexpr double seen = 3;        // standard deviations
+    constexpr double nonlinear = 0.1; // of the compliance, standard deviation
+    RecordedCompliance found;
+    const Vibration v = vibration_of(turned_back(recording), "vertical", rest);
+    found.impossible_because = reason_against(v, load, lowest);
+    if (!found.impossible_because.empty()) return found;
+    std::vector<double> acceleration = joined(v);
+    detrend(acceleration, Detrend::line);
+    for (double& a : acceleration) a = -a; // downwards
+    const auto shape = without_slow_part(load_at_samples(load, v.rate), v.rate, lowest, 2);
+    // a recording may begin long before the train comes
+    const double spare = v.duration - load.times.back();
+    const auto most = static_cast<long>((reach + std::max(0.0, spare)) * v.rate);
+    const MatchedShape match =
+        match_shape(without_slow_part(acceleration, v.rate, lowest), shape, most);
+    found.value = match.factor;
+    found.deviation = std::hypot(match.deviation, nonlinear * match.factor);
+    if (!(match.factor > seen * match.deviation))
+        found.impossible_because = "the load of the train is not seen in it";
+    return found;
+}
+
+} // namespace bris
