@@ -154,7 +154,7 @@ void run_forecast(const Forecast& f, const Common& common) {
     const std::vector<std::string> names = sensors_of(f, common);
     const std::vector<Train> before(f.run_in + 1, train_named(f.train));
     std::vector<Train> trains = before;
-    trains.push_back(train_named(f.next_train));
+    trains.push_back(train_named(f.next_train, "--next-train"));
     const bool simulated = f.recordings.empty();
     std::vector<RecordedMovement> recordings;
     if (!simulated) recordings = given_movements(f, before.back(), names);
@@ -180,10 +180,9 @@ void run_forecast(const Forecast& f, const Common& common) {
     forecast(results, members, trains, recordings, f, common);
     const double wall_time = seconds_since(began);
     print(sentence_of(results));
-    if (simulated) {
+    if (simulated)
         results.found =
             make_site(f.design, f.site_seed, trains, common, {"--resume", of_site}).passages.back();
-    }
     write_probabilities(common.out / "probabilities.csv", results);
     draw_forecast(common.out / "forecast.png", results);
     Summary summary;

@@ -10,9 +10,9 @@
 
 namespace bris {
 
-Train train_named(const std::string& name) {
+Train train_named(const std::string& name, const std::string& option) {
     constexpr double heaviest = 500; // kN, more than any railway allows
-    const auto path = asset_or_file("--train", "trains", name, ".csv");
+    const auto path = asset_or_file(option, "trains", name, ".csv");
     const CsvTable table = read_csv(path);
     const auto position = table.column("position_m"), load = table.column("axle_load_kN");
     require(!position.empty(), path.string() + ": expected at least one axle, found none");

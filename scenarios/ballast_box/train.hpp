@@ -22,8 +22,8 @@ struct Train {
 
 /// The train of that name (assets/trains), or of a CSV file with the columns `position_m`, the
 /// distance behind the first axle, ascending from 0, and `axle_load_kN`, above 0 and at most 500.
-/// Throws InputError, naming --train or the file with its line, and OutputError.
-Train train_named(const std::string& name);
+/// Throws InputError, naming the option or the file with its line, and OutputError.
+Train train_named(const std::string& name, const std::string& option = "--train");
 
 /// Rails on ties as a beam on a Winkler foundation (S. Timoshenko, Method of analysis of statical
 /// and dynamical stresses in rail, Proc. 2nd Int. Congr. Appl. Mech., 1926).
