@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace bris {
 
@@ -34,6 +35,14 @@ double share_above(const ForecastResults& r, double threshold) {
         return m.last.rocks[r.rock].deflection > threshold;
     });
     return static_cast<double>(exceed) / static_cast<double>(r.members.size());
+}
+
+/// m/N, the least and the greatest of the rock that is judged.
+std::pair<double, double> compliances_of_members(const ForecastResults& r) {
+    std::vector<double> all;
+    for (const MemberMovements& m : r.members) all.push_back(m.last.rocks[r.rock].compliance);
+    const auto [least, most] = std::ranges::minmax(all);
+    return {least, most};
 }
 
 Curve load_curve(const std::vector<double>& turns, const std::string& label) {
@@ -116,12 +125,18 @@ Plot probabilities(const ForecastResults& r) {
 
 std::string sentence_of(const ForecastResults& r) {
     const DeflectionForecast& f = r.forecast.rocks[r.rock];
-    return fmt::format("under the next train the rock {} is deflected by {:.2f} mm (90 %: {:.2f} "
-                       "to {:.2f} mm), and "
-                       "by more than {:g} mm with a probability of {:.0f} %",
-                       r.names[r.rock], 1e3 * f.quantile(0.5), 1e3 * f.quantile(low),
-                       1e3 * f.quantile(high), 1e3 * r.threshold,
-                       100 * f.probability_above(r.threshold));
+    std::string text = fmt::format(
+        "under the next train the rock {} is deflected by {:.2f} mm (90 %: {:.2f} to {:.2f} mm), "
+        "and by more than {:g} mm with a probability of {:.0f} %",
+        r.names[r.rock], 1e3 * f.quantile(0.5), 1e3 * f.quantile(low), 1e3 * f.quantile(high),
+        1e3 * r.threshold, 100 * f.probability_above(r.threshold));
+    if (!f.recorded) return text + "\nit was not recorded: this is what the members say";
+    if (const auto [least, most] = compliances_of_members(r);
+        f.recorded->compliance < least || f.recorded->compliance > most)
+        text += fmt::format("\nits recorded compliance, {:.1f} um/kN, lies outside those of the "
+                            "members, {:.1f} to {:.1f}: the forecast extrapolates",
+                            1e9 * f.recorded->compliance, 1e9 * least, 1e9 * most);
+    return text;
 }
 
 void add_forecast(Summary& summary, const ForecastResults& r) {
@@ -129,6 +144,9 @@ void add_forecast(Summary& summary, const ForecastResults& r) {
     summary.add("judged_rock", r.names[r.rock]);
     summary.add("threshold_mm", 1e3 * r.threshold);
     summary.add("probability_of_exceeding", f.probability_above(r.threshold));
+    const auto [least, most] = compliances_of_members(r);
+    summary.add("members_least_compliance_um_per_kN", 1e9 * least);
+    summary.add("members_greatest_compliance_um_per_kN", 1e9 * most);
     summary.add("probability_by_members_alone", f.members.probability_above(std::log(r.threshold)));
     summary.add("share_of_members_above_threshold_under_recorded_train",
                 share_above(r, r.threshold));

@@ -22,7 +22,8 @@ struct ForecastResults {
                         next_turns = {}; ///< N, of the load on a tie by both trains
 };
 
-/// The verdict in one sentence.
+/// The verdict in one sentence; a second one if the rock was not recorded, or if its recorded
+/// compliance lies outside those of the members, so that the forecast extrapolates.
 std::string sentence_of(const ForecastResults& results);
 
 /// Forecasts of all rocks and the tie, what was found on a simulated site, and how many members lie

@@ -1,5 +1,6 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
+#include "scenarios/assimilation/forecast_results.hpp"
 #include "scenarios/assimilation/passage_forecast.hpp"
 #include "scenarios/monitoring/passage.hpp"
 #include "tests/about.hpp"
@@ -73,6 +74,18 @@ TEST_SUITE("assimilation/passage_forecast") {
             }
         }
         CHECK(inside == about(0.9 * sites).epsilon(0.04));
+    }
+
+    TEST_CASE("a forecast says in words when it extrapolates, or when nothing was recorded") {
+        ForecastResults r{.names = {"a", "b"}, .rock = 1, .threshold = 2e-3, .members = sixteen(3)};
+        const auto sentences = [&](const std::vector<RecordedMovement>& recordings) {
+            r.forecast = forecast_passage(r.members, recordings);
+            return sentence_of(r);
+        };
+        CHECK(sentences({{1, 1e-8, 1e-10}}).starts_with("under the next train the rock b is "));
+        CHECK(sentences({{1, 1e-8, 1e-10}}).find('\n') == std::string::npos);
+        CHECK(sentences({{1, 1e-7, 1e-9}}).find("the forecast extrapolates") != std::string::npos);
+        CHECK(sentences({}).ends_with("it was not recorded: this is what the members say"));
     }
 
     TEST_CASE("members left out are forecast without themselves") {
