@@ -5,9 +5,9 @@
 // there.
 #include "engine/errors.hpp"
 #include "engine/stopwatch.hpp"
-#include "scenarios/assimilation/forecast_results.hpp"
-#include "scenarios/assimilation/site_ensemble.hpp"
 #include "scenarios/ballast_box/start_box.hpp"
+#include "scenarios/forecast/forecast_results.hpp"
+#include "scenarios/forecast/site_ensemble.hpp"
 
 #include <fmt/format.h>
 
@@ -56,7 +56,8 @@ struct Forecast {
         option("threshold", threshold, "m", "Deflection of that rock that is judged unsafe.",
                within(1e-5, 0.05));
         option.group("Simulated site");
-        option("site_seed", site_seed, "", "Seed of parameters, packing and errors of the site.");
+        option("site_seed", site_seed, "", "Seed of parameters, packing and errors of the site.",
+               within(0, 1e9));
         option("recording_error", errors.relative, "",
                "Standard deviation of a recorded compliance's error, over the compliance.",
                within(0, 0.5));

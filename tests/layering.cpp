@@ -75,8 +75,8 @@ bool may_include_system(const std::string& file, const std::string& target) {
 /// include all.
 constexpr std::array rooms{"rocks",        "specimens",   "recordings",  "triaxial",
                            "bulk",         "ballast_box", "field_tests", "assimilation",
-                           "verification", "stability",   "monitoring",  "network",
-                           "python"};
+                           "verification", "stability",   "monitoring",  "forecast",
+                           "network",      "python"};
 
 bool may_include_room(const std::string& file, const std::string& target) {
     const auto order = [](const std::string& path) {

@@ -1,4 +1,4 @@
-#include "scenarios/assimilation/recorded_movements.hpp"
+#include "scenarios/forecast/recorded_movements.hpp"
 
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"

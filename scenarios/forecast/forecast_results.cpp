@@ -1,4 +1,4 @@
-#include "scenarios/assimilation/forecast_results.hpp"
+#include "scenarios/forecast/forecast_results.hpp"
 
 #include "engine/io/csv.hpp"
 #include "engine/io/plot.hpp"

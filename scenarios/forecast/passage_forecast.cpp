@@ -1,4 +1,4 @@
-#include "scenarios/assimilation/passage_forecast.hpp"
+#include "scenarios/forecast/passage_forecast.hpp"
 
 #include "engine/errors.hpp"
 

@@ -1,7 +1,7 @@
 #include "engine/errors.hpp"
 #include "engine/random.hpp"
-#include "scenarios/assimilation/forecast_results.hpp"
-#include "scenarios/assimilation/passage_forecast.hpp"
+#include "scenarios/forecast/forecast_results.hpp"
+#include "scenarios/forecast/passage_forecast.hpp"
 #include "scenarios/monitoring/passage.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/monitoring/passing_rock.hpp"
@@ -47,7 +47,7 @@ std::string error_of(const TemporaryDirectory& folder, const std::string& rows) 
 
 } // namespace
 
-TEST_SUITE("assimilation/passage_forecast") {
+TEST_SUITE("forecast/passage_forecast") {
     TEST_CASE("a recorded rock is forecast from its own movement, another one from the members") {
         const auto members = sixteen(3);
         const PassageForecast f = forecast_passage(members, {{1, 2e-8, 2e-10}});

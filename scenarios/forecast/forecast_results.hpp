@@ -1,8 +1,8 @@
 #pragma once
 
 #include "engine/scenario.hpp"
-#include "scenarios/assimilation/passage_forecast.hpp"
 #include "scenarios/ballast_box/load_turns.hpp"
+#include "scenarios/forecast/passage_forecast.hpp"
 
 #include <string>
 #include <vector>

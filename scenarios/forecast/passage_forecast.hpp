@@ -1,8 +1,8 @@
 #pragma once
 
 #include "engine/estimation/predictive.hpp"
-#include "scenarios/assimilation/recorded_movements.hpp"
 #include "scenarios/ballast_box/track_slice.hpp"
+#include "scenarios/forecast/recorded_movements.hpp"
 
 #include <optional>
 #include <string>

@@ -1,4 +1,4 @@
-#include "scenarios/assimilation/site_ensemble.hpp"
+#include "scenarios/forecast/site_ensemble.hpp"
 
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
