@@ -85,7 +85,7 @@ TEST_SUITE("ballast_box") {
                 "train.csv:3: expected a position_m greater than that of the axle before, found 0");
         refused("0,100\n2,-\n",
                 "train.csv:3: expected an axle_load_kN above 0 and at most 500, found nan");
-        CHECK_THROWS_WITH_AS(train_named("tram"), doctest::Contains("freight, inspection, passenger"),
-                             InputError);
+        CHECK_THROWS_WITH_AS(train_named("tram"),
+                             doctest::Contains("freight, inspection, passenger"), InputError);
     }
 }
