@@ -3,6 +3,7 @@
 #include "engine/errors.hpp"
 #include "engine/estimation/student_t.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 

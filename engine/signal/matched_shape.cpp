@@ -35,6 +35,15 @@ double product(std::span<const double> a, std::span<const double> b) {
     return sum;
 }
 
+/// Sum of the products of the series and the shape moved by a lag.
+double correlation_at(std::span<const double> series, std::span<const double> shape, long lag) {
+    const auto begin = static_cast<std::size_t>(std::max(0L, lag)),
+               skipped = static_cast<std::size_t>(std::max(0L, -lag));
+    if (begin >= series.size() || skipped >= shape.size()) return 0;
+    const std::size_t both = std::min(series.size() - begin, shape.size() - skipped);
+    return product(series.subspan(begin, both), shape.subspan(skipped, both));
+}
+
 /// |X_k|^2 / n of a series of n samples, continued by zeros: its variance, if it is white noise.
 std::vector<double> power_of(std::vector<double> series) {
     const auto samples = static_cast<double>(series.size());
@@ -88,7 +97,7 @@ MatchedShape match_shape(std::span<const double> series, std::span<const double>
     MatchedShape best;
     double most = -std::numeric_limits<double>::infinity();
     for (long lag = -reach; lag <= reach; ++lag) {
-        const double correlation = product(series, moved(shape, lag, series.size()));
+        const double correlation = correlation_at(series, shape, lag);
         if (correlation > most) {
             most = correlation;
             best.lag = lag;
