@@ -8,9 +8,12 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <ctime>
+#include <exception>
 #include <fcntl.h>
 #include <fstream>
 #include <sys/resource.h>
+#include <sys/time.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <utility>
@@ -29,9 +32,40 @@ namespace bris {
 
 namespace {
 
-constexpr int failed = 1, out_of_memory = 2; // exit codes of the child
-constexpr std::size_t pipe_size = 1 << 16;   // bytes
-constexpr unsigned longest_wait = 120;       // s, for files on a system that does not answer
+constexpr int failed = 1, out_of_memory = 2, waits = 3; // exit codes of the child
+constexpr std::size_t pipe_size = 1 << 16;              // bytes
+constexpr int longest_wait = 120; // s, for files on a system that does not answer
+constexpr int looks_each_second = 4;
+constexpr int longest_pause = 4; // looks without processor time, of a child that can be replaced
+constexpr unsigned most_children = 3;
+
+// State of the child for the signal of its clock.
+volatile std::sig_atomic_t can_be_replaced = 0, looks = 0, looks_paused = 0;
+
+void look_at_clock(int) {
+    static double last = 0; // s
+    timespec used{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &used);
+    const double now = static_cast<double>(used.tv_sec) + 1e-9 * static_cast<double>(used.tv_nsec);
+    looks = looks + 1;
+    looks_paused = now - last < 0.002 ? looks_paused + 1 : 0;
+    last = now;
+    if (can_be_replaced && looks_paused >= longest_pause) _exit(waits);
+    if (looks < longest_wait * looks_each_second) return;
+    std::signal(SIGALRM, SIG_DFL);
+    std::raise(SIGALRM);
+}
+
+void start_clock(bool replaceable) {
+    can_be_replaced = replaceable;
+    struct sigaction action {};
+    action.sa_handler = look_at_clock;
+    action.sa_flags = SA_RESTART;
+    sigaction(SIGALRM, &action, nullptr);
+    const timeval pause{0, 1'000'000 / looks_each_second};
+    const itimerval clock{pause, pause};
+    setitimer(ITIMER_REAL, &clock, nullptr);
+}
 
 #ifdef BRIS_LIMITS_ALLOCATOR
 // The shadow of a sanitizer is address space, so its allocator is asked instead.
@@ -55,6 +89,21 @@ void limit_memory_of_child(std::uint64_t bytes) {
 }
 #endif
 
+void restrict_child(const LimitedChild::Limits& limits, bool replaceable) {
+    const int nowhere = open("/dev/null", O_WRONLY); // a heap error is reported by the parent
+    dup2(nowhere, STDOUT_FILENO);
+    dup2(nowhere, STDERR_FILENO);
+    // SIGXCPU at the first limit names the cause
+    const rlimit no_core{0, 0}, time{limits.seconds, limits.seconds + 1};
+    setrlimit(RLIMIT_CORE, &no_core);
+    setrlimit(RLIMIT_CPU, &time);
+    for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGXCPU})
+        std::signal(signal, SIG_DFL);
+    std::signal(SIGPIPE, SIG_IGN);
+    start_clock(replaceable);
+    limit_memory_of_child(limits.bytes);
+}
+
 } // namespace
 
 void LimitedChild::Pipe::write(const void* data, std::size_t size) {
@@ -69,6 +118,7 @@ void LimitedChild::Pipe::write(const void* data, std::size_t size) {
 }
 
 void LimitedChild::Pipe::flush() {
+    if (!waiting_.empty()) can_be_replaced = 0;
     for (std::size_t done = 0; done < waiting_.size();) {
         const ssize_t written =
             ::write(descriptor_, waiting_.data() + done, waiting_.size() - done);
@@ -79,10 +129,16 @@ void LimitedChild::Pipe::flush() {
     waiting_.clear();
 }
 
-int LimitedChild::start() {
+LimitedChild::LimitedChild(const Limits& limits, Work work)
+    : limits_(limits), work_(std::move(work)) {
+    start();
+}
+
+void LimitedChild::start() {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0)
         throw OutputError(fmt::format("cannot start a process: {}", std::strerror(errno)));
+    ++started_;
     id_ = fork();
     if (id_ < 0) {
         const int why = errno;
@@ -93,26 +149,19 @@ int LimitedChild::start() {
     if (id_ > 0) {
         close(ends[1]);
         pipe_ = ends[0];
-        return -1;
+        return;
     }
     close(ends[0]);
-    const int nowhere = open("/dev/null", O_WRONLY); // a heap error is reported by the parent
-    dup2(nowhere, STDOUT_FILENO);
-    dup2(nowhere, STDERR_FILENO);
-    // SIGXCPU at the first limit names the cause
-    const rlimit no_core{0, 0}, time{limits_.seconds, limits_.seconds + 1};
-    setrlimit(RLIMIT_CORE, &no_core);
-    setrlimit(RLIMIT_CPU, &time);
-    for (const int signal : {SIGABRT, SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGALRM, SIGXCPU})
-        std::signal(signal, SIG_DFL);
-    std::signal(SIGPIPE, SIG_IGN);
-    alarm(longest_wait);
-    limit_memory_of_child(limits_.bytes);
-    return ends[1];
+    restrict_child(limits_, started_ < most_children);
+    try {
+        Pipe to_parent(ends[1]);
+        work_(to_parent);
+        to_parent.flush();
+    } catch (const std::exception&) {
+        _exit(failed);
+    }
+    _exit(0); // without destructors and without writing the buffers that the parent will write
 }
-
-// without destructors and without writing the buffers that the parent will write
-void LimitedChild::end(bool well) { _exit(well ? 0 : failed); }
 
 LimitedChild::~LimitedChild() {
     if (pipe_ >= 0) close(pipe_);
@@ -141,7 +190,21 @@ void LimitedChild::receive() {
     while (found < 0 && errno == EINTR);
     received_.resize(static_cast<std::size_t>(std::max<ssize_t>(found, 0)));
     taken_ = 0;
-    if (received_.empty()) throw OutputError(wait_for_reason());
+    if (!received_.empty()) return;
+    if (!replace_a_waiting_child()) throw OutputError(wait_for_reason());
+    receive();
+}
+
+bool LimitedChild::replace_a_waiting_child() {
+    siginfo_t found{};
+    while (waitid(P_PID, static_cast<id_t>(id_), &found, WEXITED | WNOWAIT) < 0)
+        if (errno != EINTR) return false;
+    if (found.si_code != CLD_EXITED || found.si_status != waits) return false;
+    waitpid(id_, nullptr, 0);
+    close(std::exchange(pipe_, -1));
+    id_ = -1;
+    start();
+    return true;
 }
 
 std::string LimitedChild::wait_for_reason() {
@@ -156,8 +219,9 @@ std::string LimitedChild::wait_for_reason() {
                    : "its content is damaged: memory errors in the library that reads it";
     const int signal = WTERMSIG(status);
     if (signal == SIGALRM || signal == SIGXCPU)
-        return fmt::format("it takes more than {} s",
-                           signal == SIGALRM ? longest_wait : limits_.seconds);
+        return fmt::format("it takes more than {} s", signal == SIGALRM
+                                                          ? static_cast<unsigned>(longest_wait)
+                                                          : limits_.seconds);
     return fmt::format("its content is damaged: the library that reads it ended with signal {} "
                        "({})",
                        signal, strsignal(signal));

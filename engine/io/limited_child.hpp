@@ -2,7 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <exception>
+#include <functional>
 #include <string>
 #include <sys/types.h>
 #include <vector>
@@ -12,6 +12,10 @@ namespace bris {
 /// Work in a child process that may take `bytes` of memory beyond what this process has, and
 /// `seconds` of processor time; it passes its results through a pipe. For libraries that damaged
 /// input can crash. The child has one thread, writes nothing to the terminal and never returns.
+///
+/// A child may find a lock taken by a thread that only the parent has, and wait for it forever. So
+/// a child that has used no processor time for two seconds, and has sent nothing, is replaced by
+/// another one, which does the same work from its beginning. The third one may wait for slow files.
 class LimitedChild {
 public:
     struct Limits {
@@ -31,20 +35,11 @@ public:
         std::vector<char> waiting_;
     };
 
+    /// What the child does. What it refers to must live as long as the LimitedChild.
+    using Work = std::function<void(Pipe&)>;
+
     /// Starts `work(pipe)`. Throws OutputError if the system cannot start a process.
-    template <class Work>
-    LimitedChild(const Limits& limits, Work&& work) : limits_(limits) {
-        const int pipe = start();
-        if (pipe < 0) return; // this is the parent
-        try {
-            Pipe to_parent(pipe);
-            work(to_parent);
-            to_parent.flush();
-        } catch (const std::exception&) {
-            end(false);
-        }
-        end(true);
-    }
+    LimitedChild(const Limits& limits, Work work);
     LimitedChild(const LimitedChild&) = delete;
     LimitedChild& operator=(const LimitedChild&) = delete;
     ~LimitedChild(); ///< ends the child if it still runs
@@ -53,12 +48,14 @@ public:
     void read(void* data, std::size_t size);
 
 private:
-    int start(); ///< returns the writing end in the child, and -1 in the parent
-    [[noreturn]] static void end(bool well);
+    void start();
     void receive();
+    bool replace_a_waiting_child();
     std::string wait_for_reason();
 
     Limits limits_;
+    Work work_;
+    unsigned started_ = 0; ///< number of children
     pid_t id_ = -1;
     int pipe_ = -1; ///< reading end
     std::vector<char> received_;

@@ -241,7 +241,7 @@ Found read_grid(const std::filesystem::path& path, const std::string& name) {
     const std::uint64_t size = std::filesystem::file_size(path), most = most_blocks(size);
     // the file is compressed
     LimitedChild child({.bytes = (std::uint64_t{64} << 20) + 1000 * size,
-                        .seconds = 2 + static_cast<unsigned>(size / 2'000'000)},
+                        .seconds = 1 + static_cast<unsigned>(size / 2'000'000)},
                        [&](Pipe& pipe) { answer(pipe, path, name, most); });
     try {
         Answer answer{};

@@ -2,9 +2,13 @@
 #include "engine/io/limited_child.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
+#include <chrono>
 #include <cstdlib>
+#include <filesystem>
 #include <memory>
+#include <thread>
 #include <unistd.h>
 #include <vector>
 
@@ -48,6 +52,32 @@ TEST_SUITE("engine/io/limited_child") {
         CHECK(reason([](LimitedChild::Pipe&) {
                   while (true) asm volatile("");
               }) == "it takes more than 1 s");
+    }
+
+    TEST_CASE("a child that waits in vain is replaced by one that does its work") {
+        const std::filesystem::path place =
+            std::filesystem::temp_directory_path() / fmt::format("bris_child_{}", getpid());
+        LimitedChild child(limits, [&](LimitedChild::Pipe& pipe) {
+            if (std::filesystem::create_directory(place))
+                while (true) pause(); // the first one
+            pipe.write("done", 4);
+        });
+        std::string answer(4, ' ');
+        child.read(answer.data(), answer.size());
+        CHECK(answer == "done");
+        std::filesystem::remove(place);
+    }
+
+    TEST_CASE("a child that has sent something may wait") {
+        LimitedChild child(limits, [](LimitedChild::Pipe& pipe) {
+            pipe.write("a", 1);
+            pipe.flush();
+            std::this_thread::sleep_for(std::chrono::seconds(4));
+            pipe.write("b", 1);
+        });
+        std::string answer(2, ' ');
+        child.read(answer.data(), answer.size());
+        CHECK(answer == "ab");
     }
 
     TEST_CASE("a child that nobody listens to is ended") {
