@@ -2,12 +2,15 @@
 
 #include "engine/errors.hpp"
 #include "engine/interrupt.hpp"
+#include "engine/io/hdf5_content.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
+#include <limits>
 #include <thread>
 #include <utility>
 
@@ -15,7 +18,7 @@ namespace bris {
 
 namespace {
 
-constexpr std::uint64_t bytes_of_part = 8 << 20; // about; a reader holds one part
+constexpr std::uint64_t bytes_of_part = 2 << 20; // about; a reader holds one part, as doubles
 constexpr std::size_t most_waiting = 1 << 18;    // bytes
 constexpr double interval = 1;                   // s between writes
 constexpr std::uint8_t retained_flag = 1, published_flag = 2;
@@ -28,6 +31,18 @@ std::uint64_t size_of(const KeptMessage& m) {
 template <class T>
 void append(Hdf5File& file, const std::string& dataset, const std::vector<T>& values) {
     file.append(dataset, std::span<const T>(values));
+}
+
+template <class T>
+std::vector<T> whole_numbers(const Hdf5Content& content, const std::string& dataset) {
+    const std::vector<double>& found = content.numbers(dataset);
+    const auto fits = [](double x) {
+        return x >= 0 && x <= std::numeric_limits<T>::max() && x == std::floor(x);
+    };
+    require(std::all_of(found.begin(), found.end(), fits),
+            fmt::format("{}: {}: expected whole numbers from 0 to {}, found others",
+                        content.path().string(), dataset, std::numeric_limits<T>::max()));
+    return {found.begin(), found.end()};
 }
 
 } // namespace
@@ -113,21 +128,23 @@ void BrokerHistory::flush() {
     file_.flush();
 }
 
-HistoryReader::HistoryReader(const std::filesystem::path& path) : file_(Hdf5File::open(path)) {
-    require(file_.has("/broker"),
+HistoryReader::HistoryReader(const std::filesystem::path& path) : path_(path) {
+    const auto content = Hdf5Content::read(path, {"/broker"}, Hdf5Content::Datasets::left_out);
+    require(content.has("/broker"),
             fmt::format("{}: expected a run file with the history of a broker (/broker), found "
                         "none in it",
                         path.string()));
-    parts_ = file_.names("/broker");
+    parts_ = content.names("/broker");
 }
 
 void HistoryReader::read_part() {
-    const std::string part = "/broker/" + parts_[part_++] + "/";
-    times_ = file_.read<double>(part + "time");
-    flags_ = file_.read<std::uint8_t>(part + "flags");
-    topic_bytes_ = file_.read<std::uint32_t>(part + "topic_bytes");
-    payload_bytes_ = file_.read<std::uint32_t>(part + "payload_bytes");
-    bytes_ = file_.read<std::uint8_t>(part + "bytes");
+    const std::string part = "/broker/" + parts_[part_++];
+    const auto content = Hdf5Content::read(path_, {part});
+    times_ = content.numbers(part + "/time");
+    flags_ = whole_numbers<std::uint8_t>(content, part + "/flags");
+    topic_bytes_ = whole_numbers<std::uint32_t>(content, part + "/topic_bytes");
+    payload_bytes_ = whole_numbers<std::uint32_t>(content, part + "/payload_bytes");
+    bytes_ = whole_numbers<std::uint8_t>(content, part + "/bytes");
     row_ = place_ = 0;
     std::uint64_t sum = 0;
     for (const auto* sizes : {&topic_bytes_, &payload_bytes_})
@@ -140,7 +157,7 @@ void HistoryReader::read_part() {
                        sum == bytes_.size();
     require(whole || part_ == parts_.size(),
             fmt::format("{}: {}: expected columns of one length and {} bytes, found {}",
-                        file_.path().string(), part, sum, bytes_.size()));
+                        path_.string(), part, sum, bytes_.size()));
     times_.resize(rows);
 }
 

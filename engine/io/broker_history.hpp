@@ -49,19 +49,20 @@ private:
     Instant written_ = this_instant();
 };
 
-/// Reads the history of a run file, part by part.
+/// Reads the history of a run file, part by part, each in a child process, as users may bring such
+/// files.
 class HistoryReader {
 public:
     /// Throws OutputError if the file cannot be read, InputError if it has no history.
     explicit HistoryReader(const std::filesystem::path& path);
     /// The next message; nothing: there are no more. Throws OutputError, and InputError for a part
-    /// whose sizes do not fit each other.
+    /// with other numbers than a history has, or whose sizes do not fit each other.
     std::optional<KeptMessage> next();
 
 private:
     void read_part();
 
-    Hdf5File file_;
+    std::filesystem::path path_;
     std::vector<std::string> parts_;
     std::size_t part_ = 0, row_ = 0, place_ = 0;
     std::vector<double> times_;

@@ -1,5 +1,6 @@
 #include "tests/fuzz/readers.hpp"
 
+#include "engine/io/broker_history.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "engine/io/column_map.hpp"
 #include "engine/io/csv.hpp"
@@ -20,6 +21,8 @@
 #include "scenarios/specimens/rock_material.hpp"
 #include "scenarios/specimens/sensor_rocks.hpp"
 #include "systems/fields/vdb_file.hpp"
+
+#include <fmt/format.h>
 
 #include <array>
 #include <cstring>
@@ -206,6 +209,23 @@ Texts hdf5_recordings(const fs::path&, const fs::path& folder) {
     return {read_whole(folder / "valid.h5")};
 }
 
+Texts histories(const fs::path&, const fs::path& folder) {
+    Hdf5File file = Hdf5File::create(folder / "valid.h5");
+    BrokerHistory history(file, 1 << 20);
+    for (int i = 0; i < 8; ++i)
+        history.add({1.7e9 + i, fmt::format("rocks/{}/samples", i), std::string(20, 'a'), i == 2,
+                     i % 3 == 1});
+    history.close();
+    file.close();
+    return {read_whole(folder / "valid.h5")};
+}
+
+void read_history(const fs::path& file) {
+    HistoryReader reader(file);
+    while (reader.next()) {
+    }
+}
+
 Texts material_cards(const fs::path&, const fs::path& folder) {
     write_material_card(folder / "card.csv",
                         {{0.7, 0.5, 0.9}, {6.3e7, 4e7, 9e7}, {0.38, 0.36, 0.4}});
@@ -297,7 +317,8 @@ constexpr std::array readers{
                  [](const fs::path& file) { (void)read_vdb(file, "fines"); }, true},
     FuzzedReader{"checkpoint", ".h5", checkpoints,
                  [](const fs::path& file) { (void)read_checkpoint(file); }},
-    FuzzedReader{"hdf5", ".h5", hdf5_recordings, read_hdf5_recordings, true}};
+    FuzzedReader{"hdf5", ".h5", hdf5_recordings, read_hdf5_recordings, true},
+    FuzzedReader{"history", ".h5", histories, read_history, true}};
 
 } // namespace
 

@@ -119,6 +119,20 @@ TEST_SUITE("engine/io/broker_history") {
         CHECK(all_in(path) == std::vector<std::string>{"1 -- a=b"});
     }
 
+    TEST_CASE("a history whose numbers are no sizes of texts is refused") {
+        const TemporaryDirectory folder;
+        const auto path = folder.path() / "run.h5";
+        Hdf5File file = Hdf5File::create(path);
+        for (const char* column : {"time", "flags", "topic_bytes", "payload_bytes", "bytes"}) {
+            const std::string dataset = std::string("/broker/part_000000/") + column;
+            file.make_growing<double>(dataset, {}, 16);
+            const std::vector<double> value{column == std::string("topic_bytes") ? -1.0 : 1.0};
+            file.append(dataset, std::span<const double>(value));
+        }
+        file.close();
+        CHECK_THROWS_AS(all_in(path), InputError);
+    }
+
     TEST_CASE("what passes a recorded link is what a replayed link gives again") {
         const TemporaryDirectory folder;
         const auto path = folder.path() / "run.h5";
