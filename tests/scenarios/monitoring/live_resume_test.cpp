@@ -1,0 +1,173 @@
+// A test that comes over a broker: interrupted, resumed, and told as one story by its history.
+#include "engine/io/broker_history.hpp"
+#include "engine/io/whole_file.hpp"
+#include "scenarios/monitoring/recording_replay.hpp"
+#include "scenarios/recordings/recorded_stream.hpp"
+#include "tests/scenarios/faults/process.hpp"
+#include "tests/scenarios/monitoring/test_broker.hpp"
+
+#include <doctest/doctest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <csignal>
+#include <thread>
+
+using namespace bris;
+using bris::testing::TestBroker;
+
+namespace {
+
+namespace fs = std::filesystem;
+using Words = std::vector<std::string>;
+
+Words with(Words words, const Words& more) {
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+}
+
+/// A specimen that is made in a second.
+Words small_specimen(const fs::path& folder) {
+    const auto grading = folder / "narrow.csv";
+    write_whole(grading, "sieve_mm,lower_percent,upper_percent\n40,100,100\n36,0,0\n");
+    return {"--quiet",
+            "--bodies",
+            "60",
+            "--grading",
+            grading.string(),
+            "--least-diameter",
+            "1.5",
+            "--porosity",
+            "0.46",
+            "--porosity-tolerance",
+            "0.1",
+            "--preparation-friction",
+            "0.7",
+            "--taps",
+            "0",
+            "--confining-pressure",
+            "55e3",
+            "--final-axial-strain",
+            "0.002"};
+}
+
+std::size_t lines_in(const fs::path& file) {
+    if (!fs::exists(file)) return 0;
+    return static_cast<std::size_t>(std::ranges::count(read_whole(file), '\n'));
+}
+
+/// The end of the test is no record: a model that has reached its last strain does not wait for it.
+bool is_record(const KeptMessage& m) {
+    return !m.published && !m.payload.starts_with("{\"end\"") &&
+           (m.topic == "test_machine/record" || m.topic.ends_with("/imu"));
+}
+
+/// All records of a history, with every byte.
+Words records_in(const fs::path& file) {
+    Words found;
+    HistoryReader reader(file);
+    while (const auto m = reader.next())
+        if (is_record(*m)) found.push_back(m->topic + " " + m->payload);
+    return found;
+}
+
+/// Publishes lines as the machine and the sensors would, a hundred times as fast, until so many are
+/// sent.
+void publish(BrokerClient& rocks, RecordingReplay& replay, std::size_t until) {
+    while (replay.sent() < until && replay.advance())
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    rocks.flush(20);
+}
+
+/// A run of live_triaxial at a broker, in a session that survives an interruption.
+class LiveTest {
+public:
+    LiveTest(const TestBroker& broker, const fs::path& folder, const std::string& name)
+        : out(folder / name) {
+        const BrokerSettings settings = broker.settings("model");
+        words_ = with({"live_triaxial",
+                       "--broker",
+                       settings.address,
+                       "--broker-user",
+                       "model",
+                       "--broker-password-file",
+                       settings.password_file.string(),
+                       "--broker-session",
+                       name,
+                       "--members",
+                       "6",
+                       "--learning-strain",
+                       "0.001",
+                       "--recordings",
+                       (folder / "recorded").string(),
+                       "--compare=false",
+                       "--threads",
+                       "1",
+                       "--out",
+                       out.string()},
+                      small_specimen(folder));
+    }
+    Process start(const Words& more = {}) const { return Process(with(words_, more)); }
+
+    const fs::path out;
+
+private:
+    Words words_;
+};
+
+} // namespace
+
+TEST_SUITE("monitoring/live_resume") {
+    TEST_CASE("a test over a broker that is interrupted and resumed loses no record, and ends with "
+              "the same estimates") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        const TemporaryDirectory folder;
+        const fs::path recorded = folder.path() / "recorded";
+        REQUIRE(run_process(with({"twin", "--variants", "none", "--record", recorded.string(),
+                                  "--out", (folder.path() / "twin").string()},
+                                 small_specimen(folder.path())))
+                    .code == 0);
+        const Words lines = stream_of(recorded / "55kPa", 1.2, 1);
+        BrokerClient page(broker.settings("page"), "page", {"bris/scene"});
+
+        const LiveTest undisturbed(broker, folder.path(), "undisturbed");
+        {
+            Process run = undisturbed.start();
+            REQUIRE(page.next(60)); // the model is there
+            BrokerClient rocks(broker.settings("rocks"), "rocks", RecordingReplay::topics());
+            RecordingReplay replay(rocks, lines, 100);
+            publish(rocks, replay, lines.size());
+            const Outcome ended = run.wait(60);
+            CAPTURE(ended.err);
+            REQUIRE(ended.code == 0);
+        }
+        const LiveTest interrupted(broker, folder.path(), "interrupted");
+        {
+            Process run = interrupted.start();
+            BrokerClient rocks(broker.settings("rocks"), "rocks", RecordingReplay::topics());
+            while (!fs::exists(interrupted.out / "live_triaxial.vtkhdf"))
+                std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            RecordingReplay replay(rocks, lines, 100);
+            publish(rocks, replay, lines.size() / 2);
+            const std::size_t sent = replay.sent();
+            for (int k = 0; k < 400 && lines_in(interrupted.out / "stream.ndjson") < sent; ++k)
+                std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            run.send(SIGTERM);
+            const Outcome stopped = run.wait(20);
+            CAPTURE(stopped.err);
+            REQUIRE(stopped.code == 130);
+            publish(rocks, replay, lines.size()); // while no model is there
+            const Outcome resumed =
+                interrupted.start({"--resume", interrupted.out.string()}).wait(60);
+            CAPTURE(resumed.err);
+            REQUIRE(resumed.code == 0);
+        }
+        for (const char* table : {"learned.csv", "stream.ndjson"})
+            CHECK(read_whole(interrupted.out / table) == read_whole(undisturbed.out / table));
+        const Words records = records_in(undisturbed.out / "live_triaxial.vtkhdf");
+        CHECK(records.size() == lines.size() - 1);
+        CHECK(records_in(interrupted.out / "live_triaxial.vtkhdf") == records);
+        CHECK_FALSE(fs::exists(interrupted.out / "live_triaxial.vtkhdf.earlier"));
+    }
+}
