@@ -8,6 +8,7 @@
 #include <doctest/doctest.h>
 #include <fmt/format.h>
 
+#include <atomic>
 #include <chrono>
 #include <string>
 #include <thread>
@@ -284,6 +285,36 @@ TEST_SUITE("monitoring/broker") {
         BrokerClient another(settings, "model", topics);
         CHECK_FALSE(another.next(0.5));
         another.end_session();
+    }
+
+    TEST_CASE("a session is ended although records keep coming") {
+        TestBroker broker;
+        if (!broker.runs()) return;
+        BrokerSettings settings = broker.settings("model");
+        settings.session = "test-13";
+        const std::vector<std::string> topics{"smartrock/+/imu"};
+        for (int k = 0; k < 3; ++k) {
+            std::atomic<bool> ends = false;
+            std::thread rocks([&] {
+                BrokerClient client(broker.settings("rocks"), "rocks", {});
+                while (!ends) {
+                    publish(client, "smartrock/1/imu", std::string(1000, 'x'));
+                    std::this_thread::sleep_for(std::chrono::microseconds(200));
+                }
+                client.flush(5);
+            });
+            {
+                BrokerClient model(settings, "model", topics);
+                CHECK(model.next(5));
+                model.end_session();
+            }
+            std::this_thread::sleep_for(std::chrono::milliseconds(100)); // records that nobody has
+            ends = true;
+            rocks.join();
+            BrokerClient next(settings, "model", topics);
+            CHECK_FALSE(next.next(0.3));
+            next.end_session();
+        }
     }
 
     TEST_CASE("with TLS only the broker that its authority vouches for is accepted") {
