@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <span>
 
 namespace bris {
@@ -50,50 +51,104 @@ Touch touch_of(const LawTraits& traits, const LawRow& law, const Elasticity& e, 
     return t;
 }
 
-/// Calls visit(body, touch) for the contacts of every body in the order of BodyContacts, so that
-/// the result is always bitwise the same.
-template <class Pairs, class Visit>
-void visit_touches(const World& world, Visit&& visit) {
-    if (!world.has<Pairs>()) return;
-    const BodyContacts<Pairs> contacts(world);
-    const auto entry = world.column<typename Pairs::Near, NearPair>();
-    const auto force = world.column<typename Pairs::Near, PairForce>();
-    const auto rows = world.column<Pairs, PairRows>();
-    const auto position = world.column<Bodies, Position>();
-    const auto mass = world.column<Bodies, InertialMass>();
-    const auto motion = world.column<Bodies, MotionOf>();
-    // one step later than the contact records: they differ by the motion of one step
-    const auto sphere_row = world.column<Listed, ListedPosition>();
-    const auto body = world.column<Listed, ListedBody>();
-    const LawTraits& law = traits(world.resource<ContactLaw>().law);
-    const auto& materials = world.resource<Materials>();
-    const auto& laws = law.rows(materials);
-    const Table& near = world.table<typename Pairs::Near>();
-    const double* share =
-        near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
-    const auto inverse_mass = [&](Row b) { return motion[b] == free_motion ? 1 / mass[b] : 0; };
-    for (Row b = 0; b < position.size(); ++b)
-        contacts.visit(b, [&](Row k, bool) {
-            const PairRowNumbers& pair = rows[entry[k].pair];
-            const SphereRow& p = sphere_row[entry[k].owner];
-            const Row owner = body[entry[k].owner];
-            const Vec3 point(force[k].px, force[k].py, force[k].pz);
-            const double radius = effective_radius<Pairs>(entry[k], sphere_row);
-            const LawRow& row = laws[pair.law];
-            // a force beyond touch is no spring; such a pair counts as a contact of zero overlap
-            Elasticity e = law.elasticity(row, std::max(force[k].overlap, 0.0), radius);
-            if (share != nullptr)
-                e = {share[k] * e.normal, share[k] * e.shear, share[k] * e.energy};
-            Touch t = touch_of(law, row, e, inverse_mass(owner) + inverse_mass(pair.partner_body),
-                               materials.policy.rolling_stiffness_ratio, radius);
-            t.arm = point - position[b];
-            // the contact point lies on the normal through the centre of the owner's sphere
-            t.direction = (Vec3(p.x, p.y, p.z) - point).normalized();
-            t.between_free_bodies =
-                motion[owner] == free_motion && motion[pair.partner_body] == free_motion;
-            visit(b, t);
-        });
-}
+/// The contacts of one kind, body by body, in the order of BodyContacts, so that the result is
+/// always bitwise the same.
+template <class Pairs>
+class Touches {
+public:
+    explicit Touches(const World& world) : law_(traits(world.resource<ContactLaw>().law)) {
+        if (!world.has<Pairs>()) return;
+        contacts_.emplace(world);
+        entry_ = world.column<typename Pairs::Near, NearPair>();
+        force_ = world.column<typename Pairs::Near, PairForce>();
+        rows_ = world.column<Pairs, PairRows>();
+        position_ = world.column<Bodies, Position>();
+        mass_ = world.column<Bodies, InertialMass>();
+        motion_ = world.column<Bodies, MotionOf>();
+        // one step later than the contact records: they differ by the motion of one step
+        sphere_row_ = world.column<Listed, ListedPosition>();
+        body_ = world.column<Listed, ListedBody>();
+        const auto& materials = world.resource<Materials>();
+        laws_ = law_.rows(materials);
+        rolling_ratio_ = materials.policy.rolling_stiffness_ratio;
+        const Table& near = world.table<typename Pairs::Near>();
+        if (near.template has<PatchShare>()) share_ = near.template column<PatchShare>();
+    }
+    /// Calls visit(touch) for the contacts of a body.
+    template <class Visit>
+    void visit(Row b, Visit&& visit) const {
+        if (contacts_) contacts_->visit(b, [&](Row k, bool) { visit(touch(b, k)); });
+    }
+
+private:
+    Touch touch(Row b, Row k) const {
+        const PairRowNumbers& pair = rows_[entry_[k].pair];
+        const SphereRow& p = sphere_row_[entry_[k].owner];
+        const Row owner = body_[entry_[k].owner];
+        const Vec3 point(force_[k].px, force_[k].py, force_[k].pz);
+        const double radius = effective_radius<Pairs>(entry_[k], sphere_row_);
+        const LawRow& row = laws_[pair.law];
+        // a force beyond touch is no spring; such a pair counts as a contact of zero overlap
+        Elasticity e = law_.elasticity(row, std::max(force_[k].overlap, 0.0), radius);
+        if (!share_.empty()) e = {share_[k] * e.normal, share_[k] * e.shear, share_[k] * e.energy};
+        const auto inverse_mass = [&](Row of) {
+            return motion_[of] == free_motion ? 1 / mass_[of] : 0;
+        };
+        Touch t = touch_of(law_, row, e, inverse_mass(owner) + inverse_mass(pair.partner_body),
+                           rolling_ratio_, radius);
+        t.arm = point - position_[b];
+        // the contact point lies on the normal through the centre of the owner's sphere
+        t.direction = (Vec3(p.x, p.y, p.z) - point).normalized();
+        t.between_free_bodies =
+            motion_[owner] == free_motion && motion_[pair.partner_body] == free_motion;
+        return t;
+    }
+
+    const LawTraits& law_;
+    std::optional<BodyContacts<Pairs>> contacts_; ///< none: the scene has no such pairs
+    std::span<const NearEntry> entry_;
+    std::span<const ForceRow> force_;
+    std::span<const PairRowNumbers> rows_;
+    std::span<const Vec3> position_;
+    std::span<const double> mass_, share_;
+    std::span<const std::uint32_t> motion_;
+    std::span<const SphereRow> sphere_row_;
+    std::span<const Row> body_;
+    std::span<const LawRow> laws_;
+    double rolling_ratio_ = 0;
+};
+
+/// The contacts of all kinds, and the springs between bodies and the ground.
+class AllTouches {
+public:
+    explicit AllTouches(const World& world)
+        : world_(world), spheres_(world), facets_(world), planes_(world), membrane_(world) {
+        const Table& bodies = world.table<Bodies>();
+        if (!bodies.has<PatchesOf>()) return;
+        patches_of_ = bodies.column<PatchesOf>();
+        orientation_ = bodies.column<Orientation>();
+    }
+    /// Calls visit(touch) for all that a body touches.
+    template <class Visit>
+    void visit(Row b, Visit&& visit) const {
+        spheres_.visit(b, visit);
+        facets_.visit(b, visit);
+        planes_.visit(b, visit);
+        membrane_.visit(b, visit);
+        if (patches_of_.empty() || patches_of_[b] == 0) return;
+        for (const SpringPatch& p : world_.resource<SpringPatches>().of_body[patches_of_[b] - 1])
+            visit(Touch{p.stiffness, 0, 0, p.damping, 0, orientation_[b] * p.point, p.axis, false});
+    }
+
+private:
+    const World& world_;
+    Touches<SpherePairs> spheres_;
+    Touches<FacetPairs> facets_;
+    Touches<PlanePairs> planes_;
+    Touches<MembranePairs> membrane_;
+    std::span<const std::uint32_t> patches_of_; ///< empty: no springs
+    std::span<const Quat> orientation_;
+};
 
 /// Stiffness (or damping) matrix of a contact for translation and rotation of its body.
 Mat6 block(const Touch& t, double normal, double shear, double rolling) {
@@ -147,21 +202,6 @@ double limit(double omega2, double rate) {
                       : std::numeric_limits<double>::infinity();
 }
 
-/// Calls visit(body, patch as a touch) for the springs between bodies and the ground.
-template <class Visit>
-void visit_patches(const World& world, Visit&& visit) {
-    if (!world.table<Bodies>().has<PatchesOf>()) return;
-    const auto number = world.column<Bodies, PatchesOf>();
-    const auto orientation = world.column<Bodies, Orientation>();
-    const auto& patches = world.resource<SpringPatches>();
-    for (Row b = 0; b < number.size(); ++b) {
-        if (number[b] == 0) continue;
-        for (const SpringPatch& p : patches.of_body[number[b] - 1])
-            visit(b,
-                  Touch{p.stiffness, 0, 0, p.damping, 0, orientation[b] * p.point, p.axis, false});
-    }
-}
-
 /// Smallest principal moment of inertia of a body (kg m2), including mass scaling.
 double least_inertia(const Table& bodies, Row b) {
     return bodies.has<SphereInertia>() ? bodies.column<SphereInertia>()[b]
@@ -172,44 +212,32 @@ double least_inertia(const Table& bodies, Row b) {
 
 std::vector<BodyStiffness> body_stiffness(const World& world) {
     std::vector<BodyStiffness> all(world.table<Bodies>().size());
-    for_each_kind_of_pair([&]<class Pairs>() {
-        visit_touches<Pairs>(world, [&](Row b, const Touch& t) {
+    const AllTouches touches(world);
+    for (Row b = 0; b < all.size(); ++b)
+        touches.visit(b, [&](const Touch& t) {
             all[b].translation += std::max(t.normal, t.shear);
             all[b].rotation += t.normal * t.arm.cross(t.direction).squaredNorm() +
                                t.shear * t.arm.squaredNorm() + t.rolling;
         });
-    });
-    visit_patches(world, [&](Row b, const Touch& t) {
-        all[b].translation += t.normal;
-        all[b].rotation += t.normal * t.arm.cross(t.direction).squaredNorm();
-    });
     return all;
 }
 
 double stable_step(const World& world) {
     const Table& bodies = world.table<Bodies>();
-    std::vector<Mat6> stiffness(bodies.size(), Mat6::Zero()), damping;
-    if (has_dashpots(world.resource<ContactLaw>().law) || bodies.has<PatchesOf>())
-        damping = stiffness;
-    for_each_kind_of_pair([&]<class Pairs>() {
-        visit_touches<Pairs>(world, [&](Row b, const Touch& t) {
-            // the partner moves too: (x + y)^2 <= 2 x^2 + 2 y^2
-            const double both = t.between_free_bodies ? 2 : 1;
-            stiffness[b] += both * block(t, t.normal, t.shear, t.rolling);
-            if (!damping.empty())
-                damping[b] += both * block(t, t.normal_damping, t.shear_damping, 0);
-        });
-    });
-    visit_patches(world, [&](Row b, const Touch& t) {
-        stiffness[b] += block(t, t.normal, 0, 0);
-        damping[b] += block(t, t.normal_damping, 0, 0);
-    });
+    const AllTouches touches(world);
     double step = std::numeric_limits<double>::infinity();
     for (Row b = 0; b < bodies.size(); ++b) {
         if (bodies.column<MotionOf>()[b] != free_motion) continue;
+        Mat6 stiffness = Mat6::Zero(), damping = Mat6::Zero();
+        touches.visit(b, [&](const Touch& t) {
+            // the partner moves too: (x + y)^2 <= 2 x^2 + 2 y^2
+            const double both = t.between_free_bodies ? 2 : 1;
+            stiffness += both * block(t, t.normal, t.shear, t.rolling);
+            if (t.normal_damping != 0 || t.shear_damping != 0)
+                damping += both * block(t, t.normal_damping, t.shear_damping, 0);
+        });
         const Mat6 root = inverse_root(bodies, b);
-        const Mat6 k = root * stiffness[b] * root,
-                   c = damping.empty() ? Mat6(Mat6::Zero()) : Mat6(root * damping[b] * root);
+        const Mat6 k = root * stiffness * root, c = root * damping * root;
         const auto step_of = [&](int squarings) {
             return limit(largest_eigenvalue(k, squarings), largest_eigenvalue(c, squarings));
         };
