@@ -3,10 +3,11 @@
 
 // Damaged files make the HDF5 library ask for any size, which is to be refused as without a
 // sanitizer; and it then loses a few bytes of its own.
+#define BRIS_SEEN_BY_SANITIZERS extern "C" __attribute__((visibility("default"))) const char*
 #ifdef __SANITIZE_ADDRESS__
-extern "C" const char* __asan_default_options() { return "allocator_may_return_null=1"; }
-extern "C" const char* __lsan_default_suppressions() { return "leak:libhdf5"; }
+BRIS_SEEN_BY_SANITIZERS __asan_default_options() { return "allocator_may_return_null=1"; }
+BRIS_SEEN_BY_SANITIZERS __lsan_default_suppressions() { return "leak:libhdf5"; }
 #endif
 #ifdef __SANITIZE_THREAD__
-extern "C" const char* __tsan_default_options() { return "allocator_may_return_null=1"; }
+BRIS_SEEN_BY_SANITIZERS __tsan_default_options() { return "allocator_may_return_null=1"; }
 #endif
