@@ -3,6 +3,7 @@
 #include "components/pressure_aim.hpp"
 #include "engine/archive.hpp"
 
+#include <cstdint>
 #include <tuple>
 
 namespace bris {
@@ -21,6 +22,7 @@ struct Platen {
     double contact_stiffness = 0; ///< N/m, of one grain contact on the platen
     double largest_step = 0;      ///< m, largest displacement in a step
     double pressure = 0;          ///< Pa, in the last step
+    std::int64_t contacts = 0;    ///< grains that touch it, while it is controlled
     /// N/m, largest sum of contact stiffnesses on the platen so far. It sets the platen's inertia.
     double stiffness = 0;
 

@@ -61,7 +61,8 @@ struct ListState {
     static constexpr auto name = "list_state";
     bool stale = true; ///< entities or State were changed from outside the step
     bool velocities_changed =
-        false; ///< velocities were changed and contacts have not read them yet
+        false;                ///< velocities were changed and contacts have not read them yet
+    double step_of_kicks = 0; ///< s, time step for which contacts read the motion of the bodies
     std::uint64_t rebuilds = 0, prunes = 0, sorts = 0;
     std::uint64_t last_rebuild = 0, last_prune = 0; ///< step numbers
     std::uint64_t prunes_at_rebuild = 0;

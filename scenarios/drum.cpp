@@ -134,6 +134,7 @@ BulkCase make_case(const DrumTest& t, std::uint64_t seed) {
         const Row row = row_of_body(world, drum_body);
         world.column<Bodies, AngularVelocity>()[row] =
             world.column<Bodies, StepAngularVelocity>()[row] = angular_velocity;
+        show_velocities(world);
     };
     c.sample = [](World& world, Series& series) {
         const Zones m1 = zones_of(world, 0), m2 = zones_of(world, 1);
@@ -233,6 +234,8 @@ std::string explain(const DrumTest& t, const Common& common) {
 int main(int argc, char** argv) {
     return run_scenario<DrumTest>(
         argc, argv,
-        {"drum", "A rotating drum mixes two kinds of spheres (Dosta et al. 2024, case 2)."}, run,
-        explain);
+        {.name = "drum",
+         .description = "A rotating drum mixes two kinds of spheres (Dosta et al. 2024, case 2).",
+         .divides = true},
+        run, explain);
 }

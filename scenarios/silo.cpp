@@ -272,6 +272,9 @@ std::string explain(const SiloTest& t, const Common& common) {
 
 int main(int argc, char** argv) {
     return run_scenario<SiloTest>(
-        argc, argv, {"silo", "A silo discharges through its orifice (Dosta et al. 2024, case 1)."},
+        argc, argv,
+        {.name = "silo",
+         .description = "A silo discharges through its orifice (Dosta et al. 2024, case 1).",
+         .divides = true},
         run, explain);
 }

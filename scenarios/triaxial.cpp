@@ -382,7 +382,9 @@ std::string explain(const FouledTriaxial& t, const Common& common) {
 int main(int argc, char** argv) {
     return bris::run_scenario<bris::FouledTriaxial>(
         argc, argv,
-        {"triaxial",
-         "Drained triaxial compression of railway ballast in a servo-controlled membrane."},
+        {.name = "triaxial",
+         .description =
+             "Drained triaxial compression of railway ballast in a servo-controlled membrane.",
+         .divides = true},
         bris::run, bris::explain);
 }

@@ -110,6 +110,8 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         system("accumulate_membrane_work", accumulate_membrane_work),
         system("servo_membrane", servo_membrane),
         system("accumulate_membrane_work again", accumulate_membrane_work),
+        system("count_platen_contacts", count_platen_contacts),
+        system("share_platen_contacts", share_platen_contacts),
         system("servo_platen", servo_platen),
         system("accumulate_platen_work", accumulate_platen_work),
         system("update_planes", update_planes),

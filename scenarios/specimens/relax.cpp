@@ -151,6 +151,7 @@ void quench(World& world) {
         bodies.column<AngularVelocity>()[b].setZero();
         bodies.column<StepAngularVelocity>()[b].setZero();
     }
+    show_velocities(world);
 }
 
 /// Speed (m/s) that a tenth of the allowed overlap gives the smallest body: overlap times

@@ -15,6 +15,11 @@ namespace bris {
 
 Simulation start(World world, const StartSettings& s) {
     check_scene(world, s.law);
+    if (const unsigned ranks = Ranks::size(), most = most_slabs(world); ranks > most)
+        throw InputError(
+            fmt::format("--ranks: expected at most {} in this scene, as each rank has a "
+                        "slab at least two of the largest bodies wide, found {}",
+                        most, ranks));
     return start_unchecked(std::move(world), s);
 }
 

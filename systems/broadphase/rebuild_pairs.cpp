@@ -70,9 +70,15 @@ bool lists_are_due(const World& world) {
 }
 
 bool positions_are_due(const World& world) {
-    return world.resource<ListState>().velocities_changed || lists_are_due(world);
+    const auto& state = world.resource<ListState>();
+    return state.velocities_changed || state.step_of_kicks != world.resource<Clock>().dt ||
+           lists_are_due(world);
 }
-void note_positions(World& world) { world.resource<ListState>().velocities_changed = false; }
+void note_positions(World& world) {
+    auto& state = world.resource<ListState>();
+    state.velocities_changed = false;
+    state.step_of_kicks = world.resource<Clock>().dt;
+}
 void show_velocities(World& world) { world.resource<ListState>().velocities_changed = true; }
 void invalidate_lists(World& world) { world.resource<ListState>().stale = true; }
 

@@ -6,11 +6,19 @@
 
 namespace bris {
 
+void count_platen_contacts(Rows<NearPlanes, const NearPair> near,
+                           const NearIndex<PlanePairs>& index, Platen& platen) {
+    platen.contacts = 0;
+    if (!platen.controlled) return;
+    index.for_touching([&](Row k) {
+        platen.contacts += near.column<NearPair>()[k].other == platen.plane ? 1 : 0;
+    });
+}
+
 void servo_platen(
     Rows<Planes, const HostRow> planes,
     Rows<Bodies, const Force, const PrunedAt, Position, Velocity, DisplacementBound> bodies,
-    Rows<Elements, const ElementRadius> elements, Rows<NearPlanes, const NearPair> near,
-    const NearIndex<PlanePairs>& index, Platen& platen, const Membrane& membrane,
+    Rows<Elements, const ElementRadius> elements, Platen& platen, const Membrane& membrane,
     const Clock& clock, Health& health) {
     const Row host = planes.column<HostRow>()[platen.plane];
     double area = 0;
@@ -20,10 +28,8 @@ void servo_platen(
     platen.pressure = push / area;
     if (platen.controlled) {
         const double aim = platen.aim.next(platen.target_pressure);
-        double contacts = 0;
-        index.for_touching(
-            [&](Row k) { contacts += near.column<NearPair>()[k].other == platen.plane ? 1 : 0; });
-        const double stiffness = platen.contact_stiffness * (1 + contacts);
+        const double stiffness =
+            platen.contact_stiffness * (1 + static_cast<double>(platen.contacts));
         ServoMotion servo{platen.stiffness, platen.damping, platen.largest_step, clock.dt};
         platen.speed = servo.next(platen.speed, aim * area - push, stiffness);
     }

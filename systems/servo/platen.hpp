@@ -12,6 +12,11 @@
 
 namespace bris {
 
+/// Counts the grains that touch the platen, where its pressure is controlled. In a divided world
+/// these are the grains of this rank, which share_platen_contacts adds up.
+void count_platen_contacts(Rows<NearPlanes, const NearPair> near,
+                           const NearIndex<PlanePairs>& index, Platen& platen);
+
 /// Moves the top platen (Motion::servo) by one step: at its given speed or, where `controlled`, as
 /// its force balance requires (ServoMotion). The balance is between the force of the grains and the
 /// set point of the pressure (PressureAim) on the mean area inside the membrane. The servo uses the
@@ -21,8 +26,7 @@ namespace bris {
 void servo_platen(
     Rows<Planes, const HostRow> planes,
     Rows<Bodies, const Force, const PrunedAt, Position, Velocity, DisplacementBound> bodies,
-    Rows<Elements, const ElementRadius> elements, Rows<NearPlanes, const NearPair> near,
-    const NearIndex<PlanePairs>& index, Platen& platen, const Membrane& membrane,
+    Rows<Elements, const ElementRadius> elements, Platen& platen, const Membrane& membrane,
     const Clock& clock, Health& health);
 
 /// Accumulates the half of the platen's work that belongs to its new speed.

@@ -8,7 +8,9 @@
 #include "systems/slabs/cuts.hpp"
 #include "systems/slabs/slabs.hpp"
 
+#include <algorithm>
 #include <cstring>
+#include <limits>
 
 namespace bris {
 
@@ -18,6 +20,24 @@ std::string reason_not_to_divide(const World& world) {
     if (world.table<Bodies>().has<RecorderOf>()) return "inertial recorders";
     if (world.table<Bodies>().has<FoulingAround>()) return "fines";
     return "";
+}
+
+unsigned most_slabs(const World& world) {
+    const auto position = world.column<Bodies, Position>();
+    const auto radius = world.column<Bodies, BoundingRadius>();
+    std::vector<bool> is_boundary(radius.size(), false);
+    for (const Row b : detail::boundaries_of(world)) is_boundary[b] = true;
+    double largest = 0;
+    Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (Row b = 0; b < radius.size(); ++b) {
+        if (is_boundary[b]) continue;
+        largest = std::max(largest, radius[b]);
+        low = low.cwiseMin(position[b]);
+        high = high.cwiseMax(position[b]);
+    }
+    if (!(largest > 0)) return 1;
+    const double length = (high - low).maxCoeff() + 2 * largest;
+    return std::max(1u, static_cast<unsigned>(length / (4 * largest)));
 }
 
 namespace {

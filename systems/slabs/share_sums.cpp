@@ -42,6 +42,10 @@ void share_boundary_forces(Rows<Bodies, const MotionOf> bodies, const Census& ce
         }
 }
 
+void share_platen_contacts(const Slab&, Platen& platen) {
+    if (platen.controlled) Ranks::sum({&platen.contacts, 1});
+}
+
 void share_membrane_forces(const Slab&, ElementSums& sums) {
     std::vector<std::int64_t> total(2 * sums.elements);
     for (std::size_t k = 0; k < sums.rows.size(); ++k) {

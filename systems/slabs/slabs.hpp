@@ -6,6 +6,7 @@
 #include "components/force_sums.hpp"
 #include "components/kinds.hpp"
 #include "components/membrane.hpp"
+#include "components/platen.hpp"
 #include "components/settings.hpp"
 #include "components/slab.hpp"
 #include "components/sphere.hpp"
@@ -23,6 +24,10 @@ namespace bris {
 
 /// Why a world cannot be divided among ranks; empty if it can.
 std::string reason_not_to_divide(const World& world);
+
+/// Number of slabs into which a world can be divided along its longest side, if each is at least as
+/// wide as two of its largest bodies; at least 1. Thinner slabs would hold little but ghosts.
+unsigned most_slabs(const World& world);
 
 /// This rank's part of a world that all ranks have: the bodies of its slab, ghosts, and all
 /// boundaries. The slabs hold equal numbers of spheres. `SpheresOf`, `Census` and the widest skin
@@ -53,6 +58,9 @@ void list_ghosts(
 /// wanted.
 void share_boundary_forces(Rows<Bodies, const MotionOf> bodies, const Census& census,
                            const Slab& slab, BoundarySums& sums);
+
+/// Adds the numbers of grains that touch a platen over all ranks.
+void share_platen_contacts(const Slab& slab, Platen& platen);
 
 /// Adds the forces on the elements of a membrane over all ranks.
 void share_membrane_forces(const Slab& slab, ElementSums& sums);

@@ -1,3 +1,4 @@
+#include "components/platen.hpp"
 #include "components/slab.hpp"
 #include "engine/random.hpp"
 #include "engine/ranks.hpp"
@@ -154,6 +155,38 @@ TEST_SUITE("ranks") {
             divided.advance(800);
             CHECK(difference(whole, divided.snapshot()) == "");
         }
+    }
+
+    TEST_CASE("a platen that holds its pressure feels, and counts, the contacts of all ranks") {
+        const auto make = [] {
+            World world = tube_scene(Grains::clumps);
+            auto& platen = world.resource<Platen>();
+            platen.controlled = true;
+            platen.target_pressure = 1e3;
+            platen.contact_stiffness = 2e4;
+            platen.largest_step = 2e-5;
+            return world;
+        };
+        const Archive whole = undivided(make(), plain(), 3000);
+        Simulation divided = begin(make(), plain());
+        divided.advance(3000);
+        CHECK(divided.world().resource<Platen>().stiffness > 2 * 2e4); // it has met grains
+        CHECK(difference(whole, divided.snapshot()) == "");
+    }
+
+    TEST_CASE("a time step that changes between steps is the same on all ranks") {
+        const auto run = [&](bool divided) {
+            Simulation simulation =
+                begin(long_heap(Grains::spheres, Walls::facets, 90, 5), plain());
+            if (!divided) simulation.divide({});
+            for (const double factor : {1.0, 0.7, 1.3, 0.9}) {
+                Clock& clock = simulation.world().resource<Clock>();
+                clock.change_step(factor * clock.dt);
+                simulation.advance(400);
+            }
+            return simulation.snapshot();
+        };
+        CHECK(difference(run(false), run(true)) == "");
     }
 
     TEST_CASE("threads on each rank do not change a bit") {

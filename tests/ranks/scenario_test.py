@@ -74,6 +74,29 @@ for ranks in (2, 3):
         assert filecmp.cmp(folder / "one" / file, folder / f"on_{ranks}" / file, shallow=False), file
 assert not list(pathlib.Path("/tmp").glob("bris-rank-*")), "a folder of a rank is left"
 
+# scenarios with other parts: a membrane, a platen and time steps that change; an outlet that opens; a drum that begins to turn
+(folder / "narrow.csv").write_text("sieve_mm,lower_percent,upper_percent\n40,100,100\n36,0,0\n")
+others = {
+    "triaxial": ["--bodies", "60", "--grading", folder / "narrow.csv", "--least-diameter", "1.5", "--porosity", "0.46",
+                 "--porosity-tolerance", "0.1", "--preparation-friction", "0.7", "--taps", "0", "--confining-pressure", "55e3",
+                 "--final-axial-strain", "0.002"],
+    "silo": ["--spheres", "600", "--diameter", "0.02", "--duration", "0.3", "--window", "0.05,0.2"],
+    "drum": ["--small-spheres", "400", "--large-spheres", "100", "--small-radius", "0.004", "--large-radius", "0.008", "--duration", "0.05"],
+}
+for name, words in others.items():
+    found = set()
+    for ranks in (1, 2, 3):
+        out = folder / f"{name}_on_{ranks}"
+        command = [pathlib.Path(settle).with_name(name), *words, "--threads", "1", "--quiet", "--ranks", ranks, "--out", out]
+        subprocess.run([str(word) for word in command], check=True, timeout=600, stdout=subprocess.DEVNULL)
+        found.add(fingerprint(out.name))
+    assert len(found) == 1, f"{name}: other bits on some number of ranks"
+    print(f"{name}: the same bits on 1, 2 and 3 ranks")
+
+# slabs too thin for their bodies
+refused = subprocess.run([settle, "--spheres", "100", "--ranks", "4", "--out", str(folder / "thin")], capture_output=True, text=True, timeout=60)
+assert refused.returncode == 2 and "expected at most" in refused.stderr, refused.stderr
+
 # a shorter run on two ranks goes on with three
 run("resumed", 2, duration="0.1")
 run("resumed", 3, "--resume", str(folder / "resumed"))
