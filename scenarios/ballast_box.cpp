@@ -227,6 +227,8 @@ void run(const BallastBox& box, const Common& common) {
 int main(int argc, char** argv) {
     return run_scenario<BallastBox>(
         argc, argv,
-        {"ballast_box", "A section of ballasted track under cyclic loads (runs of table 1)."}, run,
-        explain_box);
+        {.name = "ballast_box",
+         .description = "A section of ballasted track under cyclic loads (runs of table 1).",
+         .divides = true},
+        run, explain_box);
 }

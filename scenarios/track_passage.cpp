@@ -199,6 +199,8 @@ std::string explain(const TrackPassage& t, const Common& common) {
 int main(int argc, char** argv) {
     return run_scenario<TrackPassage>(
         argc, argv,
-        {"track_passage", "Trains pass over a tie on clean or fouled ballast with sensor rocks."},
+        {.name = "track_passage",
+         .description = "Trains pass over a tie on clean or fouled ballast with sensor rocks.",
+         .divides = true},
         run, explain);
 }

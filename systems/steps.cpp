@@ -87,7 +87,7 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         damping_of(energy_budget),
         row_local("accumulate_load_work", accumulate_load_work),
         row_local("accumulate_patch_work", accumulate_patch_work),
-        row_local("record_motion", record_motion),
+        row_local("note_motion", note_motion),
         row_local("integrate", integrate),
         row_local("rotate_spheres", rotate_spheres),
         row_local("rotate_clumps", rotate_clumps),
@@ -104,6 +104,9 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         row_local("bound_displacement", bound_displacement),
         row_local("bound_displacement_and_rotation", bound_displacement_and_rotation),
         row_local("watch_motion", watch_motion),
+        // inertial recorders
+        system("share_motion", share_motion),
+        system("record_motion", record_motion),
         // boundaries
         system("share_membrane_forces", share_membrane_forces),
         system("push_membrane", push_membrane),

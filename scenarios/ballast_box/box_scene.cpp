@@ -158,10 +158,11 @@ void add_rocks(World& world, const BallastBox& box, const BoxSizes& s, BoxBodies
     for (std::size_t k = 0; k < sample.rocks.size(); ++k) {
         const auto& [index, sieve] = sample.rocks[k];
         const Clump rock = scaled(clumps[index], box.scale() * sieve / clumps[index].sieve);
-        require(2.1 * rock.bounding_radius < s.width,
-                fmt::format("--width: expected more than the largest rock, {:.3f} m across, found "
-                            "{:g} m (--rock-scale {:g})",
-                            2 * rock.bounding_radius, s.width, box.scale()));
+        const double least_width = 2.1 * rock.bounding_radius;
+        require(least_width < s.width,
+                fmt::format("--width: expected more than {:.3f} m, 1.05 times the largest rock, "
+                            "found {:g} m (--rock-scale {:g})",
+                            least_width, s.width, box.scale()));
         const Quat turned = Random(seed, 7000 + k).rotation();
         const Vec3 waiting(0.2 * static_cast<double>(k % 40),
                            0.2 * static_cast<double>(k / 40 % 40),

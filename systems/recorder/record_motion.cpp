@@ -57,19 +57,19 @@ void InertialRecorders::load(const Archive& archive) {
     }
 }
 
-void record_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, const Torque,
-                        const InertialMass, const InertialInertia, const Orientation,
-                        const AngularVelocity, const Velocity, const DriveVelocity>
-                       bodies,
-                   InertialRecorders& recorders, const Clock& clock) {
+void note_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, const Torque,
+                      const InertialMass, const InertialInertia, const Orientation,
+                      const AngularVelocity, const Velocity, const DriveVelocity>
+                     bodies,
+                 InertialRecorders& recorders, const Clock& clock) {
     if (!recorders.running) return;
     const std::uint32_t* number = bodies.column<RecorderOf>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         if (number[b] == 0) continue;
-        InertialRecorder& recorder = recorders.list[number[b] - 1];
         const Quat& q = bodies.column<Orientation>()[b];
         const Vec3& omega = bodies.column<AngularVelocity>()[b];
-        TrueMotion motion{.orientation = q, .angular_velocity = omega};
+        TrueMotion& motion = recorders.list[number[b] - 1].motion;
+        motion = {.orientation = q, .angular_velocity = omega};
         if (bodies.column<MotionOf>()[b] == static_cast<std::uint32_t>(Motion::free)) {
             motion.acceleration = bodies.column<Force>()[b] / bodies.column<InertialMass>()[b];
             const Vec3& inertia = bodies.column<InertialInertia>()[b];
@@ -82,7 +82,13 @@ void record_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, c
             motion.acceleration =
                 (bodies.column<DriveVelocity>()[b] - bodies.column<Velocity>()[b]) / clock.dt;
         }
-        recorder.imu.sense(clock.dt, motion);
+    }
+}
+
+void record_motion(InertialRecorders& recorders, const Clock& clock) {
+    if (!recorders.running) return;
+    for (InertialRecorder& recorder : recorders.list) {
+        recorder.imu.sense(clock.dt, recorder.motion);
         const double next = recorders.start + static_cast<double>(recorder.samples.size()) /
                                                   recorder.imu.model().rate;
         if (clock.time() + 0.5 * clock.dt > next)

@@ -16,6 +16,7 @@ struct InertialRecorder {
     EntityId body;
     Imu imu;
     std::vector<ImuSample> samples;
+    TrueMotion motion = {}; ///< of its body, in the present step
 };
 
 /// The inertial recorders of a scene. They record while `running`.
@@ -30,14 +31,17 @@ struct InertialRecorders {
     void load(const Archive& archive);
 };
 
-/// Lets the inertial recorders follow their bodies for this step, and takes the samples that are
+/// Notes the motion of the bodies that have inertial recorders. Force and Torque must be complete:
+/// they give the accelerations at the time of the positions. Each row writes its own recorder only.
+void note_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, const Torque,
+                      const InertialMass, const InertialInertia, const Orientation,
+                      const AngularVelocity, const Velocity, const DriveVelocity>
+                     bodies,
+                 InertialRecorders& recorders, const Clock& clock);
+
+/// Lets the inertial recorders follow the motion that was noted, and takes the samples that are
 /// due: sample n in the step whose time is nearest to start + n / rate, with the time of that step.
-/// Force and Torque must be complete: they give the accelerations at the time of the positions. The
-/// sensor's low pass acts at every step, so before sampling. Each row writes its own recorder only.
-void record_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, const Torque,
-                        const InertialMass, const InertialInertia, const Orientation,
-                        const AngularVelocity, const Velocity, const DriveVelocity>
-                       bodies,
-                   InertialRecorders& recorders, const Clock& clock);
+/// The sensor's low pass acts at every step, so before sampling.
+void record_motion(InertialRecorders& recorders, const Clock& clock);
 
 } // namespace bris

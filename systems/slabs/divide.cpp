@@ -1,5 +1,4 @@
 #include "components/fouling.hpp"
-#include "components/recorder.hpp"
 #include "components/sensor.hpp"
 #include "components/sleep.hpp"
 #include "engine/health.hpp"
@@ -17,7 +16,6 @@ namespace bris {
 std::string reason_not_to_divide(const World& world) {
     if (world.has_resource<Sleep>()) return "bodies that sleep";
     if (world.has<Sensors>()) return "sensors";
-    if (world.table<Bodies>().has<RecorderOf>()) return "inertial recorders";
     if (world.table<Bodies>().has<FoulingAround>()) return "fines";
     return "";
 }

@@ -2,6 +2,9 @@
 #include "systems/slabs/slabs.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cstring>
+#include <numeric>
 
 namespace bris {
 
@@ -16,18 +19,23 @@ void share_census(const Slab&, const ListState& lists, const Clock& clock, Censu
     }
 }
 
-void share_boundary_forces(Rows<Bodies, const MotionOf> bodies, const Census& census, const Slab&,
-                           BoundarySums& sums) {
+void share_boundary_forces(Rows<Bodies, const MotionOf, const BodyId> bodies, const Census& census,
+                           const Slab&, BoundarySums& sums) {
     const auto* motion = bodies.column<MotionOf>();
     if (std::ranges::all_of(census.boundaries, [&](Row b) {
             return motion[b] == static_cast<std::uint32_t>(Motion::fixed);
         }))
         return; // nobody reads them within a step
+    // by id, since each rank sorts its rows as it likes
+    std::vector<std::size_t> order(sums.of.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::sort(order, {},
+                      [&](std::size_t k) { return bodies.column<BodyId>()[census.boundaries[k]]; });
     // three numbers for each of 128 bits, whose sums over ranks cannot overflow
     constexpr WideInteger base = WideInteger{1} << 32;
     std::vector<std::int64_t> limbs;
-    for (const auto& of_body : sums.of)
-        for (WideInteger value : of_body)
+    for (const std::size_t of_body : order)
+        for (WideInteger value : sums.of[of_body])
             for (int k = 0; k < 3; ++k) {
                 const auto low = static_cast<std::int64_t>(value & (base - 1));
                 limbs.push_back(k < 2 ? low : static_cast<std::int64_t>(value));
@@ -35,8 +43,8 @@ void share_boundary_forces(Rows<Bodies, const MotionOf> bodies, const Census& ce
             }
     Ranks::sum(limbs);
     const std::int64_t* next = limbs.data();
-    for (auto& of_body : sums.of)
-        for (WideInteger& value : of_body) {
+    for (const std::size_t of_body : order)
+        for (WideInteger& value : sums.of[of_body]) {
             value = next[0] + base * (next[1] + base * WideInteger{next[2]});
             next += 3;
         }
@@ -44,6 +52,25 @@ void share_boundary_forces(Rows<Bodies, const MotionOf> bodies, const Census& ce
 
 void share_platen_contacts(const Slab&, Platen& platen) {
     if (platen.controlled) Ranks::sum({&platen.contacts, 1});
+}
+
+void share_motion(Rows<Bodies, const RecorderOf, const SpheresOf, const Ghost> bodies,
+                  const Slab& slab, InertialRecorders& recorders) {
+    if (!recorders.running) return;
+    // one rank gives the bits of a motion and the others give zeros, so that their sum is exact
+    using Bits = std::array<std::int64_t, sizeof(TrueMotion) / sizeof(std::int64_t)>;
+    static_assert(sizeof(Bits) == sizeof(TrueMotion));
+    std::vector<Bits> motion(recorders.list.size(), Bits{});
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        const std::uint32_t number = bodies.column<RecorderOf>()[b];
+        const bool everywhere = bodies.column<SpheresOf>()[b].count == 0;
+        if (number == 0 || bodies.column<Ghost>()[b] != 0 || (everywhere && slab.rank != 0))
+            continue;
+        std::memcpy(&motion[number - 1], &recorders.list[number - 1].motion, sizeof(Bits));
+    }
+    Ranks::sum({motion.front().data(), motion.size() * motion.front().size()});
+    for (std::size_t k = 0; k < motion.size(); ++k)
+        std::memcpy(static_cast<void*>(&recorders.list[k].motion), &motion[k], sizeof(Bits));
 }
 
 void share_membrane_forces(const Slab&, ElementSums& sums) {

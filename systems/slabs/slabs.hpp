@@ -13,6 +13,7 @@
 #include "engine/clock.hpp"
 #include "engine/health.hpp"
 #include "engine/rows.hpp"
+#include "systems/recorder/record_motion.hpp"
 
 #include <string>
 
@@ -56,7 +57,7 @@ void list_ghosts(
 
 /// Adds the forces on boundaries over all ranks, where they move a boundary or their work is
 /// wanted.
-void share_boundary_forces(Rows<Bodies, const MotionOf> bodies, const Census& census,
+void share_boundary_forces(Rows<Bodies, const MotionOf, const BodyId> bodies, const Census& census,
                            const Slab& slab, BoundarySums& sums);
 
 /// Adds the numbers of grains that touch a platen over all ranks.
@@ -64,6 +65,11 @@ void share_platen_contacts(const Slab& slab, Platen& platen);
 
 /// Adds the forces on the elements of a membrane over all ranks.
 void share_membrane_forces(const Slab& slab, ElementSums& sums);
+
+/// Gives all ranks the motion that was noted of the bodies with inertial recorders, so that all
+/// ranks have the same recordings.
+void share_motion(Rows<Bodies, const RecorderOf, const SpheresOf, const Ghost> bodies,
+                  const Slab& slab, InertialRecorders& recorders);
 
 /// Gives ghosts the motion that their own ranks have computed. In scenes of single spheres.
 void pass_spheres(Rows<Bodies, const SphereInertia, Position, Velocity, Acceleration,

@@ -46,20 +46,28 @@ World long_heap(Grains grains, Walls walls, unsigned bodies, std::uint64_t seed)
     return world;
 }
 
-/// A tie under a load falls onto clumps; a plate on springs lies under them.
-World tie_scene(std::uint64_t seed) {
+void add_plate_on_springs(World& world, const Vec3& middle, double side) {
+    const EntityId plate =
+        add_block(world, middle, Quat(Quat::Identity()), Vec3(side, side, 0.004), 0.02, 1);
+    for (const double x : {-side / 3, side / 3})
+        for (const double y : {-side / 3, side / 3})
+            add_patch(world, plate,
+                      {.point = Vec3(x, y, 0),
+                       .anchor = middle + Vec3(x, y, 0),
+                       .stiffness = 4e3,
+                       .damping = 2});
+}
+
+/// A tie under a load falls onto clumps; plates on springs lie under them.
+World tie_scene(std::uint64_t seed, unsigned plates = 1) {
     const Tumble tumble{.grains = Grains::clumps, .bodies = 60};
     World world = bed({.grains = Grains::clumps, .bodies = 60, .seed = seed});
     const Vec3 box = box_of(tumble);
-    const EntityId plate = add_block(world, Vec3(box.x() / 2, box.y() / 2, -0.0018),
-                                     Quat(Quat::Identity()), Vec3(0.03, 0.03, 0.004), 0.02, 1);
-    for (const double x : {-0.01, 0.01})
-        for (const double y : {-0.01, 0.01})
-            add_patch(world, plate,
-                      {.point = Vec3(x, y, 0),
-                       .anchor = value_of<Position>(world, plate) + Vec3(x, y, 0),
-                       .stiffness = 4e3,
-                       .damping = 2});
+    Random draw(seed, 1);
+    for (unsigned k = 0; k < plates; ++k) {
+        const double x = plates == 1 ? 0.5 : draw.uniform(), y = plates == 1 ? 0.5 : draw.uniform();
+        add_plate_on_springs(world, Vec3(x * box.x(), y * box.y(), -0.0018), 0.03);
+    }
     const EntityId tie =
         add_block(world, Vec3(box.x() / 2, box.y() / 2, 0.75 * box.z()),
                   exponential_map(Vec3(0.2, 0.1, 0)), Vec3(0.02, 0.035, 0.015), 0.02, 1);
@@ -138,10 +146,13 @@ TEST_SUITE("ranks") {
     TEST_CASE("ties with loads, and plates on springs, feel the contacts of all ranks") {
         BenchSettings settings = plain();
         settings.energy_budget = true;
-        const Archive whole = undivided(tie_scene(5), settings, 1500);
-        Simulation divided = begin(tie_scene(5), settings);
-        divided.advance(1500);
-        CHECK(difference(whole, divided.snapshot()) == "");
+        for (const unsigned plates : {1u, 8u}) { // each rank sorts the rows of eight in its own way
+            CAPTURE(plates);
+            const Archive whole = undivided(tie_scene(5, plates), settings, 1500);
+            Simulation divided = begin(tie_scene(5, plates), settings);
+            divided.advance(1500);
+            CHECK(difference(whole, divided.snapshot()) == "");
+        }
     }
 
     TEST_CASE("a membrane feels the contacts of all ranks") {
@@ -172,6 +183,26 @@ TEST_SUITE("ranks") {
         divided.advance(3000);
         CHECK(divided.world().resource<Platen>().stiffness > 2 * 2e4); // it has met grains
         CHECK(difference(whole, divided.snapshot()) == "");
+    }
+
+    TEST_CASE("inertial recorders on rocks and on a tie record the same on any number of ranks") {
+        const auto run = [&](bool divided) {
+            World world = tie_scene(6);
+            ImuModel model;
+            model.rate = 2000;
+            const auto ids = world.column<Bodies, BodyId>();
+            std::vector<EntityId> with_recorder{ids.back()}; // the tie
+            for (std::size_t k = 10; k < ids.size() - 2; k += 7) with_recorder.push_back(ids[k]);
+            for (const EntityId body : with_recorder)
+                add_recorder(world, body, model, Vec3(0, 0, -9.81), 3);
+            start_recording(world);
+            Simulation simulation = begin(std::move(world), plain());
+            if (!divided) simulation.divide({});
+            for (const std::uint64_t steps : {700u, 90u, 710u}) simulation.advance(steps);
+            return simulation.snapshot();
+        };
+        const Archive whole = run(false);
+        CHECK(difference(whole, run(true)) == "");
     }
 
     TEST_CASE("a time step that changes between steps is the same on all ranks") {
