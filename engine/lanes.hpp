@@ -28,7 +28,9 @@ using Lane [[gnu::vector_size(sizeof(double) * lane_count)]] = double;
 using LaneMask [[gnu::vector_size(sizeof(double) * lane_count)]] = std::int64_t;
 /// Half a cache line: x, y, z and one more number.
 using Quad [[gnu::vector_size(4 * sizeof(double)), gnu::may_alias]] = double;
-using IntQuad [[gnu::vector_size(4 * sizeof(double)), gnu::may_alias]] = std::int64_t;
+/// Integers that are added modulo 2^64, as the bits of signed ones are.
+using BitsOfLane [[gnu::vector_size(sizeof(double) * lane_count)]] = std::uint64_t;
+using BitsOfQuad [[gnu::vector_size(4 * sizeof(double)), gnu::may_alias]] = std::uint64_t;
 
 inline Lane lanes(double value) { return value - Lane{}; }
 
@@ -187,7 +189,8 @@ void store_rows(const FourLanes& rows, int count, RowOf&& row_of) {
 
 /// Adds (or subtracts) row q of `first` to the four int64 numbers at row_of(q) and row q of
 /// `second` to the four after them, for the first `count` lanes in order, so that lanes may share a
-/// row. `first`, `second`: bits of int64 numbers in the layout of load_rows.
+/// row. `first`, `second`: bits of int64 numbers in the layout of load_rows. Sums beyond 2^63 wrap:
+/// who adds such numbers has to notice it.
 template <bool subtracts, class RowOf>
 [[gnu::always_inline]] inline void add_integer_rows(const FourLanes& first, const FourLanes& second,
                                                     int count, RowOf&& row_of) {
@@ -203,15 +206,15 @@ template <bool subtracts, class RowOf>
             const auto k = static_cast<std::size_t>(q);
 #ifdef __AVX512F__
             if (q < lanes_used)
-                add(row_of(q), reinterpret_cast<LaneMask>(__builtin_shufflevector(
+                add(row_of(q), reinterpret_cast<BitsOfLane>(__builtin_shufflevector(
                                    first[k], second[k], 0, 1, 2, 3, 8, 9, 10, 11)));
             if (q + 4 < lanes_used)
-                add(row_of(q + 4), reinterpret_cast<LaneMask>(__builtin_shufflevector(
+                add(row_of(q + 4), reinterpret_cast<BitsOfLane>(__builtin_shufflevector(
                                        first[k], second[k], 4, 5, 6, 7, 12, 13, 14, 15)));
 #else
             if (q >= lanes_used) return;
-            add(row_of(q), reinterpret_cast<IntQuad>(first[k]));
-            add(row_of(q) + 4, reinterpret_cast<IntQuad>(second[k]));
+            add(row_of(q), reinterpret_cast<BitsOfQuad>(first[k]));
+            add(row_of(q) + 4, reinterpret_cast<BitsOfQuad>(second[k]));
 #endif
         }
     };

@@ -203,11 +203,32 @@ void Hdf5File::initialise() {
     H5open();
 }
 
+namespace {
+
+/// The library keeps the metadata of files in memory, by itself up to 32 MB for each. A file that
+/// grows for days would take as much, so what it may keep is fixed.
+hid_t with_small_cache() {
+    const hid_t list = H5Pcreate(H5P_FILE_ACCESS);
+    H5AC_cache_config_t cache{};
+    cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+    H5Pget_mdc_config(list, &cache);
+    cache.set_initial_size = true;
+    cache.initial_size = cache.max_size = cache.min_size = std::size_t{1} << 21;
+    cache.incr_mode = H5C_incr__off;
+    cache.flash_incr_mode = H5C_flash_incr__off;
+    cache.decr_mode = H5C_decr__off;
+    H5Pset_mdc_config(list, &cache);
+    return list;
+}
+
+} // namespace
+
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
     const Alone alone;
     std::error_code error;
     if (path.has_parent_path()) std::filesystem::create_directories(path.parent_path(), error);
-    Hdf5File file(path, H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT), true);
+    const Properties access(with_small_cache());
+    Hdf5File file(path, H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, access), true);
     if (file.file_ < 0) file.fail("create", "");
     let_others_read(file.file_);
     return file;
@@ -224,7 +245,8 @@ Hdf5File Hdf5File::open(const std::filesystem::path& path) {
 Hdf5File Hdf5File::open_to_write(const std::filesystem::path& path) {
     require_regular_file(path);
     const Alone alone;
-    Hdf5File file(path, H5Fopen(path.c_str(), H5F_ACC_RDWR, H5P_DEFAULT), true);
+    const Properties access(with_small_cache());
+    Hdf5File file(path, H5Fopen(path.c_str(), H5F_ACC_RDWR, access), true);
     if (file.file_ < 0) file.fail("open", "");
     return file;
 }

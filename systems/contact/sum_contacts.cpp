@@ -26,13 +26,18 @@ bool may_touch(const Census& bodies, std::uint32_t a, std::uint32_t b) {
            (bodies.grains[b] > 0 && bodies.hosts[a] > 0);
 }
 
+/// Sums beyond 2^63, of forces that will stop the run, wrap.
 void add(SumRow& sum, const SumRow& more) {
-    sum.fx += more.fx;
-    sum.fy += more.fy;
-    sum.fz += more.fz;
-    sum.tx += more.tx;
-    sum.ty += more.ty;
-    sum.tz += more.tz;
+    const auto wrapped = [](std::int64_t a, std::int64_t b) {
+        return static_cast<std::int64_t>(static_cast<std::uint64_t>(a) +
+                                         static_cast<std::uint64_t>(b));
+    };
+    sum.fx = wrapped(sum.fx, more.fx);
+    sum.fy = wrapped(sum.fy, more.fy);
+    sum.fz = wrapped(sum.fz, more.fz);
+    sum.tx = wrapped(sum.tx, more.tx);
+    sum.ty = wrapped(sum.ty, more.ty);
+    sum.tz = wrapped(sum.tz, more.tz);
 }
 
 using SumRows = Rows<ForceSums, const NextSum, ContactSum>;

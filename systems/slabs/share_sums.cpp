@@ -8,15 +8,19 @@
 
 namespace bris {
 
-void share_census(const Slab&, const ListState& lists, const Clock& clock, Census& census) {
+void share_census(Rows<Bodies, const MaterialOf, const SpheresOf, const Ghost> bodies, const Slab&,
+                  const ListState& lists, const Clock& clock, Census& census) {
     if (lists.last_rebuild != clock.step) return;
     census.largest_radius = Ranks::largest(census.largest_radius);
     census.smallest_free_radius = -Ranks::largest(-census.smallest_free_radius);
-    for (auto* count : {&census.grains, &census.hosts}) {
-        std::vector<std::int64_t> of(count->begin(), count->end());
-        Ranks::sum(of);
-        for (std::size_t k = 0; k < of.size(); ++k) (*count)[k] = static_cast<std::uint32_t>(of[k]);
-    }
+    // boundaries are on all ranks, grains count where they are no ghosts
+    std::vector<std::int64_t> grains(census.grains.size());
+    for (Row b = bodies.first(); b < bodies.last(); ++b)
+        if (bodies.column<SpheresOf>()[b].count > 0 && bodies.column<Ghost>()[b] == 0)
+            ++grains[bodies.column<MaterialOf>()[b]];
+    Ranks::sum(grains);
+    for (std::size_t k = 0; k < grains.size(); ++k)
+        census.grains[k] = static_cast<std::uint32_t>(grains[k]);
 }
 
 void share_boundary_forces(Rows<Bodies, const MotionOf, const BodyId> bodies, const Census& census,

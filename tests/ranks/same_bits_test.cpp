@@ -205,6 +205,26 @@ TEST_SUITE("ranks") {
         CHECK(difference(whole, run(true)) == "");
     }
 
+    TEST_CASE("the one grain of a stiff material counts once, on whatever ranks it is a ghost") {
+        const auto make = [] {
+            World world = long_heap(Grains::spheres, Walls::planes, 90, 8);
+            Material stiff = linear_material(6.4e6, 1e6, 0.5); // if two could touch, forces would
+            const auto number = world.resource<Materials>().add(stiff); // be rounded more coarsely
+            const auto position = world.column<Bodies, Position>();
+            const auto run = world.column<Bodies, MaterialOf>();
+            const Row middle = static_cast<Row>(
+                std::ranges::min_element(position, {},
+                                         [&](const Vec3& x) { return std::abs(x.x() - 0.03); }) -
+                position.begin());
+            run[middle] = number;
+            return world;
+        };
+        const Archive whole = undivided(make(), plain(), 800);
+        Simulation divided = begin(make(), plain());
+        divided.advance(800);
+        CHECK(difference(whole, divided.snapshot()) == "");
+    }
+
     TEST_CASE("a time step that changes between steps is the same on all ranks") {
         const auto run = [&](bool divided) {
             Simulation simulation =
