@@ -92,8 +92,10 @@ bool may_include_room(const std::string& file, const std::string& target) {
 
 bool may_include_house(const std::string& file, const std::string& target) {
     static const std::set<std::string> for_components{
-        "engine/archive.hpp", "engine/clock.hpp",     "engine/health.hpp", "engine/entity.hpp",
-        "engine/math.hpp",    "engine/component.hpp", "engine/lanes.hpp"};
+        "engine/archive.hpp", "engine/clock.hpp",
+        "engine/health.hpp",  "engine/entity.hpp",
+        "engine/math.hpp",    "engine/component.hpp",
+        "engine/lanes.hpp",   "engine/signal/true_motion.hpp"};
     if (within(target, "engine"))
         return !within(file, "components") || for_components.contains(target);
     if (within(target, "components")) return !within(file, "engine");

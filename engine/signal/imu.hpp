@@ -3,6 +3,7 @@
 #include "engine/archive.hpp"
 #include "engine/estimation/inertial_filter.hpp"
 #include "engine/random.hpp"
+#include "engine/signal/true_motion.hpp"
 
 #include <array>
 #include <cstdint>
@@ -36,14 +37,6 @@ struct ImuModel {
 ImuModel imu_preset(std::string_view name);
 inline constexpr std::array<std::string_view, 4> imu_presets{"ideal", "lab-grade", "smartrock-like",
                                                              "cheap"};
-
-/// True motion of a body at one time, in the world frame.
-struct TrueMotion {
-    Quat orientation = Quat::Identity();
-    Vec3 acceleration = Vec3::Zero();         ///< m/s2
-    Vec3 angular_velocity = Vec3::Zero();     ///< rad/s
-    Vec3 angular_acceleration = Vec3::Zero(); ///< rad/s2
-};
 
 struct ImuSample {
     double time = 0; ///< s, on the sensor's own clock

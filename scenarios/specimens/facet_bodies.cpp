@@ -132,13 +132,17 @@ void add_recorder(World& world, EntityId body, const ImuModel& model, const Vec3
                   std::uint64_t seed) {
     require_clumps(world, "inertial recorder");
     world.table<Bodies>().add<RecorderOf>();
-    if (!world.has_resource<InertialRecorders>()) world.add_resource<InertialRecorders>();
+    if (!world.has_resource<InertialRecorders>()) {
+        world.add_resource<InertialRecorders>();
+        world.add_resource<NotedMotions>();
+    }
     auto& list = world.resource<InertialRecorders>().list;
     std::uint32_t& number = value_of<RecorderOf>(world, body);
     require(number == 0, fmt::format("inertial recorder: expected at most one on a body, found "
                                      "another one on body {}",
                                      body));
     list.push_back({body, Imu(model, gravity, seed, body), {}});
+    world.resource<NotedMotions>().of.resize(list.size());
     number = static_cast<std::uint32_t>(list.size());
 }
 

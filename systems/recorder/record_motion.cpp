@@ -61,14 +61,15 @@ void note_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, con
                       const InertialMass, const InertialInertia, const Orientation,
                       const AngularVelocity, const Velocity, const DriveVelocity>
                      bodies,
-                 InertialRecorders& recorders, const Clock& clock) {
+                 const InertialRecorders& recorders, NotedMotions& motions, const Clock& clock) {
+    motions.wanted = recorders.running;
     if (!recorders.running) return;
     const std::uint32_t* number = bodies.column<RecorderOf>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         if (number[b] == 0) continue;
         const Quat& q = bodies.column<Orientation>()[b];
         const Vec3& omega = bodies.column<AngularVelocity>()[b];
-        TrueMotion& motion = recorders.list[number[b] - 1].motion;
+        TrueMotion& motion = motions.of[number[b] - 1];
         motion = {.orientation = q, .angular_velocity = omega};
         if (bodies.column<MotionOf>()[b] == static_cast<std::uint32_t>(Motion::free)) {
             motion.acceleration = bodies.column<Force>()[b] / bodies.column<InertialMass>()[b];
@@ -85,10 +86,11 @@ void note_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, con
     }
 }
 
-void record_motion(InertialRecorders& recorders, const Clock& clock) {
+void record_motion(const NotedMotions& motions, InertialRecorders& recorders, const Clock& clock) {
     if (!recorders.running) return;
-    for (InertialRecorder& recorder : recorders.list) {
-        recorder.imu.sense(clock.dt, recorder.motion);
+    for (std::size_t k = 0; k < recorders.list.size(); ++k) {
+        InertialRecorder& recorder = recorders.list[k];
+        recorder.imu.sense(clock.dt, motions.of[k]);
         const double next = recorders.start + static_cast<double>(recorder.samples.size()) /
                                                   recorder.imu.model().rate;
         if (clock.time() + 0.5 * clock.dt > next)

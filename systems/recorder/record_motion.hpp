@@ -16,7 +16,6 @@ struct InertialRecorder {
     EntityId body;
     Imu imu;
     std::vector<ImuSample> samples;
-    TrueMotion motion = {}; ///< of its body, in the present step
 };
 
 /// The inertial recorders of a scene. They record while `running`.
@@ -32,16 +31,16 @@ struct InertialRecorders {
 };
 
 /// Notes the motion of the bodies that have inertial recorders. Force and Torque must be complete:
-/// they give the accelerations at the time of the positions. Each row writes its own recorder only.
+/// they give the accelerations at the time of the positions. Each row writes its own motion only.
 void note_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, const Torque,
                       const InertialMass, const InertialInertia, const Orientation,
                       const AngularVelocity, const Velocity, const DriveVelocity>
                      bodies,
-                 InertialRecorders& recorders, const Clock& clock);
+                 const InertialRecorders& recorders, NotedMotions& motions, const Clock& clock);
 
 /// Lets the inertial recorders follow the motion that was noted, and takes the samples that are
 /// due: sample n in the step whose time is nearest to start + n / rate, with the time of that step.
 /// The sensor's low pass acts at every step, so before sampling.
-void record_motion(InertialRecorders& recorders, const Clock& clock);
+void record_motion(const NotedMotions& motions, InertialRecorders& recorders, const Clock& clock);
 
 } // namespace bris

@@ -59,22 +59,22 @@ void share_platen_contacts(const Slab&, Platen& platen) {
 }
 
 void share_motion(Rows<Bodies, const RecorderOf, const SpheresOf, const Ghost> bodies,
-                  const Slab& slab, InertialRecorders& recorders) {
-    if (!recorders.running) return;
+                  const Slab& slab, NotedMotions& motions) {
+    if (!motions.wanted) return;
     // one rank gives the bits of a motion and the others give zeros, so that their sum is exact
     using Bits = std::array<std::int64_t, sizeof(TrueMotion) / sizeof(std::int64_t)>;
     static_assert(sizeof(Bits) == sizeof(TrueMotion));
-    std::vector<Bits> motion(recorders.list.size(), Bits{});
+    std::vector<Bits> sum(motions.of.size(), Bits{});
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         const std::uint32_t number = bodies.column<RecorderOf>()[b];
         const bool everywhere = bodies.column<SpheresOf>()[b].count == 0;
         if (number == 0 || bodies.column<Ghost>()[b] != 0 || (everywhere && slab.rank != 0))
             continue;
-        std::memcpy(&motion[number - 1], &recorders.list[number - 1].motion, sizeof(Bits));
+        std::memcpy(&sum[number - 1], &motions.of[number - 1], sizeof(Bits));
     }
-    Ranks::sum({motion.front().data(), motion.size() * motion.front().size()});
-    for (std::size_t k = 0; k < motion.size(); ++k)
-        std::memcpy(static_cast<void*>(&recorders.list[k].motion), &motion[k], sizeof(Bits));
+    Ranks::sum({sum.front().data(), sum.size() * sum.front().size()});
+    for (std::size_t k = 0; k < sum.size(); ++k)
+        std::memcpy(static_cast<void*>(&motions.of[k]), &sum[k], sizeof(Bits));
 }
 
 void share_membrane_forces(const Slab&, ElementSums& sums) {

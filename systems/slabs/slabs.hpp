@@ -7,13 +7,13 @@
 #include "components/kinds.hpp"
 #include "components/membrane.hpp"
 #include "components/platen.hpp"
+#include "components/recorder.hpp"
 #include "components/settings.hpp"
 #include "components/slab.hpp"
 #include "components/sphere.hpp"
 #include "engine/clock.hpp"
 #include "engine/health.hpp"
 #include "engine/rows.hpp"
-#include "systems/recorder/record_motion.hpp"
 
 #include <string>
 
@@ -70,7 +70,7 @@ void share_membrane_forces(const Slab& slab, ElementSums& sums);
 /// Gives all ranks the motion that was noted of the bodies with inertial recorders, so that all
 /// ranks have the same recordings.
 void share_motion(Rows<Bodies, const RecorderOf, const SpheresOf, const Ghost> bodies,
-                  const Slab& slab, InertialRecorders& recorders);
+                  const Slab& slab, NotedMotions& motions);
 
 /// Gives ghosts the motion that their own ranks have computed. In scenes of single spheres.
 void pass_spheres(Rows<Bodies, const SphereInertia, Position, Velocity, Acceleration,
