@@ -205,15 +205,15 @@ void Hdf5File::initialise() {
 
 namespace {
 
-/// The library keeps the metadata of files in memory, by itself up to 32 MB for each. A file that
-/// grows for days would take as much, so what it may keep is fixed.
+/// The library keeps metadata in memory, by itself up to 32 MB of each file's, for which it takes
+/// ten times as much memory. A file that grows for days would take all that, so little is kept.
 hid_t with_small_cache() {
     const hid_t list = H5Pcreate(H5P_FILE_ACCESS);
     H5AC_cache_config_t cache{};
     cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
     H5Pget_mdc_config(list, &cache);
     cache.set_initial_size = true;
-    cache.initial_size = cache.max_size = cache.min_size = std::size_t{1} << 21;
+    cache.initial_size = cache.max_size = cache.min_size = std::size_t{1} << 17;
     cache.incr_mode = H5C_incr__off;
     cache.flash_incr_mode = H5C_flash_incr__off;
     cache.decr_mode = H5C_decr__off;

@@ -4,8 +4,10 @@
 #include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
+#include <fmt/format.h>
 
 #include <csignal>
+#include <malloc.h>
 #include <numeric>
 #include <sys/resource.h>
 
@@ -162,6 +164,25 @@ TEST_SUITE("engine/io/hdf5") {
                             OutputError);
         }
         CHECK(written < 9); // 120 kB each
+    }
+
+    TEST_CASE("a file that grows by ever more groups does not need ever more memory") {
+        const TemporaryDirectory directory;
+        Hdf5File file = Hdf5File::create(directory / "a.h5");
+        const std::vector<double> values(1000, 1.5);
+        const auto grow = [&](int from, int to) {
+            for (int k = from; k < to; ++k)
+                for (const char* name : {"a", "b", "c", "d"}) {
+                    const std::string dataset = fmt::format("/part_{}/{}", k, name);
+                    file.make_growing<double>(dataset, {}, 1024);
+                    file.append<double>(dataset, values);
+                    file.flush();
+                }
+            return mallinfo2().uordblks; // bytes that are in use
+        };
+        const std::size_t before = grow(0, 100), after = grow(100, 400);
+        CHECK(after < before + 300'000); // 12 MB more if the library chooses its cache
+        file.close();
     }
 
     TEST_CASE("files of another format and missing files or objects are reported by name") {

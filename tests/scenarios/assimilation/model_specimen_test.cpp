@@ -12,6 +12,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 using namespace bris;
@@ -163,8 +164,10 @@ TEST_SUITE("assimilation/model_specimen") {
             CHECK(start.radial_stress == about(truth.described.test.confining_pressure)
                                              .epsilon(truth.described.test.pressure_tolerance));
             CHECK(start.unbalanced <= truth.described.test.tolerance);
-            CHECK(std::abs(runs[k].core_porosity - runs[0].core_porosity) <
-                  (k == 3 ? 0.06 : 0.02)); // each of two packings within its tolerance
+            // Rounder rocks yield: with 5 to 14 spheres for each the nine models are 0.017 to 0.042
+            // denser than the truth. Of two packings each is within its own tolerance.
+            const std::array most{0.0, 0.02, 0.05, 0.06};
+            CHECK(std::abs(runs[k].core_porosity - runs[0].core_porosity) <= most[k]);
             for (const Vec3& u : runs[k].displacement.front()) CHECK(u == Vec3::Zero());
             CHECK(runs[k].sensors == runs[0].sensors);
         }
