@@ -16,7 +16,6 @@ struct RecorderOf : State<std::uint32_t> {
 /// The motion of the bodies with inertial recorders in the present step.
 struct NotedMotions {
     static constexpr auto name = "noted_motions";
-    bool wanted = false;        ///< the recorders are running
     std::vector<TrueMotion> of; ///< in the order of InertialRecorders::list
 };
 

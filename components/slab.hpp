@@ -15,6 +15,18 @@ struct Ghost : Derived<std::uint32_t> {
     static constexpr auto name = "ghost", unit = "";
 };
 
+/// Which bodies are ghosts: none where the world is not divided.
+class Ghosts {
+public:
+    template <class Table>
+    explicit Ghosts(const Table& bodies)
+        : flag_(bodies.template has<Ghost>() ? bodies.template column<Ghost>().data() : nullptr) {}
+    bool operator[](Row b) const { return flag_ != nullptr && flag_[b] != 0; }
+
+private:
+    const std::uint32_t* flag_;
+};
+
 /// Bodies of which one rank sends the motion to another in every step, by ascending id on both
 /// sides.
 struct GhostRows {

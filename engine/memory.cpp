@@ -30,7 +30,7 @@ void limit_memory(std::uint64_t bytes, unsigned threads) {
     require(found >= least, fmt::format("--memory: expected 0 (no limit) or at least {:.3g} GiB, "
                                         "which a process with {} threads needs, found {:.3g}",
                                         gigabytes(least) + 0.0005, threads, gigabytes(found)));
-#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) // whose shadow would count
+#ifndef BRIS_SANITIZED // the shadow memory of a sanitizer would count
     rlimit limit{};
     getrlimit(RLIMIT_DATA, &limit);
     limit.rlim_cur = std::min<rlim_t>(bytes, limit.rlim_max);

@@ -105,8 +105,8 @@ StepList steps(LawName law, bool energy_budget, PatchStiffness patch) {
         row_local("bound_displacement_and_rotation", bound_displacement_and_rotation),
         row_local("watch_motion", watch_motion),
         // inertial recorders
-        system("share_motion", share_motion),
-        system("record_motion", record_motion),
+        when(is_recording, system("share_motion", share_motion)),
+        when(is_recording, system("record_motion", record_motion)),
         // boundaries
         system("share_membrane_forces", share_membrane_forces),
         system("push_membrane", push_membrane),

@@ -162,6 +162,22 @@ hid_t with_parents() {
     return list;
 }
 
+/// The library keeps metadata in memory, by itself up to 32 MB of each file's, for which it takes
+/// ten times as much memory. A file that grows for days would take all that, so little is kept.
+hid_t with_small_cache() {
+    const hid_t list = H5Pcreate(H5P_FILE_ACCESS);
+    H5AC_cache_config_t cache{};
+    cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
+    H5Pget_mdc_config(list, &cache);
+    cache.set_initial_size = true;
+    cache.initial_size = cache.max_size = cache.min_size = std::size_t{1} << 17;
+    cache.incr_mode = H5C_incr__off;
+    cache.flash_incr_mode = H5C_flash_incr__off;
+    cache.decr_mode = H5C_decr__off;
+    H5Pset_mdc_config(list, &cache);
+    return list;
+}
+
 } // namespace
 
 Hdf5File::Hdf5File(std::filesystem::path path, std::int64_t file, bool writes)
@@ -202,26 +218,6 @@ void Hdf5File::initialise() {
     const Alone alone;
     H5open();
 }
-
-namespace {
-
-/// The library keeps metadata in memory, by itself up to 32 MB of each file's, for which it takes
-/// ten times as much memory. A file that grows for days would take all that, so little is kept.
-hid_t with_small_cache() {
-    const hid_t list = H5Pcreate(H5P_FILE_ACCESS);
-    H5AC_cache_config_t cache{};
-    cache.version = H5AC__CURR_CACHE_CONFIG_VERSION;
-    H5Pget_mdc_config(list, &cache);
-    cache.set_initial_size = true;
-    cache.initial_size = cache.max_size = cache.min_size = std::size_t{1} << 17;
-    cache.incr_mode = H5C_incr__off;
-    cache.flash_incr_mode = H5C_flash_incr__off;
-    cache.decr_mode = H5C_decr__off;
-    H5Pset_mdc_config(list, &cache);
-    return list;
-}
-
-} // namespace
 
 Hdf5File Hdf5File::create(const std::filesystem::path& path) {
     const Alone alone;

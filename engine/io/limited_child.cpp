@@ -18,8 +18,7 @@
 #include <unistd.h>
 #include <utility>
 
-#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define BRIS_LIMITS_ALLOCATOR
+#ifdef BRIS_SANITIZED
 extern "C" { // of the sanitizers; g++ 12 does not install their <sanitizer/allocator_interface.h>
 std::size_t __sanitizer_get_current_allocated_bytes();
 int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
@@ -67,7 +66,7 @@ void start_clock(bool replaceable) {
     setitimer(ITIMER_REAL, &clock, nullptr);
 }
 
-#ifdef BRIS_LIMITS_ALLOCATOR
+#ifdef BRIS_SANITIZED
 // The shadow of a sanitizer is address space, so its allocator is asked instead.
 std::size_t most_allocated = 0;
 
@@ -191,27 +190,22 @@ void LimitedChild::receive() {
     received_.resize(static_cast<std::size_t>(std::max<ssize_t>(found, 0)));
     taken_ = 0;
     if (!received_.empty()) return;
-    if (!replace_a_waiting_child()) throw OutputError(wait_for_reason());
+    const int status = wait_for_end();
+    if (!WIFEXITED(status) || WEXITSTATUS(status) != waits) throw OutputError(reason_of(status));
+    close(std::exchange(pipe_, -1));
+    start();
     receive();
 }
 
-bool LimitedChild::replace_a_waiting_child() {
-    siginfo_t found{};
-    while (waitid(P_PID, static_cast<id_t>(id_), &found, WEXITED | WNOWAIT) < 0)
-        if (errno != EINTR) return false;
-    if (found.si_code != CLD_EXITED || found.si_status != waits) return false;
-    waitpid(id_, nullptr, 0);
-    close(std::exchange(pipe_, -1));
-    id_ = -1;
-    start();
-    return true;
-}
-
-std::string LimitedChild::wait_for_reason() {
+int LimitedChild::wait_for_end() {
     int status = 0;
     while (waitpid(id_, &status, 0) < 0)
-        if (errno != EINTR) return "its reader was lost";
+        if (errno != EINTR) throw OutputError("its reader was lost");
     id_ = -1;
+    return status;
+}
+
+std::string LimitedChild::reason_of(int status) const {
     if (WIFEXITED(status))
         return WEXITSTATUS(status) == out_of_memory || WEXITSTATUS(status) == failed
                    ? fmt::format("it needs more than {:.0f} MiB of memory",

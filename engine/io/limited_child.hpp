@@ -14,7 +14,7 @@ namespace bris {
 /// input can crash. The child has one thread, writes nothing to the terminal and never returns.
 ///
 /// A child may find a lock taken by a thread that only the parent has, and wait for it forever. So
-/// a child that has used no processor time for two seconds, and has sent nothing, is replaced by
+/// a child that has used no processor time for a second, and has sent nothing, is replaced by
 /// another one, which does the same work from its beginning. The third one may wait for slow files.
 class LimitedChild {
 public:
@@ -50,8 +50,8 @@ public:
 private:
     void start();
     void receive();
-    bool replace_a_waiting_child();
-    std::string wait_for_reason();
+    int wait_for_end(); ///< its status, as of waitpid
+    std::string reason_of(int status) const;
 
     Limits limits_;
     Work work_;

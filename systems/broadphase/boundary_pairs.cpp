@@ -25,7 +25,7 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
     const auto run = bodies.column<SpheresOf>();
     const auto id = bodies.column<BodyId>();
     // the forces of ghosts on boundaries are found by the ranks that own them
-    const std::uint32_t* ghost = bodies.has<Ghost>() ? bodies.column<Ghost>().data() : nullptr;
+    const Ghosts ghosts(bodies);
     const auto material = bodies.column<MaterialOf>();
     const auto sphere_row = world.column<Spheres, EnlargedSphere>();
     const auto& materials = world.resource<Materials>();
@@ -33,7 +33,7 @@ void find_pairs(World& world, std::span<const EntityId> part, std::span<const Ro
     std::vector<Row> first;
     found.collect(bodies.size(), first, [&](std::vector<Candidate>& list, Row b) {
         if (run[b].count == 0 || motion[b] != static_cast<std::uint32_t>(Motion::free)) return;
-        if (ghost != nullptr && ghost[b] != 0) return;
+        if (ghosts[b]) return;
         const std::size_t begin = list.size();
         for (const Row e : parts_around(b)) {
             if (!near_body(b, e)) continue;

@@ -40,6 +40,7 @@ void take_census(World& world) {
     const auto material = bodies.column<MaterialOf>();
     const auto motion = bodies.column<MotionOf>();
     const auto spheres = bodies.column<SpheresOf>();
+    const Ghosts ghosts(bodies); // count on their own ranks
     const std::size_t materials = world.resource<Materials>().list.size();
     Census census;
     census.smallest_free_radius = std::numeric_limits<double>::infinity();
@@ -47,7 +48,7 @@ void take_census(World& world) {
     census.hosts.assign(materials, 0);
     for (Row b = 0; b < bodies.size(); ++b) {
         const bool grain = spheres[b].count > 0;
-        ++(grain ? census.grains : census.hosts)[material[b]];
+        if (!ghosts[b]) ++(grain ? census.grains : census.hosts)[material[b]];
         if (!grain) census.boundaries.push_back(b);
         if (grain) census.largest_radius = std::max(census.largest_radius, radius[b]);
         if (motion[b] == static_cast<std::uint32_t>(Motion::free) && radius[b] > 0)

@@ -231,8 +231,7 @@ void find_sphere_pairs(World& world) {
     const SizeGrids grids(s.position, s.radius, std::move(rows),
                           world.resource<ListSettings>().widest_ratio);
     // two ghosts concern other ranks only
-    const std::uint32_t* ghost = bodies.has<Ghost>() ? bodies.column<Ghost>().data() : nullptr;
-    const auto is_ghost = [&](Row b) { return ghost != nullptr && ghost[b] != 0; };
+    const Ghosts ghosts(bodies);
     const auto free_body = [&](Row b) {
         return s.motion[b] == static_cast<std::uint32_t>(Motion::free);
     };
@@ -246,7 +245,7 @@ void find_sphere_pairs(World& world) {
         mine.partners.clear();
         grids.around(s.position[a], s.radius[a], [&](Row b) {
             if (s.id[b] <= s.id[a] || (!free_body(a) && !free_body(b))) return;
-            if (is_ghost(a) && is_ghost(b)) return;
+            if (ghosts[a] && ghosts[b]) return;
             const double reach = s.radius[a] + s.radius[b];
             if ((s.position[a] - s.position[b]).squaredNorm() < reach * reach)
                 mine.partners.push_back(b);

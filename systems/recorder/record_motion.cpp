@@ -57,12 +57,15 @@ void InertialRecorders::load(const Archive& archive) {
     }
 }
 
+bool is_recording(const World& world) {
+    return world.has_resource<InertialRecorders>() && world.resource<InertialRecorders>().running;
+}
+
 void note_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, const Torque,
                       const InertialMass, const InertialInertia, const Orientation,
                       const AngularVelocity, const Velocity, const DriveVelocity>
                      bodies,
                  const InertialRecorders& recorders, NotedMotions& motions, const Clock& clock) {
-    motions.wanted = recorders.running;
     if (!recorders.running) return;
     const std::uint32_t* number = bodies.column<RecorderOf>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
@@ -87,7 +90,6 @@ void note_motion(Rows<Bodies, const RecorderOf, const MotionOf, const Force, con
 }
 
 void record_motion(const NotedMotions& motions, InertialRecorders& recorders, const Clock& clock) {
-    if (!recorders.running) return;
     for (std::size_t k = 0; k < recorders.list.size(); ++k) {
         InertialRecorder& recorder = recorders.list[k];
         recorder.imu.sense(clock.dt, motions.of[k]);

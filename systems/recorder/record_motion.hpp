@@ -6,6 +6,7 @@
 #include "engine/clock.hpp"
 #include "engine/rows.hpp"
 #include "engine/signal/imu.hpp"
+#include "engine/world.hpp"
 
 #include <vector>
 
@@ -29,6 +30,9 @@ struct InertialRecorders {
     void save(Archive& archive) const;
     void load(const Archive& archive);
 };
+
+/// Whether inertial recorders are running.
+bool is_recording(const World& world);
 
 /// Notes the motion of the bodies that have inertial recorders. Force and Torque must be complete:
 /// they give the accelerations at the time of the positions. Each row writes its own motion only.

@@ -144,6 +144,16 @@ void keep_rows(Table& table, std::vector<Row> kept) {
     table.resize(count);
 }
 
+std::vector<Row> bodies_of(const World& world, bool with_spheres) {
+    const auto ids = world.column<Bodies, BodyId>();
+    std::vector<bool> has_spheres(ids_of(world), false);
+    for (const EntityId parent : world.column<Spheres, ParentId>()) has_spheres[parent] = true;
+    std::vector<Row> rows;
+    for (Row b = 0; b < ids.size(); ++b)
+        if (has_spheres[ids[b]] == with_spheres) rows.push_back(b);
+    return rows;
+}
+
 template <class Visit>
 void for_pair_tables(const World& world, Visit&& visit) {
     for_each_kind_of_pair([&]<class Pairs>() {
@@ -181,15 +191,8 @@ void overwrite_bodies(World& world, const Ranks::Bytes& packed) {
     for_pair_tables(world, [&]<class Pairs>() { from.append_to(world.table<Pairs>()); });
 }
 
-std::vector<Row> boundaries_of(const World& world) {
-    const auto ids = world.column<Bodies, BodyId>();
-    std::vector<bool> has_spheres(ids_of(world), false);
-    for (const EntityId parent : world.column<Spheres, ParentId>()) has_spheres[parent] = true;
-    std::vector<Row> rows;
-    for (Row b = 0; b < ids.size(); ++b)
-        if (!has_spheres[ids[b]]) rows.push_back(b);
-    return rows;
-}
+std::vector<Row> boundaries_of(const World& world) { return bodies_of(world, false); }
+std::vector<Row> grains_of(const World& world) { return bodies_of(world, true); }
 
 void keep_bodies(World& world, std::span<const Row> bodies, std::span<const Row> owners) {
     std::vector<Row> kept = boundaries_of(world);

@@ -26,7 +26,8 @@ void overwrite_bodies(World& world, const Ranks::Bytes& packed);
 /// those remain that `owners` own. The bodies without spheres remain and become the first rows.
 void keep_bodies(World& world, std::span<const Row> bodies, std::span<const Row> owners);
 
-/// Bodies without spheres, by row. Does not need `SpheresOf`.
+/// Bodies without spheres, and bodies with spheres, by row. They do not need `SpheresOf`.
 std::vector<Row> boundaries_of(const World& world);
+std::vector<Row> grains_of(const World& world);
 
 } // namespace bris::detail

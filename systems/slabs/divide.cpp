@@ -23,12 +23,9 @@ std::string reason_not_to_divide(const World& world) {
 unsigned most_slabs(const World& world) {
     const auto position = world.column<Bodies, Position>();
     const auto radius = world.column<Bodies, BoundingRadius>();
-    std::vector<bool> is_boundary(radius.size(), false);
-    for (const Row b : detail::boundaries_of(world)) is_boundary[b] = true;
     double largest = 0;
     Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (Row b = 0; b < radius.size(); ++b) {
-        if (is_boundary[b]) continue;
+    for (const Row b : detail::grains_of(world)) {
         largest = std::max(largest, radius[b]);
         low = low.cwiseMin(position[b]);
         high = high.cwiseMax(position[b]);
@@ -83,19 +80,15 @@ World take_slab(const World& whole) {
 }
 
 void give_back(const World& part, World& whole) {
-    const std::vector<Row> boundaries = detail::boundaries_of(part);
     const auto ghost = part.column<Bodies, Ghost>();
-    std::vector<bool> is_boundary(ghost.size(), false);
-    for (const Row b : boundaries) is_boundary[b] = true;
-    std::vector<Row> own;
-    for (Row b = 0; b < ghost.size(); ++b)
-        if (ghost[b] == 0 && !is_boundary[b]) own.push_back(b);
+    std::vector<Row> own = detail::grains_of(part);
+    std::erase_if(own, [&](Row b) { return ghost[b] != 0; });
     for_each_kind_of_pair([&]<class Pairs>() {
         if (whole.has<Pairs>()) whole.table<Pairs>().resize(0);
     });
     for (const auto& packed : Ranks::share(detail::pack_bodies(part, own, false)))
         detail::overwrite_bodies(whole, packed);
-    detail::overwrite_bodies(whole, detail::pack_bodies(part, boundaries, false));
+    detail::overwrite_bodies(whole, detail::pack_bodies(part, detail::boundaries_of(part), false));
     copy_boundaries(part, whole);
     Archive resources;
     for (const auto& held : part.resources()) held->save(resources);

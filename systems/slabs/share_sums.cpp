@@ -8,19 +8,14 @@
 
 namespace bris {
 
-void share_census(Rows<Bodies, const MaterialOf, const SpheresOf, const Ghost> bodies, const Slab&,
-                  const ListState& lists, const Clock& clock, Census& census) {
+void share_census(const Slab&, const ListState& lists, const Clock& clock, Census& census) {
     if (lists.last_rebuild != clock.step) return;
     census.largest_radius = Ranks::largest(census.largest_radius);
     census.smallest_free_radius = -Ranks::largest(-census.smallest_free_radius);
-    // boundaries are on all ranks, grains count where they are no ghosts
-    std::vector<std::int64_t> grains(census.grains.size());
-    for (Row b = bodies.first(); b < bodies.last(); ++b)
-        if (bodies.column<SpheresOf>()[b].count > 0 && bodies.column<Ghost>()[b] == 0)
-            ++grains[bodies.column<MaterialOf>()[b]];
-    Ranks::sum(grains);
-    for (std::size_t k = 0; k < grains.size(); ++k)
-        census.grains[k] = static_cast<std::uint32_t>(grains[k]);
+    std::vector<std::int64_t> grains(census.grains.begin(), census.grains.end());
+    Ranks::sum(grains); // the boundaries are on all ranks
+    std::ranges::transform(grains, census.grains.begin(),
+                           [](std::int64_t n) { return static_cast<std::uint32_t>(n); });
 }
 
 void share_boundary_forces(Rows<Bodies, const MotionOf, const BodyId> bodies, const Census& census,
@@ -60,7 +55,6 @@ void share_platen_contacts(const Slab&, Platen& platen) {
 
 void share_motion(Rows<Bodies, const RecorderOf, const SpheresOf, const Ghost> bodies,
                   const Slab& slab, NotedMotions& motions) {
-    if (!motions.wanted) return;
     // one rank gives the bits of a motion and the others give zeros, so that their sum is exact
     using Bits = std::array<std::int64_t, sizeof(TrueMotion) / sizeof(std::int64_t)>;
     static_assert(sizeof(Bits) == sizeof(TrueMotion));

@@ -47,8 +47,7 @@ void agree_on_lists(const Slab& slab, ListState& lists, Health& health);
 void exchange_bodies(Slab& slab, World& world);
 
 /// After new candidates: what the step must know of the bodies of all ranks.
-void share_census(Rows<Bodies, const MaterialOf, const SpheresOf, const Ghost> bodies,
-                  const Slab& slab, const ListState& lists, const Clock& clock, Census& census);
+void share_census(const Slab& slab, const ListState& lists, const Clock& clock, Census& census);
 
 /// After new candidates: which rows are sent to, and received from, each other rank in each step.
 void list_ghosts(

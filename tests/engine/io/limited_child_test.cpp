@@ -1,8 +1,8 @@
 #include "engine/errors.hpp"
 #include "engine/io/limited_child.hpp"
+#include "tests/temporary_directory.hpp"
 
 #include <doctest/doctest.h>
-#include <fmt/format.h>
 
 #include <chrono>
 #include <cstdlib>
@@ -55,17 +55,15 @@ TEST_SUITE("engine/io/limited_child") {
     }
 
     TEST_CASE("a child that waits in vain is replaced by one that does its work") {
-        const std::filesystem::path place =
-            std::filesystem::temp_directory_path() / fmt::format("bris_child_{}", getpid());
+        const TemporaryDirectory folder;
         LimitedChild child(limits, [&](LimitedChild::Pipe& pipe) {
-            if (std::filesystem::create_directory(place))
+            if (std::filesystem::create_directory(folder / "began"))
                 while (true) pause(); // the first one
             pipe.write("done", 4);
         });
         std::string answer(4, ' ');
         child.read(answer.data(), answer.size());
         CHECK(answer == "done");
-        std::filesystem::remove(place);
     }
 
     TEST_CASE("a child that has sent something may wait") {
