@@ -14,6 +14,7 @@
 #include <cstring>
 
 #ifdef BRIS_MOSQUITTO
+#include <array>
 #include <atomic>
 #include <condition_variable>
 #include <deque>
@@ -21,6 +22,8 @@
 #include <mosquitto.h>
 #include <mqtt_protocol.h>
 #include <mutex>
+#include <poll.h>
+#include <sys/socket.h>
 #include <thread>
 #include <unistd.h>
 #endif
@@ -227,6 +230,10 @@ struct BrokerClient::Connection {
             ends = ends_session;
         }
         if (!connected) return;
+        // The library closes its socket after the farewell. If records waited in the socket then,
+        // the system would reset the connection, and the broker might never read the farewell: a
+        // copy stays open until the broker has closed its side.
+        const int copy = dup(mosquitto_socket(client));
         Properties properties;
         if (ends) properties.add(MQTT_PROP_SESSION_EXPIRY_INTERVAL, 0);
         mosquitto_disconnect_v5(client, 0, ends ? properties.get() : nullptr);
@@ -236,6 +243,11 @@ struct BrokerClient::Connection {
         while (mosquitto_want_write(client) && seconds_since(began) < farewell &&
                mosquitto_loop_write(client, 1) == MOSQ_ERR_SUCCESS)
             std::this_thread::yield();
+        if (copy < 0) return;
+        std::array<char, 4096> rest{};
+        for (pollfd input{copy, POLLIN, 0}; seconds_since(began) < farewell;)
+            if (poll(&input, 1, loop_ms) > 0 && recv(copy, rest.data(), rest.size(), 0) <= 0) break;
+        close(copy);
     }
     /// Keeps what is wrong. Returns whether there was a connection before, which the library has
     /// told on_disconnect.
