@@ -34,29 +34,30 @@ struct Law {
 
     /// Computes the force and torque on the owner and advances the springs by one step. Pairs that
     /// have separated in the last step are included with corrects_end, or if the energy budget
-    /// needs the work that their springs lose; their overlap is negative.
-    static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k,
-                            const RollingLanes& rolling, const LawStep& step, SpringLanes& spring,
-                            RollLanes& roll) {
-        if constexpr (corrects_end) {
-            const LaneMask ended = ended_ones(c, spring);
-            if (bits(ended) != 0) {
-                const WorkLanes lost = work_of_separation(c, k, rolling, step, spring, roll);
-                ForceLanes f = force_of_touching(closed(c), k, rolling, step, spring, roll);
-                end(c, k, step, ended, f, spring, roll);
-                replace_work(f, ended, lost);
-                return f;
-            }
-        } else if constexpr (has_history) { // no force acts on contacts that have ended
-            LaneMask ended{};
-            if (step.accumulate_work) ended = ended_ones(c, spring);
-            WorkLanes lost;
+    /// needs the work that their springs lose; their overlap is negative. Inline with all that
+    /// happens in most steps, so that the numbers of a contact stay in registers.
+    [[gnu::always_inline]] static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k,
+                                                   const RollingLanes& rolling, const LawStep& step,
+                                                   SpringLanes& spring, RollLanes& roll) {
+        LaneMask ended{};
+        WorkLanes lost;
+        if constexpr (has_history) {
+            if (corrects_end || step.accumulate_work) ended = ended_ones(c, spring);
             if (bits(ended) != 0) lost = work_of_separation(c, k, rolling, step, spring, roll);
-            ForceLanes f = force_of_touching(closed(c), k, rolling, step, spring, roll);
-            if (bits(ended) != 0) replace_work(f, ended, lost);
-            return f;
         }
-        return force_of_touching(closed(c), k, rolling, step, spring, roll);
+        ForceLanes f = force_of_touching(closed(c), k, rolling, step, spring, roll);
+        if constexpr (has_history)
+            if (bits(ended) != 0) {
+                if constexpr (corrects_end) {
+                    const Ended after = end(c, k, step, ended, f, spring, roll);
+                    f = after.force;
+                    spring = after.spring;
+                    roll = after.roll;
+                }
+                f.work.friction = ended ? lost.friction : f.work.friction;
+                f.work.rolling = ended ? lost.rolling : f.work.rolling;
+            }
+        return f;
     }
 
 private:
@@ -72,14 +73,9 @@ private:
         return (c.overlap <= 0.0) & (spring.stiffness > 0.0);
     }
 
-    static void replace_work(ForceLanes& f, LaneMask ended, const WorkLanes& lost) {
-        f.work.friction = ended ? lost.friction : f.work.friction;
-        f.work.rolling = ended ? lost.rolling : f.work.rolling;
-    }
-
-    static ForceLanes force_of_touching(const ContactLanes& c, const CoefficientLanes& k,
-                                        const RollingLanes& rolling, const LawStep& step,
-                                        SpringLanes& spring, RollLanes& roll) {
+    [[gnu::always_inline]] static ForceLanes
+    force_of_touching(const ContactLanes& c, const CoefficientLanes& k, const RollingLanes& rolling,
+                      const LawStep& step, SpringLanes& spring, RollLanes& roll) {
         const StiffnessLanes stiffness = stiffness_of(c, k, step);
         ForceLanes f{};
         const DashpotLanes dashpots = Damping::coefficients(c, k, stiffness);
@@ -129,10 +125,16 @@ private:
         return lost;
     }
 
+    struct Ended {
+        ForceLanes force;
+        SpringLanes spring;
+        RollLanes roll;
+    };
     /// Replaces the forces of the contacts that have ended by their corrections, and clears their
-    /// springs.
-    static void end(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step,
-                    LaneMask ended, ForceLanes& f, SpringLanes& spring, RollLanes& roll) {
+    /// springs. Called rarely, as work_of_separation.
+    [[gnu::noinline]] static Ended end(ContactLanes c, CoefficientLanes k, LawStep step,
+                                       LaneMask ended, ForceLanes f, SpringLanes spring,
+                                       RollLanes roll) {
         Lane force = lanes(0), viscous = lanes(0);
         if (!step.shared) { // shares are those of touching pairs: the end of a patch is predicted
             const CorrectionOfEnd last(c, step.dt);
@@ -153,11 +155,13 @@ private:
         for (Lane* none : {&f.torque_x, &f.torque_y, &f.torque_z, &spring.x, &spring.y, &spring.z,
                            &spring.stiffness, &roll.x, &roll.y, &roll.z, &roll.twist})
             replace(*none, lanes(0));
+        return {f, spring, roll};
     }
 
-    static Lane normal_force(const ContactLanes& c, const CoefficientLanes& k, const LawStep& step,
-                             const StiffnessLanes& stiffness, const DashpotLanes& dashpots,
-                             WorkLanes& work) {
+    [[gnu::always_inline]] static Lane normal_force(const ContactLanes& c,
+                                                    const CoefficientLanes& k, const LawStep& step,
+                                                    const StiffnessLanes& stiffness,
+                                                    const DashpotLanes& dashpots, WorkLanes& work) {
         const PartialStep partial(c, step.dt, !corrects_end || step.shared);
         Lane elastic = stiffness.force, share = lanes(1);
         if (partial.any()) {

@@ -16,9 +16,10 @@ struct NoRolling {
 struct RollingSprings {
     static constexpr bool present = true;
 
-    static void torque(const ContactLanes& c, const RollingLanes& k, const LawStep& step,
-                       Lane shear_stiffness, Lane old_shear_stiffness, RollLanes& roll,
-                       ForceLanes& f) {
+    [[gnu::always_inline]] static void torque(const ContactLanes& c, const RollingLanes& k,
+                                              const LawStep& step, Lane shear_stiffness,
+                                              Lane old_shear_stiffness, RollLanes& roll,
+                                              ForceLanes& f) {
         SpringLanes old{roll.x, roll.y, roll.z, k.stiffness_ratio * old_shear_stiffness};
         turn_with_pair(c, step.dt, old.x, old.y, old.z);
         const Lane ks = k.stiffness_ratio * shear_stiffness, radius = c.radius,

@@ -1,11 +1,12 @@
 #include "systems/contact/sum_contacts.hpp"
 
 #include "components/elasticity.hpp"
-#include "engine/lane_math.hpp"
+#include "engine/quad_math.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 namespace bris {
@@ -63,27 +64,14 @@ void place(const std::array<WideInteger, 6>& sum, const ForceGrid& grid, Vec3& f
     }
 }
 
-/// Sums of lane_count bodies, one body per lane.
-struct SumLanes {
-    Vec3Lanes force, torque;
-};
-Lane number(Lane integers) {
-    return __builtin_convertvector(reinterpret_cast<LaneMask>(integers), Lane);
-}
-SumLanes load_sums(const SumRow* row, const ByRow& at) {
-    const auto numbers = [&](std::int64_t SumRow::*member) {
-        return transpose(load_rows(
-            [&](int q) { return reinterpret_cast<const double*>(&(row[at.valid(q)].*member)); }));
-    };
-    const FourLanes f = numbers(&SumRow::fx), t = numbers(&SumRow::tx);
-    return {{number(f[0]), number(f[1]), number(f[2])}, {number(t[0]), number(t[1]), number(t[2])}};
-}
-
-Vec3Lanes scaled_or_nan(double unit, const Vec3Lanes& sum) {
-    const LaneMask fits =
-        magnitude(sum.x) + magnitude(sum.y) + magnitude(sum.z) <= ForceGrid::largest_sum;
-    const Lane nan = lanes(std::numeric_limits<double>::quiet_NaN());
-    return select(fits, {unit * sum.x, unit * sum.y, unit * sum.z}, {nan, nan, nan});
+/// Three sums in N or N m; NaN where a sum is beyond the grid.
+Quad scaled_or_nan(double unit, const std::int64_t* sums) {
+    using Integers [[gnu::vector_size(sizeof(Quad))]] = std::int64_t;
+    Integers integers;
+    std::memcpy(&integers, sums, sizeof integers);
+    const Quad sum = __builtin_convertvector(integers, Quad),
+               nan = std::numeric_limits<double>::quiet_NaN() - Quad{};
+    return (sum <= ForceGrid::largest_sum) & (sum >= -ForceGrid::largest_sum) ? unit * sum : nan;
 }
 
 } // namespace
@@ -127,25 +115,19 @@ void sum_contacts(Rows<Bodies, const SumsFromOthers, const SpheresOf, Force, Tor
     const SphereRun* spheres = bodies.column<SpheresOf>();
     SumRow* sum = sums.column<ContactSum>();
     Vec3 *force = bodies.column<Force>(), *torque = bodies.column<Torque>();
-    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        for (int q = 0; q < rows.count; ++q) {
-            const Row b = rows.first + static_cast<Row>(q);
-            if (list[b] != no_row && spheres[b].count > 0)
-                take_list(list[b], sums, [&](const SumRow& r) { add(sum[b], r); });
-        }
-        const ByRow at(rows);
-        const SumLanes total = load_sums(sum, at);
-        store(force, rows, scaled_or_nan(grid.force, total.force));
-        store(torque, rows, scaled_or_nan(grid.torque, total.torque));
-        for (int q = 0; q < rows.count; ++q) {
-            const Row b = at(q);
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        if (spheres[b].count == 0) {
             sum[b] = {};
-            if (spheres[b].count > 0) continue;
             const auto at_row = std::ranges::lower_bound(census.boundaries, b);
             place(boundaries.of[static_cast<std::size_t>(at_row - census.boundaries.begin())], grid,
                   force[b], torque[b]);
+            continue;
         }
-    });
+        if (list[b] != no_row) take_list(list[b], sums, [&](const SumRow& r) { add(sum[b], r); });
+        store(force[b], scaled_or_nan(grid.force, &sum[b].fx));
+        store(torque[b], scaled_or_nan(grid.torque, &sum[b].tx));
+        sum[b] = {};
+    }
 }
 
 } // namespace bris

@@ -1,6 +1,6 @@
 #include "engine/lane_math.hpp"
+#include "engine/quad_math.hpp"
 #include "systems/integration/motion.hpp"
-#include "systems/integration/store_motion.hpp"
 
 namespace bris {
 
@@ -55,16 +55,14 @@ void rotate_spheres(Rows<Bodies, const MotionOf, const Torque, const SphereInert
     Vec3* momentum = bodies.column<AngularMomentum>();
     Vec3* omega = bodies.column<AngularVelocity>();
     Vec3* step_omega = bodies.column<StepAngularVelocity>();
-    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        const LaneMask free = equal(motion, rows, free_motion);
-        const Lane inverse_inertia = 1.0 / load(inertia, rows);
-        const Vec3Lanes before = load(momentum, rows), t = load(torque, rows),
-                        after = before + clock.dt * t;
-        store(momentum, rows, select(free, after, before));
-        store(omega, rows,
-              select(free, inverse_inertia * (after + 0.5 * clock.dt * t), load(omega, rows)));
-        store(step_omega, rows, select(free, inverse_inertia * after, load(step_omega, rows)));
-    });
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        if (motion[b] != free_motion) continue;
+        const double inverse_inertia = 1.0 / inertia[b];
+        const Quad t = quad(torque[b]), after = quad(momentum[b]) + clock.dt * t;
+        store(momentum[b], after);
+        store(omega[b], inverse_inertia * (after + 0.5 * clock.dt * t));
+        store(step_omega[b], inverse_inertia * after);
+    }
 }
 
 void rotate_clumps(Rows<Bodies, const MotionOf, const Torque, const InertialInertia,
@@ -179,7 +177,10 @@ void update_clump_positions(PositionedBodies bodies, PositionedBalls listed) {
         const ByRow at(rows);
         store_rows(transpose({x.x, x.y, x.z, Lane{}}), rows.count,
                    [&](int q) { return &centre[at(q)].x; });
-        store_motion(row, rows, v, inverse_mass, w);
+        store_rows(transpose({v.x, v.y, v.z, inverse_mass}), rows.count,
+                   [&](int q) { return &row[at(q)].vx; });
+        store_rows(transpose({w.x, w.y, w.z, Lane{}}), rows.count,
+                   [&](int q) { return &row[at(q)].omega_x; });
         PositionedFrames frames;
         const AxesLanes axes = axes_of(load(orientation, rows));
         put(frames, &PositionedFrame::centre, x);

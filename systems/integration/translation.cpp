@@ -1,6 +1,6 @@
 #include "engine/lane_math.hpp"
+#include "engine/quad_math.hpp"
 #include "systems/integration/motion.hpp"
-#include "systems/integration/store_motion.hpp"
 
 namespace bris {
 
@@ -118,18 +118,14 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
     Vec3* velocity = bodies.column<Velocity>();
     Vec3* acceleration = bodies.column<Acceleration>();
     Vec3* position = bodies.column<Position>();
-    const Vec3Lanes at_rest{};
-    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        const LaneMask free = equal(motion, rows, free_motion);
-        const Lane m = load(mass, rows);
-        const Vec3Lanes f = load(force, rows);
-        const Vec3Lanes a = select(free, {f.x / m, f.y / m, f.z / m}, at_rest);
-        Vec3Lanes v = load(velocity, rows) + clock.dt * a;
-        if (bits(free) != all_lanes) v = select(free, v, load(drive, rows));
-        store(acceleration, rows, a);
-        store(velocity, rows, v);
-        store(position, rows, load(position, rows) + clock.dt * v);
-    });
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        const bool free = motion[b] == free_motion;
+        const Quad a = free ? quad(force[b]) / mass[b] : Quad{};
+        const Quad v = free ? quad(velocity[b]) + clock.dt * a : quad(drive[b]);
+        store(acceleration[b], a);
+        store(velocity[b], v);
+        store(position[b], quad(position[b]) + clock.dt * v);
+    }
 }
 
 void update_sphere_positions(PositionedSpheres bodies, PositionedBalls listed) {
@@ -141,17 +137,12 @@ void update_sphere_positions(PositionedSpheres bodies, PositionedBalls listed) {
     MotionRow* row = bodies.column<RigidMotion>();
     const Ball* ball = listed.column<ListedBall>();
     SphereRow* target = listed.column<ListedPosition>();
-    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        const LaneMask free = equal(motion, rows, free_motion);
-        const Vec3Lanes x = load(position, rows);
-        const ByRow at(rows);
-        store_motion(row, rows, load(velocity, rows), free ? 1.0 / load(mass, rows) : Lane{},
-                     load(omega, rows));
-        const Lane radius =
-            transpose(load_rows([&](int q) { return ball[at.valid(q)].centre.data(); }))[3];
-        store_rows(transpose({x.x, x.y, x.z, radius}), rows.count,
-                   [&](int q) { return &target[at(q)].x; });
-    });
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        const double inverse_mass = motion[b] == free_motion ? 1.0 / mass[b] : 0;
+        store(&row[b].vx, with_fourth(quad(velocity[b]), inverse_mass));
+        store(&row[b].omega_x, quad(omega[b]));
+        store(&target[b].x, with_fourth(quad(position[b]), ball[b].radius));
+    }
 }
 
 void update_kicks(
@@ -161,15 +152,10 @@ void update_kicks(
     const Vec3* omega = bodies.column<AngularVelocity>();
     const Vec3* step_omega = bodies.column<StepAngularVelocity>();
     KickRow* kick = bodies.column<Kick>();
-    for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        const Vec3Lanes v = (0.5 * clock.dt) * load(acceleration, rows),
-                        w = load(omega, rows) - load(step_omega, rows);
-        const ByRow at(rows);
-        store_rows(transpose({v.x, v.y, v.z, Lane{}}), rows.count,
-                   [&](int q) { return &kick[at(q)].vx; });
-        store_rows(transpose({w.x, w.y, w.z, Lane{}}), rows.count,
-                   [&](int q) { return &kick[at(q)].omega_x; });
-    });
+    for (Row b = bodies.first(); b < bodies.last(); ++b) {
+        store(&kick[b].vx, (0.5 * clock.dt) * quad(acceleration[b]));
+        store(&kick[b].omega_x, quad(omega[b]) - quad(step_omega[b]));
+    }
 }
 
 void bound_displacement(Rows<Bodies, const Position, const PrunedAt, const SphereInertia,
