@@ -35,8 +35,9 @@ struct Law {
     /// Computes the force and torque on the owner and advances the springs by one step. Pairs that
     /// have separated in the last step are included with corrects_end, or if the energy budget
     /// needs the work that their springs lose; their overlap is negative. Inline with all that
-    /// happens in most steps, so that the numbers of a contact stay in registers.
-    [[gnu::always_inline]] static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k,
+    /// happens in most steps, so that the numbers of a contact stay in registers; for the same
+    /// reason `c` is no copy, but is as before afterwards.
+    [[gnu::always_inline]] static ForceLanes force(ContactLanes& c, const CoefficientLanes& k,
                                                    const RollingLanes& rolling, const LawStep& step,
                                                    SpringLanes& spring, RollLanes& roll) {
         LaneMask ended{};
@@ -45,7 +46,10 @@ struct Law {
             if (corrects_end || step.accumulate_work) ended = ended_ones(c, spring);
             if (bits(ended) != 0) lost = work_of_separation(c, k, rolling, step, spring, roll);
         }
-        ForceLanes f = force_of_touching(closed(c), k, rolling, step, spring, roll);
+        const Lane overlap = c.overlap;
+        c.overlap = max(overlap, lanes(0)); // rounding may leave it below zero where surfaces touch
+        ForceLanes f = force_of_touching(c, k, rolling, step, spring, roll);
+        c.overlap = overlap;
         if constexpr (has_history)
             if (bits(ended) != 0) {
                 if constexpr (corrects_end) {
@@ -61,13 +65,6 @@ struct Law {
     }
 
 private:
-    /// The contacts without negative overlaps, which rounding may leave where surfaces touch.
-    static ContactLanes closed(const ContactLanes& c) {
-        ContactLanes touching = c;
-        touching.overlap = max(c.overlap, lanes(0));
-        return touching;
-    }
-
     /// Contacts that have ended in the last step.
     static LaneMask ended_ones(const ContactLanes& c, const SpringLanes& spring) {
         return (c.overlap <= 0.0) & (spring.stiffness > 0.0);
@@ -77,7 +74,7 @@ private:
     force_of_touching(const ContactLanes& c, const CoefficientLanes& k, const RollingLanes& rolling,
                       const LawStep& step, SpringLanes& spring, RollLanes& roll) {
         const StiffnessLanes stiffness = stiffness_of(c, k, step);
-        ForceLanes f{};
+        ForceLanes f;
         const DashpotLanes dashpots = Damping::coefficients(c, k, stiffness);
         f.normal = normal_force(c, k, step, stiffness, dashpots, f.work);
         f.x = f.normal * c.nx;

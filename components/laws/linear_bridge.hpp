@@ -91,7 +91,7 @@ struct LinearBridge : Law<LinearNormal, Dashpots, CoulombSpring> {
                (integral(row.value[rupture]) - integral(gap));
     }
 
-    static ForceLanes force(const ContactLanes& c, const CoefficientLanes& k, const OwnLanes& own,
+    static ForceLanes force(ContactLanes& c, const CoefficientLanes& k, const OwnLanes& own,
                             const RollingLanes& rolling, const LawStep& step, SpringLanes& spring,
                             RollLanes& roll) {
         const LaneMask touches = c.overlap > 0.0, forms = spring.stiffness == 0.0,

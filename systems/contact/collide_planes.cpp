@@ -92,10 +92,9 @@ struct PlaneGeometry {
             const Vec3Lanes w = omega - turning;
             c.wx = w.x, c.wy = w.y, c.wz = w.z;
         }
-        ForceLanes force;
         return detail::apply_law<Law>(to, rows, own.data(), count, c,
                                       {point, point - middle, point - pivot},
-                                      overlap > deepest * a[3], force);
+                                      overlap > deepest * a[3]);
     }
 };
 

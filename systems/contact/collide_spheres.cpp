@@ -135,12 +135,11 @@ struct SphereGeometry {
             c.twist =
                 0.5 * ((wa[0] + wb[0]) * c.nx + (wa[1] + wb[1]) * c.ny + (wa[2] + wb[2]) * c.nz);
         }
-        ForceLanes force;
         return detail::apply_law<Law>(to, rows, own.data(), count, c,
                                       {{px, py, pz},
                                        {px - xa[0], py - xa[1], pz - xa[2]},
                                        {px - xb[0], py - xb[1], pz - xb[2]}},
-                                      c.overlap > (0.5 * deepest) * reach, force);
+                                      c.overlap > (0.5 * deepest) * reach);
     }
 };
 

@@ -15,11 +15,6 @@ struct SurfaceAt {
     Row free_host = no_row;
 };
 
-/// Does nothing with the forces of a tile.
-struct NoReader {
-    void operator()(const Row*, int, const ForceLanes&) const {}
-};
-
 /// Collects contacts that are found one by one (spheres against facets and membrane) and applies
 /// the law to lane_count of them at a time. `reader` is then called with their near rows, their
 /// number and their forces.
@@ -114,13 +109,11 @@ public:
             c.wy = lane(omega_at + 1);
             c.wz = lane(omega_at + 2);
         }
-        ForceLanes force;
         const unsigned beyond =
             apply_law<Law>(to_, rows_.data(), own_.data(), count_, c,
                            {vector(point_at), vector(own_arm_at), vector(partner_arm_at)},
-                           c.overlap > deepest_ * c.radius, force);
+                           c.overlap > deepest_ * c.radius, reader_);
         if (beyond != 0) beyond_limit_ = rows_[static_cast<std::size_t>(__builtin_ctz(beyond))];
-        reader_(rows_.data(), count_, force);
         count_ = 0;
     }
 

@@ -146,7 +146,7 @@ private:
     }
 };
 
-inline CoefficientLanes coefficients(const TileTarget& to, const Row* rows) {
+[[gnu::always_inline]] inline CoefficientLanes coefficients(const TileTarget& to, const Row* rows) {
     if (to.one_law) {
         const LawRow& k = to.laws[0];
         return {lanes(k.kn),          lanes(k.ks),         lanes(k.friction),
@@ -160,7 +160,7 @@ inline CoefficientLanes coefficients(const TileTarget& to, const Row* rows) {
     return {first[0], first[1], first[2], first[3], remaining[0], remaining[1], remaining[2]};
 }
 
-inline OwnLanes own_coefficients(const TileTarget& to, const Row* rows) {
+[[gnu::always_inline]] inline OwnLanes own_coefficients(const TileTarget& to, const Row* rows) {
     return {transpose(load_rows([&](int q) { return to.own[to.near[rows[q]].law].value; }))};
 }
 
@@ -213,16 +213,25 @@ inline void add_work(const WorkTarget& to, const std::size_t* own, int count,
     }
 }
 
+/// Does nothing with the forces of a tile.
+struct NoReader {
+    void operator()(const Row*, int, const ForceLanes&) const {}
+};
+
 /// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid
 /// rows), advances their springs and adds their forces to both bodies. `own`: rows of the owners.
-/// `too_deep`: bits of the contacts beyond the limit of overlap. Returns these bits and those of
-/// the contacts whose force is beyond the grid.
-template <class Law>
+/// `too_deep`: bits of the contacts beyond the limit of overlap. `reader` is then called with the
+/// near rows, their number and their forces. Returns the bits of the contacts beyond the limit and
+/// of those whose force is beyond the grid.
+template <class Law, class Reader = NoReader>
 [[gnu::always_inline]] inline unsigned
 apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int count, ContactLanes& c,
-          const Levers& at, LaneMask too_deep, ForceLanes& f) {
-    if (to.share != nullptr)
-        for (int q = 0; q < lane_count; ++q) c.share[q] = to.share[rows[q]];
+          const Levers& at, LaneMask too_deep, const Reader& reader = {}) {
+    if (to.share != nullptr) {
+        alignas(64) std::array<double, lane_count> share;
+        for (std::size_t q = 0; q < lane_count; ++q) share[q] = to.share[rows[q]];
+        c.share = load_lane(share.data());
+    }
     std::array<std::size_t, lane_count> pair;
     for (std::size_t q = 0; q < lane_count; ++q) pair[q] = to.near[rows[q]].pair;
     const auto pair_of = [&](int q) { return pair[static_cast<std::size_t>(q)]; };
@@ -240,11 +249,14 @@ apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int cou
             [&](int q) { return &to.rolling_laws[to.near[rows[q]].law].rolling_friction; }));
         rolling = {k[0], k[1], k[2], k[3]};
     }
-    if constexpr (Law::has_reach)
-        f = Law::force(c, coefficients(to, rows), own_coefficients(to, rows), rolling, to.step,
-                       spring, roll);
-    else
-        f = Law::force(c, coefficients(to, rows), rolling, to.step, spring, roll);
+    const ForceLanes f = [&]() __attribute__((always_inline)) {
+        if constexpr (Law::has_reach)
+            return Law::force(c, coefficients(to, rows), own_coefficients(to, rows), rolling,
+                              to.step, spring, roll);
+        else
+            return Law::force(c, coefficients(to, rows), rolling, to.step, spring, roll);
+    }
+    ();
     if constexpr (Law::has_history)
         store_rows(transpose({spring.x, spring.y, spring.z, spring.stiffness}), count,
                    [&](int q) { return &to.spring[pair_of(q)].x; });
@@ -254,6 +266,7 @@ apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int cou
     const unsigned beyond = bits(too_deep) | add_to_bodies(to.sums, rows, own, count, f, at);
     if (to.observed || beyond != 0) record(to, rows, count, f, c.overlap, at.point);
     if (to.work.friction != nullptr) add_work(to.work, own, count, f.work);
+    reader(rows, count, f);
     return beyond & ((1u << count) - 1);
 }
 
