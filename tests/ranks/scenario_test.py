@@ -75,11 +75,9 @@ for ranks in (2, 3):
 assert not list(pathlib.Path("/tmp").glob("bris-rank-*")), "a folder of a rank is left"
 
 # scenarios with other parts: a membrane, a platen and time steps that change; ties, recorders and bladders; an outlet that opens; a drum that begins to turn
-(folder / "narrow.csv").write_text("sieve_mm,lower_percent,upper_percent\n40,100,100\n36,0,0\n")
+specimen = pathlib.Path(__file__).resolve().parents[1] / "scenarios" / "small"
 others = {
-    "triaxial": ["--bodies", "60", "--grading", folder / "narrow.csv", "--least-diameter", "1.5", "--porosity", "0.46",
-                 "--porosity-tolerance", "0.1", "--preparation-friction", "0.7", "--taps", "0", "--confining-pressure", "55e3",
-                 "--final-axial-strain", "0.002"],
+    "triaxial": ["--config", specimen / "specimen.cfg", "--grading", specimen / "grading.csv"],
     "ballast_box": ["--rock-scale", "2", "--width", "0.26", "--cycles", "1", "--steps-per-cycle", "1000"],
     "silo": ["--spheres", "600", "--diameter", "0.02", "--duration", "0.3", "--window", "0.05,0.2"],
     "drum": ["--small-spheres", "400", "--large-spheres", "100", "--small-radius", "0.004", "--large-radius", "0.008", "--duration", "0.05"],

@@ -81,8 +81,10 @@ TEST_SUITE("engine/io/hdf5_content") {
         bytes.replace(at, after.size(), after);
         write_whole(directory / "b.h5", bytes);
         REQUIRE(Hdf5File::open(directory / "b.h5").shape("/sensors/1/time")[0] == claimed);
+#ifndef __SANITIZE_THREAD__ // whose allocator does not call the child's limit after a fork
         CHECK(message_of(directory / "b.h5").find("it needs more than 64 MiB of memory") !=
               std::string::npos);
+#endif
     }
 
     TEST_CASE("files with damaged bytes are read or refused, whatever the library does") {

@@ -27,28 +27,10 @@ Words with(Words words, const Words& more) {
 }
 
 /// A specimen that is made in a second.
-Words small_specimen(const fs::path& folder) {
-    const auto grading = folder / "narrow.csv";
-    write_whole(grading, "sieve_mm,lower_percent,upper_percent\n40,100,100\n36,0,0\n");
-    return {"--quiet",
-            "--bodies",
-            "60",
-            "--grading",
-            grading.string(),
-            "--least-diameter",
-            "1.5",
-            "--porosity",
-            "0.46",
-            "--porosity-tolerance",
-            "0.1",
-            "--preparation-friction",
-            "0.7",
-            "--taps",
-            "0",
-            "--confining-pressure",
-            "55e3",
-            "--final-axial-strain",
-            "0.002"};
+Words small_specimen() {
+    const fs::path specimen = fs::path(BRIS_SOURCE) / "tests" / "scenarios" / "small";
+    return {"--quiet", "--config", (specimen / "specimen.cfg").string(), "--grading",
+            (specimen / "grading.csv").string()};
 }
 
 std::size_t lines_in(const fs::path& file) {
@@ -105,7 +87,7 @@ public:
                        "1",
                        "--out",
                        out.string()},
-                      small_specimen(folder));
+                      small_specimen());
     }
     Process start(const Words& more = {}) const { return Process(with(words_, more)); }
 
@@ -126,7 +108,7 @@ TEST_SUITE("monitoring/live_resume") {
         const fs::path recorded = folder.path() / "recorded";
         REQUIRE(run_process(with({"twin", "--variants", "none", "--record", recorded.string(),
                                   "--out", (folder.path() / "twin").string()},
-                                 small_specimen(folder.path())))
+                                 small_specimen()))
                     .code == 0);
         const Words lines = stream_of(recorded / "55kPa", 1.2, 1);
         BrokerClient page(broker.settings("page"), "page", {"bris/scene"});
