@@ -71,6 +71,34 @@ TEST_SUITE("contact/mass_scaling") {
         CHECK(done.largest_factor > 1);
     }
 
+    TEST_CASE(
+        "a rock without contacts is scaled as one with six, and one much larger than the others "
+        "as one with as many more as its surface offers") {
+        // thirty radii, of which the last one is `ratio` times their mean; the contacts that count
+        const auto contacts = [](double ratio) {
+            World world = bed({.grains = Grains::clumps, .bodies = 30});
+            Simulation sim = begin(std::move(world), {.dt = 2e-5, .law = LawName::linear});
+            sim.advance(1); // nothing touches yet
+            const auto radius = sim.world().column<Bodies, BoundingRadius>();
+            const auto motion = sim.world().column<Bodies, MotionOf>();
+            Row last = 0;
+            for (Row b = 0; b < radius.size(); ++b)
+                if (motion[b] == static_cast<std::uint32_t>(Motion::free)) {
+                    radius[b] = 1e-3;
+                    last = b;
+                }
+            radius[last] = 1e-3 * 29 * ratio / (30 - ratio);
+            (void)scale_masses(sim.world(), 1e-4, 0.9, false);
+            const auto mass = sim.world().column<Bodies, InertialMass>();
+            const Row other = last == 0 ? 1 : last - 1;
+            return 6 * mass[last] / mass[other];
+        };
+        CHECK(contacts(1) == about(6).epsilon(1e-12));
+        CHECK(contacts(2.9) == about(6).epsilon(1e-12));
+        // the centres of its neighbours lie on a sphere of six mean radii; on one of four as usual
+        CHECK(contacts(5) == about(6 * (1 + 6. * 6 / 4 - 4. * 4 / 4)).epsilon(1e-12));
+    }
+
     TEST_CASE("dashpots follow scaled masses in the next step, so that a restored run goes on as "
               "the undisturbed one") {
         const auto falling = [] {
