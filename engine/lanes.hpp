@@ -47,7 +47,7 @@ inline LaneMask nearest_integers(Lane a) {
 #ifdef __AVX512DQ__
     return reinterpret_cast<LaneMask>(_mm512_maskz_cvtpd_epi64(0xff, a));
 #else
-    LaneMask n;
+    LaneMask n{};
     for (int k = 0; k < lane_count; ++k) n[k] = std::llrint(a[k]);
     return n;
 #endif

@@ -10,4 +10,7 @@ BRIS_SEEN_BY_SANITIZERS __lsan_default_suppressions() { return "leak:libhdf5"; }
 #endif
 #ifdef __SANITIZE_THREAD__
 BRIS_SEEN_BY_SANITIZERS __tsan_default_options() { return "allocator_may_return_null=1"; }
+// OpenVDB copies trees with oneTBB, whose library is not instrumented, so that its order is not
+// seen
+BRIS_SEEN_BY_SANITIZERS __tsan_default_suppressions() { return "race:tbb::detail"; }
 #endif

@@ -14,7 +14,8 @@ struct MassScaling {
 
 /// Gives every free clump the inertial mass and inertia for which the step `dt` (s) is `safety`
 /// times its stable step. This is meant for quasi-static runs, since equilibria do not depend on
-/// mass. A body counts as having at least six contacts, because more may form. With dt = 0 the step
+/// mass. A body counts as having at least six contacts, because more may form, and a body of more
+/// than three times the mean radius as many more as its larger surface offers. With dt = 0 the step
 /// is chosen so that the total mass stays the true one. With `only_raise`, scaled masses never
 /// decrease. The weight is that of the true mass. Bodies on springs to the ground keep at least
 /// their true mass, for which their dashpots are made. Dashpots of contacts must follow from a

@@ -103,6 +103,10 @@ public:
         CHECK(run_.outcome.signal == 0);
         if (fault_ == Fault::short_write || !failed()) {
             CHECK(run_.outcome.code == 0);
+        } else if (run_.outcome.code == 0) {
+            // libhdf5 tries to open a file before it creates it, and a file that could not be cut
+            // off at its end is complete
+            CHECK((run_.call == "openat" || run_.call == "ftruncate"));
         } else {
             CHECK(run_.outcome.code == 4);
             CHECK(is_one_line_of(complaints(run_.outcome.err), "settle"));
