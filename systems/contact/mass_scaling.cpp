@@ -22,8 +22,7 @@ constexpr double least_contacts = 6; // a stable rock has six or more
 /// Contacts that a rock counts at least. One that is much larger than the others may have many more
 /// within a few steps, in proportion to the surface on which the centres of its neighbours lie:
 /// with six, a rock of five times the mean radius was thrown at 1 100 m/s when a tap pressed it
-/// into its neighbours. Up to three times the mean radius, that is in most gradings, six have
-/// sufficed.
+/// into its neighbours. Up to three times the mean radius six have sufficed.
 double contacts_of(double radius_over_mean) {
     constexpr double usual = 3;
     const auto surface = [](double radius) { return 0.25 * (1 + radius) * (1 + radius); };
