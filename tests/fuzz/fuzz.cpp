@@ -14,6 +14,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cstdio>
 #include <cstdlib>
 #include <malloc.h>
@@ -24,14 +25,15 @@
 
 namespace {
 
-// memory of this process, which has one thread
-std::size_t memory_in_use = 0, most_memory = 0;
+// memory of this process; libraries have threads that begin and end
+std::atomic<std::size_t> memory_in_use = 0, most_memory = 0;
 
 void* counted(std::size_t size) {
     void* const found = std::malloc(std::max<std::size_t>(size, 1));
     if (found == nullptr) throw std::bad_alloc();
-    memory_in_use += malloc_usable_size(found);
-    most_memory = std::max(most_memory, memory_in_use);
+    const std::size_t used = memory_in_use += malloc_usable_size(found);
+    for (std::size_t most = most_memory; used > most;)
+        if (most_memory.compare_exchange_weak(most, used)) break;
     return found;
 }
 void release(void* at) {
@@ -110,7 +112,7 @@ std::string failure_of(const FuzzedReader& reader, const fs::path& file, Count& 
         return fmt::format("internal error: {}", error.what());
     }
     const double seconds = processor_time() - began,
-                 most = static_cast<double>(most_memory - before) / 0x1p20,
+                 most = static_cast<double>(most_memory.load() - before) / 0x1p20,
                  beyond = most - 10 * static_cast<double>(fs::file_size(file)) / 0x1p20;
     count.slowest = std::max(count.slowest, seconds);
     count.most = std::max(count.most, most);
