@@ -69,9 +69,10 @@ Quad scaled_or_nan(double unit, const std::int64_t* sums) {
     using Integers [[gnu::vector_size(sizeof(Quad))]] = std::int64_t;
     Integers integers;
     std::memcpy(&integers, sums, sizeof integers);
-    const Quad sum = __builtin_convertvector(integers, Quad),
-               nan = std::numeric_limits<double>::quiet_NaN() - Quad{};
-    return (sum <= ForceGrid::largest_sum) & (sum >= -ForceGrid::largest_sum) ? unit * sum : nan;
+    const Quad sum = __builtin_convertvector(integers, Quad);
+    const bool fits =
+        std::abs(sum[0]) + std::abs(sum[1]) + std::abs(sum[2]) <= ForceGrid::largest_sum;
+    return (fits ? unit : std::numeric_limits<double>::quiet_NaN()) * sum;
 }
 
 } // namespace

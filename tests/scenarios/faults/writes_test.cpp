@@ -105,8 +105,10 @@ public:
             CHECK(run_.outcome.code == 0);
         } else if (run_.outcome.code == 0) {
             // libhdf5 tries to open a file before it creates it, and a file that could not be cut
-            // off at its end is complete
-            CHECK((run_.call == "openat" || run_.call == "ftruncate"));
+            // off at its end is complete; check_files asks whether it is
+            const bool of_hdf5 = run_.file.find(".vtkhdf") != std::string::npos ||
+                                 run_.file.find(".h5") != std::string::npos;
+            CHECK((of_hdf5 && (run_.call == "openat" || run_.call == "ftruncate")));
         } else {
             CHECK(run_.outcome.code == 4);
             CHECK(is_one_line_of(complaints(run_.outcome.err), "settle"));
@@ -144,6 +146,9 @@ private:
 
 constexpr std::array faults{Fault::short_write, Fault::no_space, Fault::io_error, Fault::disk_full};
 
+/// The first calls open the run file, which is that of the earlier run until then.
+constexpr unsigned calls_that_open = 2;
+
 /// Lets every `stride`-th call fail, beginning with `first`.
 void fail_calls(unsigned first, unsigned stride) {
     if (const std::string why = why_no_faults(); !why.empty()) {
@@ -160,6 +165,7 @@ void fail_calls(unsigned first, unsigned stride) {
             const Trial trial(reference, fault, number);
             if (!trial.failed()) break; // the run makes fewer calls
             trial.check();
+            if (number <= calls_that_open) continue;
             CHECK(trial.frames() >= frames); // those of a run that failed earlier were complete
             frames = trial.frames();
         }
@@ -177,6 +183,5 @@ TEST_SUITE("faults/writes") {
 }
 
 TEST_SUITE("slow") {
-    // the first two calls open the run file, which is that of the earlier run until then
-    TEST_CASE("every write of a run may fail or be short") { fail_calls(3, 1); }
+    TEST_CASE("every write of a run may fail or be short") { fail_calls(1, 1); }
 }
