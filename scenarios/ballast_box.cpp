@@ -92,6 +92,13 @@ void add_cycles(Summary& summary, const BallastBox& box, const std::vector<Cycle
     summary.add("resilient_deflection_mm", 1e3 * first.back().resilient);
     summary.add("track_stiffness_kN_per_mm", 1e-6 * stiffness_of(first.back().resilient, box));
     summary.add("model_compliance_um_per_kN", 1e9 * first.back().resilient / range);
+    if (!box.is_dynamic()) {
+        const double sliding =
+            first.back().resilient - first.back().of_subgrade - first.back().of_contacts;
+        summary.add("subgrade_compliance_um_per_kN", 1e9 * first.back().of_subgrade / range);
+        summary.add("contact_compliance_um_per_kN", 1e9 * first.back().of_contacts / range);
+        summary.add("sliding_compliance_um_per_kN", 1e9 * sliding / range);
+    }
     summary.add("loop_area_last_cycle_J", first.back().loop_area);
     summary.add("other_tie_settlement_mm", 1e3 * other.back().settlement);
     if (first.size() < 10) return;
@@ -107,11 +114,14 @@ void write_cycles(const std::filesystem::path& path, const BallastBox& box,
     Series table("cycles", {{"cycle", ""},
                             {"settlement", "m"},
                             {"resilient_deflection", "m"},
+                            {"subgrade_deflection", "m"},
+                            {"contact_deflection", "m"},
                             {"track_stiffness", "N/m"},
                             {"loop_area", "J"}});
     double n = 0;
     for (const CycleResponse& c : first)
-        table.add({++n, c.settlement, c.resilient, stiffness_of(c.resilient, box), c.loop_area});
+        table.add({++n, c.settlement, c.resilient, c.of_subgrade, c.of_contacts,
+                   stiffness_of(c.resilient, box), c.loop_area});
     table.write_csv(path);
 }
 

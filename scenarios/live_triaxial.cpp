@@ -228,11 +228,14 @@ void LiveRun::record_stage(const RecordedTest& so_far, double latest) {
 
 /// Predicts the rest of the test by the library at each of its strains.
 void LiveRun::predict(const RecordedTest& so_far) {
-    if (!prediction_->update(model_->strain(), measured_test(so_far))) return;
+    const double before = prediction_->rings().strain;
+    if (!prediction_->update(model_->strain(), so_far)) return;
     prediction_->write(common_.out);
     if (common_.quiet) return;
     progress_.pause();
     fmt::print("          {}\n", described(prediction_->last()));
+    if (prediction_->rings().strain > before)
+        fmt::print("          {}\n", described(prediction_->rings()));
     std::fflush(stdout);
 }
 
@@ -366,6 +369,18 @@ void LiveRun::draw(const RecordedTest& measured) const {
         for (Curve& c : curves_of(prediction_->last(), p.volume, 100))
             panels[1].curves.push_back(std::move(c));
     }
+    if (const RingEstimate& rings = prediction_->rings(); rings.not_made.empty()) {
+        panels.push_back({.title = fmt::format("Rings at {:g} %", 100 * rings.strain),
+                          .x_label = "radial strain, widening positive (%)",
+                          .y_label = "ring, from below",
+                          .curves = curves_of(rings)});
+        Curve found{.label = "measured", .style = Curve::Style::points};
+        for (const double r : measured_rings(measured, rings.strain)) {
+            found.x.push_back(100 * r);
+            found.y.push_back(static_cast<double>(found.y.size() + 1));
+        }
+        panels.back().curves.push_back(std::move(found));
+    }
     draw_plots(common_.out / "live_triaxial.png", panels, 3);
 }
 
@@ -417,6 +432,14 @@ void LiveRun::report() {
         summary.add("library_friction_low", last.predicted.friction.low[0]);
         summary.add("library_friction_high", last.predicted.friction.high[0]);
         summary.add("library_distance", last.predicted.distance);
+        if (const RingEstimate& rings = prediction_->rings(); rings.not_made.empty()) {
+            const auto there = measured_rings(measured, rings.strain);
+            summary.add("estimated_rings_strain", rings.strain);
+            summary.add("estimated_rings_rmse", ring_difference(rings.mean, there));
+            summary.add("estimated_rings_over_mean_profile",
+                        ring_difference(rings.mean, there) /
+                            ring_difference(rings.scaled_mean, there));
+        }
         summary.add("library_update_median_s", quantile(prediction_->times(), 0.5));
         summary.add("library_update_largest_s", quantile(prediction_->times(), 1));
     }

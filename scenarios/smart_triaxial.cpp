@@ -15,6 +15,7 @@
 #include "scenarios/assimilation/learning_results.hpp"
 #include "scenarios/assimilation/library_use.hpp"
 #include "scenarios/assimilation/misfit.hpp"
+#include "scenarios/assimilation/ring_estimate.hpp"
 #include "scenarios/assimilation/run_models.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
@@ -116,6 +117,7 @@ struct Smart {
 struct Computed {
     RockParameters before;  ///< estimate at the beginning of the test
     TestPrediction library; ///< by a library of specimens
+    RingEstimate rings;     ///< by the library, at the end of the test
     Learned learned;
     ModelRun free, fused;
     std::vector<View> views;
@@ -168,18 +170,26 @@ private:
 /// Predicts each test before anything is simulated, which takes milliseconds.
 void Computation::predict_from_library() {
     if (s_.library.empty()) {
-        for (Computed& c : done_) c.library.not_used = "none was given";
+        for (Computed& c : done_) c.library.not_used = c.rings.not_made = "none was given";
         return;
     }
     const SpecimenLibrary library = read_library(s_.library);
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         const std::string folder = folder_of(tests_[k].pressure);
-        done_[k].library = predict_test(
-            library, {common_.settings, s_.triaxial.test.core_porosity(), tests_[k].pressure},
-            measured_test(tests_[k]), {.strain = s_.learning.final_strain});
-        fmt::print("{}: {}\n", folder, described(done_[k].library));
-        if (done_[k].library.not_used.empty())
-            write_prediction(common_.out / folder / "predicted.csv", done_[k].library);
+        const RecordedTest& test = tests_[k];
+        const ModelOfTest model{common_.settings, s_.triaxial.test.core_porosity(), test.pressure};
+        TestPrediction& predicted = done_[k].library;
+        predicted =
+            predict_test(library, model, measured_test(test), {.strain = s_.learning.final_strain});
+        fmt::print("{}: {}\n", folder, described(predicted));
+        if (!predicted.not_used.empty()) continue;
+        write_prediction(common_.out / folder / "predicted.csv", predicted);
+        RingEstimate& rings = done_[k].rings;
+        rings = estimate_rings(library, model, test, test.measured.back().axial_strain);
+        fmt::print("{}: {}\n", folder, described(rings));
+        if (rings.not_made.empty())
+            write_rings(common_.out / folder / "rings.csv", rings,
+                        measured_rings(test, rings.strain));
     }
     std::fflush(stdout);
 }
@@ -364,6 +374,8 @@ void Computation::draw() const {
         add_library(library.predicted.volume, 100);
         panel("Rings at the end of the test", "radial strain, widening positive (%)",
               "ring, from below", profile_of);
+        if (done_[k].rings.not_made.empty())
+            for (Curve& c : curves_of(done_[k].rings)) panels.back().curves.push_back(std::move(c));
     }
     draw_plots(common_.out / "smart_triaxial.png", panels, 3);
     for (std::size_t k = 0; k < tests_.size(); ++k)
@@ -410,6 +422,14 @@ void Computation::report() {
         both("q", "_Pa", free.q, fused.q);
         both("volumetric_strain", "", free.volumetric_strain, fused.volumetric_strain);
         both("ring_strain", "", free.ring_strain, fused.ring_strain);
+        if (c.rings.not_made.empty()) {
+            const auto measured = measured_rings(test, c.rings.strain);
+            const double error = ring_difference(c.rings.mean, measured);
+            add("estimated_rings_rmse", error);
+            add("error_ratio_estimated_rings", error / free.ring_strain);
+            add("estimated_rings_over_mean_profile",
+                error / ring_difference(c.rings.scaled_mean, measured));
+        }
         for (const unsigned percent : {2u, 4u}) { // at larger strain specimens diverge
             const double until = 0.01 * percent;
             if (test.measured.back().axial_strain <= until + 1e-9) continue;

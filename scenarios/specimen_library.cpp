@@ -115,8 +115,9 @@ private:
 
 void LibraryScore::run(Summary& summary) {
     std::vector<ScoredVariant> variants;
-    const bool sensors =
-        library_.sensors > 0 && s_.observed.strain > library_.axis.coarse_strain(0) * (1 - 1e-9);
+    const bool sensors = library_.sensors > 0 &&
+                         (s_.truths.empty() || truths_.sensors == library_.sensors) &&
+                         s_.observed.strain > library_.axis.coarse_strain(0) * (1 - 1e-9);
     for (std::size_t p = 0; p < library_.pressures.size(); ++p) {
         Scoring scoring = scoring_at(p);
         const auto add = [&](const std::string& name) {
@@ -133,6 +134,7 @@ void LibraryScore::run(Summary& summary) {
         }
     }
     write_scores(common_.out / "scores.csv", variants, last_);
+    write_specimen_scores(common_.out / "specimens.csv", variants, last_);
     fmt::print("{}", table_of(variants, last_));
     if (!s_.truths.empty() || !s_.compare) return;
     const std::vector<RingScore> rings = score_rings(library_);

@@ -146,7 +146,7 @@ void add_scores(Summary& summary, const std::string& prefix, const ScoredVariant
     const LinearFit fit = true_on_learned(v.scores);
     const auto errors =
         over(v.scores, [](const SpecimenScore& s) { return s.learned_friction - s.friction; });
-    const auto inside = std::ranges::count_if(v.scores, &SpecimenScore::friction_inside);
+    const auto inside = std::ranges::count_if(v.scores, &SpecimenScore::friction_is_inside);
     summary.add(prefix + "friction_true_on_learned_slope", fit.slope);
     summary.add(prefix + "friction_true_on_learned_slope_error", fit.slope_error);
     summary.add(prefix + "friction_log_rms_error", root_mean_square(errors));
@@ -197,6 +197,33 @@ void write_scores(const std::filesystem::path& csv, const std::vector<ScoredVari
                                 r.crps);
         }
     write_whole(csv, text);
+}
+
+void write_specimen_scores(const std::filesystem::path& csv,
+                           const std::vector<ScoredVariant>& variants, double last_strain) {
+    constexpr std::array quantities{Scored::q_near, Scored::smoothed_q_near, Scored::volume_all,
+                                    Scored::rings_last};
+    std::string text =
+        "variant,pressure_kPa,specimen,distance,friction,learned_friction,friction_low,"
+        "friction_high";
+    for (const Scored q : quantities) {
+        const std::string name = name_of(q, variants.front().observed.strain, last_strain);
+        text += fmt::format(",{0}_over_prior,{0}_inside_band", name);
+    }
+    for (const ScoredVariant& v : variants)
+        for (std::size_t k = 0; k < v.scores.size(); ++k) {
+            const SpecimenScore& s = v.scores[k];
+            text += fmt::format("\n{},{:g},{},{:.3g},{:.4g},{:.4g},{:.4g},{:.4g}", v.name,
+                                v.pressure / 1e3, k + 1, s.distance, std::exp(s.friction),
+                                std::exp(s.learned_friction),
+                                std::exp(s.learned_friction - s.friction_band),
+                                std::exp(s.learned_friction + s.friction_band));
+            for (const Scored q : quantities) {
+                const QuantityScore& score = s.of[static_cast<std::size_t>(q)];
+                text += fmt::format(",{:.3g},{:.3g}", score.error / score.prior, score.inside);
+            }
+        }
+    write_whole(csv, text + "\n");
 }
 
 std::size_t median_specimen(const std::vector<SpecimenScore>& scores) {

@@ -39,6 +39,12 @@ std::string table_of(const std::vector<ScoredVariant>& variants, double last_str
 void write_scores(const std::filesystem::path& csv, const std::vector<ScoredVariant>& variants,
                   double last_strain);
 
+/// Writes a line for each variant, pressure and specimen, in the order of the file: the distance of
+/// its measurements from those of the library, its true and learned friction with its 90 % band,
+/// ratios of errors to the prior and shares of numbers inside the 90 % band. Throws OutputError.
+void write_specimen_scores(const std::filesystem::path& csv,
+                           const std::vector<ScoredVariant>& variants, double last_strain);
+
 /// Draws a median specimen (measured, prior, and predicted with its 90 % band), the ratio of errors
 /// by strain, learned against true friction, and the histogram of probabilities.
 bool draw_scores(const std::filesystem::path& png, const SpecimenLibrary& library,

@@ -144,9 +144,8 @@ public:
             parameter_features_of(library_, measured, scoring_.measured_at, scoring_.observed));
         s.friction = std::log(truth.rocks.friction);
         s.learned_friction = p.mean[ParameterColumn::ln_friction];
-        s.friction_deviation = p.deviation[ParameterColumn::ln_friction];
-        s.friction_inside = std::abs(s.learned_friction - s.friction) <=
-                            student_t_quantile(0.95, parameters_.freedom()) * s.friction_deviation;
+        s.friction_band = student_t_quantile(0.95, parameters_.freedom()) *
+                          p.deviation[ParameterColumn::ln_friction];
         s.stiffness = std::log(truth.rocks.stiffness);
         s.learned_stiffness = p.mean[ParameterColumn::ln_stiffness];
         return s;
@@ -192,9 +191,12 @@ std::vector<SpecimenScore> scores_outside(const SpecimenLibrary& library,
                                           const SpecimenLibrary& truths, const Scoring& scoring) {
     require(truths.pressures == library.pressures && truths.axis.count == library.axis.count &&
                 std::abs(truths.axis.step - library.axis.step) < 1e-12 &&
-                truths.rings == library.rings && truths.sensors == library.sensors,
-            "--truths: expected the pressures, strains, rings and sensor rocks of the library, "
-            "found others");
+                truths.rings == library.rings,
+            "--truths: expected the pressures, strains and rings of the library, found others");
+    const bool of_sensors = scoring.observed.tracked || scoring.observed.tilt;
+    require(!of_sensors || truths.sensors == library.sensors,
+            fmt::format("--truths: expected {} sensor rocks, as in the library, found {}",
+                        library.sensors, truths.sensors));
     const std::size_t n = truths.specimens.size();
     std::vector<SpecimenScore> scores(n);
     const Scorer scorer(library, scoring);

@@ -3,6 +3,7 @@
 #include "scenarios/assimilation/library_prediction.hpp"
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -43,8 +44,11 @@ struct QuantityScore {
 /// Scores of the prediction of one specimen, which the library does not contain.
 struct SpecimenScore {
     std::array<QuantityScore, scored_count> of = {};
-    double friction = 0, learned_friction = 0, friction_deviation = 0; ///< logarithms
-    bool friction_inside = false;                ///< the true friction lies in its 90 % band
+    double friction = 0, learned_friction = 0; ///< logarithms
+    double friction_band = 0;                  ///< half width of the 90 % band of the logarithm
+    bool friction_is_inside() const {
+        return std::abs(learned_friction - friction) <= friction_band;
+    }
     double stiffness = 0, learned_stiffness = 0; ///< logarithms
     double distance = 0;                         ///< of its measurements (LibraryPrediction)
     /// By strain: errors of ln q and of volumetric strain, of the prediction and of the prior.
@@ -64,8 +68,8 @@ struct Scoring {
 
 /// Scores each specimen of a library by the prediction from all others (leave-one-out).
 std::vector<SpecimenScore> scores_within(const SpecimenLibrary& library, const Scoring& scoring);
-/// Scores specimens that are not in the library. Both must have the same pressures, strains, rings
-/// and sensors; throws InputError otherwise.
+/// Scores specimens that are not in the library. Both must have the same pressures, strains and
+/// rings, and the same sensor rocks if these are observed; throws InputError otherwise.
 std::vector<SpecimenScore> scores_outside(const SpecimenLibrary& library,
                                           const SpecimenLibrary& truths, const Scoring& scoring);
 

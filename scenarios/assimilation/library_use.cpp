@@ -32,13 +32,6 @@ std::string text_of(std::span<const NamedValue> settings, const std::string& key
     return std::visit([](const auto& x) { return fmt::format("{}", x); }, found->value);
 }
 
-std::size_t pressure_index(const SpecimenLibrary& library, double pressure) {
-    std::size_t p = 0;
-    while (p < library.pressures.size() && std::abs(library.pressures[p] / pressure - 1) > 0.01)
-        ++p;
-    return p;
-}
-
 /// A measured curve at a strain, between its neighbours; NaN where it was not measured within
 /// `step` on both sides.
 float value_at(const MeasuredTest& test, const std::vector<double>& curve, double strain,
@@ -57,6 +50,13 @@ float value_at(const MeasuredTest& test, const std::vector<double>& curve, doubl
 }
 
 } // namespace
+
+std::size_t pressure_index(const SpecimenLibrary& library, double pressure) {
+    std::size_t p = 0;
+    while (p < library.pressures.size() && std::abs(library.pressures[p] / pressure - 1) > 0.01)
+        ++p;
+    return p;
+}
 
 std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& model) {
     for (const char* key : same_settings) {

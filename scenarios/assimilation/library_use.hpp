@@ -26,6 +26,10 @@ struct TestPrediction {
     LibraryPrediction predicted;
 };
 
+/// Index of the library's pressure that agrees within 1 % (`pressure`: Pa); the number of its
+/// pressures if none does.
+std::size_t pressure_index(const SpecimenLibrary& library, double pressure);
+
 /// Why a library does not fit the model of a test: other rocks, another size or procedure, a
 /// pressure that it does not have, or a porosity outside its range. Empty: it fits.
 std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& model);

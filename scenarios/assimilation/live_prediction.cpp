@@ -3,6 +3,8 @@
 #include "engine/io/csv.hpp"
 #include "engine/stopwatch.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 #include <utility>
 
@@ -21,14 +23,22 @@ LivePrediction::LivePrediction(const std::filesystem::path& library,
     last_.not_used = reason_.empty() ? "nothing has been measured yet" : reason_;
 }
 
-bool LivePrediction::update(double strain, const MeasuredTest& so_far) {
+bool LivePrediction::update(double strain, const RecordedTest& so_far) {
     if (!reason_.empty()) return false;
     const auto steps = static_cast<std::size_t>(std::floor(strain / library_.axis.step + 1e-6));
     if (steps <= used_ || steps > library_.axis.count) return false;
     used_ = steps;
     const auto began = this_instant();
-    last_ = predict_test(library_, model_, so_far,
+    last_ = predict_test(library_, model_, measured_test(so_far),
                          {.strain = static_cast<double>(steps) * library_.axis.step});
+    if (const RingEstimate now = estimate_rings(library_, model_, so_far, last_.used.strain);
+        now.not_made.empty() && now.strain > rings_.strain) {
+        rings_ = now;
+        ring_rows_.push_back({now.strain});
+        for (std::size_t r = 0; r < now.mean.size(); ++r)
+            for (const auto* values : {&now.mean, &now.low, &now.high})
+                ring_rows_.back().push_back((*values)[r]);
+    }
     times_.push_back(seconds_since(began));
     if (!last_.not_used.empty()) return false;
     const LibraryPrediction& p = last_.predicted;
@@ -48,6 +58,15 @@ void LivePrediction::write(const std::filesystem::path& folder) const {
               rows_,
               {"what a library of specimens predicts for its last strain from the measurements up "
                "to axial_strain, with 90 % bands"},
+              6);
+    if (ring_rows_.empty()) return;
+    std::vector<std::string> names{"axial_strain"};
+    for (std::size_t r = 1; r <= rings_.mean.size(); ++r)
+        for (const char* end : {"", "_low", "_high"})
+            names.push_back(fmt::format("ring_{}_radial_strain{}", r, end));
+    write_csv(folder / "rings.csv", names, ring_rows_,
+              {"radial strains of the rings, from below, estimated from what was measured at "
+               "axial_strain, with 90 % bands"},
               6);
 }
 

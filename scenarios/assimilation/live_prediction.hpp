@@ -1,6 +1,7 @@
 #pragma once
 
 #include "scenarios/assimilation/library_use.hpp"
+#include "scenarios/assimilation/ring_estimate.hpp"
 
 #include <filesystem>
 #include <string>
@@ -22,13 +23,16 @@ public:
     const std::string& reason() const { return reason_; }
     /// Predicts anew if the test has reached another strain of the library since the last time;
     /// returns whether it did. Only measurements up to `strain` are used.
-    bool update(double strain, const MeasuredTest& so_far);
+    bool update(double strain, const RecordedTest& so_far);
     /// The last prediction; without one its `not_used` is not empty.
     const TestPrediction& last() const { return last_; }
+    /// The rings at the last strain at which the library has sensor rocks.
+    const RingEstimate& rings() const { return rings_; }
     /// Wall times (s) of the updates.
     const std::vector<double>& times() const { return times_; }
-    /// Writes predicted.csv (the last prediction) and predictions.csv (friction and q at the last
-    /// strain with their 90 % bands, by strain) into a folder. Throws OutputError.
+    /// Writes predicted.csv (the last prediction), predictions.csv (friction and q at the last
+    /// strain with their 90 % bands, by strain) and rings.csv (the rings, by strain) into a folder.
+    /// Throws OutputError.
     void write(const std::filesystem::path& folder) const;
 
 private:
@@ -38,8 +42,9 @@ private:
     std::string reason_;
     std::size_t used_ = 0; ///< number of the library's strains in the last prediction
     TestPrediction last_;
+    RingEstimate rings_;
     std::vector<double> times_;
-    std::vector<std::vector<double>> rows_;
+    std::vector<std::vector<double>> rows_, ring_rows_;
 };
 
 } // namespace bris

@@ -163,8 +163,12 @@ void BoxTestRun::add_sample(const World& world, Series& cycles) const {
     };
     const std::size_t second = bodies.ties.size() - 1;
     const double on_bladder = contact_force(world, bodies.bladder).y();
-    double subgrade = 0;
-    for (const EntityId plate : bodies.subgrade) subgrade = std::min(subgrade, position(plate).z());
+    double subgrade = 0, subgrade_energy = 0;
+    for (const EntityId plate : bodies.subgrade) {
+        subgrade = std::min(subgrade, position(plate).z());
+        subgrade_energy += patch_energy(world, row_of_body(world, plate));
+    }
+    const Quantities q = compute_quantities(world);
     const auto& state = world.resource<BoxState>();
     const BoxBalance balance = box_balance(world);
     cycles.add({now / (static_cast<double>(steps_per_cycle()) * world.resource<Clock>().dt), now,
@@ -172,7 +176,8 @@ void BoxTestRun::add_sample(const World& world, Series& cycles) const {
                 state.tie_2 - position(bodies.ties[second]).z(),
                 on_bladder / (sizes_.width * sizes_.bladder_height),
                 position(bodies.bladder).y() - state.bladder, -subgrade - 0.025,
-                balance.tie_support, balance.subgrade_force, balance.unbalanced_ratio});
+                balance.tie_support, balance.subgrade_force, balance.unbalanced_ratio,
+                subgrade_energy, q.elastic_energy - q.ground_energy});
 }
 
 Phase BoxTestRun::loading(const Run& run, Series& cycles, const std::function<void()>& frame) {

@@ -21,14 +21,20 @@ std::vector<RunFile::Column> cycle_columns() {
             {"subgrade_settlement", "m"},
             {"tie_support", "N"},
             {"subgrade_force", "N"},
-            {"unbalanced_ratio", ""}};
+            {"unbalanced_ratio", ""},
+            {"subgrade_energy", "J"},
+            {"contact_energy", "J"}};
 }
 
 std::vector<CycleResponse> cycle_responses(const Series& samples, int tie) {
     const std::string number = std::to_string(tie);
     const auto &cycle = samples.column("cycle"), &load = samples.column("load_" + number),
-               &deflection = samples.column("deflection_" + number);
+               &deflection = samples.column("deflection_" + number),
+               &carried = samples.column("tie_support"),
+               &subgrade = samples.column("subgrade_energy"),
+               &contacts = samples.column("contact_energy");
     std::vector<CycleResponse> all;
+    std::size_t lowest_tie = 0; // sample
     double last_load = 0, last_deflection = 0;
     CycleResponse now;
     double highest = -std::numeric_limits<double>::infinity(),
@@ -38,6 +44,7 @@ std::vector<CycleResponse> cycle_responses(const Series& samples, int tie) {
         if (k > 0) now.loop_area += 0.5 * (load[k] + last_load) * (deflection[k] - last_deflection);
         last_load = load[k];
         last_deflection = deflection[k];
+        if (deflection[k] > highest) lowest_tie = k;
         highest = std::max(highest, deflection[k]);
         lowest = std::min(lowest, deflection[k]);
         most_load = std::max(most_load, load[k]);
@@ -45,6 +52,9 @@ std::vector<CycleResponse> cycle_responses(const Series& samples, int tie) {
         if (cycle[k] < static_cast<double>(all.size() + 1) - 1e-6) continue;
         now.settlement = deflection[k];
         now.resilient = highest - deflection[k];
+        const double mean = 0.5 * (carried[lowest_tie] + carried[k]);
+        now.of_subgrade = (subgrade[lowest_tie] - subgrade[k]) / mean;
+        now.of_contacts = (contacts[lowest_tie] - contacts[k]) / mean;
         // the unloading half, without the plastic part of the loading half
         now.stiffness = (most_load - least_load) /
                         (tie == 1 ? now.resilient : std::max(highest - lowest, 1e-300));

@@ -21,13 +21,13 @@ namespace {
 template <class Pairs>
 void count_partners(const World& world, std::vector<float>& count) {
     PairNames last{nobody, nobody, 0, 0};
-    for (const TouchingPair& pair : touching_pairs<Pairs>(world)) {
+    for_touching_pairs<Pairs>(world, [&](const TouchingPair& pair) {
         if (pair.names.owner != last.owner || pair.names.partner != last.partner) {
             count[pair.names.owner] += 1;
             count[pair.names.partner] += 1;
         }
         last = pair.names;
-    }
+    });
 }
 
 std::vector<float> coordination_by_id(const World& world) {

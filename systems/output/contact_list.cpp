@@ -15,7 +15,7 @@ std::vector<Contact> contacts_of(const World& world) {
     std::vector<Contact> list;
     std::size_t kind = 0; // for_each_kind_of_pair has the order of contact_kinds
     for_each_kind_of_pair([&]<class Pairs>() {
-        for (const TouchingPair& pair : touching_pairs<Pairs>(world)) {
+        for_touching_pairs<Pairs>(world, [&](const TouchingPair& pair) {
             const ForceRow& f = pair.force;
             list.push_back({kind,
                             pair.names.owner,
@@ -24,7 +24,7 @@ std::vector<Contact> contacts_of(const World& world) {
                             {f.fx, f.fy, f.fz},
                             f.normal_force,
                             f.overlap});
-        }
+        });
         ++kind;
     });
     return list;

@@ -21,12 +21,11 @@ struct TouchingPair {
     double share;  ///< share of the stiffness of its contact patch
 };
 
-/// All touching pairs of one kind, in the order of their names.
-template <class Pairs>
-std::vector<TouchingPair> touching_pairs(const World& world) {
-    std::vector<TouchingPair> list;
-    if (!world.has<Pairs>()) return list;
-    const auto& index = world.resource<NearIndex<Pairs>>();
+/// Calls visit(const TouchingPair&) for all touching pairs of one kind, in the order of their
+/// names. Takes 4 bytes of memory for each of them.
+template <class Pairs, class Visit>
+void for_touching_pairs(const World& world, Visit&& visit) {
+    if (!world.has<Pairs>()) return;
     const auto entry = world.column<typename Pairs::Near, NearPair>();
     const auto force = world.column<typename Pairs::Near, PairForce>();
     const Table& pairs = world.table<Pairs>();
@@ -39,15 +38,24 @@ std::vector<TouchingPair> touching_pairs(const World& world) {
     const double* share =
         near.template has<PatchShare>() ? near.template column<PatchShare>().data() : nullptr;
     const auto sphere_row = world.column<Listed, ListedPosition>();
-    index.for_touching([&](Row k) {
+    std::vector<Row> touching; // near rows
+    world.resource<NearIndex<Pairs>>().for_touching([&](Row k) { touching.push_back(k); });
+    std::ranges::sort(touching,
+                      [&](Row a, Row b) { return names[entry[a].pair] < names[entry[b].pair]; });
+    for (const Row k : touching) {
         const Row p = entry[k].pair;
-        list.push_back({names[p], force[k], spring != nullptr ? spring[p] : SpringRow{},
-                        roll != nullptr ? roll[p] : RollRow{}, entry[k].law,
-                        effective_radius<Pairs>(entry[k], sphere_row),
-                        share != nullptr ? share[k] : 1});
-    });
-    std::sort(list.begin(), list.end(),
-              [](const TouchingPair& a, const TouchingPair& b) { return a.names < b.names; });
+        visit(TouchingPair{names[p], force[k], spring != nullptr ? spring[p] : SpringRow{},
+                           roll != nullptr ? roll[p] : RollRow{}, entry[k].law,
+                           effective_radius<Pairs>(entry[k], sphere_row),
+                           share != nullptr ? share[k] : 1});
+    }
+}
+
+/// The same as a list, for scenes of few contacts.
+template <class Pairs>
+std::vector<TouchingPair> touching_pairs(const World& world) {
+    std::vector<TouchingPair> list;
+    for_touching_pairs<Pairs>(world, [&](const TouchingPair& pair) { list.push_back(pair); });
     return list;
 }
 

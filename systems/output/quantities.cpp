@@ -33,23 +33,18 @@ double kinetic_energy(const World& world, Row b) {
 }
 
 template <class Pairs>
-void add_boundary_force(const World& world, const std::vector<Row>& rows, Quantities& q) {
-    for (const TouchingPair& p : touching_pairs<Pairs>(world))
-        if (!is_free(world, rows[p.names.partner]))
-            q.boundary_force -= Vec3(p.force.fx, p.force.fy, p.force.fz);
-}
-
-template <class Pairs>
-void add_contacts(const World& world, Quantities& q) {
+void add_contacts(const World& world, const std::vector<Row>& rows, Quantities& q) {
     const auto& materials = world.resource<Materials>();
     const LawTraits& law = traits(world.resource<ContactLaw>().law);
     const auto& laws = law.rows(materials);
     PairNames last{nobody, nobody, 0, 0};
-    for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
+    for_touching_pairs<Pairs>(world, [&](const TouchingPair& p) {
+        if (!is_free(world, rows[p.names.partner]))
+            q.boundary_force -= Vec3(p.force.fx, p.force.fy, p.force.fz);
         if (law.reaches)
             q.elastic_energy +=
                 law.potential(materials.own_pairs[p.law], p.force.overlap, p.radius);
-        if (p.force.overlap < 0) continue; // held beyond touch
+        if (p.force.overlap < 0) return; // held beyond touch
         ++q.contacts;
         q.mean_overlap += p.force.overlap;
         q.largest_overlap = std::max(q.largest_overlap, p.force.overlap);
@@ -64,25 +59,21 @@ void add_contacts(const World& world, Quantities& q) {
                        0.5 * e.shear * (shear2 + materials.policy.rolling_stiffness_ratio * roll2));
         if (p.names.owner != last.owner || p.names.partner != last.partner) ++q.body_contacts;
         last = p.names;
-    }
-}
-
-/// Elastic energy (J) of the springs between bodies and the ground, at the present positions.
-double patch_energy(const World& world, const std::vector<Row>& rows) {
-    const Table& bodies = world.table<Bodies>();
-    if (!bodies.has<PatchesOf>()) return 0;
-    double energy = 0;
-    for (const Row b : rows) {
-        const std::uint32_t number = bodies.column<PatchesOf>()[b];
-        if (number == 0) continue;
-        for (const SpringPatch& p : world.resource<SpringPatches>().of_body[number - 1])
-            energy += p.energy(p.displacement(bodies.column<Position>()[b] +
-                                              bodies.column<Orientation>()[b] * p.point));
-    }
-    return energy;
+    });
 }
 
 } // namespace
+
+double patch_energy(const World& world, Row body) {
+    const Table& bodies = world.table<Bodies>();
+    const std::uint32_t number = bodies.has<PatchesOf>() ? bodies.column<PatchesOf>()[body] : 0;
+    if (number == 0) return 0;
+    double energy = 0;
+    for (const SpringPatch& p : world.resource<SpringPatches>().of_body[number - 1])
+        energy += p.energy(p.displacement(bodies.column<Position>()[body] +
+                                          bodies.column<Orientation>()[body] * p.point));
+    return energy;
+}
 
 Quantities compute_quantities(const World& world) {
     Quantities q;
@@ -98,8 +89,7 @@ Quantities compute_quantities(const World& world) {
     }
     std::size_t between_grains = 0;
     for_each_kind_of_pair([&]<class Pairs>() {
-        add_boundary_force<Pairs>(world, rows, q);
-        add_contacts<Pairs>(world, q);
+        add_contacts<Pairs>(world, rows, q);
         if constexpr (std::is_same_v<Pairs, SpherePairs>) between_grains = q.body_contacts;
     });
     if (q.contacts > 0) {
@@ -109,7 +99,8 @@ Quantities compute_quantities(const World& world) {
     if (free_bodies > 0)
         q.coordination = static_cast<double>(q.body_contacts + between_grains) /
                          static_cast<double>(free_bodies);
-    q.elastic_energy += patch_energy(world, rows);
+    for (const Row b : rows) q.ground_energy += patch_energy(world, b);
+    q.elastic_energy += q.ground_energy;
     q.unbalanced_ratio = compute_balance(world).unbalanced_ratio;
     return q;
 }

@@ -23,7 +23,7 @@ template <class Pairs>
 void add_pairs(const World& world, const std::vector<Row>& rows, Stresses& s) {
     const auto position = world.column<Bodies, Position>();
     const auto motion = world.column<Bodies, MotionOf>();
-    for (const TouchingPair& p : touching_pairs<Pairs>(world)) {
+    for_touching_pairs<Pairs>(world, [&](const TouchingPair& p) {
         const Vec3 force(p.force.fx, p.force.fy, p.force.fz),
             point(p.force.px, p.force.py, p.force.pz);
         const Row owner = rows[p.names.owner], partner = rows[p.names.partner];
@@ -33,7 +33,7 @@ void add_pairs(const World& world, const std::vector<Row>& rows, Stresses& s) {
             add(s.contact, force, position[owner] - point);
             add(s.boundary, force, -point);
         }
-    }
+    });
 }
 
 } // namespace

@@ -12,7 +12,6 @@
 #include "scenarios/specimens/start.hpp"
 #include "systems/broadphase/lists.hpp"
 #include "systems/contact/stable_step.hpp"
-#include "systems/output/contacts.hpp"
 #include "systems/output/quantities.hpp"
 #include "systems/sleep/sleep.hpp"
 #include "systems/steps.hpp"
@@ -181,8 +180,9 @@ Outcome run_world(const Bench& s, const peers::Scene& scene, const peers::Bed& b
     simulation.advance(1); // contacts and forces belong to the beginning of this step
     o.quantities = compute_quantities(world);
     o.stable_step = stable_step(world);
-    o.coordination = 2 * static_cast<double>(touching_pairs<SpherePairs>(world).size()) /
-                     static_cast<double>(bed.balls.size());
+    std::size_t touching = 0;
+    world.resource<NearIndex<SpherePairs>>().for_touching([&](Row) { ++touching; });
+    o.coordination = 2 * static_cast<double>(touching) / static_cast<double>(bed.balls.size());
     const ListState before = world.resource<ListState>();
     const std::map<std::string, double> seconds_before = simulation.schedule().seconds();
 

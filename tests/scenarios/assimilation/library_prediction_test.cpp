@@ -1,4 +1,5 @@
 #include "engine/errors.hpp"
+#include "engine/io/csv.hpp"
 #include "engine/io/whole_file.hpp"
 #include "scenarios/assimilation/library_prediction.hpp"
 #include "scenarios/assimilation/library_results.hpp"
@@ -234,6 +235,19 @@ TEST_SUITE("assimilation/library_prediction") {
         write_scores(folder / "scores.csv", {v}, 0.08);
         const std::string text = read_whole(folder / "scores.csv");
         CHECK(std::ranges::count(text, '\n') == 10);
+        write_specimen_scores(folder / "specimens.csv", {v}, 0.08);
+        const auto column = [&](const std::string& name) {
+            const CsvForm form{.columns = {{name, name}}};
+            return read_csv(folder / "specimens.csv", form).column(name);
+        };
+        const auto friction = column("friction"), low = column("friction_low"),
+                   high = column("friction_high");
+        REQUIRE(friction.size() == library.specimens.size());
+        for (std::size_t k = 0; k < friction.size(); ++k) {
+            CHECK(friction[k] == about(library.specimens[k].rocks.friction).epsilon(1e-3));
+            CHECK((low[k] <= friction[k] && friction[k] <= high[k]) ==
+                  v.scores[k].friction_is_inside());
+        }
         Summary summary;
         add_scores(summary, "55kPa_", v, 0.08);
         const auto& entries = summary.entries();

@@ -1,3 +1,4 @@
+#include "engine/io/csv.hpp"
 #include "scenarios/assimilation/live_prediction.hpp"
 #include "tests/about.hpp"
 #include "tests/scenarios/assimilation/synthetic_library.hpp"
@@ -17,28 +18,31 @@ TEST_SUITE("assimilation/live_prediction") {
         LivePrediction live(folder / "library.h5", library.settings, 0.39, 110e3);
         CHECK(live.reason().empty());
         const LibrarySpecimen& like = library.specimens[5];
-        MeasuredTest measured;
-        measured.strain = {0};
-        measured.q = {0};
-        measured.volumetric_strain = {0};
+        RecordedTest measured;
+        measured.measured.resize(1);
         CHECK_FALSE(live.update(0, measured));
         int updates = 0;
         for (int stage = 1; stage <= 30; ++stage) { // three stages for each strain of the library
             const double strain = 1e-3 * stage / 3;
             const auto at = static_cast<std::size_t>(std::max(0, (stage + 1) / 3 - 1));
-            measured.strain.push_back(strain);
-            measured.q.push_back(double{like.tests[1].q[at]});
-            measured.volumetric_strain.push_back(double{like.tests[1].volume[at]});
+            TriaxialPoint point;
+            point.axial_strain = strain;
+            point.deviatoric_stress = double{like.tests[1].q[at]};
+            point.volumetric_strain = double{like.tests[1].volume[at]};
+            measured.measured.push_back(point);
             updates += live.update(strain, measured) ? 1 : 0;
         }
         CHECK(updates == 10);
         CHECK(live.times().size() == 10);
         CHECK(live.last().used.strain == about(0.01).epsilon(1e-9));
+        CHECK(live.rings().strain == about(0.01).epsilon(1e-9));
+        CHECK(live.rings().without_sensors.find("found 0") != std::string::npos);
         const LibraryPrediction own = LibraryPredictor(library, {}, 1, 1).predict(like);
         CHECK(live.last().predicted.q.mean[60] == about(own.q.mean[60]).epsilon(1e-5));
         live.write(folder.path());
         CHECK(std::filesystem::exists(folder / "predicted.csv"));
         CHECK(std::filesystem::exists(folder / "predictions.csv"));
+        CHECK(read_csv(folder / "rings.csv").rows.size() == 2); // at 0.5 and 1 %
     }
 
     TEST_CASE("a library that does not fit is not used, and the reason is given") {

@@ -196,14 +196,19 @@ TEST_SUITE("ballast_box") {
             const double load = phase == 0 ? 0 : up + down,
                          deflection = 1e-3 * cycle +
                                       (phase > 0 && phase <= 0.5 ? 5e-3 * up : 1e-3 + 4e-3 * down);
-            samples.add(
-                {static_cast<double>(k) / n, 0, 100e3 * load, 0, deflection, 0, 0, 0, 0, 0, 0, 0});
+            // 1 kN of weight; the subgrade of 50 kN/mm gives 2 of the 4 mm, elastic contacts 0.5 mm
+            const double carried = 1e3 + 100e3 * load;
+            samples.add({static_cast<double>(k) / n, 0, 100e3 * load, 0, deflection, 0, 0, 0, 0,
+                         carried, 0, 0, 0.5 * carried * carried / 50e6,
+                         0.5 * carried * carried / 200e6});
         }
         const auto cycles = cycle_responses(samples, 1);
         REQUIRE(cycles.size() == 3);
         for (std::size_t c = 0; c < 3; ++c) {
             CHECK(cycles[c].settlement == about(1e-3 * static_cast<double>(c + 1)));
             CHECK(cycles[c].resilient == about(4e-3));
+            CHECK(cycles[c].of_subgrade == about(2e-3));
+            CHECK(cycles[c].of_contacts == about(0.5e-3));
             CHECK(cycles[c].stiffness == about(100e3 / 4e-3));
         }
         // area between the lines: 100 kN (5 - 4) mm / 2

@@ -1,0 +1,179 @@
+#include "scenarios/assimilation/ring_estimate.hpp"
+
+#include "engine/estimation/student_t.hpp"
+#include "engine/io/csv.hpp"
+#include "scenarios/assimilation/ring_profile.hpp"
+#include "scenarios/specimens/sensor_rocks.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace bris {
+
+namespace {
+
+/// Whether the sensor rocks were placed as in a library, whose specimens have the usual layout: at
+/// the same heights, and in the centre or beside the membrane.
+bool stand_as_usual(const std::vector<Recording>& recordings) {
+    const SensorRoom room{.radius = 1, .height = 1, .bounding_radius = 0.2};
+    const auto usual = smart_rock_poses(room, 1, recordings.size());
+    if (usual.size() != recordings.size()) return false;
+    constexpr double tolerance = 0.15;
+    for (std::size_t k = 0; k < usual.size(); ++k) {
+        const SensorInfo& info = recordings[k].info;
+        const Vec3& p = usual[k].position;
+        if (std::abs(std::hypot(info.placed_x, info.placed_y) - std::hypot(p.x(), p.y())) >
+                tolerance ||
+            std::abs(info.placed_z - p.z()) > tolerance)
+            return false;
+    }
+    return true;
+}
+
+/// Displacement between the neighbouring samples; none if they are more than `step` away.
+std::optional<Vec3> displacement_at(const SensorTrajectory& t, double strain, double step) {
+    const auto after = static_cast<std::size_t>(std::ranges::lower_bound(t.strain, strain - 1e-9) -
+                                                t.strain.begin());
+    if (after == t.strain.size() || t.strain[after] > strain + step) return std::nullopt;
+    const std::size_t before = after > 0 && t.strain[after] > strain + 1e-9 ? after - 1 : after;
+    if (std::abs(strain - t.strain[before]) > step) return std::nullopt;
+    const double width = t.strain[after] - t.strain[before],
+                 part = width > 0 ? (strain - t.strain[before]) / width : 0;
+    const Vec3 u = t.displacement[before] + part * (t.displacement[after] - t.displacement[before]);
+    return u.allFinite() ? std::optional(u) : std::nullopt;
+}
+
+/// Puts the displacements of the sensor rocks into a test of the library. Returns why not, or "".
+std::string add_sensors(const SpecimenLibrary& library, const RecordedTest& test,
+                        std::size_t coarse, LibraryTest& into) {
+    if (library.sensors == 0) return "the library has none";
+    if (test.recordings.size() != library.sensors || test.trajectories.size() != library.sensors)
+        return fmt::format("expected {} accepted sensors, found {}", library.sensors,
+                           test.trajectories.size());
+    if (!stand_as_usual(test.recordings)) return "they stand elsewhere than those of the library";
+    constexpr std::size_t per_sensor = 6;
+    into.sensors.assign((coarse + 1) * library.sensors * per_sensor, 0);
+    for (std::size_t s = 0; s < library.sensors; ++s) {
+        const auto u = displacement_at(test.trajectories[s], library.axis.coarse_strain(coarse),
+                                       library.axis.step);
+        if (!u) return fmt::format("sensor {} has no displacement", test.recordings[s].info.id);
+        const SensorInfo& info = test.recordings[s].info;
+        const double distance = std::hypot(info.x, info.y);
+        float* numbers = &into.sensors[(coarse * library.sensors + s) * per_sensor];
+        if (distance > 0)
+            numbers[0] = static_cast<float>((u->x() * info.x + u->y() * info.y) / distance);
+        numbers[2] = static_cast<float>(u->z());
+    }
+    return "";
+}
+
+} // namespace
+
+RingEstimate estimate_rings(const SpecimenLibrary& library, const ModelOfTest& model,
+                            const RecordedTest& test, double strain) {
+    RingEstimate rings;
+    rings.not_made = reason_against(library, model);
+    if (!rings.not_made.empty()) return rings;
+    const LibraryAxis& axis = library.axis;
+    const auto steps = static_cast<std::size_t>(std::floor(strain / axis.step + 1e-6));
+    const std::size_t reached = std::min(steps / axis.every, axis.coarse_count());
+    if (reached == 0) {
+        rings.not_made = fmt::format("the first strain at which the library has sensor rocks is "
+                                     "{:g}, the test has reached {:g}",
+                                     axis.coarse_strain(0), strain);
+        return rings;
+    }
+    const std::size_t coarse = reached - 1, pressure = pressure_index(library, model.pressure);
+    rings.strain = axis.coarse_strain(coarse);
+    LibraryObservations observed{.strain = rings.strain, .force = false};
+    const LibrarySpecimen specimen =
+        measured_specimen(library, pressure, measured_test(test), observed);
+    LibraryTest measured = specimen.tests[pressure];
+    if (!std::isfinite(measured.volume.back())) {
+        rings.not_made = fmt::format("no volumetric strain was measured at {:g}", rings.strain);
+        return rings;
+    }
+    rings.without_sensors = add_sensors(library, test, coarse, measured);
+    const RingProfile profile(library, pressure, coarse,
+                              rings.without_sensors.empty() ? RingSensors::tracked
+                                                            : RingSensors::none);
+    const RingProfile::Estimate e = profile.estimate(measured);
+    const Vector half = student_t_quantile(0.95, profile.freedom()) * e.deviation,
+                 scaled = profile.scaled_mean(measured);
+    for (Eigen::Index r = 0; r < e.mean.size(); ++r) {
+        rings.mean.push_back(e.mean[r]);
+        rings.low.push_back(e.mean[r] - half[r]);
+        rings.high.push_back(e.mean[r] + half[r]);
+        rings.scaled_mean.push_back(scaled[r]);
+    }
+    return rings;
+}
+
+std::vector<double> measured_rings(const RecordedTest& test, double strain) {
+    const auto at = std::ranges::find_if(test.measured, [&](const TriaxialPoint& p) {
+        return std::abs(p.axial_strain - strain) < 1e-6;
+    });
+    if (at == test.measured.end()) return {};
+    const auto& start = test.measured.front().ring_radius;
+    std::vector<double> rings;
+    if (at->ring_radius.size() != start.size()) return rings;
+    for (std::size_t r = 0; r < start.size(); ++r)
+        rings.push_back(at->ring_radius[r] / start[r] - 1);
+    return rings;
+}
+
+double ring_difference(const std::vector<double>& a, const std::vector<double>& b) {
+    if (a.size() != b.size() || a.empty()) return std::nan("");
+    double squares = 0;
+    for (std::size_t r = 0; r < a.size(); ++r) squares += std::pow(a[r] - b[r], 2);
+    return std::sqrt(squares / static_cast<double>(a.size()));
+}
+
+std::string described(const RingEstimate& r) {
+    if (!r.not_made.empty()) return "the rings are not estimated: " + r.not_made;
+    const auto widest = std::ranges::max_element(r.mean) - r.mean.begin();
+    return fmt::format(
+        "rings at {:g} % from {}: widest ring {} of {}, {:.2f} % ({:.2f} to {:.2f} with 90 %){}",
+        100 * r.strain, r.without_sensors.empty() ? "volume and sensor rocks" : "volume",
+        widest + 1, r.mean.size(), 100 * r.mean[static_cast<std::size_t>(widest)],
+        100 * r.low[static_cast<std::size_t>(widest)],
+        100 * r.high[static_cast<std::size_t>(widest)],
+        r.without_sensors.empty() ? "" : "; sensor rocks are not used: " + r.without_sensors);
+}
+
+void write_rings(const std::filesystem::path& csv, const RingEstimate& r,
+                 const std::vector<double>& measured) {
+    std::vector<std::vector<double>> rows;
+    for (std::size_t k = 0; k < r.mean.size(); ++k)
+        rows.push_back({static_cast<double>(k + 1), r.mean[k], r.low[k], r.high[k],
+                        r.scaled_mean[k], k < measured.size() ? measured[k] : std::nan("")});
+    write_csv(
+        csv,
+        {"ring", "radial_strain", "radial_strain_low", "radial_strain_high", "of_mean_profile",
+         "measured"},
+        rows,
+        {fmt::format("rings from below at an axial strain of {:g}, estimated from {} at this "
+                     "strain, with the 90 % band",
+                     r.strain, r.without_sensors.empty() ? "volume and sensor rocks" : "volume")},
+        6);
+}
+
+std::vector<Curve> curves_of(const RingEstimate& r) {
+    std::vector<Curve> curves;
+    const char* label =
+        r.without_sensors.empty() ? "volume and sensors, 90 % band" : "volume, 90 % band";
+    for (const auto& [text, values] : {std::pair{label, &r.mean}, {"", &r.low}, {"", &r.high}}) {
+        Curve c{.label = text, .style = *text != '\0' ? Curve::Style::line : Curve::Style::dashed};
+        for (std::size_t k = 0; k < values->size(); ++k) {
+            c.x.push_back(100 * (*values)[k]);
+            c.y.push_back(static_cast<double>(k + 1));
+        }
+        curves.push_back(std::move(c));
+    }
+    return curves;
+}
+
+} // namespace bris

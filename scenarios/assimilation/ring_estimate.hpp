@@ -1,0 +1,44 @@
+#pragma once
+
+#include "scenarios/assimilation/library_use.hpp"
+#include "scenarios/recordings/recorded_test.hpp"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace bris {
+
+/// The radial strains of the rings of the membrane, from below, at one axial strain of a measured
+/// test; estimated by a library from what was measured at the same strain (RingProfile).
+struct RingEstimate {
+    std::string not_made = "nothing has been measured yet"; ///< why there is none; empty: it is
+    std::string without_sensors;         ///< why the sensor rocks were not used; empty: they were
+    double strain = 0;                   ///< axial
+    std::vector<double> mean, low, high; ///< with the 90 % band
+    std::vector<double> scaled_mean;     ///< the library's mean profile with the measured volume
+};
+
+/// Estimates the rings at the last of the library's coarse strains that `strain` has reached, from
+/// the volumetric strain and the displacements of the sensor rocks. Sensor rocks are used if all of
+/// them are tracked, and stand where those of the library stand.
+RingEstimate estimate_rings(const SpecimenLibrary& library, const ModelOfTest& model,
+                            const RecordedTest& test, double strain);
+
+/// Measured radial strains of the rings at an axial strain; empty if they were not measured there.
+std::vector<double> measured_rings(const RecordedTest& test, double strain);
+
+/// Root mean square difference of two profiles; NaN if they have not the same number of rings.
+double ring_difference(const std::vector<double>& a, const std::vector<double>& b);
+
+/// One line for the user: what was used, the widest ring, and why the estimate was not made.
+std::string described(const RingEstimate& rings);
+
+/// Writes a line for each ring: estimate with its band, mean profile, measured. Throws OutputError.
+void write_rings(const std::filesystem::path& csv, const RingEstimate& rings,
+                 const std::vector<double>& measured);
+
+/// Mean and band for a plot of radial strain in per cent against the number of the ring.
+std::vector<Curve> curves_of(const RingEstimate& rings);
+
+} // namespace bris
