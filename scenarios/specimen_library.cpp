@@ -12,6 +12,7 @@
 #include "scenarios/assimilation/library_join.hpp"
 #include "scenarios/assimilation/library_results.hpp"
 #include "scenarios/assimilation/ring_profile.hpp"
+#include "scenarios/assimilation/sensor_predictive.hpp"
 
 #include <fmt/format.h>
 
@@ -140,6 +141,10 @@ void LibraryScore::run(Summary& summary) {
     const std::vector<RingScore> rings = score_rings(library_);
     write_ring_scores(common_.out / "rings.csv", rings);
     fmt::print("\n{}", table_of(rings));
+    const std::vector<SuspicionScore> suspicions = score_suspicions(library_);
+    if (suspicions.empty()) return;
+    write_suspicions(common_.out / "suspicions.csv", suspicions);
+    fmt::print("\n{}", table_of(suspicions));
 }
 
 void LibraryScore::draw(const Scoring& scoring, const std::vector<SpecimenScore>& scores) const {

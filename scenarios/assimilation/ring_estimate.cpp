@@ -3,6 +3,7 @@
 #include "engine/estimation/student_t.hpp"
 #include "engine/io/csv.hpp"
 #include "scenarios/assimilation/ring_profile.hpp"
+#include "scenarios/assimilation/sensor_predictive.hpp"
 #include "scenarios/specimens/sensor_rocks.hpp"
 
 #include <fmt/format.h>
@@ -66,6 +67,29 @@ std::string add_sensors(const SpecimenLibrary& library, const RecordedTest& test
         if (distance > 0)
             numbers[0] = static_cast<float>((u->x() * info.x + u->y() * info.y) / distance);
         numbers[2] = static_cast<float>(u->z());
+        if (distance > 0)
+            numbers[1] = static_cast<float>((u->y() * info.x - u->x() * info.y) / distance);
+    }
+    return "";
+}
+
+/// A sensor rock that was displaced as none in the library; "": there is none.
+std::string suspected(const SpecimenLibrary& library, std::size_t pressure, std::size_t coarse,
+                      const LibraryTest& test, const RecordedTest& recorded) {
+    const SensorPredictive predictive(library, pressure, coarse);
+    for (std::size_t s = 0; s < library.sensors; ++s) {
+        const auto motion = predictive.motion_in(test, s);
+        if (predictive.distance(s, motion) <= 1) continue;
+        const Vec3 found = 1e3 * motion.displacement,
+                   mean = 1e3 * predictive.mean(s, motion.volume),
+                   deviation = 1e3 * predictive.deviation(s);
+        return fmt::format("sensor {} was displaced as none in the library: outward, sideways and "
+                           "upward by {:.1f}, "
+                           "{:.1f} and {:.1f} mm, expected {:.1f} +- {:.1f}, {:.1f} +- {:.1f} and "
+                           "{:.1f} +- {:.1f}",
+                           recorded.recordings[s].info.id, found.x(), found.y(), found.z(),
+                           mean.x(), deviation.x(), mean.y(), deviation.y(), mean.z(),
+                           deviation.z());
     }
     return "";
 }
@@ -97,6 +121,8 @@ RingEstimate estimate_rings(const SpecimenLibrary& library, const ModelOfTest& m
         return rings;
     }
     rings.without_sensors = add_sensors(library, test, coarse, measured);
+    if (rings.without_sensors.empty())
+        rings.without_sensors = suspected(library, pressure, coarse, measured, test);
     const RingProfile profile(library, pressure, coarse,
                               rings.without_sensors.empty() ? RingSensors::tracked
                                                             : RingSensors::none);

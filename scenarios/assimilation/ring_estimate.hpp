@@ -21,7 +21,8 @@ struct RingEstimate {
 
 /// Estimates the rings at the last of the library's coarse strains that `strain` has reached, from
 /// the volumetric strain and the displacements of the sensor rocks. Sensor rocks are used if all of
-/// them are tracked, and stand where those of the library stand.
+/// them are tracked, stand where those of the library stand, and none was displaced as no rock of
+/// the library (SensorPredictive).
 RingEstimate estimate_rings(const SpecimenLibrary& library, const ModelOfTest& model,
                             const RecordedTest& test, double strain);
 

@@ -29,7 +29,8 @@ SpecimenLibrary leaning_library() {
             }
             test.sensors.clear();
             for (std::size_t n = 0; n < library.axis.coarse_count() * library.sensors; ++n)
-                for (const double x : {0.0, 0.0, lean, 0.0, 0.0, 0.0})
+                for (const double x :
+                     {1e-5 * random.normal(), 1e-5 * random.normal(), lean, 0.0, 0.0, 0.0})
                     test.sensors.push_back(static_cast<float>(x));
         }
     }
@@ -54,11 +55,14 @@ RecordedTest recorded(const SpecimenLibrary& library, const LibraryTest& like) {
         Recording recording;
         recording.info.id = s + 1;
         recording.info.placed_z = 0.25 * (s + 1);
+        recording.info.x = 1e-3; // outward is x
         test.recordings.push_back(recording);
         SensorTrajectory t;
         for (int k = 1; k <= 42; ++k) {
             t.strain.push_back(1e-3 * k);
-            t.displacement.push_back(Vec3(0, 0, double{like.sensors[6 * s + 2]}));
+            const std::size_t at = 6 * (7 * 3 + s); // the coarse strain 0.04
+            t.displacement.push_back(Vec3(double{like.sensors[at]}, double{like.sensors[at + 1]},
+                                          double{like.sensors[at + 2]}));
         }
         test.trajectories.push_back(t);
     }
@@ -117,6 +121,10 @@ TEST_SUITE("assimilation/ring_estimate") {
         RecordedTest elsewhere = test;
         elsewhere.recordings[2].info.placed_x = 0.7;
         expect_volume_only(elsewhere, "elsewhere");
+
+        RecordedTest mirrored = test; // by ten times what any of the library's rocks moved
+        for (Vec3& u : mirrored.trajectories[0].displacement) u = Vec3(0, 0, -0.1);
+        expect_volume_only(mirrored, "sensor 1 was displaced as none in the library");
 
         RecordedTest no_volume = test;
         for (TriaxialPoint& p : no_volume.measured) p.volumetric_strain = std::nan("");
