@@ -57,17 +57,41 @@ void check_lengths(const Inspection& at) {
                     1e3 * displacement(first)));
 }
 
+/// The rock moves only while the specimen is compressed: if it moves before, its strain or its
+/// clock is late. Compares the last samples before the test with those of the time at rest.
+void check_start(const Inspection& at) {
+    constexpr std::size_t fewest = 3;
+    constexpr double clearly = 5, least = 3e-4; // times the noise; m
+    const Recording& r = at.recording;
+    std::vector<Vec3> before;
+    for (std::size_t k = 0; k < r.size() && !(r.strain[k] > 0); ++k)
+        if (r.strain[k] == 0) before.push_back(r.displacement[k]);
+    if (at.still < fewest || before.size() < at.still + fewest) return;
+    const std::vector<Vec3> rest(before.begin(),
+                                 before.begin() + static_cast<std::ptrdiff_t>(at.still)),
+        last(before.end() - fewest, before.end());
+    const double moved = (median(last) - median(rest)).norm();
+    if (moved < std::max(clearly * r.info.displacement_noise, least)) return;
+    at.refuse("clock", fmt::format("the rock moves by {:.1f} mm while its axial strain is 0: its "
+                                   "strain or its clock seems to be late",
+                                   1e3 * moved));
+}
+
 } // namespace
 
 void check_displacement(const Inspection& at) {
     const Recording& r = at.recording;
     if (r.displacement.empty() ||
-        is_stuck(at, "displacement", r.displacement, r.info.displacement_noise))
+        is_stuck(at, "displacement", r.displacement, r.info.displacement_noise) ||
+        has_stuck_axis(at, "displacement", r.displacement))
         return;
     check_jumps(at);
     check_scatter(at, "displacement", r.displacement, r.info.displacement_noise,
                   height_of_specimen(at) * strain_step(at), "mm", 1e-3);
-    if (!r.strain.empty()) check_lengths(at);
+    if (!r.strain.empty()) {
+        check_lengths(at);
+        check_start(at);
+    }
 }
 
 } // namespace bris

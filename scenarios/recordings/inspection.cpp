@@ -2,6 +2,7 @@
 
 #include "engine/signal/median.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 
@@ -30,7 +31,46 @@ double deviation_of_motion(const std::vector<Vec3>& values, std::size_t first) {
     return deviation_of_median(median(std::move(bends))) / std::sqrt(6.0); // norm of (1, -2, 1)
 }
 
+/// The longest number of successive samples in which a component does not change.
+std::size_t longest_run(const std::vector<Vec3>& values, Eigen::Index axis) {
+    std::size_t run = 0, longest = 0;
+    for (std::size_t k = 1; k < values.size(); ++k)
+        longest = std::max(longest,
+                           run = values[k][axis] == values[k - 1][axis] ? run + 1 : std::size_t{0});
+    return longest;
+}
+
+/// Whether the changes of a component are fine: the median is many times the smallest.
+bool changes_finely(const std::vector<Vec3>& values, Eigen::Index axis) {
+    constexpr double fine = 4;
+    std::vector<double> changes;
+    for (std::size_t k = 1; k < values.size(); ++k)
+        if (values[k][axis] != values[k - 1][axis])
+            changes.push_back(std::abs(values[k][axis] - values[k - 1][axis]));
+    if (changes.size() < 2 * fewest) return false;
+    const double smallest = std::ranges::min(changes);
+    return median(std::move(changes)) > fine * smallest;
+}
+
 } // namespace
+
+bool has_stuck_axis(const Inspection& at, const char* what, const std::vector<Vec3>& values) {
+    constexpr std::size_t least_run = 10, times_others = 5;
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+        const Eigen::Index next = (axis + 1) % 3, after = (axis + 2) % 3;
+        const std::size_t run = longest_run(values, axis),
+                          others = std::max(longest_run(values, next), longest_run(values, after));
+        const double stuck = static_cast<double>(run) / at.recording.info.sampling_rate;
+        if (run < least_run || run < times_others * others || stuck <= at.limits.stuck ||
+            !changes_finely(values, next) || !changes_finely(values, after))
+            continue;
+        at.refuse("stuck", fmt::format("{}: component {}: expected noise, as in the others, found "
+                                       "the same value for {:.3g} s",
+                                       what, "xyz"[axis], stuck));
+        return true;
+    }
+    return false;
+}
 
 void check_scatter(const Inspection& at, const char* what, const std::vector<Vec3>& values,
                    double declared, double roughness, const char* unit, double scale) {

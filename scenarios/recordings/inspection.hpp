@@ -35,6 +35,11 @@ struct Inspection {
 /// adds a refusal in that case.
 bool is_stuck(const Inspection& at, const char* what, const auto& values, double noise);
 
+/// Whether one component of a vector stays the same to the last digit while the others change; adds
+/// a refusal in that case. Not judged where the others change in coarse steps, as a converter with
+/// few bits makes them: then any component may stay the same.
+bool has_stuck_axis(const Inspection& at, const char* what, const std::vector<Vec3>& values);
+
 /// Compares the scatter of a quantity with the declared noise, at rest and from sample to sample
 /// during the test (by second differences). Uses medians, so that outliers carry no more weight
 /// than other samples. During the test the motion of the rock may add `roughness`. `unit`: unit of

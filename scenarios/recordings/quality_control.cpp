@@ -169,7 +169,9 @@ private:
 
     void check_noise(const char* what, const std::vector<Vec3>& values, double density,
                      const char* unit) {
-        if (density <= 0 || is_stuck(at_, what, values, density)) return;
+        if (density <= 0 || is_stuck(at_, what, values, density) ||
+            has_stuck_axis(at_, what, values))
+            return;
         if (at_.rest < 20)
             return note("noise",
                         fmt::format("{}: too few samples at rest (--rest) to estimate it, found {}",

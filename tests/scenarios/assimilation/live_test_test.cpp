@@ -270,13 +270,13 @@ TEST_SUITE("assimilation/live_test") {
     }
 
     TEST_CASE(
-        "a wrong clock is reported, but does no harm if strain is sent or if records may only "
-        "be late") {
-        std::vector<std::string> lines;
-        for (const std::string& line : recorded().lines)
-            lines.push_back(of_sensor(line, 2)   ? ahead_by(100, line)
-                            : of_sensor(line, 3) ? ahead_by(-100, without_strain(line))
-                                                 : line);
+        "a wrong clock is reported, but does no harm if strain is sent; without strain, one that "
+        "is behind is refused where the rock moves before the test begins") {
+        std::vector<std::string> lines, behind;
+        for (const std::string& line : recorded().lines) {
+            lines.push_back(of_sensor(line, 2) ? ahead_by(100, line) : line);
+            behind.push_back(of_sensor(line, 3) ? ahead_by(-100, without_strain(line)) : line);
+        }
         const Followed f;
         const auto test = f.follow(lines);
         REQUIRE(test->follow_to(0.01));
@@ -285,8 +285,12 @@ TEST_SUITE("assimilation/live_test") {
         CHECK(test->report().find(
                   "sensor 2: clock: t is 100 s ahead of the machine's at the same strain") !=
               std::string::npos);
-        CHECK(test->report().find("s behind the machine's on arrival, expected 4.2 s at most: "
+        const auto late = f.follow(behind, "log2");
+        REQUIRE(late->follow_to(0.01));
+        CHECK(late->report().find("s behind the machine's on arrival, expected 4.2 s at most: "
                                   "wrong clock, or late records") != std::string::npos);
+        CHECK(late->report().find("sensor 3: refused: clock: the rock moves by") !=
+              std::string::npos);
     }
 
     TEST_CASE("records that cannot be used are reported, and the test continues without them") {

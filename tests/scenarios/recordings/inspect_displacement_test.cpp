@@ -26,6 +26,33 @@ TEST_SUITE("recordings/inspect_displacement") {
             }
     }
 
+    TEST_CASE("a sensor whose strain is late by half a per cent is refused if its rock moves "
+              "clearly, and no other") {
+        for (const char* pressure : {"55kPa", "110kPa", "165kPa"})
+            for (const std::size_t s : {5u, 6u, 8u, 9u}) { // the lower ones move less
+                auto all = example_recordings(pressure);
+                for (double& e : all[s].strain) e = std::max(0.0, e - 0.005);
+                CAPTURE(pressure);
+                CAPTURE(s);
+                CHECK(has(refusals(all, static_cast<unsigned>(s + 1)),
+                          "while its axial strain is 0"));
+                CHECK(refusals(all, 1).empty());
+            }
+    }
+
+    TEST_CASE("one component that is stuck while the others change is refused, but not where all "
+              "change in coarse steps") {
+        auto all = example_recordings("110kPa");
+        for (std::size_t k = 20; k < all[3].size(); ++k) all[3].force[k].x() = all[3].force[20].x();
+        for (std::size_t k = 20; k < all[4].size(); ++k)
+            all[4].displacement[k].y() = all[4].displacement[20].y();
+        CHECK(has(refusals(all, 4), "stuck: force: component x: expected noise"));
+        CHECK(has(refusals(all, 5), "stuck: displacement: component y"));
+        auto coarse = example_recordings("110kPa");
+        for (Vec3& f : coarse[3].force) f = 0.05 * (f / 0.05).array().round().matrix();
+        CHECK_FALSE(has(refusals(coarse, 4), "stuck: force: component"));
+    }
+
     TEST_CASE("a displacement with far more noise than declared is refused, at rest and during the "
               "test") {
         auto all = example_recordings("55kPa");
