@@ -27,18 +27,12 @@ bool LivePrediction::update(double strain, const RecordedTest& so_far) {
     if (!reason_.empty()) return false;
     const auto steps = static_cast<std::size_t>(std::floor(strain / library_.axis.step + 1e-6));
     if (steps <= used_ || steps > library_.axis.count) return false;
+    const bool has_sensors = steps / library_.axis.every > used_ / library_.axis.every;
     used_ = steps;
     const auto began = this_instant();
     last_ = predict_test(library_, model_, measured_test(so_far),
                          {.strain = static_cast<double>(steps) * library_.axis.step});
-    if (const RingEstimate now = estimate_rings(library_, model_, so_far, last_.used.strain);
-        now.not_made.empty() && now.strain > rings_.strain) {
-        rings_ = now;
-        ring_rows_.push_back({now.strain});
-        for (std::size_t r = 0; r < now.mean.size(); ++r)
-            for (const auto* values : {&now.mean, &now.low, &now.high})
-                ring_rows_.back().push_back((*values)[r]);
-    }
+    if (has_sensors) estimate_rings_now(so_far);
     times_.push_back(seconds_since(began));
     if (!last_.not_used.empty()) return false;
     const LibraryPrediction& p = last_.predicted;
@@ -46,6 +40,17 @@ bool LivePrediction::update(double strain, const RecordedTest& so_far) {
                      p.smoothed_q.mean.back(), p.smoothed_q.low.back(), p.smoothed_q.high.back(),
                      p.volume.mean.back(), p.volume.low.back(), p.volume.high.back(), p.distance});
     return true;
+}
+
+void LivePrediction::estimate_rings_now(const RecordedTest& so_far) {
+    RingEstimate now =
+        estimate_rings(library_, model_, so_far, static_cast<double>(used_) * library_.axis.step);
+    if (!now.not_made.empty()) return;
+    rings_ = std::move(now);
+    ring_rows_.push_back({rings_.strain});
+    for (std::size_t r = 0; r < rings_.mean.size(); ++r)
+        for (const auto* values : {&rings_.mean, &rings_.low, &rings_.high})
+            ring_rows_.back().push_back((*values)[r]);
 }
 
 void LivePrediction::write(const std::filesystem::path& folder) const {

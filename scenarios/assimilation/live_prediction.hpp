@@ -36,6 +36,8 @@ public:
     void write(const std::filesystem::path& folder) const;
 
 private:
+    void estimate_rings_now(const RecordedTest& so_far);
+
     SpecimenLibrary library_;
     std::vector<NamedValue> settings_;
     ModelOfTest model_;

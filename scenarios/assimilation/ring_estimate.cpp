@@ -64,29 +64,30 @@ std::string add_sensors(const SpecimenLibrary& library, const RecordedTest& test
         const SensorInfo& info = test.recordings[s].info;
         const double distance = std::hypot(info.x, info.y);
         float* numbers = &into.sensors[(coarse * library.sensors + s) * per_sensor];
-        if (distance > 0)
+        if (distance > 0) {
             numbers[0] = static_cast<float>((u->x() * info.x + u->y() * info.y) / distance);
-        numbers[2] = static_cast<float>(u->z());
-        if (distance > 0)
             numbers[1] = static_cast<float>((u->y() * info.x - u->x() * info.y) / distance);
+        }
+        numbers[2] = static_cast<float>(u->z());
     }
     return "";
 }
 
-/// A sensor rock that was displaced as none in the library; "": there is none.
+/// A sensor rock that was displaced as none in the library; "": there is none, or the library is
+/// too small to tell.
 std::string suspected(const SpecimenLibrary& library, std::size_t pressure, std::size_t coarse,
                       const LibraryTest& test, const RecordedTest& recorded) {
+    if (library.specimens.size() < SensorPredictive::fewest) return "";
     const SensorPredictive predictive(library, pressure, coarse);
     for (std::size_t s = 0; s < library.sensors; ++s) {
         const auto motion = predictive.motion_in(test, s);
-        if (predictive.distance(s, motion) <= 1) continue;
+        if (!(predictive.distance(s, motion) > 1)) continue;
         const Vec3 found = 1e3 * motion.displacement,
                    mean = 1e3 * predictive.mean(s, motion.volume),
                    deviation = 1e3 * predictive.deviation(s);
         return fmt::format("sensor {} was displaced as none in the library: outward, sideways and "
-                           "upward by {:.1f}, "
-                           "{:.1f} and {:.1f} mm, expected {:.1f} +- {:.1f}, {:.1f} +- {:.1f} and "
-                           "{:.1f} +- {:.1f}",
+                           "upward by {:.1f}, {:.1f} and {:.1f} mm, expected {:.1f} +- {:.1f}, "
+                           "{:.1f} +- {:.1f} and {:.1f} +- {:.1f}",
                            recorded.recordings[s].info.id, found.x(), found.y(), found.z(),
                            mean.x(), deviation.x(), mean.y(), deviation.y(), mean.z(),
                            deviation.z());

@@ -15,7 +15,7 @@ namespace bris {
 
 namespace {
 
-constexpr std::size_t per_sensor = 6, fewest_specimens = 20;
+constexpr std::size_t per_sensor = 6;
 
 } // namespace
 
@@ -60,9 +60,9 @@ SensorPredictive::SensorPredictive(const SpecimenLibrary& library, std::size_t p
         for (std::size_t k = 0; k < library.specimens.size(); ++k)
             if (k != without)
                 motions.push_back(motion_in(library.specimens[k].tests.at(pressure), s));
-        require(motions.size() >= fewest_specimens,
-                fmt::format("specimen library: expected at least {} specimens, found {}",
-                            fewest_specimens, motions.size()));
+        require(motions.size() >= fewest,
+                fmt::format("specimen library: expected at least {} specimens, found {}", fewest,
+                            motions.size()));
         fits_.push_back(fit(motions, none));
         for (std::size_t k = 0; k < motions.size(); ++k)
             largest_ = std::max(largest_, fit(motions, k).distance(motions[k]));
@@ -179,7 +179,7 @@ std::vector<SuspicionScore> scores_at(const SpecimenLibrary& library, std::size_
 
 std::vector<SuspicionScore> score_suspicions(const SpecimenLibrary& library) {
     constexpr std::size_t usual = 10;
-    if (library.sensors != usual || library.specimens.size() <= fewest_specimens) return {};
+    if (library.sensors != usual || library.specimens.size() <= SensorPredictive::fewest) return {};
     std::vector<SuspicionScore> all;
     const std::size_t last = library.axis.coarse_count();
     for (std::size_t p = 0; p < library.pressures.size(); ++p)

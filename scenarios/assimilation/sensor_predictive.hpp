@@ -18,9 +18,9 @@ namespace bris {
 class SensorPredictive {
 public:
     /// `pressure`: index of the library's pressure; `coarse`: index of the strain (LibraryAxis);
-    /// `without`: index of a specimen that is left out. Throws InputError for fewer than 20
-    /// specimens.
-    static constexpr std::size_t none = static_cast<std::size_t>(-1);
+    /// `without`: index of a specimen that is left out. Throws InputError for fewer specimens than
+    /// `fewest`.
+    static constexpr std::size_t none = static_cast<std::size_t>(-1), fewest = 20;
     SensorPredictive(const SpecimenLibrary& library, std::size_t pressure, std::size_t coarse,
                      std::size_t without = none);
 
