@@ -65,8 +65,8 @@ def run(args, numbers_of_seed, report):
     parts.merge(args, args.csv, args.seeds, lambda row: int(row['seed']))
     done = {int(row['seed']) for row in rows_of(args)}
     for seed in parts.mine(args, args.seeds):
-        if seed not in done:
-            add(args, seed, numbers_of_seed(args, seed))
+        if seed not in done and (numbers := numbers_of_seed(args, seed)):
+            add(args, seed, numbers)
             print(f'seed {seed} done', flush=True)
     if args.part is None:
         report(rows_of(args))
