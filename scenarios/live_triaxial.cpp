@@ -374,12 +374,8 @@ void LiveRun::draw(const RecordedTest& measured) const {
                           .x_label = "radial strain, widening positive (%)",
                           .y_label = "ring, from below",
                           .curves = curves_of(rings)});
-        Curve found{.label = "measured", .style = Curve::Style::points};
-        for (const double r : measured_rings(measured, rings.strain)) {
-            found.x.push_back(100 * r);
-            found.y.push_back(static_cast<double>(found.y.size() + 1));
-        }
-        panels.back().curves.push_back(std::move(found));
+        panels.back().curves.push_back(ring_curve(
+            "measured", ring_strains(measured.measured, rings.strain), Curve::Style::points));
     }
     draw_plots(common_.out / "live_triaxial.png", panels, 3);
 }
@@ -433,7 +429,7 @@ void LiveRun::report() {
         summary.add("library_friction_high", last.predicted.friction.high[0]);
         summary.add("library_distance", last.predicted.distance);
         if (const RingEstimate& rings = prediction_->rings(); rings.not_made.empty()) {
-            const auto there = measured_rings(measured, rings.strain);
+            const auto there = ring_strains(measured.measured, rings.strain);
             summary.add("estimated_rings_strain", rings.strain);
             summary.add("estimated_rings_rmse", ring_difference(rings.mean, there));
             summary.add("estimated_rings_over_mean_profile",

@@ -189,7 +189,7 @@ void Computation::predict_from_library() {
         fmt::print("{}: {}\n", folder, described(rings));
         if (rings.not_made.empty())
             write_rings(common_.out / folder / "rings.csv", rings,
-                        measured_rings(test, rings.strain));
+                        ring_strains(test.measured, rings.strain));
     }
     std::fflush(stdout);
 }
@@ -423,7 +423,7 @@ void Computation::report() {
         both("volumetric_strain", "", free.volumetric_strain, fused.volumetric_strain);
         both("ring_strain", "", free.ring_strain, fused.ring_strain);
         if (c.rings.not_made.empty()) {
-            const auto measured = measured_rings(test, c.rings.strain);
+            const auto measured = ring_strains(test.measured, c.rings.strain);
             const double error = ring_difference(c.rings.mean, measured);
             add("estimated_rings_rmse", error);
             add("error_ratio_estimated_rings", error / free.ring_strain);

@@ -13,7 +13,7 @@ namespace bris {
 
 namespace {
 
-constexpr std::size_t strains_used = 10, per_sensor = 6;
+constexpr std::size_t strains_used = 10, per_sensor = LibraryTest::per_sensor;
 constexpr std::array window_ends{0.02, 0.04, 1.0}; // axial strain
 constexpr std::size_t first_tilt = 3, tilts = 2;   // of the numbers of a sensor rock
 

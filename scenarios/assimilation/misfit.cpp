@@ -25,25 +25,6 @@ double difference_of(const std::vector<TriaxialPoint>& run,
     return std::sqrt(squares / count);
 }
 
-/// Root mean square difference of the radial strain of the rings at the end of the run from that
-/// measured at the same axial strain.
-double ring_difference(const std::vector<TriaxialPoint>& run,
-                       const std::vector<TriaxialPoint>& measured) {
-    const auto at_end = stage_at(measured, run.back().axial_strain, same_strain);
-    const std::size_t rings = run.back().ring_radius.size();
-    if (!at_end || measured[*at_end].ring_radius.size() != rings ||
-        measured.front().ring_radius.size() != rings)
-        return std::nan("");
-    double squares = 0, count = 0;
-    for (std::size_t r = 0; r < rings; ++r) {
-        const double found = measured[*at_end].ring_radius[r] / measured.front().ring_radius[r];
-        if (!std::isfinite(found)) continue;
-        squares += std::pow(run.back().ring_radius[r] / run.front().ring_radius[r] - found, 2);
-        ++count;
-    }
-    return std::sqrt(squares / count);
-}
-
 /// Root mean square difference of the displacements of the sensor rocks, where they were measured.
 double sensor_difference(const ModelRun& run, const std::vector<SensorTrajectory>& trajectories,
                          double last_strain) {
@@ -64,12 +45,34 @@ double sensor_difference(const ModelRun& run, const std::vector<SensorTrajectory
 
 } // namespace
 
+std::vector<double> ring_strains(const std::vector<TriaxialPoint>& points, double axial_strain) {
+    const auto at = stage_at(points, axial_strain, same_strain);
+    const std::vector<double>& start = points.front().ring_radius;
+    if (!at || points[*at].ring_radius.size() != start.size()) return {};
+    std::vector<double> strains;
+    for (std::size_t r = 0; r < start.size(); ++r)
+        strains.push_back(points[*at].ring_radius[r] / start[r] - 1);
+    return strains;
+}
+
+double ring_difference(const std::vector<double>& a, const std::vector<double>& b) {
+    if (a.size() != b.size()) return std::nan("");
+    double squares = 0, count = 0;
+    for (std::size_t r = 0; r < a.size(); ++r) {
+        if (!std::isfinite(a[r] - b[r])) continue;
+        squares += std::pow(a[r] - b[r], 2);
+        ++count;
+    }
+    return std::sqrt(squares / count);
+}
+
 Misfit misfit_of(const ModelRun& run, const RecordedTest& test, double last_strain) {
-    const double last = last_strain + same_strain;
+    const double last = last_strain + same_strain, end = run.points.back().axial_strain;
     return {.q = difference_of(run.points, test.measured, last, &TriaxialPoint::deviatoric_stress),
             .volumetric_strain =
                 difference_of(run.points, test.measured, last, &TriaxialPoint::volumetric_strain),
-            .ring_strain = ring_difference(run.points, test.measured),
+            .ring_strain =
+                ring_difference(ring_strains(run.points, end), ring_strains(test.measured, end)),
             .sensor_displacement = sensor_difference(run, test.trajectories, last)};
 }
 

@@ -4,8 +4,16 @@
 #include "scenarios/recordings/recorded_test.hpp"
 
 #include <limits>
+#include <vector>
 
 namespace bris {
+
+/// Radial strains of the rings, from below, at the point with an axial strain; empty if there is
+/// none with as many rings as the first point.
+std::vector<double> ring_strains(const std::vector<TriaxialPoint>& points, double axial_strain);
+/// Root mean square difference over the rings that both profiles know (others are NaN); NaN if they
+/// have not the same number of rings, or none.
+double ring_difference(const std::vector<double>& a, const std::vector<double>& b);
 
 /// Root mean square differences between a model and a test, over the strains that both have; NaN
 /// where nothing was measured.

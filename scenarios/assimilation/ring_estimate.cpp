@@ -5,6 +5,7 @@
 #include "scenarios/assimilation/ring_profile.hpp"
 #include "scenarios/assimilation/sensor_predictive.hpp"
 #include "scenarios/specimens/sensor_rocks.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
 
 #include <fmt/format.h>
 
@@ -55,20 +56,14 @@ std::string add_sensors(const SpecimenLibrary& library, const RecordedTest& test
         return fmt::format("expected {} accepted sensors, found {}", library.sensors,
                            test.trajectories.size());
     if (!stand_as_usual(test.recordings)) return "they stand elsewhere than those of the library";
-    constexpr std::size_t per_sensor = 6;
-    into.sensors.assign((coarse + 1) * library.sensors * per_sensor, 0);
+    into.sensors.assign((coarse + 1) * library.sensors * LibraryTest::per_sensor, 0);
     for (std::size_t s = 0; s < library.sensors; ++s) {
         const auto u = displacement_at(test.trajectories[s], library.axis.coarse_strain(coarse),
                                        library.axis.step);
-        if (!u) return fmt::format("sensor {} has no displacement", test.recordings[s].info.id);
         const SensorInfo& info = test.recordings[s].info;
-        const double distance = std::hypot(info.x, info.y);
-        float* numbers = &into.sensors[(coarse * library.sensors + s) * per_sensor];
-        if (distance > 0) {
-            numbers[0] = static_cast<float>((u->x() * info.x + u->y() * info.y) / distance);
-            numbers[1] = static_cast<float>((u->y() * info.x - u->x() * info.y) / distance);
-        }
-        numbers[2] = static_cast<float>(u->z());
+        if (!u) return fmt::format("sensor {} has no displacement", info.id);
+        std::ranges::copy(polar(*u, {info.x, info.y, info.z}).cast<float>().eval(),
+                          &into.sensors[(coarse * library.sensors + s) * LibraryTest::per_sensor]);
     }
     return "";
 }
@@ -80,7 +75,7 @@ std::string suspected(const SpecimenLibrary& library, std::size_t pressure, std:
     if (library.specimens.size() < SensorPredictive::fewest) return "";
     const SensorPredictive predictive(library, pressure, coarse);
     for (std::size_t s = 0; s < library.sensors; ++s) {
-        const auto motion = predictive.motion_in(test, s);
+        const auto motion = SensorPredictive::motion_in(library, test, coarse, s);
         if (!(predictive.distance(s, motion) > 1)) continue;
         const Vec3 found = 1e3 * motion.displacement,
                    mean = 1e3 * predictive.mean(s, motion.volume),
@@ -139,26 +134,6 @@ RingEstimate estimate_rings(const SpecimenLibrary& library, const ModelOfTest& m
     return rings;
 }
 
-std::vector<double> measured_rings(const RecordedTest& test, double strain) {
-    const auto at = std::ranges::find_if(test.measured, [&](const TriaxialPoint& p) {
-        return std::abs(p.axial_strain - strain) < 1e-6;
-    });
-    if (at == test.measured.end()) return {};
-    const auto& start = test.measured.front().ring_radius;
-    std::vector<double> rings;
-    if (at->ring_radius.size() != start.size()) return rings;
-    for (std::size_t r = 0; r < start.size(); ++r)
-        rings.push_back(at->ring_radius[r] / start[r] - 1);
-    return rings;
-}
-
-double ring_difference(const std::vector<double>& a, const std::vector<double>& b) {
-    if (a.size() != b.size() || a.empty()) return std::nan("");
-    double squares = 0;
-    for (std::size_t r = 0; r < a.size(); ++r) squares += std::pow(a[r] - b[r], 2);
-    return std::sqrt(squares / static_cast<double>(a.size()));
-}
-
 std::string described(const RingEstimate& r) {
     if (!r.not_made.empty()) return "the rings are not estimated: " + r.not_made;
     const auto widest = std::ranges::max_element(r.mean) - r.mean.begin();
@@ -192,14 +167,9 @@ std::vector<Curve> curves_of(const RingEstimate& r) {
     std::vector<Curve> curves;
     const char* label =
         r.without_sensors.empty() ? "volume and sensors, 90 % band" : "volume, 90 % band";
-    for (const auto& [text, values] : {std::pair{label, &r.mean}, {"", &r.low}, {"", &r.high}}) {
-        Curve c{.label = text, .style = *text != '\0' ? Curve::Style::line : Curve::Style::dashed};
-        for (std::size_t k = 0; k < values->size(); ++k) {
-            c.x.push_back(100 * (*values)[k]);
-            c.y.push_back(static_cast<double>(k + 1));
-        }
-        curves.push_back(std::move(c));
-    }
+    for (const auto& [text, values] : {std::pair{label, &r.mean}, {"", &r.low}, {"", &r.high}})
+        curves.push_back(
+            ring_curve(text, *values, *text != '\0' ? Curve::Style::line : Curve::Style::dashed));
     return curves;
 }
 

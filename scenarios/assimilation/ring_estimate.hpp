@@ -26,12 +26,6 @@ struct RingEstimate {
 RingEstimate estimate_rings(const SpecimenLibrary& library, const ModelOfTest& model,
                             const RecordedTest& test, double strain);
 
-/// Measured radial strains of the rings at an axial strain; empty if they were not measured there.
-std::vector<double> measured_rings(const RecordedTest& test, double strain);
-
-/// Root mean square difference of two profiles; NaN if they have not the same number of rings.
-double ring_difference(const std::vector<double>& a, const std::vector<double>& b);
-
 /// One line for the user: what was used, the widest ring, and why the estimate was not made.
 std::string described(const RingEstimate& rings);
 

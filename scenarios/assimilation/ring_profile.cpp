@@ -15,7 +15,7 @@ namespace bris {
 
 namespace {
 
-constexpr std::size_t per_sensor = 6; // displacement outward, sideways, upward; rotation vector
+constexpr std::size_t per_sensor = LibraryTest::per_sensor;
 constexpr std::array<std::size_t, 2> displacements{0, 2}, tilts{3, 4};
 
 double root_mean_square(const Vector& v) {

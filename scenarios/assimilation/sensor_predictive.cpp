@@ -13,12 +13,6 @@
 
 namespace bris {
 
-namespace {
-
-constexpr std::size_t per_sensor = 6;
-
-} // namespace
-
 double SensorPredictive::Fit::distance(const Motion& motion) const {
     const Vec3 off = motion.displacement - mean(motion.volume);
     // the prediction is uncertain too, more so far from the mean volume
@@ -53,13 +47,13 @@ SensorPredictive::Fit SensorPredictive::fit(const std::vector<Motion>& motions,
 }
 
 SensorPredictive::SensorPredictive(const SpecimenLibrary& library, std::size_t pressure,
-                                   std::size_t coarse, std::size_t without)
-    : fine_(library.axis.every * (coarse + 1) - 1), coarse_(coarse), sensors_(library.sensors) {
-    for (std::size_t s = 0; s < sensors_; ++s) {
+                                   std::size_t coarse, std::size_t without) {
+    for (std::size_t s = 0; s < library.sensors; ++s) {
         std::vector<Motion> motions;
         for (std::size_t k = 0; k < library.specimens.size(); ++k)
             if (k != without)
-                motions.push_back(motion_in(library.specimens[k].tests.at(pressure), s));
+                motions.push_back(
+                    motion_in(library, library.specimens[k].tests.at(pressure), coarse, s));
         require(motions.size() >= fewest,
                 fmt::format("specimen library: expected at least {} specimens, found {}", fewest,
                             motions.size()));
@@ -69,10 +63,13 @@ SensorPredictive::SensorPredictive(const SpecimenLibrary& library, std::size_t p
     }
 }
 
-SensorPredictive::Motion SensorPredictive::motion_in(const LibraryTest& test,
-                                                     std::size_t sensor) const {
-    const float* u = &test.sensors.at((coarse_ * sensors_ + sensor) * per_sensor);
-    return {double{test.volume.at(fine_)}, {double{u[0]}, double{u[1]}, double{u[2]}}};
+SensorPredictive::Motion SensorPredictive::motion_in(const SpecimenLibrary& library,
+                                                     const LibraryTest& test, std::size_t coarse,
+                                                     std::size_t sensor) {
+    const float* u =
+        &test.sensors.at((coarse * library.sensors + sensor) * LibraryTest::per_sensor);
+    return {double{test.volume.at(library.axis.every * (coarse + 1) - 1)},
+            {double{u[0]}, double{u[1]}, double{u[2]}}};
 }
 
 namespace {
@@ -151,18 +148,17 @@ std::vector<SuspicionScore> scores_at(const SpecimenLibrary& library, std::size_
                n = static_cast<double>(library.specimens.size());
     for (std::size_t k = 0; k < library.specimens.size(); ++k) {
         const LibraryTest& test = library.specimens[k].tests[pressure];
-        const SensorPredictive now(library, pressure, coarse, k),
-            earlier(library, pressure, coarse - 1, k);
+        const SensorPredictive predictive(library, pressure, coarse, k);
         TestMotions motions;
         for (std::size_t s = 0; s < library.sensors; ++s) {
-            motions.now.push_back(now.motion_in(test, s));
-            motions.before.push_back(earlier.motion_in(test, s));
+            motions.now.push_back(SensorPredictive::motion_in(library, test, coarse, s));
+            motions.before.push_back(SensorPredictive::motion_in(library, test, coarse - 1, s));
         }
         for (std::size_t f = 0; f < scores.size(); ++f) {
             bool any = false;
             for (std::size_t s = 0; s < library.sensors; ++s) {
                 const Vec3 u = faults()[f].second(motions, s, places);
-                if (now.distance(s, {motions.now[s].volume, u}) <= 1) continue;
+                if (predictive.distance(s, {motions.now[s].volume, u}) <= 1) continue;
                 any = true;
                 if (places[s].central)
                     scores[f].centre += 1 / (n * central);

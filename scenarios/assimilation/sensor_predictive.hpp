@@ -29,7 +29,8 @@ public:
         double volume = 0;
         Vec3 displacement = Vec3::Zero();
     };
-    Motion motion_in(const LibraryTest& test, std::size_t sensor) const;
+    static Motion motion_in(const SpecimenLibrary& library, const LibraryTest& test,
+                            std::size_t coarse, std::size_t sensor);
     /// Mean and standard deviation (m) of the displacement at a volumetric strain.
     Vec3 mean(std::size_t sensor, double volume) const { return fits_[sensor].mean(volume); }
     Vec3 deviation(std::size_t sensor) const { return fits_[sensor].deviation; }
@@ -50,7 +51,6 @@ private:
     };
     static Fit fit(const std::vector<Motion>& motions, std::size_t without);
 
-    std::size_t fine_, coarse_, sensors_;
     double largest_ = 0;
     std::vector<Fit> fits_;
 };

@@ -14,14 +14,12 @@ namespace bris {
 namespace {
 
 constexpr auto kind = "specimen_library";
-constexpr std::size_t per_sensor = 6, per_cell = 2;
+constexpr std::size_t per_cell = 2;
 
 Vec3 outward_at(const Vec3& position) { return Vec3(position.x(), position.y(), 0).normalized(); }
 
-/// Adds the components of a vector outward, sideways and upward.
-void add_polar(std::vector<float>& numbers, const Vec3& v, const Vec3& outward) {
-    for (const double x : {v.dot(outward), v.dot(Vec3::UnitZ().cross(outward)), v.z()})
-        numbers.push_back(static_cast<float>(x));
+void add(std::vector<float>& numbers, const Vec3& v) {
+    for (const double x : v) numbers.push_back(static_cast<float>(x));
 }
 
 /// Cell of each rock at the start of shearing.
@@ -84,7 +82,7 @@ void visit_arrays(const SpecimenLibrary& of, Test& test, const Visit& visit) {
     visit("smoothed_q_Pa", fine, test.smoothed_q);
     visit("volumetric_strain", fine, test.volume);
     visit("ring_strain", fine * of.rings, test.rings);
-    visit("sensor_motion", coarse * of.sensors * per_sensor, test.sensors);
+    visit("sensor_motion", coarse * of.sensors * LibraryTest::per_sensor, test.sensors);
     visit("displacement_field_m", coarse * FieldCells::count * per_cell, test.field);
 }
 
@@ -191,6 +189,11 @@ void SpecimenLibrary::add(LibrarySpecimen specimen) {
     specimens.insert(after, std::move(specimen));
 }
 
+Vec3 polar(const Vec3& v, const Vec3& place) {
+    const Vec3 outward = outward_at(place);
+    return {v.dot(outward), v.dot(Vec3::UnitZ().cross(outward)), v.z()};
+}
+
 LibraryTest sampled(const ModelRun& run, const LibraryAxis& axis) {
     LibraryTest test;
     const auto& start = run.points.front().ring_radius;
@@ -206,9 +209,8 @@ LibraryTest sampled(const ModelRun& run, const LibraryAxis& axis) {
     for (std::size_t k = 0; k < axis.coarse_count(); ++k) {
         const std::size_t stage = stage_for(run, axis.coarse_strain(k));
         for (std::size_t s = 0; s < run.sensors; ++s) {
-            const Vec3 outward = outward_at(run.start[s].position);
-            add_polar(test.sensors, run.displacement[stage][s], outward);
-            add_polar(test.sensors, run.rotation[stage][s], outward);
+            add(test.sensors, polar(run.displacement[stage][s], run.start[s].position));
+            add(test.sensors, polar(run.rotation[stage][s], run.start[s].position));
         }
         add_field(test.field, run, cells, stage);
     }

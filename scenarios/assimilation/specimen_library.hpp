@@ -37,6 +37,7 @@ struct LibraryTest {
     /// By coarse strain and sensor rock: displacement (m) outward, sideways and upward, and
     /// rotation vector (rad) about the same axes, at the start of shearing.
     std::vector<float> sensors;
+    static constexpr std::size_t per_sensor = 6;
     /// By coarse strain and cell: mean displacement (m) outward and upward of the rocks that were
     /// in the cell at the start of shearing; 0 in a cell without rocks.
     std::vector<float> field;
@@ -67,6 +68,10 @@ struct SpecimenLibrary {
     bool has(std::uint64_t number) const; ///< whether this point is done or given up
     void add(LibrarySpecimen specimen);   ///< inserts it in the order of the numbers
 };
+
+/// Components of a vector outward, sideways and upward, seen from a place beside the axis; only the
+/// last one is not 0 on the axis.
+Vec3 polar(const Vec3& v, const Vec3& place);
 
 /// The results of a run on the strains of a library. Throws InputError if the run does not have a
 /// stage at each of them.

@@ -163,14 +163,22 @@ Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& point
     return c;
 }
 
-Curve profile_of(const std::string& label, const std::vector<TriaxialPoint>& points,
+Curve ring_curve(const std::string& label, const std::vector<double>& radial_strains,
                  Curve::Style style) {
     Curve c{.label = label, .style = style};
-    for (std::size_t r = 0; r < points.back().ring_radius.size(); ++r) {
-        c.x.push_back(100 * (points.back().ring_radius[r] / points.front().ring_radius[r] - 1));
+    for (std::size_t r = 0; r < radial_strains.size(); ++r) {
+        c.x.push_back(100 * radial_strains[r]);
         c.y.push_back(static_cast<double>(r + 1));
     }
     return c;
+}
+
+Curve profile_of(const std::string& label, const std::vector<TriaxialPoint>& points,
+                 Curve::Style style) {
+    std::vector<double> strains;
+    for (std::size_t r = 0; r < points.back().ring_radius.size(); ++r)
+        strains.push_back(points.back().ring_radius[r] / points.front().ring_radius[r] - 1);
+    return ring_curve(label, strains, style);
 }
 
 bool draw_curves(const std::filesystem::path& png, const std::vector<TestCurve>& tests) {

@@ -61,6 +61,9 @@ struct TestCurve {
 /// One quantity of the points against axial strain (%), multiplied by `scale`.
 Curve curve_of(const std::string& label, const std::vector<TriaxialPoint>& points, double scale,
                double TriaxialPoint::*value, Curve::Style style = Curve::Style::line);
+/// Radial strains against the number of the ring, from below; drawn in per cent.
+Curve ring_curve(const std::string& label, const std::vector<double>& radial_strains,
+                 Curve::Style style = Curve::Style::line);
 /// Radial strain (%) of the rings at the last point, numbered from below.
 Curve profile_of(const std::string& label, const std::vector<TriaxialPoint>& points,
                  Curve::Style style = Curve::Style::line);

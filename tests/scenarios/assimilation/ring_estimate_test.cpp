@@ -1,3 +1,4 @@
+#include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/ring_estimate.hpp"
 #include "scenarios/assimilation/ring_profile.hpp"
 #include "tests/about.hpp"
@@ -90,12 +91,12 @@ TEST_SUITE("assimilation/ring_estimate") {
             CHECK(rings.low[r] < rings.mean[r]);
             CHECK(rings.high[r] - rings.mean[r] == about(rings.mean[r] - rings.low[r]));
         }
-        const auto measured = measured_rings(test, rings.strain);
+        const auto measured = ring_strains(test.measured, rings.strain);
         REQUIRE(measured.size() == 2);
         CHECK(ring_difference(rings.mean, measured) <
               0.5 * ring_difference(rings.scaled_mean, measured));
         CHECK(described(rings).find("volume and sensor rocks") != std::string::npos);
-        CHECK(measured_rings(test, 0.05).empty());
+        CHECK(ring_strains(test.measured, 0.05).empty());
         CHECK(std::isnan(ring_difference(rings.mean, {})));
     }
 
@@ -108,7 +109,7 @@ TEST_SUITE("assimilation/ring_estimate") {
             const RingEstimate rings = estimate_rings(library, model, changed, 0.042);
             REQUIRE(rings.not_made.empty());
             CHECK(rings.without_sensors.find(reason) != std::string::npos);
-            const auto measured = measured_rings(changed, 0.04);
+            const auto measured = ring_strains(changed.measured, 0.04);
             CHECK(ring_difference(rings.mean, measured) >
                   0.8 * ring_difference(rings.scaled_mean, measured));
         };

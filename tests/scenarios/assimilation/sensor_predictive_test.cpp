@@ -60,7 +60,8 @@ TEST_SUITE("assimilation/sensor_predictive") {
             CHECK(predictive.distance(s, {-0.1, mean + Vec3(10 * scatter, 0, 0)}) > 1);
             CHECK(predictive.distance(s, {-0.1, Vec3(mean.x(), mean.y(), -mean.z())}) > 1);
             for (const LibrarySpecimen& specimen : library.specimens)
-                CHECK(predictive.distance(s, predictive.motion_in(specimen.tests[0], s)) <= 1);
+                CHECK(predictive.distance(s, SensorPredictive::motion_in(library, specimen.tests[0],
+                                                                         last, s)) <= 1);
         }
         CHECK_THROWS_AS(SensorPredictive(moving(10), 0, last), InputError);
     }
