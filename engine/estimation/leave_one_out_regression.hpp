@@ -49,8 +49,11 @@ public:
     /// Degrees of freedom of the deviations, N - 1.
     double freedom() const { return static_cast<double>(residuals_.rows() - 1); }
 
-private:
+    /// p features minus their means, over their deviations, times their weights: those whose linear
+    /// function the prediction is. Throws InputError if a feature is no number.
     Vector standardised(const Vector& features) const;
+
+private:
     void choose_strengths(const Matrix& left, const Vector& squares);
     void measure_distances(const Matrix& samples);
     double distance(const Vector& standardised) const;

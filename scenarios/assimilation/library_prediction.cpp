@@ -216,9 +216,8 @@ Matrix rows_of(const SpecimenLibrary& library, const Numbers& numbers) {
 
 } // namespace
 
-LeaveOneOutRegression regression_of(const SpecimenLibrary& library,
-                                    const LibraryObservations& observed, std::size_t measured_at,
-                                    const LibraryTargets& targets) {
+HybridRegression regression_of(const SpecimenLibrary& library, const LibraryObservations& observed,
+                               std::size_t measured_at, const LibraryTargets& targets) {
     check_regression(library, observed);
     return {rows_of(library,
                     [&](const LibrarySpecimen& s) {
@@ -229,9 +228,9 @@ LeaveOneOutRegression regression_of(const SpecimenLibrary& library,
             targets.groups()};
 }
 
-LeaveOneOutRegression parameter_regression_of(const SpecimenLibrary& library,
-                                              const LibraryObservations& observed,
-                                              std::size_t measured_at) {
+HybridRegression parameter_regression_of(const SpecimenLibrary& library,
+                                         const LibraryObservations& observed,
+                                         std::size_t measured_at) {
     check_regression(library, observed);
     const Matrix features = rows_of(library, [&](const LibrarySpecimen& s) {
         return parameter_features_of(library, s, measured_at, observed);
@@ -270,10 +269,10 @@ LibraryPrediction LibraryPredictor::prior() const {
 }
 
 LibraryPrediction
-LibraryPredictor::described(const LeaveOneOutRegression::Prediction& curves,
-                            const LeaveOneOutRegression::Prediction& parameters) const {
+LibraryPredictor::described(const HybridRegression::Prediction& curves,
+                            const HybridRegression::Prediction& parameters) const {
     const double t = student_t_quantile(0.95, regression_.freedom());
-    const auto part = [&](const LeaveOneOutRegression::Prediction& p, Eigen::Index first,
+    const auto part = [&](const HybridRegression::Prediction& p, Eigen::Index first,
                           Eigen::Index count, bool logarithmic) {
         PredictedCurve c;
         for (Eigen::Index k = first; k < first + count; ++k)

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "engine/estimation/leave_one_out_regression.hpp"
+#include "engine/estimation/hybrid_regression.hpp"
 #include "engine/options.hpp"
 #include "scenarios/assimilation/specimen_library.hpp"
 
@@ -101,30 +101,29 @@ public:
     /// `measured` needs only what is observed, up to the last observed strain.
     LibraryPrediction predict(const LibrarySpecimen& measured) const;
     LibraryPrediction prior() const; ///< without measurements
-    const LeaveOneOutRegression& regression() const { return regression_; }
-    const LeaveOneOutRegression& parameters() const { return parameters_; }
+    const HybridRegression& regression() const { return regression_; }
+    const HybridRegression& parameters() const { return parameters_; }
 
 private:
-    LibraryPrediction described(const LeaveOneOutRegression::Prediction& curves,
-                                const LeaveOneOutRegression::Prediction& parameters) const;
+    LibraryPrediction described(const HybridRegression::Prediction& curves,
+                                const HybridRegression::Prediction& parameters) const;
 
     const SpecimenLibrary& library_;
     LibraryObservations observed_;
     std::size_t measured_at_;
     LibraryTargets targets_;
-    LeaveOneOutRegression regression_, parameters_;
+    HybridRegression regression_, parameters_;
 };
 
 /// A regression of the parameters (ParameterColumn) on their features over the specimens of a
 /// library.
-LeaveOneOutRegression parameter_regression_of(const SpecimenLibrary& library,
-                                              const LibraryObservations& observed,
-                                              std::size_t measured_at);
+HybridRegression parameter_regression_of(const SpecimenLibrary& library,
+                                         const LibraryObservations& observed,
+                                         std::size_t measured_at);
 
 /// A regression of targets on features over the specimens of a library.
-LeaveOneOutRegression regression_of(const SpecimenLibrary& library,
-                                    const LibraryObservations& observed, std::size_t measured_at,
-                                    const LibraryTargets& targets);
+HybridRegression regression_of(const SpecimenLibrary& library, const LibraryObservations& observed,
+                               std::size_t measured_at, const LibraryTargets& targets);
 
 void LibraryObservations::describe(auto& option) {
     option("learning_strain", strain, "", "Axial strain up to which measurements are assimilated.",

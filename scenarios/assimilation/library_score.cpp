@@ -46,8 +46,8 @@ Part part_of(Scored scored, double learned, double last) {
 class ScoreOfCase {
 public:
     ScoreOfCase(const SpecimenLibrary& library, const LibraryTargets& targets,
-                const Matrix& members, const LeaveOneOutRegression& regression,
-                const Vector& features, const Vector& truth)
+                const Matrix& members, const HybridRegression& regression, const Vector& features,
+                const Vector& truth)
         : library_(library), targets_(targets), members_(members), truth_(truth),
           predicted_(regression.predict(features)), prior_(regression.prior()),
           t_(student_t_quantile(0.95, regression.freedom())) {}
@@ -64,7 +64,7 @@ private:
     const LibraryTargets& targets_;
     const Matrix& members_; // targets of the library's specimens
     const Vector& truth_;
-    LeaveOneOutRegression::Prediction predicted_, prior_;
+    HybridRegression::Prediction predicted_, prior_;
     double t_;
 };
 
@@ -155,7 +155,7 @@ private:
     const SpecimenLibrary& library_;
     const Scoring& scoring_;
     LibraryTargets targets_;
-    LeaveOneOutRegression regression_, parameters_;
+    HybridRegression regression_, parameters_;
     Matrix members_;
 };
 
