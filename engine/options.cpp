@@ -366,6 +366,19 @@ Options::Request Options::parse(const std::vector<std::string>& arguments) {
     return Request::run;
 }
 
+void Options::take(const std::vector<NamedValue>& settings, const std::string& where) {
+    for (const Option& option : options_) {
+        const std::string key = key_with_unit(option.name, option.unit);
+        const auto found = std::ranges::find(settings, key, &NamedValue::key);
+        if (found == settings.end()) continue;
+        const std::string text =
+            std::visit([](const auto& x) { return fmt::format("{}", x); }, found->value);
+        if (!text.empty())
+            std::visit(Assign{where + ": " + key, text, option.unit, option.range, option.choices},
+                       option.target);
+    }
+}
+
 std::vector<std::string> Options::warnings() const {
     std::vector<std::string> list;
     const auto look_at = [&](const Option& option, double x) {

@@ -93,6 +93,11 @@ public:
     /// config file.
     Request parse(const std::vector<std::string>& arguments);
 
+    /// Sets the described members to those of the settings of another run that have their keys;
+    /// text that is empty leaves a member as it is. Throws InputError, beginning with `where`, if a
+    /// value is none that the option accepts.
+    void take(const std::vector<NamedValue>& settings, const std::string& where);
+
     /// A line for each option that was set to something unusual (Range::usually), with the question
     /// whether another power of ten of the unit is meant: "--confining-pressure: expected usually
     /// 1000 to 1e+07 Pa, found 55: 55e3?".

@@ -104,7 +104,7 @@ struct Live {
         learning.describe(option);
         option("library", library, "",
                "File of a library of specimens (specimen_library), from which the measurements so "
-               "far predict the rest of the test, if the library fits the model. Empty: none.");
+               "far predict the rest of the test, if the library fits the model; or none.");
         triaxial.describe(option);
         option.group("Files");
         written.describe(option, write_of_estimate);

@@ -4,23 +4,22 @@
 #include "engine/assets.hpp"
 #include "engine/ensemble.hpp"
 #include "engine/errors.hpp"
-#include "engine/io/plot.hpp"
 #include "engine/io/whole_file.hpp"
 #include "engine/scenario.hpp"
 #include "engine/stopwatch.hpp"
 #include "engine/summary.hpp"
 #include "scenarios/assimilation/checkpointed_run.hpp"
-#include "scenarios/assimilation/compared_curves.hpp"
 #include "scenarios/assimilation/generations.hpp"
 #include "scenarios/assimilation/learning_results.hpp"
+#include "scenarios/assimilation/library_member.hpp"
 #include "scenarios/assimilation/library_use.hpp"
 #include "scenarios/assimilation/misfit.hpp"
 #include "scenarios/assimilation/ring_estimate.hpp"
 #include "scenarios/assimilation/run_models.hpp"
+#include "scenarios/assimilation/smart_results.hpp"
 #include "scenarios/recordings/quality_control_report.hpp"
 #include "scenarios/recordings/recorded_test.hpp"
 #include "scenarios/specimens/write_option.hpp"
-#include "scenarios/triaxial/triaxial_results.hpp"
 #include "systems/output/picture.hpp"
 
 #include <fmt/format.h>
@@ -28,6 +27,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <map>
 #include <optional>
 
 namespace bris {
@@ -43,6 +43,7 @@ struct Smart {
     Corrections corrections;
     QualityControlSettings quality_control;
     WriteOption written;
+    unsigned running_members = 1;
     double change = 0.03, stage_time = 1.2, displacement_deviation = 1e-3, rotation_deviation = 0.1;
 
     Smart() {
@@ -79,7 +80,14 @@ struct Smart {
         option(
             "library", library, "",
             "File of a library of specimens (specimen_library), from which the beginning of each "
-            "test predicts the rest of it, if the library fits the model. Empty: none.");
+            "test predicts the rest of it, if the library fits the model: this prediction is the "
+            "result (fused). Empty, or where it does not fit: a model that takes over the "
+            "estimated "
+            "friction and stiffness.");
+        option("running_members", running_members, "",
+               "Number of specimens of the library, those that the beginning of a test favours "
+               "most, that are made again and go on with the test as DEM models.",
+               within(1, 100));
         option("change", change, "",
                "Relative change of the estimated friction or stiffness from which the model takes "
                "over the new estimate.",
@@ -113,23 +121,12 @@ struct Smart {
     }
 };
 
-/// Results of one test: the model alone and the model that learns.
-struct Computed {
-    RockParameters before;  ///< estimate at the beginning of the test
-    TestPrediction library; ///< by a library of specimens
-    RingEstimate rings;     ///< by the library, at the end of the test
-    Learned learned;
-    ModelRun free, fused;
-    std::vector<View> views;
-    bool complete() const { return free.stopped.empty() && fused.stopped.empty(); }
-};
-
 class Computation {
 public:
     Computation(const Smart& settings, const Common& common, TriaxialScene scene,
                 std::vector<RecordedTest> tests)
         : s_(settings), common_(common), tests_(std::move(tests)), scene_(std::move(scene)),
-          progress_(make_progress(common)), done_(tests_.size()) {}
+          progress_(make_progress(common)), done_(tests_.size()), frames_(tests_.size()) {}
     void run();
     void report();
 
@@ -139,23 +136,39 @@ private:
         settings.confining_pressure = pressure;
         return settings;
     }
+    /// A run of a test: of the model alone, or of the K-th of those that go on with the test.
+    struct Job {
+        std::size_t test;
+        std::optional<std::size_t> running;
+    };
     void predict_from_library();
     void prepare();
     void learn();
     void run_variants();
+    ModelVariant fused_variant(std::size_t test) const;
+    ModelRun run_job(const Job& job, const ModelWatch& watch);
+    SmartResults results() const {
+        return {s_.learning.final_strain, s_.triaxial.test.final_axial_strain,
+                s_.corrections.nudging.stiffness > 0, &library_};
+    }
+    /// Tests that the library does not predict.
+    std::size_t to_learn() const {
+        return static_cast<std::size_t>(
+            std::ranges::count_if(done_, [](const SmartTest& t) { return !t.by_library(); }));
+    }
     /// Number of points of a model run to an axial strain: at the start, and one for each stage.
     double points_to(double strain) const {
         const TriaxialSettings& test = s_.triaxial.test;
         return 1 + std::round(std::min(strain, test.final_axial_strain) / test.stage_strain);
     }
     double work_of_variants() const {
-        return 2 * static_cast<double>(tests_.size()) *
-               points_to(s_.triaxial.test.final_axial_strain);
+        double runs = 0;
+        for (const SmartTest& t : done_)
+            runs += 1 + (t.by_library() ? static_cast<double>(t.members.size()) : 1);
+        return runs * points_to(s_.triaxial.test.final_axial_strain);
     }
-    void show(std::size_t test, const World& world, const TriaxialPoint& point,
-              std::unique_ptr<FrameWriter>& frames);
+    void show(std::size_t test, const World& world, const TriaxialPoint& point);
     std::unique_ptr<FrameWriter> make_frames(const RecordedTest& test) const;
-    void draw() const;
 
     const Smart& s_;
     const Common& common_;
@@ -163,29 +176,35 @@ private:
     TriaxialScene scene_;
     Progress progress_;
     Archive specimen_;
-    std::vector<Computed> done_;
+    SpecimenLibrary library_;
+    std::map<std::size_t, PreparedSpecimen> packings_; // of the library's specimens that run
+    std::vector<SmartTest> done_;
+    std::vector<std::unique_ptr<FrameWriter>> frames_; // by test
     double preparation_wall_ = 0, learning_wall_ = 0, variants_wall_ = 0;
 };
 
 /// Predicts each test before anything is simulated, which takes milliseconds.
 void Computation::predict_from_library() {
-    if (s_.library.empty()) {
-        for (Computed& c : done_) c.library.not_used = c.rings.not_made = "none was given";
+    if (!is_given(s_.library)) {
+        for (SmartTest& t : done_) t.library.not_used = t.rings.not_made = "none was given";
         return;
     }
-    const SpecimenLibrary library = read_library(s_.library);
+    library_ = read_library(s_.library);
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         const std::string folder = folder_of(tests_[k].pressure);
         const RecordedTest& test = tests_[k];
         const ModelOfTest model{common_.settings, s_.triaxial.test.core_porosity(), test.pressure};
         TestPrediction& predicted = done_[k].library;
-        predicted =
-            predict_test(library, model, measured_test(test), {.strain = s_.learning.final_strain});
+        predicted = predict_test(library_, model, measured_test(test),
+                                 {.strain = s_.learning.final_strain}, true);
         fmt::print("{}: {}\n", folder, described(predicted));
         if (!predicted.not_used.empty()) continue;
+        done_[k].members = favoured(predicted.weights, s_.running_members);
+        fmt::print("{}: the specimens that go on with the test: {}\n", folder,
+                   described(library_, done_[k].members));
         write_prediction(common_.out / folder / "predicted.csv", predicted);
         RingEstimate& rings = done_[k].rings;
-        rings = estimate_rings(library, model, test, test.measured.back().axial_strain);
+        rings = estimate_rings(library_, model, test, test.measured.back().axial_strain);
         fmt::print("{}: {}\n", folder, described(rings));
         if (rings.not_made.empty())
             write_rings(common_.out / folder / "rings.csv", rings,
@@ -194,11 +213,28 @@ void Computation::predict_from_library() {
     std::fflush(stdout);
 }
 
+/// Makes the specimen of the model and those of the library that go on with the tests, each on one
+/// thread; without the latter the former on all threads.
 void Computation::prepare() {
     const auto began = this_instant();
-    specimen_ = make_specimen(scene_, settings_at(tests_.front().pressure), common_,
-                              progress_slot(progress_))
-                    .state;
+    for (const SmartTest& t : done_)
+        for (const FavouredSpecimen& m : t.members) packings_.try_emplace(m.index);
+    std::vector<std::size_t> members;
+    for (const auto& [index, packing] : packings_) members.push_back(index);
+    Common own = common_;
+    if (!members.empty()) own.threads = 1;
+    const Triaxial of_library = members.empty() ? Triaxial{} : test_of(library_);
+    run_ensemble(1 + members.size(), common_.threads, [&](std::size_t job) {
+        const auto report = progress_slot(progress_, static_cast<unsigned>(job));
+        if (job == 0) {
+            specimen_ =
+                make_specimen(scene_, settings_at(tests_.front().pressure), own, report).state;
+            return;
+        }
+        const LibrarySpecimen& s = library_.specimens[members[job - 1]];
+        packings_.at(members[job - 1]) =
+            make_packing(of_library, {s.porosity, s.seed}, library_.settings, common_, report);
+    });
     progress_.pause();
     preparation_wall_ = seconds_since(began);
 }
@@ -218,18 +254,19 @@ void print_learned(const std::string& test, const std::vector<EstimateAt>& estim
 // All tests have the same specimen, whose error is nearly the same at all pressures (correlation
 // 0.9), so three tests give no more certainty than one. Each estimation therefore begins with the
 // prior from before all tests, while the model of a test begins with the estimate of the test
-// before it.
+// before it. Tests that the library predicts are left out.
 void Computation::learn() {
     const auto began = this_instant();
     const Gaussian prior = prior_of(s_.model, s_.learning);
     RockParameters now = s_.model;
     double done = 0;
     progress_.begin_job(
-        static_cast<double>(tests_.size()) * s_.learning.members *
+        static_cast<double>(to_learn()) * s_.learning.members *
             (points_to(s_.learning.first_strain) + points_to(s_.learning.final_strain)) +
         work_of_variants());
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         done_[k].before = now;
+        if (done_[k].by_library()) continue;
         done_[k].learned = learn_in_two_generations(
             prior, measured_test(tests_[k]), s_.learning, s_.learning.final_strain,
             [&](const std::vector<ModelVariant>& variants, double strain) {
@@ -256,17 +293,16 @@ std::unique_ptr<FrameWriter> Computation::make_frames(const RecordedTest& test) 
                                          settings, s_.written.extras());
 }
 
-void Computation::show(std::size_t test, const World& world, const TriaxialPoint& point,
-                       std::unique_ptr<FrameWriter>& frames) {
+void Computation::show(std::size_t test, const World& world, const TriaxialPoint& point) {
     const auto stage =
         static_cast<std::size_t>(std::llround(point.axial_strain / s_.triaxial.test.stage_strain));
     const auto stages = static_cast<std::size_t>(
         std::llround(s_.triaxial.test.final_axial_strain / s_.triaxial.test.stage_strain));
     const bool shown = stage == 0 || stage == stages / 2 || stage == stages;
     if (stage % s_.triaxial.frame_stages != 0 && !shown) return;
-    if (!frames) frames = make_frames(tests_[test]);
+    if (!frames_[test]) frames_[test] = make_frames(tests_[test]);
     BodyFrame frame = frame_of_bodies(world);
-    frames->add(world, frame);
+    frames_[test]->add(world, frame);
     if (!shown) return;
     const auto& sensors = world.resource<Specimen>().smart_rocks;
     frame.ids.assign(sensors.begin(), sensors.end());
@@ -288,54 +324,63 @@ void append_final_estimate(ModelVariant& variant, const std::vector<EstimateAt>&
         variant.learned.push_back({estimates.back().strain, last});
 }
 
+/// The model that takes over its estimates while it runs.
+ModelVariant Computation::fused_variant(std::size_t k) const {
+    const RockParameters& first = done_[k].before;
+    ModelVariant fused{.name = "fused",
+                       .rocks = first,
+                       .learned = schedule_of(done_[k].learned.estimates, first, s_.change),
+                       .catch_up = true,
+                       .corrections = s_.corrections};
+    append_final_estimate(fused, done_[k].learned.estimates);
+    fused.corrections.position_noise = fused.corrections.attitude_noise = 0;
+    for (const Recording& r : tests_[k].recordings) { // the noise of the worst sensor
+        fused.corrections.position_noise =
+            std::max(fused.corrections.position_noise, r.info.displacement_noise);
+        fused.corrections.attitude_noise =
+            std::max(fused.corrections.attitude_noise, r.info.attitude_noise);
+    }
+    if (s_.corrections.nudging.stiffness > 0) fused.trajectories = tests_[k].trajectories;
+    return fused;
+}
+
+ModelRun Computation::run_job(const Job& job, const ModelWatch& watch) {
+    const SmartTest& t = done_[job.test];
+    const TriaxialSettings settings = settings_at(tests_[job.test].pressure);
+    if (job.running && t.by_library()) {
+        const std::size_t index = t.members[*job.running].index;
+        return run_member(library_, index, packings_.at(index), settings.confining_pressure,
+                          settings.final_axial_strain, watch);
+    }
+    if (job.running) // no checkpoint: its pictures are taken during the run
+        return run_model(scene_, settings, specimen_, fused_variant(job.test), common_.seed, watch);
+    const ModelVariant alone{.name = "DEM only", .rocks = s_.model};
+    CheckpointedRun checkpoint(common_, settings, specimen_, alone);
+    return run_model(scene_, settings, specimen_, alone, common_.seed, watch, &checkpoint);
+}
+
 void Computation::run_variants() {
     const auto began = this_instant();
-    std::vector<ModelVariant> fused(tests_.size());
+    std::vector<Job> jobs;
     for (std::size_t k = 0; k < tests_.size(); ++k) {
-        const RockParameters& first = done_[k].before;
-        fused[k] = {.name = "fused",
-                    .rocks = first,
-                    .learned = schedule_of(done_[k].learned.estimates, first, s_.change),
-                    .catch_up = true,
-                    .corrections = s_.corrections};
-        append_final_estimate(fused[k], done_[k].learned.estimates);
-        fused[k].corrections.position_noise = fused[k].corrections.attitude_noise = 0;
-        for (const Recording& r : tests_[k].recordings) { // the noise of the worst sensor
-            fused[k].corrections.position_noise =
-                std::max(fused[k].corrections.position_noise, r.info.displacement_noise);
-            fused[k].corrections.attitude_noise =
-                std::max(fused[k].corrections.attitude_noise, r.info.attitude_noise);
-        }
-        if (s_.corrections.nudging.stiffness > 0) fused[k].trajectories = tests_[k].trajectories;
+        jobs.push_back({k, std::nullopt});
+        done_[k].running.resize(done_[k].by_library() ? done_[k].members.size() : 1);
+        for (std::size_t m = 0; m < done_[k].running.size(); ++m) jobs.push_back({k, m});
     }
-    std::vector<std::unique_ptr<FrameWriter>> frames(tests_.size());
-    const auto run = [&](std::size_t k, const ModelVariant& variant, const ModelWatch& watch,
-                         bool checkpointed) {
-        const TriaxialSettings settings = settings_at(tests_[k].pressure);
-        std::optional<CheckpointedRun> checkpoint;
-        if (checkpointed) checkpoint.emplace(common_, settings, specimen_, variant);
+    run_ensemble(jobs.size(), common_.threads, [&](std::size_t j) {
+        const Job& job = jobs[j];
+        ModelWatch watch = watch_on(progress_, j);
+        if (job.running == 0)
+            watch.stage = [&](const World& world, const TriaxialPoint& point) {
+                show(job.test, world, point);
+            };
+        ModelRun& run = job.running ? done_[job.test].running[*job.running] : done_[job.test].free;
         try {
-            return run_model(scene_, settings, specimen_, variant, common_.seed, watch,
-                             checkpoint ? &*checkpoint : nullptr);
+            run = run_job(job, watch);
         } catch (const SimulationError& error) { // the other runs continue
-            ModelRun none;
-            none.stopped = fmt::format("{} at {}: {}", variant.name, folder_of(tests_[k].pressure),
-                                       error.what());
-            return none;
+            run.stopped = fmt::format("{} at {}: {}", job.running ? "fused" : "DEM only",
+                                      folder_of(tests_[job.test].pressure), error.what());
         }
-    };
-    run_ensemble(2 * tests_.size(), common_.threads, [&](std::size_t job) {
-        const std::size_t k = job / 2;
-        ModelWatch watch = watch_on(progress_, job);
-        if (job % 2 == 0) {
-            done_[k].free = run(k, {.name = "DEM only", .rocks = s_.model}, watch, true);
-            return;
-        }
-        watch.stage = [&, k](const World& world, const TriaxialPoint& point) {
-            show(k, world, point, frames[k]);
-        };
-        done_[k].fused =
-            run(k, fused[k], watch, false); // no checkpoint: its pictures are taken during the run
     });
     progress_.pause();
     variants_wall_ = seconds_since(began);
@@ -348,109 +393,23 @@ void Computation::run() {
     run_variants();
 }
 
-void Computation::draw() const {
-    std::vector<Plot> panels;
-    for (std::size_t k = 0; k < tests_.size(); ++k) {
-        const ComparedPoints points{&tests_[k].measured, &done_[k].free.points,
-                                    &done_[k].fused.points};
-        const auto panel = [&](const char* title, const char* x, const char* y,
-                               const MakeCurve& make) {
-            panels.push_back({.title = fmt::format("{} at {}", title, label_of(tests_[k].pressure)),
-                              .x_label = x,
-                              .y_label = y,
-                              .curves = compared_curves(points, make)});
-        };
-        const TestPrediction& library = done_[k].library;
-        const auto add_library = [&](const PredictedCurve& curve, double scale) {
-            if (!library.not_used.empty()) return;
-            for (Curve& c : curves_of(library, curve, scale))
-                panels.back().curves.push_back(std::move(c));
-        };
-        panel("Deviatoric stress", "axial strain (%)", "q (kPa)",
-              curves_of(1e-3, &TriaxialPoint::deviatoric_stress));
-        add_library(library.predicted.q, 1e-3);
-        panel("Volumetric strain", "axial strain (%)", "volumetric strain (%)",
-              curves_of(100, &TriaxialPoint::volumetric_strain));
-        add_library(library.predicted.volume, 100);
-        panel("Rings at the end of the test", "radial strain, widening positive (%)",
-              "ring, from below", profile_of);
-        if (done_[k].rings.not_made.empty())
-            for (Curve& c : curves_of(done_[k].rings)) panels.back().curves.push_back(std::move(c));
-    }
-    draw_plots(common_.out / "smart_triaxial.png", panels, 3);
-    for (std::size_t k = 0; k < tests_.size(); ++k)
-        if (!done_[k].views.empty())
-            draw_picture(common_.out / folder_of(tests_[k].pressure) / "smart_rocks.png",
-                         done_[k].views, {.azimuth = 0.3, .elevation = 0.15}, 700);
-}
-
 void Computation::report() {
     Summary summary;
     std::string stopped;
+    const auto note = [&](const ModelRun& run) {
+        if (!run.stopped.empty()) stopped += (stopped.empty() ? "" : "; ") + run.stopped;
+    };
     for (std::size_t k = 0; k < tests_.size(); ++k) {
-        const RecordedTest& test = tests_[k];
-        const Computed& c = done_[k];
-        const std::string at = fmt::format("{}_", folder_of(test.pressure));
-        const auto add = [&](const char* what, const auto& value) {
-            summary.add(fmt::format("{}{}", at, what), value);
-        };
-        const auto both = [&](const char* what, const char* unit, double without, double with) {
-            summary.add(fmt::format("{}DEM_only_rmse_{}{}", at, what, unit), without);
-            summary.add(fmt::format("{}fused_rmse_{}{}", at, what, unit), with);
-            summary.add(fmt::format("{}error_ratio_{}", at, what), with / without);
-        };
-        if (!c.learned.estimates.empty())
-            for (const NamedValue& v : describe(c.learned.estimates.back().estimate))
-                summary.add(NamedValue(at + v.key, std::get<double>(v.value)));
-        if (const LibraryPrediction& p = c.library.predicted; c.library.not_used.empty()) {
-            add("library_friction", p.friction.mean[0]);
-            add("library_friction_low", p.friction.low[0]);
-            add("library_friction_high", p.friction.high[0]);
-            add("library_distance", p.distance);
-        }
-        add("sensors_accepted", test.recordings.size() - test.refused());
-        add("sensors_refused", test.refused());
-        add("machine_channels_refused", refused_channels(test));
-        for (const auto& [name, run] :
-             {std::pair{"dem_only.csv", &c.free}, std::pair{"fused.csv", &c.fused}})
-            if (run->stopped.empty())
-                write_curve(common_.out / folder_of(test.pressure) / name, run->points);
-            else
-                stopped += fmt::format("{}{}", stopped.empty() ? "" : "; ", run->stopped);
-        if (!c.complete()) continue;
-        const Misfit free = misfit_of(c.free, test), fused = misfit_of(c.fused, test);
-        both("q", "_Pa", free.q, fused.q);
-        both("volumetric_strain", "", free.volumetric_strain, fused.volumetric_strain);
-        both("ring_strain", "", free.ring_strain, fused.ring_strain);
-        if (c.rings.not_made.empty()) {
-            const auto measured = ring_strains(test.measured, c.rings.strain);
-            const double error = ring_difference(c.rings.mean, measured);
-            add("estimated_rings_rmse", error);
-            add("error_ratio_estimated_rings", error / free.ring_strain);
-            add("estimated_rings_over_mean_profile",
-                error / ring_difference(c.rings.scaled_mean, measured));
-        }
-        for (const unsigned percent : {2u, 4u}) { // at larger strain specimens diverge
-            const double until = 0.01 * percent;
-            if (test.measured.back().axial_strain <= until + 1e-9) continue;
-            const Misfit free_then = misfit_of(c.free, test, until),
-                         fused_then = misfit_of(c.fused, test, until);
-            add(fmt::format("error_ratio_q_to_{}_percent", percent).c_str(),
-                fused_then.q / free_then.q);
-            add(fmt::format("error_ratio_volumetric_strain_to_{}_percent", percent).c_str(),
-                fused_then.volumetric_strain / free_then.volumetric_strain);
-        }
-        both("sensor_displacement", "_m", free.sensor_displacement, fused.sensor_displacement);
-        if (s_.corrections.nudging.stiffness <= 0) continue; // there are no corrections
-        add("measurements_accepted", c.fused.accepted);
-        add("fusion_work_over_boundary_work", c.fused.fusion_work / c.fused.boundary_work);
-        add("corrections_reduced_by_work", c.fused.too_costly);
-        add("corrections_withheld_by_work", c.fused.much_too_costly);
+        const SmartTest& t = done_[k];
+        write_runs(common_.out / folder_of(tests_[k].pressure), t, results());
+        add_results(summary, tests_[k], t, results());
+        note(t.free);
+        std::ranges::for_each(t.running, note);
     }
     summary.add("preparation_wall_time_s", preparation_wall_);
     summary.add("learning_wall_time_s", learning_wall_);
     summary.add("tests_wall_time_s", variants_wall_);
-    draw();
+    draw_results(common_.out, tests_, done_);
     report_results(common_, summary);
     if (!stopped.empty()) throw SimulationError(stopped);
 }

@@ -5,7 +5,7 @@
 #include "engine/estimation/low_discrepancy.hpp"
 #include "engine/io/checkpoint.hpp"
 #include "engine/random.hpp"
-#include "scenarios/assimilation/model_specimen.hpp"
+#include "scenarios/assimilation/library_member.hpp"
 #include "scenarios/assimilation/run_models.hpp"
 
 #include <fmt/format.h>
@@ -105,35 +105,33 @@ void LibraryMaker::make(std::size_t job, std::uint64_t number) {
 
 LibrarySpecimen LibraryMaker::tested(std::size_t job, std::uint64_t number, std::uint64_t attempt) {
     const DesignPoint point = design_point(design_, number, attempt, common_.seed);
-    Triaxial test = test_;
-    test.test.porosity = point.porosity;
-    const std::string folder = fmt::format("packing_{}", point.seed);
-    Common own = common_of_packing(common_, folder, point.seed);
-    own.threads = 1;
-    for (NamedValue& v : own.settings)
-        if (v.key == "porosity") v.value = point.porosity;
-    const TriaxialScene scene = make_scene(test, point.seed);
-    require(scene.poses.size() == library_.sensors,
+    const LibraryPacking packing{point.porosity, point.seed};
+    const std::size_t sensors = make_scene(test_, point.seed).poses.size();
+    require(sensors == library_.sensors,
             fmt::format("--bodies: expected a size at which every specimen has {} sensor rocks, "
                         "found one with {}; --sensor-poses gives them for all",
-                        library_.sensors, scene.poses.size()));
+                        library_.sensors, sensors));
     const std::size_t tests = library_.pressures.size();
     LibrarySpecimen made{.number = number,
                          .seed = point.seed,
                          .redrawn = attempt,
                          .rocks = point.rocks,
                          .porosity = point.porosity,
-                         .diameter = 2 * scene.specimen.radius,
+                         .diameter = 0,
                          .tests = {}};
-    const auto remove = [&] { std::filesystem::remove_all(common_.out / folder); };
+    const auto remove = [&] {
+        std::filesystem::remove_all(common_.out / fmt::format("packing_{}", point.seed));
+    };
     try {
-        TriaxialSettings settings = test.test;
-        settings.confining_pressure = library_.pressures.front();
-        const Archive prepared = make_specimen(scene, settings, own, report_to(job * tests)).state;
+        const PreparedSpecimen prepared =
+            make_packing(test_, packing, common_.settings, common_, report_to(job * tests));
+        made.diameter = 2 * prepared.scene.specimen.radius;
+        TriaxialSettings settings = test_.test;
+        settings.porosity = point.porosity;
         for (std::size_t k = 0; k < tests; ++k) {
             settings.confining_pressure = library_.pressures[k];
             const ModelRun run =
-                run_model(scene, settings, prepared,
+                run_model(prepared.scene, settings, prepared.state,
                           {.name = fmt::format("specimen {}", number), .rocks = point.rocks},
                           point.seed, {.progress = report_to(job * tests + k)});
             made.tests.push_back(sampled(run, library_.axis));

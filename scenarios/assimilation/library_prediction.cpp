@@ -268,6 +268,12 @@ LibraryPrediction LibraryPredictor::prior() const {
     return described(regression_.prior(), parameters_.prior());
 }
 
+std::vector<double> LibraryPredictor::weights(const LibrarySpecimen& measured) const {
+    const Vector w =
+        regression_.sample_weights(features_of(library_, measured, measured_at_, observed_));
+    return {w.begin(), w.end()};
+}
+
 LibraryPrediction
 LibraryPredictor::described(const HybridRegression::Prediction& curves,
                             const HybridRegression::Prediction& parameters) const {

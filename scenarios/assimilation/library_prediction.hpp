@@ -101,6 +101,8 @@ public:
     /// `measured` needs only what is observed, up to the last observed strain.
     LibraryPrediction predict(const LibrarySpecimen& measured) const;
     LibraryPrediction prior() const; ///< without measurements
+    /// Weights of the specimens of the library, which sum up to 1.
+    std::vector<double> weights(const LibrarySpecimen& measured) const;
     const HybridRegression& regression() const { return regression_; }
     const HybridRegression& parameters() const { return parameters_; }
 

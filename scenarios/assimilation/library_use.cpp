@@ -51,6 +51,10 @@ float value_at(const MeasuredTest& test, const std::vector<double>& curve, doubl
 
 } // namespace
 
+bool is_given(const std::filesystem::path& library) {
+    return !library.empty() && library != "none";
+}
+
 std::size_t pressure_index(const SpecimenLibrary& library, double pressure) {
     std::size_t p = 0;
     while (p < library.pressures.size() && std::abs(library.pressures[p] / pressure - 1) > 0.01)
@@ -104,8 +108,10 @@ LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pr
 }
 
 TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& model,
-                            const MeasuredTest& measured, LibraryObservations observed) {
-    TestPrediction t{reason_against(library, model), {}, {}, {}};
+                            const MeasuredTest& measured, LibraryObservations observed,
+                            bool motion) {
+    TestPrediction t;
+    t.not_used = reason_against(library, model);
     if (!t.not_used.empty()) return t;
     const std::size_t p = pressure_index(library, model.pressure);
     for (std::size_t k = 0; k < library.axis.count; ++k) t.strain.push_back(library.axis.strain(k));
@@ -118,7 +124,10 @@ TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& m
         return t;
     }
     t.used = observed;
-    t.predicted = LibraryPredictor(library, observed, p, p).predict(specimen);
+    const LibraryPredictor predictor(library, observed, p, p, motion);
+    t.predicted = predictor.predict(specimen);
+    t.prior = predictor.prior();
+    t.weights = predictor.weights(specimen);
     return t;
 }
 
@@ -157,12 +166,23 @@ void write_prediction(const std::filesystem::path& csv, const TestPrediction& t)
               rows, {"mean and 90 % band predicted by a library of specimens"}, 6);
 }
 
-std::vector<Curve> curves_of(const TestPrediction& t, const PredictedCurve& curve, double scale) {
+std::vector<TriaxialPoint> points_of(const TestPrediction& t, double last_strain) {
+    std::vector<TriaxialPoint> points;
+    for (std::size_t k = 0; k < t.strain.size() && t.strain[k] < last_strain * (1 + 1e-9); ++k) {
+        TriaxialPoint& p = points.emplace_back();
+        p.axial_strain = t.strain[k];
+        p.deviatoric_stress = t.predicted.q.mean[k];
+        p.volumetric_strain = t.predicted.volume.mean[k];
+    }
+    return points;
+}
+
+std::vector<Curve> curves_of(const TestPrediction& t, const PredictedCurve& curve, double scale,
+                             const char* label) {
     std::vector<Curve> curves;
-    for (const auto& [label, values] :
-         {std::pair{"library, 90 % band", &curve.mean}, {"", &curve.low}, {"", &curve.high}}) {
-        Curve c{.label = label,
-                .style = *label != '\0' ? Curve::Style::line : Curve::Style::dashed};
+    for (const auto& [text, values] :
+         {std::pair{label, &curve.mean}, {"", &curve.low}, {"", &curve.high}}) {
+        Curve c{.label = text, .style = *text != '\0' ? Curve::Style::line : Curve::Style::dashed};
         for (std::size_t k = 0; k < t.strain.size(); ++k) {
             c.x.push_back(100 * t.strain[k]);
             c.y.push_back(scale * (*values)[k]);

@@ -3,6 +3,7 @@
 #include "engine/io/plot.hpp"
 #include "scenarios/assimilation/library_prediction.hpp"
 #include "scenarios/recordings/measured_test.hpp"
+#include "scenarios/recordings/triaxial_point.hpp"
 
 #include <filesystem>
 #include <span>
@@ -20,11 +21,15 @@ struct ModelOfTest {
 
 /// What a library predicts of a measured test.
 struct TestPrediction {
-    std::string not_used;       ///< why the library is not used; empty: it is
-    LibraryObservations used;   ///< the measurements that were used
-    std::vector<double> strain; ///< of the curves
-    LibraryPrediction predicted;
+    std::string not_used;               ///< why the library is not used; empty: it is
+    LibraryObservations used;           ///< the measurements that were used
+    std::vector<double> strain;         ///< of the curves
+    LibraryPrediction predicted, prior; ///< prior: without measurements
+    std::vector<double> weights;        ///< of the library's specimens (HybridRegression)
 };
+
+/// Whether a library is given by the option --library: it is neither empty nor "none".
+bool is_given(const std::filesystem::path& library);
 
 /// Index of the library's pressure that agrees within 1 % (`pressure`: Pa); the number of its
 /// pressures if none does.
@@ -44,8 +49,10 @@ LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pr
 /// each as far as it is asked for and measured at the strains of the library, and from the core
 /// porosity of its model. Where the library
 /// does not fit the test, or nothing was measured, `not_used` says why, and there is no prediction.
+/// `motion`: predict the sensor rocks and the displacement field too.
 TestPrediction predict_test(const SpecimenLibrary& library, const ModelOfTest& model,
-                            const MeasuredTest& measured, LibraryObservations observed);
+                            const MeasuredTest& measured, LibraryObservations observed,
+                            bool motion = false);
 
 /// One line for the user: what was learned, how far the measurements lie from the library, or why
 /// the library is not used.
@@ -54,8 +61,12 @@ std::string described(const TestPrediction& prediction);
 /// Writes the predicted curves with their bands as CSV. Throws OutputError.
 void write_prediction(const std::filesystem::path& csv, const TestPrediction& prediction);
 
+/// The means of the predicted q and volumetric strain up to an axial strain, as points of a test;
+/// their other numbers are 0.
+std::vector<TriaxialPoint> points_of(const TestPrediction& prediction, double last_strain);
+
 /// Mean and band of a predicted curve for a plot against axial strain in per cent, in one colour.
 std::vector<Curve> curves_of(const TestPrediction& prediction, const PredictedCurve& curve,
-                             double scale);
+                             double scale, const char* label = "library, 90 % band");
 
 } // namespace bris

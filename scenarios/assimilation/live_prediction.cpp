@@ -14,7 +14,7 @@ LivePrediction::LivePrediction(const std::filesystem::path& library,
                                std::vector<NamedValue> settings, double core_porosity,
                                double pressure)
     : settings_(std::move(settings)), model_{settings_, core_porosity, pressure} {
-    if (library.empty())
+    if (!is_given(library))
         reason_ = "none was given";
     else {
         library_ = read_library(library);

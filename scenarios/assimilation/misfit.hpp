@@ -15,6 +15,18 @@ std::vector<double> ring_strains(const std::vector<TriaxialPoint>& points, doubl
 /// have not the same number of rings, or none.
 double ring_difference(const std::vector<double>& a, const std::vector<double>& b);
 
+/// Axial strains above the first, up to the second.
+struct StrainRange {
+    double from = 0, to = std::numeric_limits<double>::infinity();
+    bool holds(double strain) const;
+};
+
+/// Root mean square difference of one number between a curve and a measured one, over the strains
+/// of a range that both have; NaN where nothing was measured.
+double curve_difference(const std::vector<TriaxialPoint>& curve,
+                        const std::vector<TriaxialPoint>& measured, const StrainRange& range,
+                        double TriaxialPoint::*value);
+
 /// Root mean square differences between a model and a test, over the strains that both have; NaN
 /// where nothing was measured.
 struct Misfit {
@@ -22,8 +34,6 @@ struct Misfit {
     double ring_strain = 0;              ///< -, at the end of the run, whatever the last strain
     double sensor_displacement = 0;      ///< m
 };
-/// The misfit up to `last_strain`.
-Misfit misfit_of(const ModelRun& run, const RecordedTest& test,
-                 double last_strain = std::numeric_limits<double>::infinity());
+Misfit misfit_of(const ModelRun& run, const RecordedTest& test, const StrainRange& range = {});
 
 } // namespace bris

@@ -2,67 +2,30 @@
 
 #include "engine/estimation/student_t.hpp"
 #include "engine/io/csv.hpp"
+#include "scenarios/assimilation/library_sensors.hpp"
 #include "scenarios/assimilation/ring_profile.hpp"
 #include "scenarios/assimilation/sensor_predictive.hpp"
-#include "scenarios/specimens/sensor_rocks.hpp"
 #include "scenarios/triaxial/triaxial_results.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
 
 namespace bris {
 
 namespace {
 
-/// Whether the sensor rocks were placed as in a library, whose specimens have the usual layout: at
-/// the same heights, and in the centre or beside the membrane.
-bool stand_as_usual(const std::vector<Recording>& recordings) {
-    const SensorRoom room{.radius = 1, .height = 1, .bounding_radius = 0.2};
-    const auto usual = smart_rock_poses(room, 1, recordings.size());
-    if (usual.size() != recordings.size()) return false;
-    constexpr double tolerance = 0.15;
-    for (std::size_t k = 0; k < usual.size(); ++k) {
-        const SensorInfo& info = recordings[k].info;
-        const Vec3& p = usual[k].position;
-        if (std::abs(std::hypot(info.placed_x, info.placed_y) - std::hypot(p.x(), p.y())) >
-                tolerance ||
-            std::abs(info.placed_z - p.z()) > tolerance)
-            return false;
-    }
-    return true;
-}
-
-/// Displacement between the neighbouring samples; none if they are more than `step` away.
-std::optional<Vec3> displacement_at(const SensorTrajectory& t, double strain, double step) {
-    const auto after = static_cast<std::size_t>(std::ranges::lower_bound(t.strain, strain - 1e-9) -
-                                                t.strain.begin());
-    if (after == t.strain.size() || t.strain[after] > strain + step) return std::nullopt;
-    const std::size_t before = after > 0 && t.strain[after] > strain + 1e-9 ? after - 1 : after;
-    if (std::abs(strain - t.strain[before]) > step) return std::nullopt;
-    const double width = t.strain[after] - t.strain[before],
-                 part = width > 0 ? (strain - t.strain[before]) / width : 0;
-    const Vec3 u = t.displacement[before] + part * (t.displacement[after] - t.displacement[before]);
-    return u.allFinite() ? std::optional(u) : std::nullopt;
-}
-
 /// Puts the displacements of the sensor rocks into a test of the library. Returns why not, or "".
 std::string add_sensors(const SpecimenLibrary& library, const RecordedTest& test,
                         std::size_t coarse, LibraryTest& into) {
-    if (library.sensors == 0) return "the library has none";
-    if (test.recordings.size() != library.sensors || test.trajectories.size() != library.sensors)
-        return fmt::format("expected {} accepted sensors, found {}", library.sensors,
-                           test.trajectories.size());
-    if (!stand_as_usual(test.recordings)) return "they stand elsewhere than those of the library";
+    std::string reason = reason_against_sensors(library, test);
+    if (!reason.empty()) return reason;
     into.sensors.assign((coarse + 1) * library.sensors * LibraryTest::per_sensor, 0);
     for (std::size_t s = 0; s < library.sensors; ++s) {
-        const auto u = displacement_at(test.trajectories[s], library.axis.coarse_strain(coarse),
-                                       library.axis.step);
-        const SensorInfo& info = test.recordings[s].info;
-        if (!u) return fmt::format("sensor {} has no displacement", info.id);
-        std::ranges::copy(polar(*u, {info.x, info.y, info.z}).cast<float>().eval(),
+        const auto u = recorded_displacement(library, test, s, coarse);
+        if (!u) return fmt::format("sensor {} has no displacement", test.recordings[s].info.id);
+        std::ranges::copy(u->cast<float>().eval(),
                           &into.sensors[(coarse * library.sensors + s) * LibraryTest::per_sensor]);
     }
     return "";
@@ -163,13 +126,13 @@ void write_rings(const std::filesystem::path& csv, const RingEstimate& r,
         6);
 }
 
-std::vector<Curve> curves_of(const RingEstimate& r) {
+std::vector<Curve> curves_of(const RingEstimate& r, const std::string& label) {
     std::vector<Curve> curves;
-    const char* label =
+    const std::string used =
         r.without_sensors.empty() ? "volume and sensors, 90 % band" : "volume, 90 % band";
-    for (const auto& [text, values] : {std::pair{label, &r.mean}, {"", &r.low}, {"", &r.high}})
-        curves.push_back(
-            ring_curve(text, *values, *text != '\0' ? Curve::Style::line : Curve::Style::dashed));
+    curves.push_back(ring_curve(label.empty() ? used : label, r.mean, Curve::Style::line));
+    for (const auto* edge : {&r.low, &r.high})
+        curves.push_back(ring_curve("", *edge, Curve::Style::dashed));
     return curves;
 }
 

@@ -33,7 +33,8 @@ std::string described(const RingEstimate& rings);
 void write_rings(const std::filesystem::path& csv, const RingEstimate& rings,
                  const std::vector<double>& measured);
 
-/// Mean and band for a plot of radial strain in per cent against the number of the ring.
-std::vector<Curve> curves_of(const RingEstimate& rings);
+/// Mean and band for a plot of radial strain in per cent against the number of the ring. Without a
+/// label it says what was used.
+std::vector<Curve> curves_of(const RingEstimate& rings, const std::string& label = "");
 
 } // namespace bris

@@ -1,0 +1,239 @@
+#include "scenarios/assimilation/smart_results.hpp"
+
+#include "engine/io/plot.hpp"
+#include "scenarios/assimilation/compared_curves.hpp"
+#include "scenarios/assimilation/learning_results.hpp"
+#include "scenarios/assimilation/library_sensors.hpp"
+#include "scenarios/recordings/quality_control_report.hpp"
+#include "scenarios/triaxial/triaxial_results.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace bris {
+
+namespace {
+
+using Points = std::vector<TriaxialPoint>;
+constexpr double to_the_end = std::numeric_limits<double>::infinity();
+
+/// The points of "fused": the library's prediction, or the model that learns.
+Points fused_points(const SmartTest& c, double last_strain) {
+    return c.by_library() ? points_of(c.library, last_strain) : c.running.front().points;
+}
+
+/// Those of the points that are at strains of other points, so that both are scored at the same.
+Points at_strains_of(const Points& others, const Points& points) {
+    Points some;
+    for (const TriaxialPoint& p : points)
+        if (stage_at(others, p.axial_strain, 1e-6)) some.push_back(p);
+    return some;
+}
+
+/// Adds numbers whose keys begin with the pressure of the test.
+class TestSummary {
+public:
+    TestSummary(Summary& summary, double pressure)
+        : summary_(summary), at_(folder_of(pressure) + "_") {}
+    void add(const std::string& what, const auto& value) { summary_.add(at_ + what, value); }
+    /// Errors of DEM only and fused, and their ratio.
+    void both(const char* what, const char* unit, double without, double with) {
+        add(fmt::format("DEM_only_rmse_{}{}", what, unit), without);
+        add(fmt::format("fused_rmse_{}{}", what, unit), with);
+        add(fmt::format("error_ratio_{}", what), with / without);
+    }
+
+private:
+    Summary& summary_;
+    std::string at_;
+};
+
+void add_learned(TestSummary& to, const SmartTest& c, const SmartResults& s) {
+    if (!c.learned.estimates.empty())
+        for (const NamedValue& v : describe(c.learned.estimates.back().estimate))
+            to.add(v.key, std::get<double>(v.value));
+    if (!c.by_library()) return;
+    const LibraryPrediction& p = c.library.predicted;
+    to.add("library_friction", p.friction.mean[0]);
+    to.add("library_friction_low", p.friction.low[0]);
+    to.add("library_friction_high", p.friction.high[0]);
+    to.add("library_distance", p.distance);
+    to.add("members", described(*s.library, c.members));
+}
+
+/// Errors of q and volumetric strain beyond the strains learned from.
+void add_curve_errors(TestSummary& to, const RecordedTest& test, const SmartTest& c,
+                      const SmartResults& s) {
+    const Points fused = fused_points(c, s.last_strain), free = at_strains_of(fused, c.free.points);
+    const auto error = [&](const Points& points, double TriaxialPoint::*value, double strain) {
+        return curve_difference(points, test.measured, s.scored(strain), value);
+    };
+    constexpr auto q = &TriaxialPoint::deviatoric_stress,
+                   volume = &TriaxialPoint::volumetric_strain;
+    to.both("q", "_Pa", error(free, q, to_the_end), error(fused, q, to_the_end));
+    to.both("volumetric_strain", "", error(free, volume, to_the_end),
+            error(fused, volume, to_the_end));
+    if (s.last_strain > 0.04) { // at larger strain specimens diverge
+        to.add("error_ratio_q_to_4_percent", error(fused, q, 0.04) / error(free, q, 0.04));
+        to.add("error_ratio_volumetric_strain_to_4_percent",
+               error(fused, volume, 0.04) / error(free, volume, 0.04));
+    }
+    if (!c.by_library()) return;
+    TestPrediction prior = c.library;
+    prior.predicted = prior.prior;
+    const Points without = points_of(prior, s.last_strain),
+                 member = at_strains_of(fused, c.running.front().points);
+    to.add("error_ratio_q_over_prior", error(fused, q, to_the_end) / error(without, q, to_the_end));
+    to.add("error_ratio_volumetric_strain_over_prior",
+           error(fused, volume, to_the_end) / error(without, volume, to_the_end));
+    to.add("error_ratio_q_of_member", error(member, q, to_the_end) / error(free, q, to_the_end));
+    to.add("error_ratio_volumetric_strain_of_member",
+           error(member, volume, to_the_end) / error(free, volume, to_the_end));
+    to.add("member_difference_from_library",
+           difference_from(*s.library, c.members.front().index,
+                           pressure_index(*s.library, test.pressure), c.running.front()));
+}
+
+/// Errors of the rings at the end of the test.
+void add_ring_errors(TestSummary& to, const RecordedTest& test, const SmartTest& c) {
+    const ModelRun& fused = c.running.front();
+    const Misfit without = misfit_of(c.free, test);
+    if (!c.by_library()) {
+        to.both("ring_strain", "", without.ring_strain, misfit_of(fused, test).ring_strain);
+        return;
+    }
+    if (!c.rings.not_made.empty()) return;
+    const auto measured = ring_strains(test.measured, c.rings.strain);
+    const double error = ring_difference(c.rings.mean, measured);
+    to.both("ring_strain", "",
+            ring_difference(ring_strains(c.free.points, c.rings.strain), measured), error);
+    to.add("fused_rings_over_mean_profile", error / ring_difference(c.rings.scaled_mean, measured));
+}
+
+/// Errors (m) of the displacements of the sensor rocks at the coarse strains of the library: by the
+/// model alone, and predicted.
+struct SensorErrors {
+    double free = std::nan(""), fused = std::nan("");
+};
+SensorErrors sensor_errors(const RecordedTest& test, const SmartTest& c, const SmartResults& s) {
+    const SpecimenLibrary& library = *s.library;
+    if (!reason_against_sensors(library, test).empty()) return {};
+    double free = 0, fused = 0, count = 0;
+    for (std::size_t k = 0; k < library.axis.coarse_count(); ++k) {
+        const double strain = library.axis.coarse_strain(k);
+        const auto stage = stage_at(c.free.points, strain, 1e-6);
+        if (!s.scored(s.last_strain).holds(strain) || !stage) continue;
+        for (std::size_t r = 0; r < library.sensors; ++r) {
+            const auto recorded = recorded_displacement(library, test, r, k);
+            if (!recorded) continue;
+            const SensorInfo& info = test.recordings[r].info;
+            const double* predicted =
+                &c.library.predicted.sensors
+                     .mean[(k * library.sensors + r) * LibraryTest::per_sensor];
+            free += (polar(c.free.displacement[*stage][r], {info.x, info.y, info.z}) - *recorded)
+                        .squaredNorm();
+            fused += (Eigen::Map<const Vec3>(predicted) - *recorded).squaredNorm();
+            ++count;
+        }
+    }
+    return {std::sqrt(free / count), std::sqrt(fused / count)};
+}
+
+void add_sensor_errors(TestSummary& to, const RecordedTest& test, const SmartTest& c,
+                       const SmartResults& s) {
+    const StrainRange range = s.scored(to_the_end);
+    const SensorErrors errors =
+        c.by_library()
+            ? sensor_errors(test, c, s)
+            : SensorErrors{misfit_of(c.free, test, range).sensor_displacement,
+                           misfit_of(c.running.front(), test, range).sensor_displacement};
+    to.both("sensor_displacement", "_m", errors.free, errors.fused);
+}
+
+} // namespace
+
+bool SmartTest::complete() const {
+    const auto ended = [](const ModelRun& run) { return run.stopped.empty(); };
+    return ended(free) && !running.empty() && std::ranges::all_of(running, ended);
+}
+
+void add_results(Summary& summary, const RecordedTest& test, const SmartTest& c,
+                 const SmartResults& s) {
+    TestSummary to(summary, test.pressure);
+    add_learned(to, c, s);
+    to.add("sensors_accepted", test.recordings.size() - test.refused());
+    to.add("sensors_refused", test.refused());
+    to.add("machine_channels_refused", refused_channels(test));
+    if (!c.complete()) return;
+    const ModelRun& fused = c.running.front();
+    add_curve_errors(to, test, c, s);
+    add_ring_errors(to, test, c);
+    add_sensor_errors(to, test, c, s);
+    if (!s.nudged) return; // there are no corrections
+    to.add("measurements_accepted", fused.accepted);
+    to.add("fusion_work_over_boundary_work", fused.fusion_work / fused.boundary_work);
+    to.add("corrections_reduced_by_work", fused.too_costly);
+    to.add("corrections_withheld_by_work", fused.much_too_costly);
+}
+
+void write_runs(const std::filesystem::path& folder, const SmartTest& c, const SmartResults& s) {
+    if (c.free.stopped.empty()) write_curve(folder / "dem_only.csv", c.free.points);
+    for (std::size_t m = 0; m < c.running.size(); ++m) {
+        if (!c.running[m].stopped.empty()) continue;
+        const std::string name =
+            c.by_library()
+                ? fmt::format("specimen_{}", s.library->specimens[c.members[m].index].number)
+                : "fused";
+        write_curve(folder / (name + ".csv"), c.running[m].points);
+    }
+}
+
+void draw_results(const std::filesystem::path& out, const std::vector<RecordedTest>& tests,
+                  const std::vector<SmartTest>& computed) {
+    constexpr auto of_fused = "fused, 90 % band";
+    std::vector<Plot> panels;
+    for (std::size_t k = 0; k < tests.size(); ++k) {
+        const SmartTest& c = computed[k];
+        const bool learned = !c.by_library() && !c.running.empty();
+        const ComparedPoints points{&tests[k].measured, &c.free.points,
+                                    learned ? &c.running.front().points : nullptr};
+        const auto panel = [&](const char* title, const char* x, const char* y,
+                               const MakeCurve& make, std::vector<Curve> by_library) {
+            panels.push_back({.title = fmt::format("{} at {}", title, label_of(tests[k].pressure)),
+                              .x_label = x,
+                              .y_label = y,
+                              .curves = compared_curves(points, make)});
+            if (by_library.empty()) return;
+            panels.back().curves.pop_back(); // the place of the model that learns
+            std::ranges::move(by_library, std::back_inserter(panels.back().curves));
+        };
+        const auto with_members = [&](const PredictedCurve& curve, double scale,
+                                      double TriaxialPoint::*value) {
+            if (!c.by_library()) return std::vector<Curve>{};
+            std::vector<Curve> curves = curves_of(c.library, curve, scale, of_fused);
+            for (std::size_t m = 0; m < c.running.size(); ++m)
+                curves.push_back(curve_of(m == 0 ? "favoured specimens" : "", c.running[m].points,
+                                          scale, value, Curve::Style::line));
+            return curves;
+        };
+        panel("Deviatoric stress", "axial strain (%)", "q (kPa)",
+              curves_of(1e-3, &TriaxialPoint::deviatoric_stress),
+              with_members(c.library.predicted.q, 1e-3, &TriaxialPoint::deviatoric_stress));
+        panel("Volumetric strain", "axial strain (%)", "volumetric strain (%)",
+              curves_of(100, &TriaxialPoint::volumetric_strain),
+              with_members(c.library.predicted.volume, 100, &TriaxialPoint::volumetric_strain));
+        panel("Rings at the end of the test", "radial strain, widening positive (%)",
+              "ring, from below", profile_of,
+              c.rings.not_made.empty() ? curves_of(c.rings, of_fused) : std::vector<Curve>{});
+    }
+    draw_plots(out / "smart_triaxial.png", panels, 3);
+    for (std::size_t k = 0; k < tests.size(); ++k)
+        if (!computed[k].views.empty())
+            draw_picture(out / folder_of(tests[k].pressure) / "smart_rocks.png", computed[k].views,
+                         {.azimuth = 0.3, .elevation = 0.15}, 700);
+}
+
+} // namespace bris
