@@ -214,9 +214,10 @@ void draw_results(const std::filesystem::path& out, const std::vector<RecordedTe
                                       double TriaxialPoint::*value) {
             if (!c.by_library()) return std::vector<Curve>{};
             std::vector<Curve> curves = curves_of(c.library, curve, scale, of_fused);
-            for (std::size_t m = 0; m < c.running.size(); ++m)
-                curves.push_back(curve_of(m == 0 ? "favoured specimens" : "", c.running[m].points,
-                                          scale, value, Curve::Style::line));
+            const char* name = c.running.size() == 1 ? "favoured specimen" : "favoured specimens";
+            for (const ModelRun& run : c.running)
+                curves.push_back(
+                    curve_of(&run == &c.running.front() ? name : "", run.points, scale, value));
             return curves;
         };
         panel("Deviatoric stress", "axial strain (%)", "q (kPa)",
