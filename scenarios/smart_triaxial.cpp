@@ -199,6 +199,9 @@ void Computation::predict_from_library() {
                                  {.strain = s_.learning.final_strain}, true);
         fmt::print("{}: {}\n", folder, described(predicted));
         if (!predicted.not_used.empty()) continue;
+        require(s_.corrections.nudging.stiffness <= 0,
+                "--nudging-stiffness: expected --library none; where a library predicts the test, "
+                "no model is nudged");
         done_[k].members = favoured(predicted.weights, s_.running_members);
         fmt::print("{}: the specimens that go on with the test: {}\n", folder,
                    described(library_, done_[k].members));
@@ -224,7 +227,7 @@ void Computation::prepare() {
     Common own = common_;
     if (!members.empty()) own.threads = 1;
     const Triaxial of_library = members.empty() ? Triaxial{} : test_of(library_);
-    run_ensemble(1 + members.size(), common_.threads, [&](std::size_t job) {
+    const auto make = [&](std::size_t job) {
         const auto report = progress_slot(progress_, static_cast<unsigned>(job));
         if (job == 0) {
             specimen_ =
@@ -234,7 +237,13 @@ void Computation::prepare() {
         const LibrarySpecimen& s = library_.specimens[members[job - 1]];
         packings_.at(members[job - 1]) =
             make_packing(of_library, {s.porosity, s.seed}, library_.settings, common_, report);
-    });
+    };
+    try {
+        run_ensemble(1 + members.size(), common_.threads, make);
+    } catch (const Interrupted&) { // each names its own checkpoint, and there are several
+        throw Interrupted(
+            fmt::format("interrupted; continue with --resume {}", common_.out.string()));
+    }
     progress_.pause();
     preparation_wall_ = seconds_since(began);
 }
