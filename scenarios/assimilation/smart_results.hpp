@@ -14,9 +14,9 @@
 
 namespace bris {
 
-/// What is computed for a recorded test. Where the library fits it, its prediction is what "fused"
-/// means, and the specimens that it favours go on with the test; otherwise a model that takes over
-/// its estimates is.
+/// What is computed for a recorded test. Where a library fits the test, "fused" is its prediction,
+/// and the specimens that it favours go on with the test; otherwise "fused" is a model that takes
+/// over its estimates.
 struct SmartTest {
     RockParameters before;                 ///< estimate at the beginning of the test
     TestPrediction library;                ///< by a library of specimens
@@ -36,7 +36,7 @@ struct SmartResults {
     double learned_strain = 0.01;   ///< axial strain up to which measurements are assimilated
     double last_strain = 0.08;      ///< of the test
     bool nudged = false;            ///< sensor rocks were nudged
-    const SpecimenLibrary* library; ///< null: none
+    const SpecimenLibrary* library; ///< without specimens if none was given
     /// Strains that are scored: beyond those learned from, if the test goes beyond them.
     StrainRange scored(double to) const {
         return {last_strain > learned_strain ? learned_strain : 0, to};
