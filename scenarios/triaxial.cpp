@@ -131,7 +131,7 @@ void Test::begin(const std::filesystem::path& checkpoint) {
         simulation_.prepare();
     };
     if (checkpoint.empty()) { // the specimen is made without fines
-        simulation_.restore(shared_.specimen.state);
+        restore_specimen(simulation_, shared_.scene, shared_.specimen.state);
         add_fields();
         if (fouling.any()) fill_with_fines(simulation_.world(), fouling, common_.seed);
     } else {

@@ -20,6 +20,7 @@ constexpr std::array same_settings{"bodies",
                                    "density_kg_per_m3",
                                    "clump_stiffness_N_per_m",
                                    "wall_stiffness_N_per_m",
+                                   "hertz",
                                    "platen_friction",
                                    "taps",
                                    "preparation_friction",
@@ -28,7 +29,8 @@ constexpr std::array same_settings{"bodies",
 
 std::string text_of(std::span<const NamedValue> settings, const std::string& key) {
     const auto found = std::ranges::find(settings, key, &NamedValue::key);
-    if (found == settings.end()) return "none";
+    if (found == settings.end()) // libraries from before there was another law are linear
+        return key == "hertz" ? "false" : "none";
     return std::visit([](const auto& x) { return fmt::format("{}", x); }, found->value);
 }
 

@@ -93,7 +93,7 @@ TriaxialModel::TriaxialModel(const TriaxialScene& scene, const TriaxialSettings&
                              const RockParameters& parameters, std::uint64_t seed)
     : simulation_(make_simulation(scene, 1, false)),
       test_(simulation_, with_friction(settings, parameters.friction)) {
-    simulation_.restore(specimen);
+    restore_specimen(simulation_, scene, specimen);
     const auto& parts = world().resource<Specimen>();
     rocks_ = parts.smart_rocks;
     sensors_ = rocks_.size();

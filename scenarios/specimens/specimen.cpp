@@ -35,6 +35,14 @@ std::uint32_t add_shell(Materials& materials, const SpecimenSettings& s, std::ui
 
 } // namespace
 
+void set_elastic_constants(Materials& materials, const SpecimenSettings& s) {
+    for (Material& m : materials.list) {
+        m.young_modulus = s.young_modulus;
+        m.poisson_ratio = s.poisson_ratio;
+    }
+    materials.mix();
+}
+
 double radius_for(double solid_volume, double porosity, unsigned sectors) {
     // polygon area n tan(pi/n) R^2, height 4 R
     const double shape = 4 * sectors * std::tan(pi / sectors);
@@ -54,6 +62,7 @@ World make_triaxial_world(const SpecimenSettings& s, std::span<const Clump> clum
                        s.platen_friction < 0 ? s.friction : s.platen_friction});
     specimen.membrane_material =
         materials.add({"membrane", 0, s.wall_stiffness, s.wall_stiffness, 0});
+    if (s.hertz) set_elastic_constants(materials, s);
     specimen.sensor_material = add_shell(materials, s, specimen.rock_material);
     specimen.sensor_friction = s.sensor_friction;
     specimen.platen_friction = s.platen_friction;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "components/clump.hpp"
+#include "components/material.hpp"
 #include "engine/world.hpp"
 #include "scenarios/rocks/grading.hpp"
 #include "scenarios/specimens/sensor_rocks.hpp"
@@ -19,6 +20,11 @@ struct SpecimenSettings {
     double friction = 0.7;            ///< Coulomb coefficient, rock on rock and rock on platen
     double clump_stiffness = 0.63e8;  ///< N/m, normal and shear, of one partner
     double wall_stiffness = 1e8;      ///< N/m
+    /// Contacts of the test are Hertz-Mindlin, with the elastic constants of all partners. The
+    /// specimen is prepared with linear contacts all the same, and the stiffnesses above give the
+    /// masses of servos and the least masses of rocks.
+    bool hertz = false;
+    double young_modulus = 7e10, poisson_ratio = 0.2; ///< Pa, -
     double looseness = 1.3;        ///< height of the mould when filled, relative to the wanted one
     double smartrock_size = 0.038; ///< m, sieve size
     double sensor_density = 0;     ///< kg/m3, of the sensor rocks; 0: as the rocks
@@ -42,6 +48,9 @@ struct Specimen {
     std::vector<Clump> clumps; ///< the library; ShapeOf of a body is its index here
     std::vector<double> scale; ///< by body id, from the size in the library to full size
 };
+
+/// Gives all materials the elastic constants of Hertz contacts.
+void set_elastic_constants(Materials& materials, const SpecimenSettings& settings);
 
 /// Radius (m) of a specimen with height twice the diameter that contains this solid volume (m3) at
 /// the given porosity; the cross-section is the polygon of the membrane.

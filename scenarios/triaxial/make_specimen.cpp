@@ -88,9 +88,11 @@ void require_same_specimen(const Common& common) {
     if (!own.resume.empty()) (void)checkpoint_to_resume(own.resume, own.scenario, own.settings);
 }
 
-MadeSpecimen make_specimen(const TriaxialScene& scene, const TriaxialSettings& settings,
+MadeSpecimen make_specimen(const TriaxialScene& of_test, const TriaxialSettings& settings,
                            const Common& common, const ReportProgress& report,
                            const std::function<void(Simulation&, TriaxialTest&)>& begin) {
+    TriaxialScene scene = of_test;
+    scene.specimen.hertz = false; // rocks that grow overlap so deeply that Hertz contacts explode
     const Common of_specimen = common_of_specimen(common);
     Simulation simulation = make_simulation(scene, common.threads, common.serial);
     TriaxialTest test(simulation, settings);

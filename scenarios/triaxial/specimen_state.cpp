@@ -62,6 +62,7 @@ void set_rocks(World& world, double friction, double stiffness) {
     const auto& specimen = world.resource<Specimen>();
     for (const std::uint32_t material : {specimen.rock_material, specimen.sensor_material}) {
         Material& rock = world.resource<Materials>().list[material];
+        rock.young_modulus *= stiffness / rock.normal_stiffness; // 0 where contacts are linear
         rock.normal_stiffness = rock.shear_stiffness = stiffness;
     }
     set_friction(world, friction);

@@ -1,5 +1,7 @@
 #include "scenarios/triaxial/triaxial_scene.hpp"
 
+#include "components/kinds.hpp"
+#include "components/pair.hpp"
 #include "engine/errors.hpp"
 #include "engine/io/csv.hpp"
 #include "engine/memory.hpp"
@@ -136,10 +138,32 @@ void require_memory_for(const Triaxial& t, unsigned worlds, std::uint64_t limit,
 Simulation make_simulation(const TriaxialScene& s, unsigned threads, bool serial) {
     World world = make_triaxial_world(s.specimen, s.clumps, s.smart_rocks, s.sample.rocks, s.poses);
     Simulation simulation =
-        start(std::move(world),
-              {.threads = threads, .schedule = {.serial = serial}, .energy_budget = true});
+        start(std::move(world), {.law = s.specimen.hertz ? LawName::hertz_mindlin : LawName::linear,
+                                 .threads = threads,
+                                 .schedule = {.serial = serial},
+                                 .energy_budget = true});
     simulation.world().add_resource<TriaxialState>();
     return simulation;
+}
+
+namespace {
+
+template <class Pairs>
+void forget_springs(World& world) {
+    if (world.has<Pairs>() && world.table<Pairs>().template has<Spring>())
+        std::ranges::fill(world.column<Pairs, Spring>(), SpringRow{});
+}
+
+} // namespace
+
+void restore_specimen(Simulation& simulation, const TriaxialScene& scene, const Archive& specimen) {
+    simulation.restore(specimen);
+    if (!scene.specimen.hertz) return;
+    World& world = simulation.world();
+    set_elastic_constants(world.resource<Materials>(), scene.specimen);
+    forget_springs<SpherePairs>(world);
+    forget_springs<PlanePairs>(world);
+    forget_springs<MembranePairs>(world);
 }
 
 void refuse_friction(const Triaxial& settings) {

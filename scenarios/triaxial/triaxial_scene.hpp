@@ -119,6 +119,16 @@ struct Triaxial {
         option("wall_stiffness", specimen.wall_stiffness, "N/m",
                "Contact stiffness of platens and membrane, as one of two partners.",
                above(0, 1e15).usually(1e5, 1e12));
+        option(
+            "hertz", specimen.hertz, "",
+            "From consolidation on contacts are Hertz-Mindlin, with the elastic constants below. "
+            "The specimen is prepared with linear contacts all the same. Otherwise contacts stay "
+            "linear.");
+        option("young_modulus", specimen.young_modulus, "Pa",
+               "Young's modulus of rocks, platens and membrane for --hertz.",
+               above(0, 1e13).usually(1e8, 5e11));
+        option("poisson_ratio", specimen.poisson_ratio, "",
+               "Poisson ratio of rocks, platens and membrane for --hertz.", within(0, 0.5));
         option("damping", test.damping, "", "Coefficient of local damping.", within(0, 0.95));
         option.group("Numerics");
         option("safety", test.safety, "", "Time step as a fraction of the stable step.",
@@ -158,6 +168,10 @@ void require_memory_for(const Triaxial& settings, unsigned worlds, std::uint64_t
 /// The simulation of a scene with its neighbour lists, energy budget and list of steps, before
 /// filling begins.
 Simulation make_simulation(const TriaxialScene& scene, unsigned threads, bool serial);
+
+/// Restores a prepared specimen, whose contacts are linear, in a simulation of its scene. Where the
+/// contacts of the test are Hertz-Mindlin, they begin without tangential force.
+void restore_specimen(Simulation& simulation, const TriaxialScene& scene, const Archive& specimen);
 
 /// Refuses --friction where the model's friction is estimated. Throws InputError.
 void refuse_friction(const Triaxial& settings);
