@@ -105,7 +105,6 @@ void LibraryMaker::make(std::size_t job, std::uint64_t number) {
 
 LibrarySpecimen LibraryMaker::tested(std::size_t job, std::uint64_t number, std::uint64_t attempt) {
     const DesignPoint point = design_point(design_, number, attempt, common_.seed);
-    const LibraryPacking packing{point.porosity, point.seed};
     const std::size_t sensors = make_scene(test_, point.seed).poses.size();
     require(sensors == library_.sensors,
             fmt::format("--bodies: expected a size at which every specimen has {} sensor rocks, "
@@ -120,11 +119,11 @@ LibrarySpecimen LibraryMaker::tested(std::size_t job, std::uint64_t number, std:
                          .diameter = 0,
                          .tests = {}};
     const auto remove = [&] {
-        std::filesystem::remove_all(common_.out / fmt::format("packing_{}", point.seed));
+        std::filesystem::remove_all(common_.out / folder_of_packing(point.seed));
     };
     try {
-        const PreparedSpecimen prepared =
-            make_packing(test_, packing, common_.settings, common_, report_to(job * tests));
+        const PreparedSpecimen prepared = make_packing(
+            test_, {point.porosity, point.seed}, common_.settings, common_, report_to(job * tests));
         made.diameter = 2 * prepared.scene.specimen.radius;
         TriaxialSettings settings = test_.test;
         settings.porosity = point.porosity;

@@ -7,7 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+#include <functional>
 
 namespace bris {
 
@@ -40,13 +40,15 @@ Triaxial test_of(const SpecimenLibrary& library) {
     return test;
 }
 
+std::string folder_of_packing(std::uint64_t seed) { return fmt::format("packing_{}", seed); }
+
 PreparedSpecimen make_packing(const Triaxial& described, const LibraryPacking& packing,
                               std::vector<NamedValue> settings, const Common& common,
                               const ReportProgress& report) {
     Triaxial test = described;
     test.test.porosity = packing.porosity;
     test.test.confining_pressure = test.confining_pressure.front();
-    Common own = common_of_packing(common, fmt::format("packing_{}", packing.seed), packing.seed);
+    Common own = common_of_packing(common, folder_of_packing(packing.seed), packing.seed);
     own.settings = std::move(settings);
     for (NamedValue& v : own.settings) {
         if (v.key == "seed") v.value = packing.seed;

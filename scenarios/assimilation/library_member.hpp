@@ -33,7 +33,10 @@ struct LibraryPacking {
     std::uint64_t seed;
 };
 
-/// Makes a packing, in the folder packing_SEED of the results, on one thread. `settings`: those
+/// Name of the folder of a packing in the results.
+std::string folder_of_packing(std::uint64_t seed);
+
+/// Makes a packing, in its folder of the results, on one thread. `settings`: those
 /// that its checkpoint carries, apart from porosity and seed; --resume reads the packing from the
 /// same folder. Throws as make_specimen does.
 PreparedSpecimen make_packing(const Triaxial& test, const LibraryPacking& packing,

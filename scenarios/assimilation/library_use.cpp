@@ -168,13 +168,14 @@ void write_prediction(const std::filesystem::path& csv, const TestPrediction& t)
               rows, {"mean and 90 % band predicted by a library of specimens"}, 6);
 }
 
-std::vector<TriaxialPoint> points_of(const TestPrediction& t, double last_strain) {
+std::vector<TriaxialPoint> points_of(const TestPrediction& t, const LibraryPrediction& curves,
+                                     double last_strain) {
     std::vector<TriaxialPoint> points;
     for (std::size_t k = 0; k < t.strain.size() && t.strain[k] < last_strain * (1 + 1e-9); ++k) {
         TriaxialPoint& p = points.emplace_back();
         p.axial_strain = t.strain[k];
-        p.deviatoric_stress = t.predicted.q.mean[k];
-        p.volumetric_strain = t.predicted.volume.mean[k];
+        p.deviatoric_stress = curves.q.mean[k];
+        p.volumetric_strain = curves.volume.mean[k];
     }
     return points;
 }

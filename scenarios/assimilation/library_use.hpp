@@ -61,9 +61,10 @@ std::string described(const TestPrediction& prediction);
 /// Writes the predicted curves with their bands as CSV. Throws OutputError.
 void write_prediction(const std::filesystem::path& csv, const TestPrediction& prediction);
 
-/// The means of the predicted q and volumetric strain up to an axial strain, as points of a test;
-/// their other numbers are 0.
-std::vector<TriaxialPoint> points_of(const TestPrediction& prediction, double last_strain);
+/// The means of q and volumetric strain up to an axial strain, as points of a test whose other
+/// numbers are 0. `curves`: those of `prediction`, or its prior.
+std::vector<TriaxialPoint> points_of(const TestPrediction& prediction,
+                                     const LibraryPrediction& curves, double last_strain);
 
 /// Mean and band of a predicted curve for a plot against axial strain in per cent, in one colour.
 std::vector<Curve> curves_of(const TestPrediction& prediction, const PredictedCurve& curve,

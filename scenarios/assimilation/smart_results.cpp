@@ -22,10 +22,11 @@ constexpr double to_the_end = std::numeric_limits<double>::infinity();
 
 /// The points of "fused": the library's prediction, or the model that learns.
 Points fused_points(const SmartTest& c, double last_strain) {
-    return c.by_library() ? points_of(c.library, last_strain) : c.running.front().points;
+    return c.by_library() ? points_of(c.library, c.library.predicted, last_strain)
+                          : c.running.front().points;
 }
 
-/// Those of the points that are at strains of other points, so that both are scored at the same.
+/// Those of the points that are at strains of other points, so that all are scored at the same.
 Points at_strains_of(const Points& others, const Points& points) {
     Points some;
     for (const TriaxialPoint& p : points)
@@ -67,9 +68,10 @@ void add_learned(TestSummary& to, const SmartTest& c, const SmartResults& s) {
 /// Errors of q and volumetric strain beyond the strains learned from.
 void add_curve_errors(TestSummary& to, const RecordedTest& test, const SmartTest& c,
                       const SmartResults& s) {
-    const Points fused = fused_points(c, s.last_strain), free = at_strains_of(fused, c.free.points);
+    const Points &free = c.free.points, fused = fused_points(c, s.last_strain),
+                 measured = at_strains_of(fused, test.measured);
     const auto error = [&](const Points& points, double TriaxialPoint::*value, double strain) {
-        return curve_difference(points, test.measured, s.scored(strain), value);
+        return curve_difference(points, measured, s.scored(strain), value);
     };
     constexpr auto q = &TriaxialPoint::deviatoric_stress,
                    volume = &TriaxialPoint::volumetric_strain;
@@ -82,10 +84,8 @@ void add_curve_errors(TestSummary& to, const RecordedTest& test, const SmartTest
                error(fused, volume, 0.04) / error(free, volume, 0.04));
     }
     if (!c.by_library()) return;
-    TestPrediction prior = c.library;
-    prior.predicted = prior.prior;
-    const Points without = points_of(prior, s.last_strain),
-                 member = at_strains_of(fused, c.running.front().points);
+    const Points &member = c.running.front().points,
+                 without = points_of(c.library, c.library.prior, s.last_strain);
     to.add("error_ratio_q_over_prior", error(fused, q, to_the_end) / error(without, q, to_the_end));
     to.add("error_ratio_volumetric_strain_over_prior",
            error(fused, volume, to_the_end) / error(without, volume, to_the_end));
