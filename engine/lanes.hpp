@@ -159,6 +159,15 @@ inline Lane in_each_row(Quad a) {
 #endif
 }
 
+/// The fourth number of each row, in all four places of the row.
+inline Lane fourth_of_each_row(Lane row) {
+#ifdef __AVX512F__
+    return __builtin_shufflevector(row, row, 3, 3, 3, 3, 7, 7, 7, 7);
+#else
+    return __builtin_shufflevector(row, row, 3, 3, 3, 3);
+#endif
+}
+
 /// 4x4 transposes within the lanes: from rows to columns and from columns to rows.
 inline FourLanes transpose(const FourLanes& r) {
     using namespace detail;

@@ -93,7 +93,7 @@ struct PlaneGeometry {
             c.wx = w.x, c.wy = w.y, c.wz = w.z;
         }
         return detail::apply_law<Law>(to, rows, own.data(), count, c,
-                                      {point, point - middle, point - pivot},
+                                      detail::Levers{point, point - middle, point - pivot},
                                       overlap > deepest * a[3]);
     }
 };

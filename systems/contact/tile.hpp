@@ -164,36 +164,41 @@ private:
     return {transpose(load_rows([&](int q) { return to.own[to.near[rows[q]].law].value; }))};
 }
 
+/// Bits of the lanes whose force or torque is beyond the grid or not a number. `size`: sums of the
+/// magnitudes of the integers.
+[[gnu::always_inline]] inline unsigned beyond_grid(const Lane& size) {
+    return ~bits(size <= ForceGrid::largest) & all_lanes;
+}
+inline Lane size_of(const Vec3Lanes& v) { return magnitude(v.x) + magnitude(v.y) + magnitude(v.z); }
+inline Lane integers(Lane a) { return reinterpret_cast<Lane>(nearest_integers(a)); }
+
 /// Contact points, and the lever arms to them from the centres of mass of both bodies (m).
 struct Levers {
     Vec3Lanes point, own, partner;
-};
 
-/// Adds the forces and torques of `count` contacts to both bodies. `own`: rows of the owners.
-/// Returns the bits of the lanes whose force is beyond the grid or is not a number.
-[[gnu::always_inline]] inline unsigned add_to_bodies(const SumTarget& to, const Row* rows,
-                                                     const std::size_t* own, int count,
-                                                     const ForceLanes& f, const Levers& at) {
-    const Vec3Lanes force{f.x, f.y, f.z}, couple{f.torque_x, f.torque_y, f.torque_z};
-    const Vec3Lanes units = to.per_force * force,
-                    own_torque = to.per_torque * (cross(at.own, force) + couple),
-                    partner_torque = to.per_partner_torque * (cross(at.partner, force) + couple);
-    const auto size = [](const Vec3Lanes& v) {
-        return magnitude(v.x) + magnitude(v.y) + magnitude(v.z);
-    };
-    const LaneMask fits =
-        size(units) + size(own_torque) + size(partner_torque) <= ForceGrid::largest;
-    const auto integers = [](Lane a) { return reinterpret_cast<Lane>(nearest_integers(a)); };
-    const auto rows_of = [&](const Vec3Lanes& v) {
-        return transpose({integers(v.x), integers(v.y), integers(v.z), Lane{}});
-    };
-    const FourLanes forces = rows_of(units);
-    add_integer_rows<false>(forces, rows_of(own_torque), count,
-                            [&](int q) { return &to.sum[own[q]].fx; });
-    add_integer_rows<true>(forces, rows_of(partner_torque), count,
-                           [&](int q) { return &to.of_partner(rows[q]).fx; });
-    return ~bits(fits) & all_lanes;
-}
+    const Vec3Lanes& contact_point() const { return point; }
+
+    /// Adds the forces and torques of `count` contacts to both bodies. `rows`: near rows; `bodies`:
+    /// rows of the owners. Returns the bits of the lanes whose force is beyond the grid or is not a
+    /// number.
+    [[gnu::always_inline]] unsigned add(const SumTarget& to, const Row* rows,
+                                        const std::size_t* bodies, int count,
+                                        const ForceLanes& f) const {
+        const Vec3Lanes force{f.x, f.y, f.z}, couple{f.torque_x, f.torque_y, f.torque_z};
+        const Vec3Lanes units = to.per_force * force,
+                        own_torque = to.per_torque * (cross(own, force) + couple),
+                        partner_torque = to.per_partner_torque * (cross(partner, force) + couple);
+        const auto rows_of = [](const Vec3Lanes& v) {
+            return transpose({integers(v.x), integers(v.y), integers(v.z), Lane{}});
+        };
+        const FourLanes forces = rows_of(units);
+        add_integer_rows<false>(forces, rows_of(own_torque), count,
+                                [&](int q) { return &to.sum[bodies[q]].fx; });
+        add_integer_rows<true>(forces, rows_of(partner_torque), count,
+                               [&](int q) { return &to.of_partner(rows[q]).fx; });
+        return beyond_grid(size_of(units) + size_of(own_torque) + size_of(partner_torque));
+    }
+};
 
 /// Writes the records of `count` contacts, for readers outside the step.
 inline void record(const TileTarget& to, const Row* rows, int count, const ForceLanes& f,
@@ -219,14 +224,14 @@ struct NoReader {
 };
 
 /// Applies the law to `count` contacts, the near rows `rows` (padded to lane_count with valid
-/// rows), advances their springs and adds their forces to both bodies. `own`: rows of the owners.
-/// `too_deep`: bits of the contacts beyond the limit of overlap. `reader` is then called with the
-/// near rows, their number and their forces. Returns the bits of the contacts beyond the limit and
-/// of those whose force is beyond the grid.
-template <class Law, class Reader = NoReader>
+/// rows), advances their springs and adds their forces to both bodies by `arms` (Levers). `own`:
+/// rows of the owners. `too_deep`: bits of the contacts beyond the limit of overlap. `reader` is
+/// then called with the near rows, their number and their forces. Returns the bits of the contacts
+/// beyond the limit and of those whose force is beyond the grid.
+template <class Law, class Arms, class Reader = NoReader>
 [[gnu::always_inline]] inline unsigned
 apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int count, ContactLanes& c,
-          const Levers& at, LaneMask too_deep, const Reader& reader = {}) {
+          const Arms& arms, LaneMask too_deep, const Reader& reader = {}) {
     if (to.share != nullptr) {
         alignas(64) std::array<double, lane_count> share;
         for (std::size_t q = 0; q < lane_count; ++q) share[q] = to.share[rows[q]];
@@ -263,8 +268,8 @@ apply_law(const TileTarget& to, const Row* rows, const std::size_t* own, int cou
     if constexpr (Law::has_rolling)
         store_rows(transpose({roll.x, roll.y, roll.z, roll.twist}), count,
                    [&](int q) { return &to.roll[pair_of(q)].x; });
-    const unsigned beyond = bits(too_deep) | add_to_bodies(to.sums, rows, own, count, f, at);
-    if (to.observed || beyond != 0) record(to, rows, count, f, c.overlap, at.point);
+    const unsigned beyond = bits(too_deep) | arms.add(to.sums, rows, own, count, f);
+    if (to.observed || beyond != 0) record(to, rows, count, f, c.overlap, arms.contact_point());
     if (to.work.friction != nullptr) add_work(to.work, own, count, f.work);
     reader(rows, count, f);
     return beyond & ((1u << count) - 1);

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "components/near_spheres.hpp"
+#include "systems/contact/collide_chunk.hpp"
+
+#include <cmath>
+
+namespace bris::detail {
+
+/// Geometry of two spheres, whether they are bodies themselves or belong to clumps (collide_chunk).
+struct SphereSurfaces {
+    Movers movers;
+    double deepest; // largest overlap accepted, over the mean radius
+
+    unsigned touching(const NearEntry* near) const {
+        return near_lanes(
+            [&](int q) -> const SphereRow& { return movers.sphere_row[near[q].owner]; },
+            [&](int q) -> const SphereRow& { return movers.sphere_row[near[q].other]; });
+    }
+    double gap(const NearEntry& near) const {
+        const SphereRow &a = movers.sphere_row[near.owner], &b = movers.sphere_row[near.other];
+        const double dx = a.x - b.x, dy = a.y - b.y, dz = a.z - b.z;
+        return std::sqrt(dx * dx + dy * dy + dz * dz) - (a.radius + b.radius);
+    }
+    double radius(const NearEntry& near) const {
+        const double a = movers.sphere_row[near.owner].radius,
+                     b = movers.sphere_row[near.other].radius;
+        return a * b / (a + b);
+    }
+    void prefetch_positions(const NearEntry* near) const {
+        for (std::size_t q = 0; q < 8; ++q) prefetch(&movers.sphere_row[near[q].other]);
+    }
+    void prefetch_rows(const TileTarget& to, const Row* rows) const {
+        std::array<std::size_t, lane_count> own, other;
+        for (std::size_t q = 0; q < lane_count; ++q) {
+            own[q] = to.near[rows[q]].owner;
+            other[q] = to.near[rows[q]].other;
+        }
+        movers.prefetch_rows(own);
+        movers.prefetch_rows(other);
+        to.prefetch_rows(rows);
+    }
+};
+
+} // namespace bris::detail
