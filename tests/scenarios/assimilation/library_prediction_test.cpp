@@ -229,6 +229,23 @@ TEST_SUITE("assimilation/library_prediction") {
         CHECK(reason({settings, 0.39, 110e3}).find("bodies 400") != std::string::npos);
     }
 
+    TEST_CASE("a library of Hertz contacts serves rocks of its own elastic constants only, and a "
+              "linear one does not ask for them") {
+        SpecimenLibrary library = testing::synthetic_library(12, 1);
+        std::vector<NamedValue> model = library.settings;
+        const auto reason = [&] { return reason_against(library, {model, 0.39, 110e3}); };
+        model.emplace_back("young_modulus_Pa", 7e10);
+        CHECK(reason().empty());
+        for (auto* settings : {&library.settings, &model})
+            settings->emplace_back("hertz", true);
+        CHECK(reason().find("young_modulus_Pa") != std::string::npos);
+        library.settings.emplace_back("young_modulus_Pa", 7e10);
+        CHECK(reason().empty());
+        model.emplace_back("poisson_ratio", 0.2);
+        library.settings.emplace_back("poisson_ratio", 0.3);
+        CHECK(reason().find("poisson_ratio 0.3") != std::string::npos);
+    }
+
     TEST_CASE("results are written with a line for each variant and quantity") {
         const TemporaryDirectory folder;
         const SpecimenLibrary library = testing::synthetic_library(12, 1);
