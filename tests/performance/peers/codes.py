@@ -145,20 +145,46 @@ def busy_seconds():
     return (sum(fields) - fields[3] - fields[4]) / os.sysconf('SC_CLK_TCK')
 
 
+def descendants(pid):
+    """A process and all that it has started."""
+    try:
+        children = open(f'/proc/{pid}/task/{pid}/children').read().split()
+    except OSError:  # it has ended
+        return [pid]
+    return [pid, *(one for child in children for one in descendants(int(child)))]
+
+
+def largest_memory(pid):
+    """Peak memory (MB) so far of the largest process among a process and its descendants."""
+    peaks = [0]
+    for one in descendants(pid):
+        try:
+            peaks += [int(kB) for kB in re.findall(r'^VmHWM:\s*(\d+) kB', open(f'/proc/{one}/status').read(), re.M)]
+        except OSError:
+            pass
+    return max(peaks) * 1024 / 1e6
+
+
 def execute(words, log):
     """Runs a command. Returns its output, the number of cores used by other processes, and its peak memory in MB (with ranks: of the largest)."""
-    began, busy = time.time(), busy_seconds()
+    began, busy, memory = time.time(), busy_seconds(), 0
     with open(log, 'w') as out:
         process = subprocess.Popen(['timeout', str(LONGEST), *map(str, words)], stdin=subprocess.DEVNULL, stdout=out,
                                    stderr=subprocess.STDOUT, env=dict(os.environ, OMP_NUM_THREADS='1'), cwd=log.parent)
-        _, status, usage = os.wait4(process.pid, 0)
+        # the maximum that the system reports at the end includes the memory of this script, from which the process was forked
+        while True:
+            ended, status, usage = os.wait4(process.pid, os.WNOHANG)
+            if ended:
+                break
+            memory = max(memory, largest_memory(process.pid))
+            time.sleep(0.05)
         process.returncode = os.waitstatus_to_exitcode(status)
     own = usage.ru_utime + usage.ru_stime
     load = max(0, busy_seconds() - busy - own) / (time.time() - began)
     text = log.read_text(errors='replace')
     if process.returncode != 0:
         raise RuntimeError(f'{" ".join(map(str, words))}: exit code {process.returncode}\n{text[-800:]}')
-    return text, load, usage.ru_maxrss * 1024 / 1e6
+    return text, load, memory
 
 
 @functools.cache
