@@ -198,13 +198,19 @@ struct SurfaceSpeed : Derived<double> {
     static constexpr auto name = "surface_speed", unit = "m";
 };
 
-/// Pose at the last prune of the pair lists.
-struct PrunedAt : Derived<Pose> {
-    static constexpr auto name = "pruned_at", unit = "";
+/// Position and, for clumps only, orientation at the last prune of the pair lists.
+struct PrunedAt : Derived<Vec3> {
+    static constexpr auto name = "pruned_at", unit = "m";
 };
-/// Pose at the last rebuild of the candidate pairs.
-struct RebuiltAt : Derived<Pose> {
-    static constexpr auto name = "rebuilt_at", unit = "";
+struct PrunedOrientation : Derived<Quat> {
+    static constexpr auto name = "pruned_orientation", unit = "x y z w";
+};
+/// The same at the last rebuild of the candidate pairs.
+struct RebuiltAt : Derived<Vec3> {
+    static constexpr auto name = "rebuilt_at", unit = "m";
+};
+struct RebuiltOrientation : Derived<Quat> {
+    static constexpr auto name = "rebuilt_orientation", unit = "x y z w";
 };
 
 } // namespace bris

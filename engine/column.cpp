@@ -29,16 +29,18 @@ std::size_t next_shift() {
 
 } // namespace
 
-Column::Block::Block(std::size_t bytes) {
+Column::Block::Block(std::size_t bytes, std::size_t used) {
     // huge pages pay from about ten thousand spheres on: up to a third of the step time at 100 000,
-    // depending on the processor (tests/performance/peers/switches)
-    const bool large = bytes >= huge_page / 4;
+    // depending on the processor (tests/performance/peers/switches). A page is huge if at least
+    // half of it is used; the last part of a column is then in ordinary pages.
     const std::size_t shift = bytes >= 16 * page ? next_shift() : 0,
-                      alignment = large ? huge_page : line;
-    const std::size_t rounded = (bytes + shift + alignment - 1) / alignment * alignment;
+                      huge = (used + shift + huge_page / 2) / huge_page * huge_page,
+                      alignment = huge > 0 ? huge_page : line;
+    const std::size_t rounded =
+        std::max((bytes + shift + alignment - 1) / alignment * alignment, huge);
     memory = std::aligned_alloc(alignment, rounded);
     if (memory == nullptr) throw std::bad_alloc();
-    if (large) madvise(memory, rounded, MADV_HUGEPAGE);
+    if (huge > 0) madvise(memory, huge, MADV_HUGEPAGE);
     data = static_cast<std::byte*>(memory) + shift;
 }
 
@@ -58,7 +60,7 @@ Column::Column(const Column& other) : type_(other.type_) {
 void Column::reserve(std::size_t rows) {
     if (rows <= capacity_) return;
     const std::size_t wanted = rows + rows / 2 + 64;
-    Block bigger(wanted * type_.value_size);
+    Block bigger(wanted * type_.value_size, rows * type_.value_size);
     if (size_ > 0) std::memcpy(bigger.data, bytes(), size_ * type_.value_size);
     block_ = std::move(bigger);
     capacity_ = wanted;
@@ -78,7 +80,7 @@ void Column::resize(std::size_t rows) {
 
 void Column::permute(std::span<const Row> new_to_old) {
     const std::size_t width = type_.value_size;
-    Block moved(capacity_ * width);
+    Block moved(capacity_ * width, size_ * width);
     for_chunks(size_, std::max<std::size_t>(bytes_per_chunk / width, 1),
                [&](std::size_t, std::size_t first, std::size_t last) {
                    for (std::size_t row = first; row < last; ++row)

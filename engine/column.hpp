@@ -64,7 +64,8 @@ public:
 private:
     struct Block {
         Block() = default;
-        explicit Block(std::size_t bytes);
+        /// `used`: bytes of `bytes` that will be used soon, the first ones.
+        Block(std::size_t bytes, std::size_t used);
         Block(Block&& other) noexcept { *this = std::move(other); }
         Block& operator=(Block&& other) noexcept;
         ~Block();

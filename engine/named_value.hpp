@@ -26,6 +26,9 @@ struct NamedValue {
     NamedValue(std::string name, const std::string& x) : key(std::move(name)), value(x) {}
     NamedValue(std::string name, const char* x) : key(std::move(name)), value(std::string(x)) {}
 
+    /// The value as a flag or a configuration file would give it.
+    std::string text() const;
+
     std::string key;
     Value value;
     std::string flag = {}; ///< of the option that sets it, as --confining-pressure; empty: none

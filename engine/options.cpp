@@ -371,8 +371,7 @@ void Options::take(const std::vector<NamedValue>& settings, const std::string& w
         const std::string key = key_with_unit(option.name, option.unit);
         const auto found = std::ranges::find(settings, key, &NamedValue::key);
         if (found == settings.end()) continue;
-        const std::string text =
-            std::visit([](const auto& x) { return fmt::format("{}", x); }, found->value);
+        const std::string text = found->text();
         if (!text.empty())
             std::visit(Assign{where + ": " + key, text, option.unit, option.range, option.choices},
                        option.target);

@@ -39,7 +39,7 @@ struct Live {
     std::filesystem::path recordings = assets_folder() / "smartrock";
     std::filesystem::path stream;
     RunBrokerSettings broker;
-    std::filesystem::path library = assets_folder() / "libraries" / "arema_4_400_rocks.h5";
+    std::filesystem::path library = assets_folder() / "libraries";
     RockParameters model{0.5, 1};
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     LiveSettings live;
@@ -102,9 +102,11 @@ struct Live {
                "stage of the test until it has caught up.",
                within(2, 10000));
         learning.describe(option);
-        option("library", library, "",
-               "File of a library of specimens (specimen_library), from which the measurements so "
-               "far predict the rest of the test, if the library fits the model; or none.");
+        option(
+            "library", library, "",
+            "Library of specimens (specimen_library), from which the measurements so far predict "
+            "the rest of the test, if the library fits the model: a file, a folder of libraries, "
+            "of which the one is used that fits, or none.");
         triaxial.describe(option);
         option.group("Files");
         written.describe(option, write_of_estimate);

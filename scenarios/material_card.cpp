@@ -49,7 +49,7 @@ struct CardRun {
 std::string setting_of(const SpecimenLibrary& library, const std::string& key) {
     const auto found = std::ranges::find(library.settings, key, &NamedValue::key);
     if (found == library.settings.end()) return "unknown";
-    return std::visit([](const auto& x) { return fmt::format("{}", x); }, found->value);
+    return found->text();
 }
 
 void require_size(const SpecimenLibrary& library, double diameter) {

@@ -37,7 +37,7 @@ namespace {
 struct Smart {
     Triaxial triaxial{.test = {.preparation = "report"}}; // as the example's specimen
     std::filesystem::path recordings = assets_folder() / "smartrock";
-    std::filesystem::path library = assets_folder() / "libraries" / "arema_4_400_rocks.h5";
+    std::filesystem::path library = assets_folder() / "libraries";
     RockParameters model{0.5, 1};
     Learning learning{.specimen_scatter = 0.35, .by_volume = true};
     Corrections corrections;
@@ -79,11 +79,11 @@ struct Smart {
         learning.describe(option);
         option(
             "library", library, "",
-            "File of a library of specimens (specimen_library), from which the beginning of each "
-            "test predicts the rest of it, if the library fits the model: this prediction is the "
-            "result (fused). Empty, or where it does not fit: a model that takes over the "
-            "estimated "
-            "friction and stiffness.");
+            "Library of specimens (specimen_library), from which the beginning of each test "
+            "predicts "
+            "the rest of it, if the library fits the model: this prediction is the result (fused). "
+            "A file, or a folder of libraries, of which the one is used that fits. none, or where "
+            "none fits: a model that takes over the estimated friction and stiffness.");
         option("running_members", running_members, "",
                "Number of specimens of the library, those that the beginning of a test favours "
                "most, that are made again and go on with the test as DEM models.",
@@ -176,6 +176,7 @@ private:
     TriaxialScene scene_;
     Progress progress_;
     Archive specimen_;
+    std::filesystem::path library_file_;
     SpecimenLibrary library_;
     std::map<std::size_t, PreparedSpecimen> packings_; // of the library's specimens that run
     std::vector<SmartTest> done_;
@@ -189,11 +190,16 @@ void Computation::predict_from_library() {
         for (SmartTest& t : done_) t.library.not_used = t.rings.not_made = "none was given";
         return;
     }
-    library_ = read_library(s_.library);
+    std::vector<ModelOfTest> models;
+    for (const RecordedTest& test : tests_)
+        models.push_back({common_.settings, s_.triaxial.test.core_porosity(), test.pressure});
+    library_file_ = library_file(s_.library, models);
+    library_ = read_library(library_file_);
+    fmt::print("library of specimens: {}\n", library_file_.string());
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         const std::string folder = folder_of(tests_[k].pressure);
         const RecordedTest& test = tests_[k];
-        const ModelOfTest model{common_.settings, s_.triaxial.test.core_porosity(), test.pressure};
+        const ModelOfTest& model = models[k];
         TestPrediction& predicted = done_[k].library;
         predicted = predict_test(library_, model, measured_test(test),
                                  {.strain = s_.learning.final_strain}, true);
@@ -404,6 +410,7 @@ void Computation::run() {
 
 void Computation::report() {
     Summary summary;
+    if (!library_file_.empty()) summary.add("library_file", library_file_.string());
     std::string stopped;
     const auto note = [&](const ModelRun& run) {
         if (!run.stopped.empty()) stopped += (stopped.empty() ? "" : "; ") + run.stopped;

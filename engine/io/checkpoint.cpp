@@ -46,10 +46,6 @@ using File = std::unique_ptr<std::FILE, Close>;
     throw InputError(fmt::format("checkpoint '{}': {}", path.string(), what));
 }
 
-std::string text_of(const NamedValue& entry) {
-    return std::visit([](const auto& x) { return fmt::format("{}", x); }, entry.value);
-}
-
 /// Whether two settings are paths of one file or folder, or of files with the same content.
 bool same_file(const std::string& a, const std::string& b) {
     std::error_code error;
@@ -167,7 +163,7 @@ void write_content(const fs::path& path, const Checkpoint& checkpoint) {
                              array.scalar == Scalar::real ? "real" : "integer", array.scalar_size);
     }
     for (const NamedValue& entry : checkpoint.settings) {
-        file.set_attribute("/settings", entry.key, text_of(entry));
+        file.set_attribute("/settings", entry.key, entry.text());
         keys += entry.key + "\n";
     }
     file.set_attribute("/", "bris_checkpoint", format_version);
@@ -267,7 +263,7 @@ void require_same_run(const std::string& option, const std::filesystem::path& pa
     const auto compare = [&](const NamedValue& any, const NamedValue* before,
                              const NamedValue* now) {
         if (std::ranges::count(may_differ, any.key) > 0) return;
-        const std::string then = before ? text_of(*before) : "", here = now ? text_of(*now) : "";
+        const std::string then = before ? before->text() : "", here = now ? now->text() : "";
         if (then == here || same_file(then, here)) return;
         const std::string& name = any.flag.empty() ? any.key : any.flag;
         const auto with = [&](const std::string& value) {

@@ -18,10 +18,6 @@ constexpr std::array lowest{"lowest_friction", "lowest_stiffness", "lowest_poros
 /// Settings that are not of the single specimen, besides the ranges.
 constexpr std::array of_design{"seed", "packings", "longest_preparation"};
 
-std::string text_of(const NamedValue& setting) {
-    return std::visit([](const auto& x) { return fmt::format("{}", x); }, setting.value);
-}
-
 const NamedValue* find(const std::vector<NamedValue>& settings, const std::string& key) {
     const auto at = std::ranges::find(settings, key, &NamedValue::key);
     return at == settings.end() ? nullptr : &*at;
@@ -36,11 +32,11 @@ void require_same_specimens(const SpecimenLibrary& a, const SpecimenLibrary& b,
                             const std::string& where) {
     for (const NamedValue& theirs : b.settings) {
         const NamedValue* ours = find(a.settings, theirs.key);
-        if (may_differ(theirs.key) || (ours && text_of(*ours) == text_of(theirs))) continue;
+        if (may_differ(theirs.key) || (ours && ours->text() == theirs.text())) continue;
         throw InputError(fmt::format("{}: expected specimens with {} {}, as the library has, found "
                                      "{}",
-                                     where, theirs.key, ours ? text_of(*ours) : "of its own",
-                                     text_of(theirs)));
+                                     where, theirs.key, ours ? ours->text() : "of its own",
+                                     theirs.text()));
     }
     require(a.pressures == b.pressures && a.axis.count == b.axis.count &&
                 std::abs(a.axis.step - b.axis.step) < 1e-12 && a.rings == b.rings &&
@@ -56,8 +52,7 @@ void widen(std::vector<NamedValue>& settings, const std::vector<NamedValue>& oth
         const NamedValue* theirs = find(others, key);
         const auto ours = std::ranges::find(settings, key, &NamedValue::key);
         if (theirs == nullptr || ours == settings.end()) return;
-        if (better(std::stod(text_of(*theirs)), std::stod(text_of(*ours))))
-            ours->value = theirs->value;
+        if (better(std::stod(theirs->text()), std::stod(ours->text()))) ours->value = theirs->value;
     };
     for (const char* key : lowest) choose(key, std::less<>());
     for (const char* key : highest) choose(key, std::greater<>());

@@ -34,7 +34,7 @@ std::string text_of(std::span<const NamedValue> settings, const std::string& key
     const auto found = std::ranges::find(settings, key, &NamedValue::key);
     if (found == settings.end()) // libraries from before there was another law are linear
         return key == "hertz" ? "false" : "none";
-    return std::visit([](const auto& x) { return fmt::format("{}", x); }, found->value);
+    return found->text();
 }
 
 /// The first of the settings in which a library and the model differ; empty: none.
@@ -98,6 +98,26 @@ std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& mo
         return fmt::format("its core porosities are {:.3f} to {:.3f}, that of the model is {:.3f}",
                            low.porosity, high.porosity, model.core_porosity);
     return {};
+}
+
+std::filesystem::path library_file(const std::filesystem::path& file_or_folder,
+                                   std::span<const ModelOfTest> models) {
+    namespace fs = std::filesystem;
+    if (!fs::is_directory(file_or_folder)) return file_or_folder;
+    std::vector<fs::path> files;
+    for (const auto& entry : fs::directory_iterator(file_or_folder))
+        if (entry.is_regular_file() && entry.path().extension() == ".h5")
+            files.push_back(entry.path());
+    require(!files.empty(),
+            fmt::format("--library: expected a file or a folder with libraries (*.h5), found none "
+                        "in '{}'",
+                        file_or_folder.string()));
+    std::ranges::sort(files);
+    return *std::ranges::max_element(files, {}, [&](const fs::path& file) {
+        const SpecimenLibrary library = read_library(file);
+        return std::ranges::count_if(
+            models, [&](const ModelOfTest& m) { return reason_against(library, m).empty(); });
+    });
 }
 
 LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pressure,

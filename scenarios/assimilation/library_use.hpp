@@ -39,6 +39,11 @@ std::size_t pressure_index(const SpecimenLibrary& library, double pressure);
 /// pressure that it does not have, or a porosity outside its range. Empty: it fits.
 std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& model);
 
+/// The file of the library given by the option --library: the file itself, or of those in a folder
+/// (*.h5) the one that fits most of the models, the first by name of equals. Throws InputError.
+std::filesystem::path library_file(const std::filesystem::path& file_or_folder,
+                                   std::span<const ModelOfTest> models);
+
 /// A measured test at the strains of a library up to `observed.strain`, as a specimen whose test at
 /// the `pressure`-th pressure has q and volumetric strain; what was not measured at all of these
 /// strains is taken out of `observed`.

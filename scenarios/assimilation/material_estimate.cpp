@@ -23,7 +23,7 @@ double stiffness_of_library(const SpecimenLibrary& library) {
                                          &NamedValue::key);
     require(found != library.settings.end(),
             "--library: expected a library that says its contact stiffness, found none");
-    return std::stod(std::visit([](const auto& x) { return fmt::format("{}", x); }, found->value));
+    return std::stod(found->text());
 }
 
 /// (1 - part) a + part b of all numbers, of q as logarithms.

@@ -36,10 +36,15 @@ void add_pair_tables(World& world, LawName law) {
 
 void add_lists(World& world, LawName law, ListSettings settings) {
     Table& bodies = world.table<Bodies>();
+    const bool has_clumps = bodies.has<Orientation>();
     bodies.add<SpheresOf>();
     bodies.add<DisplacementBound>();
     bodies.add<PrunedAt>();
     bodies.add<RebuiltAt>();
+    if (has_clumps) {
+        bodies.add<PrunedOrientation>();
+        bodies.add<RebuiltOrientation>();
+    }
     bodies.add<InnerSkin>();
     bodies.add<OuterSkin>();
     bodies.add<SurfaceSpeed>();
@@ -54,7 +59,7 @@ void add_lists(World& world, LawName law, ListSettings settings) {
     world.table<Spheres>().add<ListedSlot>();
     world.table<Spheres>().add<EnlargedSphere>();
     Table& listed = world.table<Listed>();
-    listed.add<ListedBall>();
+    if (has_clumps) listed.add<ListedBall>();
     listed.add<ListedBody>();
     listed.add<ListedPosition>();
     add_pair_tables<SpherePairs>(world, law);

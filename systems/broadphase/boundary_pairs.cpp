@@ -141,7 +141,7 @@ void find_facet_pairs(World& world) {
     const auto position = bodies.column<Position>();
     const auto radius = bodies.column<BoundingRadius>(), skin = bodies.column<OuterSkin>();
     const double beyond = reach_beyond_skin(world);
-    const Poses poses(world);
+    const Poses<> poses(world);
     std::vector<Eigen::AlignedBox3d> boxes(facets.size());
     std::vector<FacetRow> at(facets.size());
     for (std::size_t e = 0; e < boxes.size(); ++e) {

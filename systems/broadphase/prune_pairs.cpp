@@ -109,7 +109,7 @@ void list_near_planes(World& world) {
 }
 
 void list_near_facets(World& world) {
-    const detail::Poses poses(world);
+    const detail::Poses<> poses(world);
     const auto sphere_row = world.column<Spheres, EnlargedSphere>();
     const auto shape = world.column<Facets, LocalFacet>();
     std::vector<Eigen::AlignedBox3d> boxes(shape.size());
@@ -159,15 +159,14 @@ void list_single_spheres(World& world) {
     const auto runs = world.column<Bodies, SpheresOf>();
     Table& listed = world.table<Listed>();
     listed.resize(runs.size());
-    const auto listed_ball = listed.column<ListedBall>();
+    const auto listed_position = listed.column<ListedPosition>();
     const auto listed_body = listed.column<ListedBody>();
     for_rows(runs.size(), [&](Row b) {
         runs[b].first_listed = b;
         runs[b].listed = runs[b].count;
         listed_body[b] = b;
-        if (runs[b].count == 0) return;
-        listed_ball[b] = ball[runs[b].first];
-        slot[runs[b].first] = b;
+        listed_position[b].radius = runs[b].count == 0 ? 0 : ball[runs[b].first].radius;
+        if (runs[b].count > 0) slot[runs[b].first] = b;
     });
 }
 
@@ -239,7 +238,7 @@ void prune_pairs(World& world) {
     detail::direct_forces(world);
     list_spheres(world);
     for_each_kind_of_pair([&]<class Pairs>() { use_slots<Pairs>(world); });
-    detail::note_poses<PrunedAt>(world);
+    detail::note_poses<PrunedAt, PrunedOrientation>(world);
     const auto displacement = world.column<Bodies, DisplacementBound>();
     for_rows(displacement.size(), [&](Row b) { displacement[b] = 0; });
     auto& state = world.resource<ListState>();

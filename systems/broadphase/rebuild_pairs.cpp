@@ -114,7 +114,7 @@ void rebuild_pairs(World& world) {
         ++state.sorts;
     }
     take_census(world);
-    detail::note_poses<RebuiltAt>(world);
+    detail::note_poses<RebuiltAt, RebuiltOrientation>(world);
     if (world.has<Elements>())
         std::ranges::copy(world.column<Elements, ElementRadius>(),
                           world.column<Elements, RebuiltRadius>().begin());

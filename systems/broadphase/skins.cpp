@@ -183,8 +183,7 @@ private:
 class SinceRebuild {
 public:
     explicit SinceRebuild(const World& world)
-        : now_(world), from_(world.column<Bodies, RebuiltAt>()),
-          radius_(world.column<Bodies, BoundingRadius>()) {
+        : now_(world), from_(world), radius_(world.column<Bodies, BoundingRadius>()) {
         if (!world.has<Elements>()) return;
         membrane_ = world.resource<Membrane>().body_row;
         of_membrane_ = displacement_of_membrane<RebuiltRadius>(world);
@@ -196,8 +195,8 @@ public:
     }
 
 private:
-    Poses now_;
-    std::span<const Pose> from_;
+    Poses<> now_;
+    Poses<RebuiltAt, RebuiltOrientation> from_;
     std::span<const double> radius_;
     Row membrane_ = no_row;
     double of_membrane_ = 0;

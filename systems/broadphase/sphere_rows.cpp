@@ -22,14 +22,17 @@ void find_hosts(World& world, std::span<const Row> row_of) {
 
 } // namespace
 
-template <class Column>
+template <class At, class Turned>
 void note_poses(World& world) {
-    const Poses pose(world);
-    const auto noted = world.column<Bodies, Column>();
-    for_rows(noted.size(), [&](Row b) { noted[b] = pose[b]; });
+    const auto position = world.column<Bodies, Position>(), at = world.column<Bodies, At>();
+    for_rows(at.size(), [&](Row b) { at[b] = position[b]; });
+    if (!world.table<Bodies>().has<Turned>()) return;
+    const auto orientation = world.column<Bodies, Orientation>(),
+               turned = world.column<Bodies, Turned>();
+    for_rows(turned.size(), [&](Row b) { turned[b] = orientation[b]; });
 }
-template void note_poses<PrunedAt>(World&);
-template void note_poses<RebuiltAt>(World&);
+template void note_poses<PrunedAt, PrunedOrientation>(World&);
+template void note_poses<RebuiltAt, RebuiltOrientation>(World&);
 
 void find_runs(World& world) {
     Table &bodies = world.table<Bodies>(), &spheres = world.table<Spheres>();
@@ -56,7 +59,7 @@ void locate_spheres(World& world) {
     const Table& bodies = world.table<Bodies>();
     Table& spheres = world.table<Spheres>();
     const auto run = bodies.column<SpheresOf>();
-    const Poses poses(world);
+    const Poses<> poses(world);
     const auto skin = bodies.column<Skin>();
     const auto ball = spheres.column<LocalBall>();
     const auto sphere_row = spheres.column<EnlargedSphere>();

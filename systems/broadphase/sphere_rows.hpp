@@ -6,14 +6,15 @@
 
 namespace bris::detail {
 
-/// Poses of all bodies; without a column of orientations all are the identity.
+/// Poses of all bodies, now or as noted in the columns At and Turned; without a column of
+/// orientations all are the identity.
+template <class At = Position, class Turned = Orientation>
 class Poses {
 public:
     explicit Poses(const World& world)
-        : position_(world.column<Bodies, Position>()),
-          orientation_(world.table<Bodies>().has<Orientation>()
-                           ? world.column<Bodies, Orientation>().data()
-                           : nullptr) {}
+        : position_(world.column<Bodies, At>()),
+          orientation_(world.table<Bodies>().has<Turned>() ? world.column<Bodies, Turned>().data()
+                                                           : nullptr) {}
     Pose operator[](Row b) const {
         return {position_[b], orientation_ != nullptr ? orientation_[b] : Quat(Quat::Identity())};
     }
@@ -23,8 +24,9 @@ private:
     const Quat* orientation_;
 };
 
-/// Writes the poses of all bodies into a column. Column: PrunedAt or RebuiltAt.
-template <class Column>
+/// Writes the poses of all bodies into the columns At and, if there is one, Turned: those of the
+/// last prune or the last rebuild.
+template <class At, class Turned>
 void note_poses(World& world);
 
 /// Finds the spheres of each body and the rows of the bodies that boundaries belong to. The spheres

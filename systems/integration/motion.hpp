@@ -70,7 +70,7 @@ using PositionedBalls = Rows<Listed, const ListedBall, ListedPosition>;
 
 /// Updates what contacts read to the new positions: the motion of each body over the last step, and
 /// the positions of single spheres, which have the rows of their bodies.
-void update_sphere_positions(PositionedSpheres bodies, PositionedBalls listed);
+void update_sphere_positions(PositionedSpheres bodies, Rows<Listed, ListedPosition> listed);
 
 /// The same for clumps: the positions of their listed spheres, and their centres.
 void update_clump_positions(PositionedBodies bodies, PositionedBalls listed);
@@ -91,10 +91,11 @@ void bound_displacement(Rows<Bodies, const Position, const PrunedAt, const Spher
 
 /// The same in scenes of clumps, with rotation: |dx| + 2 R |dq|, never less than the displacement
 /// of any point.
-void bound_displacement_and_rotation(Rows<Bodies, const Position, const Orientation, const PrunedAt,
-                                          const BoundingRadius, const InnerSkin, DisplacementBound>
-                                         bodies,
-                                     ListState& lists);
+void bound_displacement_and_rotation(
+    Rows<Bodies, const Position, const Orientation, const PrunedAt, const PrunedOrientation,
+         const BoundingRadius, const InnerSkin, DisplacementBound>
+        bodies,
+    ListState& lists);
 
 /// Moves planes and facets with their hosts. A driven host that rotates changes only the velocity
 /// of its surfaces.

@@ -142,20 +142,6 @@ void update_balls(const PositionedFrame& frame, const Ball* ball, Row count,
     }
 }
 
-struct PoseLanes {
-    Vec3Lanes position;
-    QuatLanes orientation;
-};
-
-PoseLanes load(const Pose* column, LaneRows rows) {
-    static_assert(sizeof(Pose) == 7 * sizeof(double));
-    return read_rows<7>(column->position.data(), rows, [](const double* at) {
-        const auto x = transpose(load_rows([&](int k) { return at + 7 * k; }));
-        const auto q = transpose(load_rows([&](int k) { return at + 7 * k + 3; }));
-        return PoseLanes{{x[0], x[1], x[2]}, {q[0], q[1], q[2], q[3]}};
-    });
-}
-
 } // namespace
 
 void update_clump_positions(PositionedBodies bodies, PositionedBalls listed) {
@@ -194,24 +180,24 @@ void update_clump_positions(PositionedBodies bodies, PositionedBalls listed) {
     });
 }
 
-void bound_displacement_and_rotation(Rows<Bodies, const Position, const Orientation, const PrunedAt,
-                                          const BoundingRadius, const InnerSkin, DisplacementBound>
-                                         bodies,
-                                     ListState& lists) {
+void bound_displacement_and_rotation(
+    Rows<Bodies, const Position, const Orientation, const PrunedAt, const PrunedOrientation,
+         const BoundingRadius, const InnerSkin, DisplacementBound>
+        bodies,
+    ListState& lists) {
     const Vec3* position = bodies.column<Position>();
     const Quat* orientation = bodies.column<Orientation>();
-    const Pose* from = bodies.column<PrunedAt>();
+    const Vec3* from = bodies.column<PrunedAt>();
+    const Quat* orientation_then = bodies.column<PrunedOrientation>();
     const double* radius = bodies.column<BoundingRadius>();
     const double* skin = bodies.column<InnerSkin>();
     double* displacement = bodies.column<DisplacementBound>();
     unsigned exceeded = 0;
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
         // as displacement_bound
-        const PoseLanes was = load(from, rows);
-        const Vec3Lanes gone = load(position, rows) - was.position;
-        const QuatLanes q = load(orientation, rows);
-        const Lane turned =
-            min(squared_norm(q - was.orientation), squared_norm(q + was.orientation));
+        const Vec3Lanes gone = load(position, rows) - load(from, rows);
+        const QuatLanes q = load(orientation, rows), then = load(orientation_then, rows);
+        const Lane turned = min(squared_norm(q - then), squared_norm(q + then));
         const Lane distance = sqrt(dot(gone, gone)) + 2.0 * load(radius, rows) * sqrt(turned);
         store(displacement, rows, distance);
         exceeded |= ~bits(distance <= load(skin, rows)) & ((1u << rows.count) - 1);

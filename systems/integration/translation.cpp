@@ -128,20 +128,19 @@ void integrate(Rows<Bodies, const MotionOf, const Force, const InertialMass, con
     }
 }
 
-void update_sphere_positions(PositionedSpheres bodies, PositionedBalls listed) {
+void update_sphere_positions(PositionedSpheres bodies, Rows<Listed, ListedPosition> listed) {
     const Vec3* position = bodies.column<Position>();
     const Vec3* velocity = bodies.column<Velocity>();
     const Vec3* omega = bodies.column<StepAngularVelocity>();
     const double* mass = bodies.column<InertialMass>();
     const auto* motion = bodies.column<MotionOf>();
     MotionRow* row = bodies.column<RigidMotion>();
-    const Ball* ball = listed.column<ListedBall>();
     SphereRow* target = listed.column<ListedPosition>();
     for (Row b = bodies.first(); b < bodies.last(); ++b) {
         const double inverse_mass = motion[b] == free_motion ? 1.0 / mass[b] : 0;
         store(&row[b].vx, with_fourth(quad(velocity[b]), inverse_mass));
         store(&row[b].omega_x, quad(omega[b]));
-        store(&target[b].x, with_fourth(quad(position[b]), ball[b].radius));
+        store(&target[b].x, with_fourth(quad(position[b]), target[b].radius));
     }
 }
 
@@ -163,15 +162,12 @@ void bound_displacement(Rows<Bodies, const Position, const PrunedAt, const Spher
                             bodies,
                         ListState& lists) {
     const Vec3* position = bodies.column<Position>();
-    const Pose* from = bodies.column<PrunedAt>();
+    const Vec3* from = bodies.column<PrunedAt>();
     const double* skin = bodies.column<InnerSkin>();
     double* displacement = bodies.column<DisplacementBound>();
     unsigned exceeded = 0;
     for_lane_rows(bodies.first(), bodies.last(), [&](LaneRows rows) {
-        const ByRow at(rows);
-        const auto was =
-            transpose(load_rows([&](int q) { return from[at.valid(q)].position.data(); }));
-        const Vec3Lanes gone = load(position, rows) - Vec3Lanes{was[0], was[1], was[2]};
+        const Vec3Lanes gone = load(position, rows) - load(from, rows);
         const Lane distance = sqrt(dot(gone, gone));
         store(displacement, rows, distance);
         exceeded |= ~bits(distance <= load(skin, rows)) & ((1u << rows.count) - 1);

@@ -36,8 +36,7 @@ void servo_platen(
     Vec3& position = bodies.column<Position>()[host];
     bodies.column<Velocity>()[host] = Vec3(0, 0, -platen.speed);
     position.z() -= platen.speed * clock.dt;
-    bodies.column<DisplacementBound>()[host] =
-        (position - bodies.column<PrunedAt>()[host].position).norm();
+    bodies.column<DisplacementBound>()[host] = (position - bodies.column<PrunedAt>()[host]).norm();
     if (position.z() > 0 || health.bad) return; // a height that is not a number does not return
     health.bad = true;
     health.what = "the platen has reached the bottom: expected grains that carry it, found none; "

@@ -229,6 +229,24 @@ TEST_SUITE("assimilation/library_prediction") {
         CHECK(reason({settings, 0.39, 110e3}).find("bodies 400") != std::string::npos);
     }
 
+    TEST_CASE("of a folder of libraries the one that fits the model is used") {
+        const TemporaryDirectory folder;
+        SpecimenLibrary library = testing::synthetic_library(12, 1);
+        const auto chosen = [&](const std::string& bodies) {
+            const std::vector<NamedValue> settings{{"bodies", bodies}, {"grading", "arema_4"}};
+            const ModelOfTest model{settings, 0.39, 110e3};
+            return library_file(folder.path(), {&model, 1});
+        };
+        CHECK_THROWS_AS(chosen("400"), InputError); // there is none
+        write_library(folder / "b.h5", library);
+        library.settings[0] = {"bodies", "4000"};
+        write_library(folder / "a.h5", library);
+        CHECK(chosen("400") == folder / "b.h5");
+        CHECK(chosen("4000") == folder / "a.h5");
+        CHECK(chosen("60") == folder / "a.h5"); // none fits: the first
+        CHECK(library_file(folder / "b.h5", {}) == folder / "b.h5");
+    }
+
     TEST_CASE("a library of Hertz contacts serves rocks of its own elastic constants only, and a "
               "linear one does not ask for them") {
         SpecimenLibrary library = testing::synthetic_library(12, 1);

@@ -64,9 +64,9 @@ TEST_SUITE("broadphase/skins") {
         int far = 0;
         for (int k = 0; k < 2000; ++k) {
             sim.advance();
-            const Pose& from = value_of<PrunedAt>(sim, body);
-            const Vec3 gone = value_of<Position>(sim, body) - from.position;
-            const double angle = value_of<Orientation>(sim, body).angularDistance(from.orientation);
+            const Vec3 gone = value_of<Position>(sim, body) - value_of<PrunedAt>(sim, body);
+            const double angle = value_of<Orientation>(sim, body).angularDistance(
+                value_of<PrunedOrientation>(sim, body));
             const double bound = value_of<DisplacementBound>(sim, body);
             // a point of the sphere about the centre that moves along with the centre
             if (angle > 0) CHECK(bound >= gone.norm() + 2 * reach * std::sin(angle / 2) - 1e-12);
