@@ -104,18 +104,6 @@ struct LaneRows {
     int count;
 };
 
-/// Maps lanes to rows of a table: at(q) for a lane below count, at.valid(q) for any lane, with the
-/// last row repeated.
-class ByRow {
-public:
-    explicit ByRow(LaneRows rows) : rows_(rows) {}
-    Row operator()(int q) const { return rows_.first + static_cast<Row>(q); }
-    Row valid(int q) const { return (*this)(std::min(q, rows_.count - 1)); }
-
-private:
-    LaneRows rows_;
-};
-
 /// Calls body(LaneRows) for groups of rows in [first, last).
 template <class Body>
 void for_lane_rows(Row first, Row last, Body&& body) {

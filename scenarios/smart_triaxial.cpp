@@ -193,8 +193,9 @@ void Computation::predict_from_library() {
     std::vector<ModelOfTest> models;
     for (const RecordedTest& test : tests_)
         models.push_back({common_.settings, s_.triaxial.test.core_porosity(), test.pressure});
-    library_file_ = library_file(s_.library, models);
-    library_ = read_library(library_file_);
+    LibraryOfFile read = read_fitting_library(s_.library, models);
+    library_file_ = std::move(read.file);
+    library_ = std::move(read.library);
     fmt::print("library of specimens: {}\n", library_file_.string());
     for (std::size_t k = 0; k < tests_.size(); ++k) {
         const std::string folder = folder_of(tests_[k].pressure);

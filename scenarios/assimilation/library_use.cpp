@@ -100,10 +100,10 @@ std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& mo
     return {};
 }
 
-std::filesystem::path library_file(const std::filesystem::path& file_or_folder,
+LibraryOfFile read_fitting_library(const std::filesystem::path& file_or_folder,
                                    std::span<const ModelOfTest> models) {
     namespace fs = std::filesystem;
-    if (!fs::is_directory(file_or_folder)) return file_or_folder;
+    if (!fs::is_directory(file_or_folder)) return {file_or_folder, read_library(file_or_folder)};
     std::vector<fs::path> files;
     for (const auto& entry : fs::directory_iterator(file_or_folder))
         if (entry.is_regular_file() && entry.path().extension() == ".h5")
@@ -113,11 +113,17 @@ std::filesystem::path library_file(const std::filesystem::path& file_or_folder,
                         "in '{}'",
                         file_or_folder.string()));
     std::ranges::sort(files);
-    return *std::ranges::max_element(files, {}, [&](const fs::path& file) {
-        const SpecimenLibrary library = read_library(file);
-        return std::ranges::count_if(
+    LibraryOfFile best;
+    std::ptrdiff_t most = -1;
+    for (const fs::path& file : files) {
+        SpecimenLibrary library = read_library(file);
+        const auto fits = std::ranges::count_if(
             models, [&](const ModelOfTest& m) { return reason_against(library, m).empty(); });
-    });
+        if (fits <= most) continue;
+        most = fits;
+        best = {file, std::move(library)};
+    }
+    return best;
 }
 
 LibrarySpecimen measured_specimen(const SpecimenLibrary& library, std::size_t pressure,

@@ -39,9 +39,14 @@ std::size_t pressure_index(const SpecimenLibrary& library, double pressure);
 /// pressure that it does not have, or a porosity outside its range. Empty: it fits.
 std::string reason_against(const SpecimenLibrary& library, const ModelOfTest& model);
 
-/// The file of the library given by the option --library: the file itself, or of those in a folder
-/// (*.h5) the one that fits most of the models, the first by name of equals. Throws InputError.
-std::filesystem::path library_file(const std::filesystem::path& file_or_folder,
+struct LibraryOfFile {
+    std::filesystem::path file;
+    SpecimenLibrary library;
+};
+/// Reads the library given by the option --library: a file, or of those in a folder (*.h5) the one
+/// that fits most of the models, the first by name of equals. Throws as read_library, and
+/// InputError if there is none.
+LibraryOfFile read_fitting_library(const std::filesystem::path& file_or_folder,
                                    std::span<const ModelOfTest> models);
 
 /// A measured test at the strains of a library up to `observed.strain`, as a specimen whose test at

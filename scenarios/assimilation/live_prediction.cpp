@@ -17,7 +17,7 @@ LivePrediction::LivePrediction(const std::filesystem::path& library,
     if (!is_given(library))
         reason_ = "none was given";
     else {
-        library_ = read_library(library_file(library, {&model_, 1}));
+        library_ = read_fitting_library(library, {&model_, 1}).library;
         reason_ = reason_against(library_, model_);
     }
     last_.not_used = reason_.empty() ? "nothing has been measured yet" : reason_;

@@ -13,8 +13,8 @@ namespace bris {
 /// of the library, from all measurements so far.
 class LivePrediction {
 public:
-    /// `library`: file or folder (library_file); empty: there is no prediction. Throws InputError
-    /// and OutputError.
+    /// `library`: file or folder (read_fitting_library); empty: there is no prediction. Throws
+    /// InputError and OutputError.
     LivePrediction(const std::filesystem::path& library, std::vector<NamedValue> settings,
                    double core_porosity, double pressure);
     LivePrediction(const LivePrediction&) = delete; // the model refers to the settings

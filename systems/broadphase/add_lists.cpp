@@ -36,7 +36,7 @@ void add_pair_tables(World& world, LawName law) {
 
 void add_lists(World& world, LawName law, ListSettings settings) {
     Table& bodies = world.table<Bodies>();
-    const bool has_clumps = bodies.has<Orientation>();
+    const bool has_clumps = !bodies.has<SphereInertia>();
     bodies.add<SpheresOf>();
     bodies.add<DisplacementBound>();
     bodies.add<PrunedAt>();

@@ -160,7 +160,7 @@ void update_clump_positions(PositionedBodies bodies, PositionedBalls listed) {
         const LaneMask free = equal(motion, rows, free_motion);
         const Lane inverse_mass = free ? 1.0 / load(mass, rows) : Lane{};
         const Vec3Lanes x = load(position, rows), w = load(omega, rows), v = load(velocity, rows);
-        const ByRow at(rows);
+        const auto at = [&](int q) { return rows.first + static_cast<Row>(q); };
         store_rows(transpose({x.x, x.y, x.z, Lane{}}), rows.count,
                    [&](int q) { return &centre[at(q)].x; });
         store_rows(transpose({v.x, v.y, v.z, inverse_mass}), rows.count,

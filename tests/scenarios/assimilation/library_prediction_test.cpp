@@ -235,7 +235,7 @@ TEST_SUITE("assimilation/library_prediction") {
         const auto chosen = [&](const std::string& bodies) {
             const std::vector<NamedValue> settings{{"bodies", bodies}, {"grading", "arema_4"}};
             const ModelOfTest model{settings, 0.39, 110e3};
-            return library_file(folder.path(), {&model, 1});
+            return read_fitting_library(folder.path(), {&model, 1}).file;
         };
         CHECK_THROWS_AS(chosen("400"), InputError); // there is none
         write_library(folder / "b.h5", library);
@@ -244,7 +244,7 @@ TEST_SUITE("assimilation/library_prediction") {
         CHECK(chosen("400") == folder / "b.h5");
         CHECK(chosen("4000") == folder / "a.h5");
         CHECK(chosen("60") == folder / "a.h5"); // none fits: the first
-        CHECK(library_file(folder / "b.h5", {}) == folder / "b.h5");
+        CHECK(read_fitting_library(folder / "b.h5", {}).file == folder / "b.h5");
     }
 
     TEST_CASE("a library of Hertz contacts serves rocks of its own elastic constants only, and a "
